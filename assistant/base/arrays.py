@@ -33,7 +33,7 @@ UNEVEN: Final = error(
 
 
 def reals(values: ArrayLike) -> Floats:
-    """An array of numbers as someone gave them, of his own; raises ValueError if they are none.
+    """Return a new float64 array of the given numbers; raises ValueError unless all are real.
 
     Complex numbers are refused, as numpy would drop a part of each, and so are truth values.
     """

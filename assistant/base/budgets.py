@@ -1,17 +1,18 @@
-"""Budgets: how much of a file is read, and how much time and memory a stage may take for its input.
+"""Budgets: limits on the bytes read from a file, and on a stage's time and memory for its input.
 
 A stage is entered with the size of its input:
 
     with within(READING, path, size=len(text)):
         tree = parse(text)
 
-Where it takes more processor time or memory than `STAGES` states for that size it ends in
-`Refused`, with a finding, as it does where something is nested too deeply or a number is too large.
+A stage that takes more processor time or memory than `STAGES` states for that size ends in
+`Refused`, with a finding, and so does one whose input is nested too deeply or has a number that is
+too large.
 
-A watchdog thread looks a few times a second at what is running: at the processor time of the
-threads, so that a busy machine changes nothing, and at the memory of the process. What is beyond
-its charge gets `Reached` raised in its thread, between two instructions of Python. One instruction
-that takes all memory at once is stopped by the system, where that limits the data of a process.
+A watchdog thread checks the running stages a few times a second: the processor time of the threads,
+so that a busy machine changes nothing, and the memory of the process. It raises `Reached` in the
+thread of a charge that is exceeded, between two instructions of Python. One instruction that takes
+all memory at once is stopped by the system, where that limits the data of a process.
 
 Also here: the finding for an internal error, and work without the cycle collector.
 """
@@ -39,9 +40,9 @@ from assistant.base.diagnostics import Diagnostic, Refused, error
 PERIOD: Final = 0.05
 """Seconds between two looks."""
 REPEAT_AFTER: Final = 1.0
-"""Seconds after which what has not ended yet is told once more."""
+"""Seconds after which the watchdog raises `Reached` again in a stage that has not ended."""
 MOST_TIMES: Final = 5
-"""How often one is told: what came in the moment of leaving a stage finds nobody to hear it."""
+"""Most times to raise `Reached` for one charge: one raised as a stage is left reaches no code."""
 RESTS: Final = 20
 """Looks at nothing after which the thread waits to be woken."""
 RESERVED_MARGIN: Final = 1 << 31
@@ -73,17 +74,17 @@ class Charge:
 
 
 class Watchdog:
-    """The charges of all threads, those within others behind them.
+    """The charges of all threads; an inner charge follows those around it.
 
-    A charge counts as long as its stage holds it: one that was told in the moment of leaving its
-    stage may never have said that it left.
+    A charge counts as long as its stage holds it: a stage in which `Reached` was raised as it was
+    left may never have reported that it left.
     """
 
     def __init__(self) -> None:
         self.forget()
 
     def forget(self) -> None:
-        """As at the begin of a process: a fork has the charges of who forked, but no thread."""
+        """Reset to the start of a process: a fork has the charges of its parent, but no thread."""
         # Both are entered and left in one instruction: written in Python, as a Condition is, they
         # could be told halfway, and nobody would ever release them.
         self._lock = threading.Lock()
@@ -109,7 +110,7 @@ class Watchdog:
                 self._woken.put(None)
 
     def leave(self, charge: Charge) -> None:
-        """Ends a charge, and those within it; what it is told from now on does not reach it."""
+        """End a charge, and those within it; `Reached` that is raised later does not reach it."""
         while True:
             try:
                 with self._lock:
@@ -208,9 +209,9 @@ def _clock(thread: int) -> Callable[[], float]:
 
 
 def memory_in_use() -> tuple[float, float]:
-    """Bytes that the process has in the memory of the machine, and those of its data in all.
+    """Return the bytes of the process in the machine's memory, and the bytes of all its data.
 
-    Where the system does not tell: the most there ever were, and 0.
+    On systems that do not report these: the highest memory use so far, and 0.
     """
     if sys.platform.startswith("linux"):
         number = os.open("/proc/self/statm", os.O_RDONLY)  # see proc(5): in pages
@@ -273,7 +274,7 @@ _QUIET: Final[list[Callable[[Any], object]]] = []
 
 
 def _unheard(told: Any) -> None:
-    """In place of Python's own hook: what is told in a callback is told again, and not printed."""
+    """In place of Python's own hook: ignore `Reached` in a callback, as it is raised again."""
     if told.exc_type is not Reached:
         _QUIET[0](told)
 
@@ -317,7 +318,7 @@ NO_FACTOR: Final = error(
 )
 
 FACTOR_VARIABLE: Final = "ROBOT_ASSISTANT_BUDGET"
-"""Of the environment: the factor that all budgets and sizes are taken times."""
+"""Environment variable with the factor by which all budgets and sizes are multiplied."""
 FACTORS: Final = (0.001, 1e6)
 
 MEGABYTE: Final = 1_000_000
@@ -330,15 +331,15 @@ UNPACKED: Final = 1024 * MEGABYTE
 
 
 PART_OF_MACHINE: Final = 0.8
-"""Of its memory, which one stage may take."""
+"""Fraction of the machine's memory that one stage may take."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """What a stage may take: a fixed part, and one for each million units of its input.
+    """Budget of a stage: a fixed part, and one for each million units of its input.
 
-    unit: what its input is counted in. seconds: of processor time. megabytes: of memory that the
-    process has more than before.
+    unit: unit in which its input is counted. seconds: of processor time. megabytes: of memory that
+    the process has more than before.
     """
 
     name: str
@@ -396,21 +397,21 @@ STAGES: Final = (
     ),
     RUNNING,
 )
-"""What each needs was measured with inputs of 1,000 to 1,000,000 units; here is 5 to 10 times that.
+"""Budgets of all stages: 5 to 10 times the needs measured with inputs of 1,000 to 1,000,000 units.
 
-A point is a statement, a row of a path, or what is declared. Of a run it is the statements that it
-may have at most.
+A point is a statement, a row of a path, or a declaration. The size of a run is the number of
+statements that it may have at most.
 """
 
 
 def budget_factor() -> float:
-    """What all budgets are taken times; raises Refused if the environment states none."""
+    """Return the factor of all budgets; raises Refused if the environment states an invalid one."""
     stated = os.environ.get(FACTOR_VARIABLE)
     return 1.0 if stated is None else read_budget_factor(stated)
 
 
 def read_budget_factor(text: str) -> float:
-    """A factor as it is written; raises Refused (exit status 2) for what is none."""
+    """Read a budget factor from text; raises Refused (exit status 2) for an invalid one."""
     least, most = FACTORS
     try:
         value = float(text)
@@ -427,10 +428,10 @@ def most_unpacked() -> int:
 
 
 class within:  # noqa: N801 (used as a `with` word)
-    """What is done inside takes no more than the budget of a stage.
+    """Limit the work in the block to the budget of a stage.
 
-    place: the file. size: of the input, in the stage's unit. Raises Refused where the budget is
-    reached, also the memory of the machine, or how deep Python goes and how far its numbers.
+    place: the file. size: of the input, in the stage's unit. Raises Refused where the work reaches
+    the budget, the memory of the machine, or Python's limits on nesting and on numbers.
     """
 
     def __init__(self, stage: Stage, place: str | None, size: int) -> None:
@@ -472,7 +473,7 @@ R = TypeVar("R")
 
 
 def staged(stage: Stage, size: Callable[..., int]) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """A function that is a stage. size: of its input, told by the arguments of a call."""
+    """Make a function a stage. size: returns the size of its input from the arguments of a call."""
 
     def bounded(function: Callable[P, R]) -> Callable[P, R]:
         @wraps(function)
@@ -506,7 +507,7 @@ INTERNAL_ERROR: Final = error(
 
 
 def traceback_wanted() -> bool:
-    """Whether the error itself is to be raised, for a report on it."""
+    """True if an internal error is raised itself, for a report on it."""
     return bool(os.environ.get("ROBOT_ASSISTANT_TRACEBACK"))
 
 
@@ -531,10 +532,10 @@ def without_gc() -> Iterator[None]:
 
 
 def freeze_loaded_objects() -> None:
-    """Has the cycle collector leave alone what is there now: tables, grammars, whole programs.
+    """Exempt all present objects from the cycle collector: tables, grammars, complete programs.
 
-    It would look through all of that again and again in the middle of an answer. For processes
-    that go on answering, and that own what they have loaded.
+    The collector would search all of them again and again in the middle of an answer. For processes
+    that keep answering, and that own what they have loaded.
     """
     gc.collect()
     gc.freeze()

@@ -1,13 +1,13 @@
-"""Numbers in columns to and from text, vectorised: no Python object per row either way.
+"""Numbers in columns to and from text, vectorised: no Python object per row in either direction.
 
     rows_text([b"p", Integer(i), b":=[", Decimal(x, 3, strip=True), b"];"], n)
 
-writes n rows one after the other. Digits come in groups of four from a table, into a byte
+writes n rows one after the other. Digits are written in groups of four from a table, into a byte
 matrix with a mask of the bytes that count; the masked bytes in row order are the text.
 
-Where a reader has the offsets of numbers and words already, `Slots` fetches each as one or two
-machine words and sums its digits in parallel, all rows at once. `columns_html` shows columns in a
-notebook: their range, and the first and last rows.
+If a reader has the offsets of numbers and words already, `Slots` fetches each as one or two machine
+words and sums its digits in parallel, all rows at once. `columns_html` shows columns in a notebook:
+their range, and the first and last rows.
 """
 
 from __future__ import annotations
@@ -245,10 +245,10 @@ _PART: Final = 1 << 18
 
 
 def read_numbers(data: bytes) -> NDArray[np.float64]:
-    """All numbers of a text in which brackets, commas, semicolons and blanks separate.
+    """Read all numbers of a text in which brackets, commas, semicolons and blanks separate them.
 
-    Each is the double nearest to what is written, as `float` would give it.
-    Raises ValueError if anything else stands there or a number is malformed.
+    Each is the double nearest to its text, as `float` would give it. Raises ValueError if the text
+    has anything else or a number is malformed.
     """
     spaced = data.translate(_SEPARATORS) + b" "
     if spaced.translate(None, _NUMERIC):
@@ -351,7 +351,7 @@ class Slots:
         return out.view(f"S{WORD * columns}")[:, 0]
 
     def holds(self, text: bytes, starts: Offsets) -> NDArray[np.bool_]:
-        """Whether the text stands at each start."""
+        """True where the text begins at the given start, one truth per start."""
         found = np.ones(starts.shape, dtype=bool)
         for at in range(0, len(text), WORD):
             part = text[at : at + WORD]
@@ -383,10 +383,10 @@ class Slots:
     def decimals(
         self, starts: Offsets, ends: Offsets, points: Offsets, known: Sequence[tuple[bytes, float]]
     ) -> NDArray[np.float64]:
-        """The doubles nearest to what is written in each slot, as `float` would give them.
+        """Return the doubles nearest to the number in each slot, as `float` would give them.
 
-        points: of each slot its decimal point, or its end. known: spellings of one number
-        that many slots hold. Raises ValueError for a slot that holds no number.
+        points: of each slot its decimal point, or its end. known: spellings of one number that many
+        slots hold. Raises ValueError for a slot that holds no number.
         """
         head = self.bytes[starts]
         negative = head == ord("-")
@@ -440,9 +440,9 @@ MOST_SHOWN_COLUMNS: Final = 40
 
 
 def columns_html(told: str, columns: Mapping[str, ArrayLike]) -> str:
-    """A table of columns (n,) or (n, k) by name, whose k columns are then numbered from 1.
+    """Return an HTML table of columns (n,) or (n, k) by name; k columns are numbered from 1.
 
-    told: what stands above it. Names are shown as they are, never taken as markup.
+    told: text above the table. Names are shown literally, never interpreted as markup.
     """
     single = dict(_single_columns(columns))
     some = dict(list(single.items())[:MOST_SHOWN_COLUMNS])

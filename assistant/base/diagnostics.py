@@ -117,7 +117,7 @@ class NumberedMove:
 
 
 Goal: TypeAlias = Declared | PathRow | NumberedMove
-"""Where a move leads to: a target by its name, a row of a path, or what has neither."""
+"""Goal of a move: a target by its name, a row of a path, or a move to an unnamed target."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +206,7 @@ LONGEST_EXCERPT: Final = 240
 
 
 class Severity(enum.StrEnum):
-    """How bad a finding is; an error keeps anything from being written."""
+    """Severity of a finding; an error keeps anything from being written."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -245,12 +245,12 @@ class Diagnostic:
     """One finding.
 
     code: stable identifier, two letters for the family and three digits.
-    message: one sentence of what is wrong. cure: one sentence of what to do.
+    message: one sentence that states the fault. cure: one sentence that states the fix.
     path: the file, as the user named it. span: offsets in its text.
     line, column: counted from 1, None where the input has no lines. end_line, end_column:
-    just behind the last character, None where only the start is known.
-    about: what it is about, where that is no statement: a part of a program, or, in words, the
-    entity, cell or field of other input.
+    position after the last character, None where only the start is known.
+    about: subject of the finding, where that is not a statement: a part of a program, or, in
+    words, the entity, cell or field of other input.
     excerpt: the source line that `column` points into. missing: a name that is not declared.
     stretch: of neighbouring statements that have the same fault.
     """
@@ -272,7 +272,7 @@ class Diagnostic:
 
     @property
     def place(self) -> str | None:
-        """What it is about, in words."""
+        """The subject of the finding, in words; None without one."""
         return None if self.about is None else str(self.about)
 
     def where(self) -> str:
@@ -373,9 +373,9 @@ def info(code: str, message: str, cure: str = "") -> Rule:
 
 
 class Refused(ValueError):
-    """The input cannot be used; `findings` say why.
+    """The input cannot be used; `findings` give the reasons.
 
-    exit_status: 2 if it could not be read at all, 1 if what it says is wrong.
+    exit_status: 2 if it could not be read at all, 1 if its content is wrong.
     """
 
     exit_status: int = 1
@@ -399,7 +399,7 @@ class Unreadable(Refused):
 
 
 def worst(findings: Iterable[Diagnostic]) -> Severity | None:
-    """The highest severity among the findings, None if there are none."""
+    """Return the highest severity among the findings, None without findings."""
     order = list(Severity)
     return min((f.severity for f in findings), key=order.index, default=None)
 
@@ -415,9 +415,9 @@ class Findings(list[Diagnostic]):
 
     @contextmanager
     def at(self, span: Span | None) -> Iterator[None]:
-        """Findings that are added in here stand at the span; with None, at the one around it.
+        """Place findings that are added in the block at the span; with None, at the enclosing one.
 
-        A span of their own would be one in a fragment of text, and is left out.
+        A finding's own span would be one in a fragment of text, and is left out.
         """
         before, self._span = self._span, span or self._span
         try:
@@ -451,7 +451,7 @@ class Findings(list[Diagnostic]):
 
 
 MOST_PLACES: Final = 3
-"""How many places a folded finding names before it counts the rest."""
+"""Source locations that a folded finding names before it counts the rest."""
 
 
 def fold(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
@@ -515,11 +515,11 @@ def _over_files(group: list[Diagnostic]) -> Diagnostic:
 
 
 LEAST_SIMILARITY: Final = 0.7
-"""How alike names have to be, as `difflib` counts: one letter in three may differ."""
+"""Least similarity of two names, as `difflib` counts it: one letter in three may differ."""
 SHORTEST_PREFIX: Final = 3
-"""Letters and digits of a beginning by which names are told."""
+"""Fewest letters and digits by which names with that beginning are suggested."""
 MOST_SUGGESTIONS: Final = 6
-"""Names that are told."""
+"""Most names that are suggested."""
 
 
 def near_names(given: str, known: Iterable[str]) -> tuple[str, ...]:
@@ -560,7 +560,7 @@ class FailOn(enum.StrEnum):
     NEVER = "never"
 
     def counts(self, finding: Diagnostic) -> bool:
-        """Whether the check fails for this finding."""
+        """True if the check fails for this finding."""
         if self is FailOn.NEVER or finding.severity is Severity.INFO:
             return False
         return finding.severity is Severity.ERROR or self is FailOn.WARNING

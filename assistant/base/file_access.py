@@ -1,9 +1,9 @@
 """File access: bounded reads of regular files, durable writes, and locks on folders.
 
-Everything that a user or a client names is read here. A named pipe waits for somebody who writes
-into it, a device may never end, and a file may be larger than the memory: only regular files are
-read, up to a stated size. What is written is on the disk, with its name, before anything goes on.
-A lock is freed by the system when its owner dies. Functions raise OSError.
+Every file that a user or a client names is read here. A named pipe waits for a writer, a device may
+never end, and a file may be larger than the memory: only regular files are read, up to a stated
+size. A written file is on the disk, with its name, before anything continues. The system frees a
+lock when its owner dies. Functions raise OSError.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def _require_regular(found: os.stat_result, path: str | FilePath) -> None:
 
 
 LOCK_TIMEOUT: Final = 30.0
-"""Seconds for which somebody else may have a folder."""
+"""Seconds to wait for a folder that another process has locked."""
 LOCK_INTERVAL: Final = 0.02
 """Seconds between two looks at whether it is free."""
 LOCK_FILE: Final = ".lock"
@@ -117,9 +117,10 @@ TAKEN_ERRORS: Final = (errno.EAGAIN, errno.EACCES, errno.EEXIST)
 
 @contextmanager
 def locked_folder(folder: FilePath) -> Iterator[bool]:
-    """While nobody else of this computer has the folder; raises OSError if that takes too long.
+    """Hold the only lock of this computer on a folder; raises OSError if that takes too long.
 
-    Tells whether the file system has locks at all; where it has none, nobody is kept out.
+    Yields whether the file system has locks at all; without locks, other processes are not kept
+    out.
     """
     until = time.monotonic() + LOCK_TIMEOUT
     while (lock := take_lock(folder)) is None:
@@ -133,12 +134,12 @@ def locked_folder(folder: FilePath) -> Iterator[bool]:
 
 
 NO_LOCK: Final = -1
-"""Instead of a lock where there are none."""
+"""Value in place of a lock on file systems without locks."""
 
 if sys.platform == "win32":
 
     def take_lock(folder: FilePath) -> int | None:
-        """The lock of a folder, None if somebody has it, NONE if it has none; raises OSError."""
+        """Return a folder's lock, None if it is taken; raises OSError."""
         try:  # a file that goes away with who has it open
             return os.open(folder / LOCK_FILE, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_TEMPORARY)
         except (FileExistsError, PermissionError):
@@ -149,18 +150,18 @@ if sys.platform == "win32":
             os.close(lock)
 
     def lock_open_file(_number: int) -> int:
-        """Says that an open file is being written: Windows does by itself."""
+        """Mark an open file as being written: on Windows, opening it is the mark."""
         return NO_LOCK
 
     def is_unlocked(_file: FilePath) -> bool:
-        """Whether nobody says that he writes a file: what is open cannot be deleted anyway."""
+        """True if no process marks the file as being written: Windows keeps open files anyway."""
         return True
 
 else:
     import fcntl
 
     def take_lock(folder: FilePath) -> int | None:
-        """The lock of a folder, None if somebody has it, NONE if it has none; raises OSError."""
+        """Return a folder's lock, None if it is taken, NO_LOCK without locks; raises OSError."""
         try:
             number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         except PermissionError:  # one that may be written but not read
@@ -184,7 +185,7 @@ else:
         return os.dup(number)
 
     def is_unlocked(_file: FilePath) -> bool:
-        """Whether nobody says that he writes a file; raises OSError."""
+        """True if no process marks the file as being written; raises OSError."""
         number = os.open(_file, os.O_RDONLY)
         try:
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -217,9 +218,9 @@ def write_new(path: FilePath, data: bytes) -> None:
 
 
 def write_whole(path: FilePath, data: bytes) -> None:
-    """Writes beside a file, then takes its place; leaves nothing behind.
+    """Write a complete file: first next to it, then in its place; leaves no other file.
 
-    What others who were killed have left beside it is taken away.
+    Removes files that processes which were killed have left next to it.
     """
     for one in path.parent.glob(f"{UNFINISHED}*"):
         with suppress(OSError):
@@ -257,9 +258,9 @@ def add_line(path: FilePath, line: str) -> None:
 
 
 def sync_folder(folder: FilePath) -> None:
-    """Waits until the names in a folder are on the disk; Windows does that by itself.
+    """Wait until the names in a folder are on the disk; Windows needs no such wait.
 
-    Of a folder that may be written but not read nobody can wait for that.
+    For a folder that may be written but not read, this wait is impossible and is skipped.
     """
     if os.name == "nt":
         return

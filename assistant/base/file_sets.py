@@ -37,13 +37,13 @@ from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.base.termination import defer_termination
 
 HOLDING: Final = ".robot-assistant-"
-"""How the folder begins that holds files until all of them are there."""
+"""First characters of the name of a folder that holds files until all of them are written."""
 NEW: Final = "new"
 OLD: Final = "old"
 READY: Final = "ready"
 """The note of what is to be replaced."""
 BACK: Final = "back"
-"""What the note is called once that is to be put back."""
+"""Name of the note once its files are to be put back."""
 STALE_AFTER: Final = 3600.0
 """Seconds after which a folder counts as left where the file system has no locks."""
 RIGHTS_OF_OTHERS: Final = 0o077
@@ -65,7 +65,7 @@ _reporter: Final[ContextVar[LeftoverReporter | None]] = ContextVar("tell", defau
 
 @contextmanager
 def reporting_leftovers(tell: LeftoverReporter) -> Iterator[None]:
-    """Meanwhile what was left is told by that; else it is a warning of Python."""
+    """Pass findings on leftovers to `tell` in the block; without it they are Python warnings."""
     before = _reporter.set(tell)
     try:
         yield
@@ -74,9 +74,9 @@ def reporting_leftovers(tell: LeftoverReporter) -> Iterator[None]:
 
 
 def recover_folder(folder: FilePath, locked: bool) -> None:
-    """Puts in order what others have left in a folder, which nobody else is at; raises OSError.
+    """Recover a folder from interrupted writes while no other process uses it; raises OSError.
 
-    locked: whether the file system has locks, which tell what is left from what is under way.
+    locked: true if the file system has locks, which distinguish leftovers from writes in progress.
     """
     try:
         found = [one for one in folder.iterdir() if one.name.startswith(HOLDING)]
@@ -149,10 +149,10 @@ def _recover_from(folder: FilePath, holding: FilePath) -> None:
 def _put_files_back(
     folder: FilePath, holding: FilePath, rows: Mapping[str, tuple[bool, str]]
 ) -> tuple[bool, list[str]]:
-    """Whether files are as they were before, and names of those that somebody has changed.
+    """Put files back; return True if they are as before, and the names of files changed since.
 
-    Nothing is done if every new file had taken its place. rows: of each file whether there was an
-    old one, and the digest of the new one.
+    Nothing is done if every new file had taken its place. rows: of each file whether an old one
+    existed, and the digest of the new one.
     """
     replaced = [name for name in rows if not (holding / NEW / name).exists()]
     if len(replaced) == len(rows) and not (holding / BACK).exists():
@@ -187,7 +187,7 @@ def _has_digest(file: FilePath, digest: str) -> bool:
 
 
 def _read_note(holding: FilePath) -> dict[str, tuple[bool, str]] | None:
-    """What was to be replaced, None if nothing was yet: the note is whole before anything is."""
+    """Read which files were to be replaced, None before any was: the note is complete by then."""
     note = BACK if (holding / BACK).exists() else READY
     try:
         rows = json.loads((holding / note).read_bytes())
@@ -248,11 +248,11 @@ UNCONFIRMED: Final = warning(
 
 
 WRITABLE: Final = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
-"""What a file lacks that somebody has protected: a new one could still take its name."""
+"""Permissions that a protected file lacks: a new file could still take its name."""
 
 
 class Stuck(OSError):
-    """What was replaced could not be put back. names: of the files; holding: where they are."""
+    """Replaced files could not be put back. names: of the files; holding: their folder."""
 
     def __init__(self, wrong: OSError, names: Iterable[str], holding: FilePath) -> None:
         super().__init__(wrong.errno, wrong.strerror or str(wrong), str(holding))
@@ -349,10 +349,10 @@ def scratch_folder(folder: FilePath) -> Iterator[FilePath]:
 
 @contextmanager
 def new_folder(target: FilePath) -> Iterator[FilePath]:
-    """A folder to write into, which is `target` when the block ends well and gone else.
+    """Yield a folder to write into; it becomes `target` if the block ends well, else it is removed.
 
-    Raises OSError; nothing that is there may have that name. Where the disk neither confirms the
-    name nor lets it be taken back, the folder stays and a warning is told.
+    Raises OSError; `target` must not exist yet. If the disk neither confirms the name nor allows
+    the rename to be undone, the folder stays and a warning is reported.
     """
     with scratch_folder(target.parent) as place:
         new = place / target.name
@@ -394,7 +394,7 @@ def _by_folder(files: Mapping[FilePath, bytes]) -> dict[FilePath, dict[str, byte
 
 
 def check_replaceable(target: FilePath) -> os.stat_result | None:
-    """What is to be replaced, None where nothing is; raises OSError if it must not be."""
+    """Return the status of a file to replace, None without one; raises OSError if it may not be."""
     try:
         facts = target.lstat()
     except FileNotFoundError:
@@ -485,7 +485,7 @@ class _FileSet:
             file_access.sync_folder(self.folder)
 
     def end(self) -> None:
-        """Takes the hidden folder away, unless it has what nobody else has."""
+        """Remove the hidden folder, unless it has the only copy of a file."""
         if self.holding is not None and not self.stuck:
             remove_holding_folder(self.holding, self.lock)
         else:
@@ -517,7 +517,7 @@ def _take_their_places(sets: Iterable[_FileSet]) -> None:
 
 
 def _link_aside(target: FilePath, aside: FilePath) -> bool:
-    """Whether there is an old file; it has a second name then, or a copy."""
+    """Give the old file a second name, or copy it; returns False without an old file."""
     try:
         os.link(target, aside)
     except FileNotFoundError:

@@ -140,11 +140,11 @@ LOCKED: Final = 1e-9
 
 
 def to_euler(quaternions: ArrayLike, order: EulerOrder = "ZYX") -> Floats:
-    """Intrinsic Euler angles (..., 3), in the order of the letters, in (-180, 180].
+    """Return intrinsic Euler angles (..., 3), in the order of the letters, in (-180, 180].
 
-    Where the middle angle makes the outer two one rotation, the first of them is 0 (a
-    controller shows C = 0 there). The last angle is taken from what remains once the first
-    is turned back, so that nothing is lost near that place.
+    If the middle angle makes the outer two one rotation, the first of them is 0 (a controller shows
+    C = 0 there). The last angle is computed from the rotation that remains once the first is turned
+    back, so that nothing is lost near that singularity.
     """
     m = to_matrix(quaternions)
     x, y, z = (m[..., row, :] for row in range(3))

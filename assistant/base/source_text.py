@@ -101,12 +101,13 @@ MISLEADS: Final = {
     **dict.fromkeys("\u202d\u202e", "mark that overrides the direction of a text"),
     **dict.fromkeys("\u202c\u2069", "mark that ends a direction of a text"),
 }
-"""What hides or reorders what stands beside it (CVE-2021-42574, "Trojan Source"). U+FEFF, the byte
-order mark, may begin a text.
+"""Characters that hide or reorder their neighbours (CVE-2021-42574, "Trojan Source").
+
+U+FEFF, the byte order mark, may begin a text.
 """
 
 REST: Final = r"[^\r\n]*+(?:\r++(?!\n|\Z)[^\r\n]*+)*+"
-"""What is left of a line, as a regular expression, for texts whose lines end at line feeds."""
+"""Regular expression for the rest of a line, for texts whose lines end at line feeds."""
 
 _ODD_NAMES: Final = {**LINE_ENDS, **TEXT_ENDS, **MISLEADS}
 _ODD_CHARACTERS: Final = "".join(_ODD_NAMES.keys() - {"\r"})
@@ -114,7 +115,7 @@ _MAY_BE_ODD: Final = {
     "\n": re.compile(rf"[{re.escape(_ODD_CHARACTERS)}]|\r(?!\r*(?:\n|\Z))"),
     "\r": re.compile(rf"[{re.escape(_ODD_CHARACTERS)}]"),
 }
-"""What is looked at more closely, by what ends the lines of the text."""
+"""Patterns of the characters that need a closer check, by the line end of the text."""
 _NO_ENDS: Final = dict.fromkeys(map(ord, (LINE_ENDS.keys() | TEXT_ENDS.keys()) - {"\r"}))
 _SEVERAL_RETURNS: Final = re.compile(r"\r+\n")
 _CONTROL: Final = re.compile("[\\x00-\\x08\\x0a-\\x1f\\x7f-\\x9f\u2028\u2029]+")
@@ -123,7 +124,7 @@ _BLANK: Final = "".join(TEXT_ENDS) + " \t\r\n\v\f\x1c\x1d\x1e\x85\u2028\u2029"
 
 
 def line_end(text: str) -> str:
-    """What ends the lines of a text: a carriage return only where there is no line feed."""
+    """Return the line end of a text: a carriage return only if the text has no line feed."""
     return "\r" if "\n" not in text and "\r" in text else "\n"
 
 
@@ -141,7 +142,7 @@ def ended_lines(text: str) -> list[str]:
 
 
 def lines_of(text: str) -> list[str]:
-    """The lines of a text without their ends. No empty one behind the last end."""
+    """Return the lines of a text without their ends. No empty line follows the last end."""
     lines = text.split(line_end(text))
     return [line.rstrip("\r") for line in (lines if lines[-1] else lines[:-1])]
 
@@ -165,10 +166,10 @@ def dominant_newline(text: str) -> str:
 
 
 def odd_characters(text: str) -> Iterator[tuple[str, int]]:
-    """What stands in a text that is not for every reader what it is for others, and where.
+    """List characters that readers of the text interpret differently, with their offsets.
 
-    Once a line each: what may end the line and has something before and behind it there, what
-    may end the text and has something behind it, and what misleads people.
+    Once a line each: a character that may end the line and has text before and after it there, one
+    that may end the text and has text after it, and one that misleads people.
     """
     if not any(one in text for one in _ODD_CHARACTERS) and _LONE_RETURN.search(text) is None:
         return  # nearly no text has one, and most are long
@@ -288,9 +289,7 @@ class SourceText:
 
     @property
     def line_count(self) -> int:
-        """How many lines there are; what stands behind the last line end counts as one, if only
-        as an empty one.
-        """
+        """The number of lines; text after the last line end counts as one, even if it is empty."""
         return len(self._starts)
 
     def line_text(self, line: int) -> str:
@@ -359,7 +358,7 @@ def words_of(text: str) -> list[str]:
 
 
 def comments(text: str, mark: str) -> Iterator[Span]:
-    """Where comments stand, from the mark to the end of the line; none is in a string ("…")."""
+    """Return the spans of comments, from the mark to the line end; strings ("…") have none."""
     pattern = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|({re.escape(mark)}{REST})'
     found = re.finditer(pattern, with_line_feeds(text))
     return (Span(*match.span()) for match in found if match[1] is not None)
@@ -403,7 +402,7 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = F
 
 
 def is_folder(path: str | FilePath) -> bool:
-    """Whether there is a folder of that name; False too for a name that nothing can have."""
+    """True if the path is a folder; False too for a name that no folder can have."""
     try:
         return FilePath(path).is_dir()
     except (OSError, ValueError):
@@ -411,7 +410,7 @@ def is_folder(path: str | FilePath) -> bool:
 
 
 def is_file(path: str | FilePath) -> bool:
-    """Whether there is a file of that name; False too for a name that nothing can have."""
+    """True if the path is a file; False too for a name that no file can have."""
     try:
         return FilePath(path).is_file()
     except (OSError, ValueError):
@@ -419,7 +418,7 @@ def is_file(path: str | FilePath) -> bool:
 
 
 def folders_of(folder: str | FilePath) -> Iterator[tuple[str, list[str], list[str]]]:
-    """As `os.walk`, but a folder that may not be read is told of, not left out.
+    """Walk a folder like `os.walk`, but refuse a subfolder that cannot be read.
 
     Raises Unreadable.
     """
@@ -466,9 +465,9 @@ def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceTex
 def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
     """Raises Refused for a text whose lines or end a controller may see elsewhere than we do.
 
-    Whatever code page it is in: control characters are the same in all of them. What is no text at
-    all, but an encrypted module, is left to the controller; it begins beyond ASCII and letters.
-    by_line: each line is sent by itself, whatever ends it here.
+    The code page does not matter: control characters are the same in all of them. Data that is not
+    text, but an encrypted module, is left to the controller; it begins beyond ASCII and letters.
+    by_line: each line is sent separately, whatever ends it here.
     """
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise Refused(UTF_16(path=path))
@@ -501,9 +500,9 @@ def encode(source: SourceText) -> bytes:
 
 
 def starts_of(texts: Iterable[SourceText | None]) -> list[int]:
-    """Where each text of a program begins, for spans that count on from one text to the next.
+    """Return the offset of each text of a program, for spans that count on from text to text.
 
-    They are one character apart; None stands for a tree without a text.
+    They are one character apart; None represents a tree without a text.
     """
     starts, end = [], 0
     for text in texts:
@@ -572,7 +571,7 @@ def encode_code_page(text: str, source: SourceText | None) -> bytes:
 
 
 def _is_japanese(text: str) -> bool:
-    """Japanese stands in rows; a letter with an accent stands among plain ones."""
+    """True if most non-ASCII letters are in rows, as in Japanese; accented letters are single."""
     rows = re.findall(r"[^\x00-\x7f]+", text)
     if any("\ue000" <= character <= "\uf8ff" for row in rows for character in row):
         return False  # of nobody's language
@@ -625,12 +624,12 @@ _KANA: Final = re.compile(r"[ァ-ヴー]+")
 
 
 _HAN: Final = re.compile("[\u2e80-\u2fdf\u3400-\u9fff\uf900-\ufaff\U00020000-\U0003ffff]")
-"""Characters that are read in several ways, by their languages and the words that they stand in."""
+"""Characters with several readings, which depend on the language and on the word around them."""
 _NOTHING: Final = re.compile("(?!)")
 
 
 def in_ascii(text: str) -> str:
-    r"""The text of a comment: letters as they are spelled in Latin ones, `\u539f` for what is none.
+    r"""Return the text of a comment in ASCII: letters in their Latin spelling, others as `\u539f`.
 
     Characters of Chinese and Japanese stay the numbers that they have: no reading is right in both.
     """

@@ -22,13 +22,15 @@ from dataclasses import dataclass
 from typing import Final, Never
 
 TERMINATING_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
-"""What ends a program from outside: Ctrl-C, a pipeline that is cancelled, a terminal that is
-closed, a key beside Ctrl-C. One that Ctrl-Z halts could not see to its controller any more.
+"""Signals that end a program from outside.
+
+These are Ctrl-C, a pipeline that is cancelled, a terminal that is closed, and a key next to Ctrl-C.
+A program that Ctrl-Z halts could no longer attend to its controller.
 """
 ORDINARY_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 """Those that end every command in order. Ctrl-Z halts it, and SIGQUIT ends it where it is."""
 SIGNAL_EXIT_STATUS: Final = 128
-"""What shells add to the number of a signal for the exit status of what it ended."""
+"""Number that shells add to a signal's number for the exit status of a program that it ended."""
 WAKE_INTERVAL: Final = 0.25
 """Seconds after which a signal is met at the latest that the system gave to another thread."""
 SignalHandler = Callable[[int, object], None]
@@ -52,19 +54,19 @@ def wait_for_termination() -> Never:
 
 
 def is_ctrl_c(caught: KeyboardInterrupt) -> bool:
-    """Whether it was Ctrl-C, which is how some commands end as they should."""
+    """True if the interrupt was Ctrl-C, which is how some commands end in order."""
     return not isinstance(caught, Terminated) or caught.number == signal.SIGINT
 
 
 class Termination:
-    """What comes raises Ended until it is held. number: of the first signal that came, or None."""
+    """Raises Terminated for signals until they are held. number: of the first signal, or None."""
 
     def __init__(self, *, once: bool = False) -> None:
         self._held, self._once = False, once
         self.number: int | None = None
 
     def hold(self) -> None:
-        """Whatever comes from here on is let pass: what is under way goes on to its end."""
+        """Ignore signals from here on: the work in progress runs to its end."""
         self._held = True
 
     @contextmanager
@@ -138,7 +140,7 @@ def signals_handled(
 
 
 def _is_own_handler(handler: object) -> bool:
-    """Whether it is what Python begins with, or of this module."""
+    """True if the handler is Python's initial one, or one of this module."""
     first = handler in (signal.SIG_DFL, signal.default_int_handler)
     return first or isinstance(handler, _Handler)
 

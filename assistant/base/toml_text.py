@@ -31,10 +31,10 @@ _LONG_KEY_PATTERN: Final = re.compile(
 
 
 def parse_toml(text: str, path: str | None = None) -> dict[str, Any]:
-    """What a TOML text says.
+    """Parse a TOML text.
 
     Raises ValueError and RecursionError as `tomllib` does, Unreadable for a key of too many parts
-    and Refused for what takes more than its budget.
+    and Refused for a text that takes more than its budget.
     """
     if found := _LONG_KEY_PATTERN.search(text):
         line = text.count("\n", 0, found.end()) + 1

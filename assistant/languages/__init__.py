@@ -28,7 +28,7 @@ def names() -> tuple[str, ...]:
 
 
 def get(name: str) -> Language[Any]:
-    """The language of that name, in any case; raises KeyError if there is none."""
+    """Return the language of that name, in any case; raises KeyError for an unknown name."""
     known = name if name in ROOMS else name.lower()
     if known not in ROOMS:
         raise KeyError(f"no language {name!r}; there are {', '.join(ROOMS)}")
@@ -42,7 +42,7 @@ def _of_room(name: str) -> Language[Any]:
 
 
 def effect(kept: VendorText) -> Effect | None:
-    """What a kept text does, None if there is no such language."""
+    """Return the effect of a vendor statement or expression, None for an unknown language."""
     return (
         get(kept.language).effect(kept.text, vendor_text_kind(kept))
         if kept.language in ROOMS
@@ -51,9 +51,9 @@ def effect(kept: VendorText) -> Effect | None:
 
 
 def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:
-    """The language that a file is written in, by what it says and by its suffix.
+    """Return the language of a file, by its content and its suffix; None if no language fits.
 
-    `.prg` is used by both vendors, so each candidate's `recognises` looks at the text. A file
+    `.prg` is used by both vendors, so each candidate's `recognises` inspects the text. A file
     without a suffix, or a `.txt`, may be any language's, if it is text.
     """
     suffix = FilePath(path).suffix.lower()
@@ -66,4 +66,4 @@ def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:
 
 
 UNTOLD: Final = ("", ".txt")
-"""Suffixes that say nothing."""
+"""Suffixes that identify no language."""

@@ -154,11 +154,11 @@ def _read_elsewhere(node: p.Statement) -> set[e.Expression]:
 
 
 Moved = tuple[e.TargetValue, dict[str, e.Expression]]
-"""What a target is moved by in its tool: what is known of that, and the components that are not."""
+"""Shift of a target in its tool: the known part, and the components that are not known."""
 
 
 def _along(node: p.Statement) -> tuple[p.Move, e.Expression, e.Expression] | None:
-    """A move to a target a distance along its tool, which has a form of its own, and the two."""
+    """Return a move to a target at a distance along its tool, with both; it has a special form."""
     match node:
         case p.Move(target=e.Apply("relative", (base, x, y, z, *turns))):
             return (node, base, z) if all(map(_is_zero, (x, y, *turns))) else None
@@ -166,10 +166,10 @@ def _along(node: p.Statement) -> tuple[p.Move, e.Expression, e.Expression] | Non
 
 
 def _shift(value: e.Expression) -> tuple[e.Expression, tuple[Moved, ...]] | None:
-    """Of a target that is moved in its tool: the target, and what it is moved by, one by one.
+    """Return a target that is shifted in its tool, and its shifts in order; None for others.
 
-    A shift that is known and turns about one axis at most has a form of its own. Turns are about
-    x, then the new y, then the new z.
+    A known shift with turns about one axis at most has a separate form. Turns are about x, then the
+    new y, then the new z.
     """
     match value:
         case e.Apply("relative", (base, x, y, z, *turns)):
@@ -207,11 +207,11 @@ def _moved_by(shift: tuple[e.Expression, ...], turn: Floats) -> e.TargetValue:
 
 
 Parts = tuple[e.Expression, dict[str, e.Expression], bool]
-"""What a target is put together of: another one, components, whether they are added to its own."""
+"""Parts of a computed target: another target, components, and true if they are added to its own."""
 
 
 def _parts(value: e.Expression) -> Parts | None:
-    """What a computed target is made of, None for others."""
+    """Return the parts of a computed target, None for others."""
     match value:
         case e.Apply(function, (base, x, y, z)) if function.lower() == "offset":
             shift = {a: v for a, v in zip(AXES, (x, y, z), strict=True) if not _is_zero(v)}
@@ -237,14 +237,14 @@ def _parts(value: e.Expression) -> Parts | None:
 
 
 def _inner(value: e.Expression) -> bool:
-    """Whether a computed target is made of another one."""
+    """True if a computed target is made of another one."""
     return any(r is not value and _parts(r) for r in records(value) if isinstance(r, e.Expression))
 
 
 def _in_order(place: e.Expression, parts: Mapping[str, e.Expression], keeps: bool) -> bool:
-    """Whether components of a place can be set one after the other: none needs what went before.
+    """True if the components can be set in order: none needs the old value of an earlier one.
 
-    keeps: the place has its own components until they are set; else it is another target by then.
+    keeps: the target has its own components until they are set; else it is another target by then.
     """
     if not keeps:
         return not any(r == place for r in records(tuple(parts.values())))

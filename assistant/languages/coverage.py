@@ -1,7 +1,8 @@
-"""How much of a vendor program the pseudo-program can say, construct by construct.
+"""Coverage of a vendor program by the pseudo-program, construct by construct.
 
-What it says is supported; a statement with an expression that only the vendor language can say
-is partial; the rest is kept verbatim, so that it comes back but cannot be translated.
+A construct that the pseudo-program can express is supported; a statement with an expression that
+only the vendor language can express is partial; the rest is kept verbatim, so that it is written
+back but cannot be translated.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ LEVELS: Final[tuple[Level, ...]] = ("supported", "partial", "verbatim")
 
 @dataclass(frozen=True, slots=True)
 class Construct:
-    """How often a construct occurs at each level. name: as the vendor language spells it."""
+    """Count of a construct at each level. name: as the vendor language spells it."""
 
     name: str
     supported: int = 0
@@ -38,9 +39,9 @@ class Construct:
 
 
 def coverage(language: Language[Any], trees: Sequence[Any]) -> tuple[Construct, ...]:
-    """The constructs of some trees, the most frequent first.
+    """Count the constructs of some trees, the most frequent first.
 
-    Each tree is looked at by itself; none has syntax errors.
+    Each tree is counted separately; none has syntax errors.
     """
     return total([map(_one, _constructs(language, tree)) for tree in trees])
 
@@ -119,7 +120,7 @@ _MARKED: Final = re.compile(r"\*[A-Za-z_]\w*|[A-Za-z_]\w*:(?!=)")
 
 
 def _first_words(text: str) -> str:
-    """What a verbatim text is by its own word."""
+    """Return the construct of a verbatim text, by its first word."""
     for form, name in ((_ASSIGNED, "assignment"), (_MARKED, "label")):
         if form.match(text):
             return name
@@ -136,5 +137,5 @@ def _level(statement: p.Statement) -> Level:
 
 
 def _holds_verbatim(statement: p.Statement) -> bool:
-    """Whether an expression of the statement's own is verbatim; its bodies have their own."""
+    """True if one of the statement's own expressions is verbatim; its bodies have their own."""
     return any(isinstance(part, e.Verbatim) for part in records(head(statement)))

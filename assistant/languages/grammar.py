@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 CACHE_FORMAT: Final = 1
-"""Of what is kept; another one is made anew."""
+"""Format of the cache; a cache of another format is built anew."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class Grammar:
 
     @property
     def marks(self) -> dict[str, str]:
-        """What stands for each terminal that is no word and written in one way, in backticks."""
+        """The text, in backticks, of each terminal that has one spelling and is not a word."""
         plain = ((t.name, t.pattern) for t in self.terminals.values() if t.plain)
         return {name: f"`{text}`" for name, text in plain if not _WORDS.fullmatch(text)}
 
@@ -321,10 +321,10 @@ class RunInTheWay:
 
 @dataclass(frozen=True, slots=True)
 class Shortened:
-    """What a grammar reads, and the way from its offsets to those of the source and back.
+    """Shortened text for the grammar, with the mapping between its offsets and those of the source.
 
-    begins, shifts: offsets in the short text from which on its places are so much farther on in
-    the source.
+    begins, shifts: offsets in the short text, and the distance by which positions from there on are
+    farther on in the source.
     """
 
     text: str

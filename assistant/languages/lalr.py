@@ -1,8 +1,8 @@
-"""lark's tables without lark's parser: typed nodes are built as the rules of a grammar are met.
+"""lark's tables without lark's parser: typed nodes are built as the rules of a grammar are reduced.
 
-What lark does with the same tables, without a tree, tokens and lines and columns in between,
-which are most of its time. How a language finds its words, and what it does where one does not
-fit, is its own.
+Does the same as lark with the same tables, but without a tree, tokens, and lines and columns in
+between, which take most of lark's time. Each language finds its words, and handles one that does
+not fit, in its own way.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lark.grammar import Rule
 
 END: Final = "$END"
-"""The terminal behind the last word of a text."""
+"""The terminal after the last word of a text."""
 NOWHERE: Final = -1
 """Offset of what stands for no text."""
 
@@ -27,14 +27,14 @@ Rows = list[dict[str | None, Any]]
 
 
 Word = tuple[str, str, int, int]
-"""A word of a text: its terminal, END behind the last one, what it says, and its offsets."""
+"""A word of a text: its terminal (END after the last one), its text, and its offsets."""
 
 
 class Stack:
-    """How far a text has been read.
+    """State of the parser at a position of the text.
 
-    states: one more than there are values. begins, ends: offsets of the values, NOWHERE of what
-    stands for no text. deepest: the most values that there were.
+    states: one more than there are values. begins, ends: offsets of the values, NOWHERE for a value
+    without text. deepest: the largest number of values so far.
     """
 
     __slots__ = ("begins", "deepest", "ends", "states", "values")
@@ -52,7 +52,7 @@ class Stack:
         del self.begins[values:], self.ends[values:]
 
     def kept(self) -> Kept:
-        """What `go_back` needs to come back to this place."""
+        """Return the state that `go_back` needs to return to this position."""
         values = tuple((v, len(v) if isinstance(v, list) else 0) for v in self.values)
         return Kept(tuple(self.states), values, tuple(self.begins), tuple(self.ends))
 
@@ -249,7 +249,7 @@ class Reduction:
         )
 
     def packed(self) -> list[Any]:
-        """As what a file can hold, in the order of the fields."""
+        """Return the fields in their order, as a list that a file can hold."""
         return [getattr(self, name) for name in self.__slots__]
 
     @staticmethod

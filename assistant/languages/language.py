@@ -65,7 +65,7 @@ def text_size(text: SourceText | str) -> tuple[str | None, int]:
 
 
 def trees_size(trees: Any) -> tuple[str | None, int]:
-    """Of the texts that they were read from; a tree that was built has none."""
+    """Return path and size of the texts that trees were read from; a built tree has no text."""
     listed = trees if isinstance(trees, Sequence) else (trees,)
     texts = [tree.source for tree in listed if tree.source is not None]
     return texts[0].path if texts else None, sum(len(text.text) for text in texts)
@@ -121,7 +121,7 @@ class Language(abc.ABC, Generic[T]):
     suffixes: tuple[str, ...]
     encodings: tuple[str, ...]
     begins: bytes = b""
-    """What its files begin with that are no text, empty where there are none."""
+    """First bytes of its files that are not text, empty without such files."""
     precision: Precision
     comment_mark: str
     """Begins a comment to the end of the line, outside of a string in double quotes."""
@@ -130,23 +130,23 @@ class Language(abc.ABC, Generic[T]):
     family: str
     """The two letters that the codes of its findings begin with."""
     family_title: str = ""
-    """What people call it, whichever version or maker; empty if that is its title."""
+    """Common name of the language, for any version or maker; empty if that is its title."""
     fixed: tuple[str, ...]
-    """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
+    """First letters of codes whose errors no project may turn down: unreadable, inexpressible."""
     restated: Mapping[str, str] = MappingProxyType({})
     """Code of a check of any program → that of the rule which tells the same of this language."""
     table: str = ""
     """The table of a project's file that holds its settings."""
     settings: Mapping[str, Setting | Choice] = MappingProxyType({})
-    """What a project may state about its controllers, by key."""
+    """Settings that a project may state about its controllers, by key."""
     stated: Mapping[str, str] = MappingProxyType({})
-    """What it does state of ARITHMETIC."""
+    """Choices of ARITHMETIC that the project states."""
     joint_percent: bool = False
-    """Whether joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
+    """True if joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
     called_by_file: bool = False
-    """Whether others call a program by the name of its file, and see nothing else of it."""
+    """True if other programs call this one by its file name, and see nothing else of it."""
     steps: bool = False
-    """Whether its lines have step numbers."""
+    """True if its lines have step numbers."""
     sampling: Sampling = "samples"
     """Part of a long text that lark parses in a proof."""
     older: tuple[str, ...] = ()
@@ -154,10 +154,10 @@ class Language(abc.ABC, Generic[T]):
 
     loading: TaskLoading | None = None
     surroundings: Surroundings | None = None
-    """How files of one task are told, None where each file is a program of its own."""
+    """Reader of the files of one task, None if each file is a separate program."""
 
     def __init_subclass__(cls) -> None:
-        """What takes time or memory is done within a budget, whichever language does it."""
+        """Run each method that takes time or memory within a budget, in every language."""
         super().__init_subclass__()
         for name, method in budgeted({**vars(cls)}).items():
             setattr(cls, name, method)
@@ -170,9 +170,9 @@ class Language(abc.ABC, Generic[T]):
         return decode(data, path, self.encodings)
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
-        """Whether a file's bytes look like this language.
+        """True if a file's bytes look like this language.
 
-        suffix: of its name in lower case with the dot, which may tell dialects apart.
+        suffix: of its name in lower case with the dot, which may distinguish dialects.
         """
         return suffix in self.suffixes
 
@@ -228,7 +228,7 @@ class Language(abc.ABC, Generic[T]):
         raise NotImplementedError(f"{self.name} has no step numbers")
 
     def same(self, tree: T, other: T) -> bool:
-        """Whether two trees are one and the same program, however it is held."""
+        """True if two trees are the same program, in whatever form they hold it."""
         return tree == other
 
     def lift(self, trees: T | Sequence[T], robot: Robot | None = None) -> Program:
@@ -242,18 +242,19 @@ class Language(abc.ABC, Generic[T]):
         return replace(program, origin=Origin(self.name, listed, program, robot))
 
     def effect(self, text: str, kind: VendorTextKind) -> Effect:  # noqa: ARG002
-        """What a text does that a program keeps as it is; anything if it cannot be read."""
+        """Return the effect of vendor text in a program; any effect if it cannot be read."""
         return unknown_effect(text)
 
     def declares(self, text: str) -> str:  # noqa: ARG002
-        """What a kept text declares, as a table of constructs names it; empty if nothing."""
+        """Return the construct that vendor text declares, as a table names it; "" without one."""
         return ""
 
     def said(self, text: str) -> Iterator[tuple[str, str]]:
-        """What a text says, piece by piece, each beside how it is written there.
+        """Yield the content of a text piece by piece, each with its written form.
 
-        What it says is the form in which two states of a program in a controller's memory are
-        compared: layout, comments and how a number is printed count for nothing. Here its lines.
+        The content is the form in which two states of a program in a controller's memory are
+        compared: layout, comments and the printed form of a number do not count. Here these are its
+        lines.
         """
         for line in lines_of(text):
             if line.strip():
@@ -261,7 +262,7 @@ class Language(abc.ABC, Generic[T]):
 
     @abc.abstractmethod
     def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:
-        """What `lift` gives, without its origin.
+        """Return the program that `lift` returns, without its origin.
 
         Spans count on from the text of one tree to that of the next, see `starts_of`.
         """
@@ -278,16 +279,16 @@ class Language(abc.ABC, Generic[T]):
         return None
 
     def assumed(self, program: Program, to: str) -> Iterator[Diagnostic]:  # noqa: ARG002
-        """What a program of this language takes as given, and the language `to` says for it.
+        """Report assumptions of a program of this language, with their form in the language `to`.
 
         program: as it was lifted.
         """
         yield from ()
 
     def told(self, program: Program, to: Language[Any]) -> Program:  # noqa: ARG002
-        """A program of this language with the data that another one is told of it.
+        """Return a program of this language with the data that is lowered for another language.
 
-        What a report on it lists beside the source itself. Idempotent.
+        A report on the program lists these data next to the source itself. Idempotent.
         """
         return program
 
@@ -297,9 +298,9 @@ class Language(abc.ABC, Generic[T]):
         to: Language[Any],  # noqa: ARG002
         arm: Robot | None,  # noqa: ARG002
     ) -> Adapted:
-        """A program of this language without what another one need not be told.
+        """Return a program of this language without the parts that another language does not need.
 
-        Idempotent. A finding tells of each effect that is lost. arm: that will run it.
+        Idempotent. A finding reports each effect that is lost. arm: the robot that will run it.
         """
         return Adapted(program)
 
@@ -321,14 +322,14 @@ class Language(abc.ABC, Generic[T]):
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
     ) -> Adapted:
-        """The program with names, speeds, blends and units as this language can say them.
+        """Return the program with names, speeds, blends and units that this language can express.
 
-        Idempotent. What cannot be said at all is a finding of severity error.
+        Idempotent. A part that cannot be expressed at all is a finding of severity error.
         most_targets: of one unit, None for the language's own limit.
         """
 
     def wanted(self, trees: Sequence[T]) -> tuple[Wanted, ...]:  # noqa: ARG002
-        """What the trees of one program use and none of them declares, in order of the uses."""
+        """Return the items that the trees of one program use and none declares, in order of use."""
         return ()
 
     def wanted_of(
@@ -355,10 +356,10 @@ class Language(abc.ABC, Generic[T]):
         return [*trees, self.parse(SourceText(text, path, newline="\n"))]
 
     def parts(self, tree: T) -> Iterator[Part]:  # noqa: ARG002
-        """What a parsed tree holds that a report on it should name beside what is lifted.
+        """Yield the parts of a parsed tree that a report on it names besides the lifted statements.
 
-        Its data, and statements that lifting takes together (settings of the moves that
-        follow); no comments, labels and ends of blocks.
+        These are its data, and statements that lifting combines (settings of the moves that
+        follow); not comments, labels and ends of blocks.
         """
         yield from ()
 
@@ -371,14 +372,15 @@ class Language(abc.ABC, Generic[T]):
         return (unit or program.name) + self.suffixes[0]
 
     def spelled(self, program: Program) -> Callable[[str, str, str], str]:  # noqa: ARG002
-        """What something of an adapted program is called in its text, empty if it has no name.
+        """Return a function from an item of an adapted program to its name in the text, if any.
 
-        Asked by its kind (`ONE_OF`, `parameter`, `label`), its procedure and its name.
+        Its arguments are the item's kind (`ONE_OF`, `parameter`, `label`), its procedure and its
+        name. It returns an empty text for an item without a name.
         """
         return lambda kind, owner, name: name  # noqa: ARG005
 
     def not_there(self, program: Program) -> Iterator[str]:
-        """Tools and frames that a controller is said to have, and this language cannot name so."""
+        """Yield tools and frames that a controller has under names that this language lacks."""
         stands, called = program.interface, self.spelled(program)
         for kind, table in (("tool", program.tools), ("frame", program.frames)):
             for name in table if stands is not None else ():
@@ -387,7 +389,7 @@ class Language(abc.ABC, Generic[T]):
                     yield name
 
     def editable(self) -> Editable | None:
-        """What editors ask about its texts beside findings, None if it does not tell."""
+        """Return the language's services for editors besides findings, None without any."""
         return None
 
     def kept_secret(self, tree: T) -> str:  # noqa: ARG002
@@ -399,7 +401,7 @@ class Language(abc.ABC, Generic[T]):
         yield from ()
 
     def mentions(self, tree: T) -> frozenset[str]:  # noqa: ARG002
-        """Names in lower case that a file uses and does not declare; a few of its own words."""
+        """Return lower-case names that a file uses without declaring, and a few of its keywords."""
         return frozenset()
 
     def called_files(self, tree: T) -> tuple[str, ...]:  # noqa: ARG002
@@ -432,21 +434,22 @@ class Language(abc.ABC, Generic[T]):
         return made
 
     def is_copy(self, path: FilePath) -> bool:  # noqa: ARG002
-        """Whether a project keeps a file as a copy of a program that it has elsewhere as well."""
+        """True if a project keeps a file as a copy of a program that it has elsewhere as well."""
         return False
 
     def program_of(self, path: FilePath) -> FilePath:
-        """What a file is a part of: files with the same answer are checked as one program.
+        """Return the program of a file: files with the same result are checked as one program.
 
-        A file is a program of its own unless the language loads several into one.
+        A file is a separate program unless the language loads several into one.
         """
         return path
 
     def lower(self, program: Program, robot: Robot | None = None) -> T:
-        """The main unit's tree of any program, ready to render; raises Refused.
+        """Return the main unit's tree of any program, ready to render; raises Refused.
 
-        Of a program that was lifted from one tree of this language, what was not changed since
-        is in the tree as it was: declarations and routines in their order, with their layout.
+        For a program that was lifted from one tree of this language, the parts that have not
+        changed since are in the tree as they were: declarations and routines in their order, with
+        their layout.
         """
         origin = program.origin
         if origin is None or origin.language != self.name or len(origin.trees) != 1:

@@ -39,7 +39,7 @@ T = TypeVar("T", bound=Tree)
 
 @dataclass(frozen=True, slots=True)
 class Precision:
-    """What printing may change: half a unit of the last printed decimal, and a little float."""
+    """Most change by printing: half a unit of the last printed decimal, and a little float."""
 
     position: float
     """mm, per component."""
@@ -51,12 +51,12 @@ class Precision:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A declaration or statement as it stands in a text.
+    """A declaration or statement in a text, with its span.
 
-    name: of what is declared. count: rows of a table, 1 for anything else. owner: the procedure
-    whose own it is, empty for the program's. within: what it is said with, of a statement that has
-    no place of its own in a program: what becomes of that becomes of it. lines: (count, 2) where
-    each of its lines begins and ends, of many that are alike.
+    name: of the declared item. count: rows of a table, 1 for anything else. owner: the procedure
+    that owns it, empty for the program. within: for a statement without a separate node in a
+    program, the statement that expresses it, whose fate it shares. lines: (count, 2) offsets at
+    which each of its lines begins and ends, for many lines of one kind.
     """
 
     span: Span
@@ -75,10 +75,10 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Conversion(Generic[T]):
-    """A program in another dialect of its own language, statement for statement.
+    """A program in another dialect of the same language, statement for statement.
 
-    files: trees by the names of their files, empty if a finding forbids it. compared: of the
-    trees that were read back from those files, the two programs that must be the same.
+    files: trees by the names of their files, empty if a finding forbids it. compared: returns, for
+    the trees that were read back from those files, the two programs that must be the same.
     """
 
     files: Mapping[str, T]
@@ -115,15 +115,15 @@ ARITHMETIC: Final[Mapping[str, Choice]] = MappingProxyType(
         ),
     }
 )
-"""What manuals leave open, for every language alike; the first word counts unless one is stated."""
+"""Rules of arithmetic that manuals leave open, for all languages; the first word is the default."""
 
 
 @dataclass(frozen=True, slots=True)
 class Adapted:
-    """A program as one language will say it, with a finding for everything that changed.
+    """A program as one language can express it, with a finding for every change.
 
-    trees: of its units, where they were built to see whether that can be done. wanting: errors
-    that follow from others alone: of names whose declarations cannot be said.
+    trees: of its units, if they were built to check that this is possible. wanting: errors that
+    follow from others alone: of names whose declarations cannot be expressed.
     """
 
     program: Program
@@ -168,19 +168,19 @@ class Outline:
 Sampling = Literal["samples", "full"]
 """Part of a long text that lark parses in a proof: samples of its runs of like lines, or all."""
 Frames = Literal["base", "product"]
-"""How a language without work objects says what frame a target is in."""
+"""Form in which a language without work objects states the frame of a target."""
 
 
 @dataclass(frozen=True, slots=True)
 class TaskLoading:
-    """How the files of a task are told.
+    """Rules by which the files of a task are found.
 
-    entry: the procedure that a task begins with, in lower case. lists: suffixes of files that
-    name the files of a task. shared: of a folder, as `program_of` gives it, whether every other
-    task beside it loads its files as well. closed: whether a task there loads all files of its
-    folders, and none from elsewhere but shared ones. loaded: of a file there, whether a task
-    loads it though its list does not name it. sharing: the trees of all tasks of a controller, by
-    the name of each, with names of data that other controllers share as well.
+    entry: the procedure that a task begins with, in lower case. lists: suffixes of files that name
+    the files of a task. shared: for a folder, as `program_of` gives it, true if every other task
+    next to it loads its files as well. closed: true if a task there loads all files of its folders,
+    and none from elsewhere but shared ones. loaded: for a file there, true if a task loads it
+    though its list does not name it. sharing: the trees of all tasks of a controller, by the name
+    of each, with names of data that other controllers share as well.
     """
 
     entry: str
@@ -201,15 +201,15 @@ class SharedData:
 
 @dataclass(frozen=True, slots=True)
 class ControllerConfiguration:
-    """What the files of a controller state of its programs.
+    """Statements in the files of a controller about its programs.
 
     signals: by their names. source: the file that states them. crossed: names in lower case of
-    those that the controller sets from others. unread: what is stated there and cannot be used.
-    known: whether the text looks like such a file at all. arm: the robot, by its name in the
-    catalogue; told: the same in its maker's words. entry: the procedure that the task begins
-    with, in lower case. called: routines that the controller calls, by their names in lower case,
-    each with when. values: of names that programs use and do not declare. lines:
-    communication lines by number, each with its role, port and address. findings: on the files.
+    those that the controller sets from others. unread: statements there that cannot be used. known:
+    true if the text looks like such a file at all. arm: the robot, by its name in the catalogue;
+    told: the same in its maker's words. entry: the procedure that the task begins with, in lower
+    case. called: routines that the controller calls, by their names in lower case, each with when.
+    values: of names that programs use and do not declare. lines: communication lines by number,
+    each with its role, port and address. findings: on the files.
     """
 
     signals: Mapping[str, Signal] = field(default_factory=dict)
@@ -230,11 +230,11 @@ CommunicationLine: TypeAlias = tuple[Literal["server", "client", "serial"], int,
 Texts: TypeAlias = Callable[[FilePath], str | None]
 """Reads a file of a controller, None where that cannot be done."""
 Surroundings: TypeAlias = Callable[[FilePath, Texts], ControllerConfiguration]
-"""What the files beside one of a program state of its controller."""
+"""Reads the controller's configuration from the files next to a program's file."""
 
 
 def file_named(folder: FilePath, name: str) -> FilePath | None:
-    """What stands in a folder under a name in lower case, whatever its own case."""
+    """Return the entry of a folder whose name in lower case is the given one; None without one."""
     try:
         return next((path for path in folder.iterdir() if path.name.lower() == name), None)
     except OSError:

@@ -153,7 +153,7 @@ COUNTS: Final = ("no", "one", "two", "three", "four", "five", "six")
 AXIS_4: Final = 3
 """Index of axis 4 among six joints: an arm of five axes has none."""
 NEGLIGIBLE: Final = 0.01
-"""mm or degrees: no more than that of the axis, or of a tool beside the flange's axis, is none."""
+"""mm or degrees: a smaller value of the axis, or offset of a tool from its axis, counts as zero."""
 LEAST_NORM: Final = 0.5
 """A quaternion that is shorter is no orientation."""
 
@@ -254,7 +254,7 @@ class PartLegaliser:
         return Pose.of(np.array(pose.position), rotations.canonical(np.array(pose.quaternion)))
 
     def _wild(self, positions: Floats, quaternions: Floats) -> Truths:
-        """Which poses hold a number that is none or too large, or no orientation (n,)."""
+        """True for poses (n,) with an invalid or too large number, or without an orientation."""
         numbers = np.concatenate([positions, quaternions], axis=1)
         tame = (np.abs(numbers) < self.can.farthest).all(axis=1)
         squared = np.einsum("ij,ij->i", quaternions, quaternions)

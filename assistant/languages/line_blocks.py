@@ -15,19 +15,21 @@ from typing import Any, Final, Generic, Literal, TypeVar
 from assistant.program.analysis.dataflow import reachable
 
 Form = Literal["branches", "choice", "loop"]
-"""How control goes through a block. The parts of `branches` are tried one after the other; a
-`choice` goes to one of its parts, and lines above the first never run; a `loop` is run again.
+"""Control flow of a block.
+
+The parts of `branches` are tried one after the other; a `choice` runs one of its parts, and lines
+above the first never run; a `loop` is run again.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class BlockWord:
-    """What a statement is to blocks.
+    """Role of a statement in blocks.
 
-    opens: kind of the block that it begins, of a form. parts: kind of the block that it begins a
-    further part of. closes: kinds of the blocks that it ends, the inner one first, ANY for one of
-    whichever kind. certain: what it asks for always holds. bounds: it begins or ends a routine,
-    and no block goes on across it.
+    opens: kind of the block that it begins, of a form. parts: kind of the block of which it begins
+    a further part. closes: kinds of the blocks that it ends, the inner one first, ANY for a block
+    of any kind. certain: its condition always holds. bounds: it begins or ends a routine, and no
+    block continues across it.
     """
 
     opens: str = ""
@@ -44,16 +46,16 @@ class BlockWord:
 
 ANY: Final = "any"
 NO_WORD: Final = BlockWord()
-"""What most statements are."""
+"""Block word of most statements: they neither open, divide nor close a block."""
 
 
 @dataclass(slots=True, eq=False)
 class Block:
-    """A block by the places of its lines.
+    """A block by the positions of its lines.
 
-    parts: of its middle words. last: of the closing word, None where it is missing.
-    depth: blocks that its lines stand in. crossed: where a block around it ends while it is open.
-    certain: places of words that ask for what always holds.
+    parts: of its middle words. last: of the closing word, None if it is missing. depth: blocks
+    around its lines. crossed: position at which a block around it ends while it is open. certain:
+    positions of words whose condition always holds.
     """
 
     kind: str
@@ -97,9 +99,9 @@ class Misfit:
 class Blocks:
     """The blocks of some lines, in the order in which they are opened.
 
-    around: place of a line → the innermost block that it stands in; opening and closing words
-    stand in what is around their block. words: place of a word → the whole block that it is of.
-    closing: place of a closing word → the blocks that it closes, the innermost first.
+    around: position of a line → the innermost block that contains it; opening and closing words are
+    in the block around their own. words: position of a word → its complete block. closing: position
+    of a closing word → the blocks that it closes, the innermost first.
     """
 
     all: list[Block] = field(default_factory=list)
@@ -113,14 +115,14 @@ class Blocks:
         return not self.wrong and all(block.last is not None for block in self.all)
 
     def within(self, at: int) -> list[Block]:
-        """The blocks around a line, the inner one first; middle words stand in their own."""
+        """Return the blocks around a line, the inner one first; middle words are in their block."""
         own = self.words.get(at)
         inner = own if own is not None and at in own.parts else self.around.get(at)
         return [] if inner is None else list(inner.chain)
 
 
 def blocks_of(lines: Iterable[tuple[int, BlockWord]]) -> Blocks:
-    """The blocks of some lines, each a place and what stands there."""
+    """Return the blocks of some lines, each given by its position and its block word."""
     found = Blocks()
     inner: Block | None = None
     for at, word in lines:
@@ -179,11 +181,11 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Exits(Generic[T]):
-    """Where a statement leads, whatever block it is a word of.
+    """Exits of a statement, apart from its role in blocks.
 
-    jumps, calls: what it names to go to, and to call. handlers: what interrupts lead to, and
-    whether they call it. on: it may run on to the next line. breaks, returns: it may leave the
-    innermost block around it, or the procedure.
+    jumps, calls: names that it jumps to, and that it calls. handlers: names that interrupts lead
+    to, and true if they call it. on: it may continue with the next line. breaks, returns: it may
+    leave the innermost block around it, or the procedure.
     """
 
     jumps: tuple[T, ...] = ()
@@ -199,7 +201,7 @@ class Exits(Generic[T]):
         return (*self.jumps, *self.calls, *(target for target, _ in self.handlers))
 
     def __or__(self, other: Exits[T]) -> Exits[T]:
-        """Of a statement that does either."""
+        """Return the exits of a statement that takes either."""
         return Exits(
             self.jumps + other.jumps, self.calls + other.calls, self.handlers + other.handlers,
             self.on or other.on, self.breaks or other.breaks, self.returns or other.returns,
@@ -207,7 +209,7 @@ class Exits(Generic[T]):
 
 
 ON: Final[Exits[Any]] = Exits()
-"""Of most statements: to the next line."""
+"""Exits of most statements: to the next line."""
 
 
 @dataclass(slots=True)
@@ -265,7 +267,7 @@ def graph_of(
     following = dict(itertools.pairwise(places))
 
     def on(at: int) -> int:
-        """Where control runs on behind a line: at the end of a part, to the end of its block."""
+        """Return the position that follows a line: at the end of a part, the end of its block."""
         place = following.get(at, EXIT)
         block = blocks.words.get(place)
         return place if block is None or place not in block.parts else block.words[-1]
@@ -305,7 +307,7 @@ def graph_of(
 
 
 def _behind_word(at: int, block: Block, blocks: Blocks, on: Callable[[int], int]) -> Iterator[int]:
-    """What follows an opening, middle or closing word."""
+    """Yield the positions that may follow an opening, middle or closing word."""
     end = block.words[-1]
     sure = at in block.certain
     if at == end and block.form == "loop":  # a word that closes several goes back to any of them

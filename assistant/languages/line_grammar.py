@@ -20,7 +20,7 @@ from assistant.languages.recovery.syntax import STRANGE, Lexeme, Stop
 Found = tuple[str, int, int]
 """A terminal of the grammar, STRANGE for none, and the offsets that it stands between."""
 Row = Mapping[str | None, Any]
-"""What the tables do with each terminal at a place."""
+"""Action of the tables for each terminal at a position."""
 _WORD: Final = "[A-Za-z][A-Za-z0-9_]*+"
 _SECOND: Final = re.compile(r"[ \t]*+([A-Za-z]+)(?![A-Za-z0-9_])")
 
@@ -28,12 +28,12 @@ _SECOND: Final = re.compile(r"[ \t]*+([A-Za-z]+)(?![A-Za-z0-9_])")
 class ContextualLexer:
     """Finds words by the patterns of the grammar, in upper or lower case.
 
-    plain: terminals that are told by how they begin, tried after a word. keywords: words in upper
-    case → the terminals that each may be; the first that has room is meant. firm: words that
-    are no names even where there is no room for them. longer: by word or mark, the terminals that
-    may begin with it. joined: terminals of marks with no blank before them. instead: terminals that
-    are meant in place of others where they fit. special: by the first two letters, in upper
-    case, a terminal that a word may begin with besides, and its pattern.
+    plain: terminals that are identified by their beginning, tried after a word. keywords: words in
+    upper case → the terminals that each may be; the first that the tables allow is meant. firm:
+    words that are not names even where the tables do not allow them. longer: by word or mark, the
+    terminals that may begin with it. joined: terminals of marks with no blank before them. instead:
+    terminals that are meant in place of others where they fit. special: by the first two letters,
+    in upper case, a further terminal that a word may begin with, and its pattern.
     """
 
     def __init__(
@@ -66,10 +66,10 @@ class ContextualLexer:
         self._openings = {word.split()[0] for word in keywords if " " in word}
 
     def next(self, text: str, at: int, end: int, row: Row) -> Found | None:
-        """What stands behind an offset, None at the end.
+        """Return the word after an offset, None at the end.
 
-        row: what the tables do with each terminal there. A word that they have no room for is
-        given as what it looks like.
+        row: action of the tables for each terminal there. A word that they do not allow is returned
+        as the terminal that it looks like.
         """
         found = self._next.match(text, at, end)
         if found is None:
@@ -120,8 +120,8 @@ class ContextualLexer:
 class LineGrammar:
     """Reads lines.
 
-    tables: by start rule. next: what stands behind an offset, None at the end, from the text, the
-    offset, the end and the row of the tables there. most_words: of a line that are read.
+    tables: by start rule. next: returns the word after an offset, None at the end, from the text,
+    the offset, the end and the row of the tables there. most_words: of a line that are read.
     most_values: that may wait on the stack.
     """
 
@@ -133,9 +133,9 @@ class LineGrammar:
     def read(
         self, text: str, at: int, end: int, start: str, nodes: Any, words: list[Lexeme] | None
     ) -> Any | Stop:
-        """What `nodes` make of what stands between two offsets, or where it does not fit.
+        """Return the result of `nodes` for the text between two offsets, or a Stop at a misfit.
 
-        start: rule of the grammar. words: takes those that were read. Raises ValueError where a
+        start: rule of the grammar. words: collects the words that are read. Raises ValueError if a
         number is too large.
         """
         tables = self.tables[start]

@@ -24,14 +24,15 @@ from assistant.program.rewriting import record_fields
 Place = Span | None
 """Offsets in what the grammar read; None for what stands for no text."""
 Children = list[Any]
-"""What a rule is made of, in order: words, nodes, None for what is left out."""
+"""Children of a rule, in order: words, nodes, None for a missing one."""
 Method = Callable[["Nodes", Place, Children], Any]
 
 
 class Nodes:
-    """What is made of the rules of a grammar: a method `(place, children)` for each.
+    """Builds nodes from the rules of a grammar: a method `(place, children)` for each.
 
-    moved: from an offset in what the grammar read to one in the source, None for the same.
+    moved: converts an offset in the text that the grammar read to one in the source, None for no
+    change.
     """
 
     def __init__(self, moved: Callable[[int], int] | None = None) -> None:
@@ -42,7 +43,7 @@ class Nodes:
             setattr(cls, rule, method)
 
     def span(self, place: Place) -> Place:
-        """Where a rule stands in the source."""
+        """Return the span of a rule in the source."""
         if place is None or self.moved is None:
             return place
         return Span(self.moved(place.start), self.moved(place.end))
@@ -58,12 +59,12 @@ _EMPTY: Final[Mapping[str, object]] = {kind.__name__: kind() for kind in (bool, 
 
 
 def row(node: type[Any], named: str | None = None, **given: object) -> Method:
-    """A rule whose children are the fields of a node.
+    """Return the method of a rule whose children are the fields of a node.
 
-    node: a dataclass; a field `span` gets the place. named: the fields in the order of the
-    children, None for that of the class; `*` takes all that are left over, `?` has the empty value
-    of its type where nothing stands (of a truth: whether something does), and `_` is no field.
-    given: of a field, what is made of a child that stands there, or the one value that it has.
+    node: a dataclass; a field `span` gets the source span. named: the fields in the order of the
+    children, None for that of the class; `*` takes all remaining ones, `?` has the empty value of
+    its type for a missing child (for a truth: whether there is a child), and `_` is not a field.
+    given: by field, a function of the child, or the one value of the field.
     """
     known = {field.name: field for field in fields(node) if field.init}
     spanned = known.pop("span", None) is not None
@@ -159,7 +160,7 @@ class Walk:
         return self._inside[kind]
 
     def nodes(self, root: Any) -> Iterator[Any]:
-        """Every node in a node or a tuple of them, itself first, as they stand in the text."""
+        """Yield every node in a node or a tuple of nodes, itself first, in the text's order."""
         known, held = self._inside, self._held
         pending = [root]
         while pending:

@@ -1,16 +1,16 @@
-r"""Rows of a language: a word with its arguments, and the record that says the same, both ways.
+r"""Rows of a language: a word with its arguments, and the record of the same meaning, both ways.
 
     Row("WaitUntil {condition} \MaxTime:={timeout?}", WaitUntil)
     Row("AccSet {acceleration}, 100", SetAcceleration, deceleration=Name("{acceleration}"))
 
 A pattern is the word and its arguments, which may be patterns themselves, `Word(…)`; a backslash
-begins an option. What stands in braces is a slot: the field of the record that is found there.
-Behind a colon stands of what kind it is, if that is not its name's, and what a language wants to
-know besides. `?` marks what may be missing, and `=` what a missing number is. What a pattern does
-not say follows behind it, and may name slots in its turn; a field that nothing says has its
-default.
+begins an option. Braces enclose a slot: the field of the record with that value. A colon separates
+the name from the slot's kind, if the kind is not the name, and from further details that a language
+needs. `?` marks an optional slot, and `=` gives the value of a missing number. Fields that a
+pattern does not express follow the pattern, and may name slots in turn; a field that is not given
+has its default.
 
-A language gives what its tree is made of, a `Medium`, once for reading and once for writing.
+A language states the parts of its tree, a `Medium`, once for reading and once for writing.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Pattern:
         object.__setattr__(self, "known", known)
 
     def has(self, options: Mapping[str, object]) -> bool:
-        """Whether options, by name in lower case, are of the pattern, with a value or without."""
+        """True if the options, by lower-case name, fit the pattern, with or without a value."""
         for name, slot in self.known.items():
             if (slot is None and name not in options) or (
                 name in options and (slot is None) != (options[name] is None)
@@ -86,17 +86,17 @@ class Pattern:
 
 
 Read = Callable[[N, Slot], Any]
-"""What a node says that stands in a slot, None if it says nothing of the kind."""
+"""Returns the value of a node in a slot, None if the node does not have a value of that kind."""
 Write = Callable[[Any, Slot], "N | None"]
-"""The node that says it, None if it does not fit there."""
+"""Returns the node for a value, None if the value does not fit the slot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reading(Generic[N]):
-    """What a language reads its rows with.
+    """Functions with which a language reads its rows.
 
-    kinds: of slots; `value` is any expression. opened: the call that a node is. number: the literal
-    that it is. Of these it gives what its rows have as arguments.
+    kinds: of slots; `value` is any expression. opened: returns the call that a node is. number:
+    returns the literal that it is. A language gives those of these that its rows have as arguments.
     """
 
     kinds: Mapping[str, Read[N]]
@@ -104,7 +104,7 @@ class Reading(Generic[N]):
     number: Callable[[N], float | None] = lambda _: None
 
     def fields(self, pattern: Pattern, called: Called[N]) -> dict[str, Any] | None:
-        """What stands in the slots of a pattern, None if that is not what is called."""
+        """Return the values of a pattern's slots, None if the call does not match the pattern."""
         given, missing = called.given, pattern.given[len(called.given) :]
         if called.word.lower() != pattern.key or len(given) > len(pattern.given):
             return None
@@ -123,7 +123,7 @@ class Reading(Generic[N]):
         return found
 
     def _take(self, part: Slot | Pattern | Number, node: N | None, found: dict[str, Any]) -> bool:
-        """Whether a node fits in its place; what it says there is then found."""
+        """Try to match a node with a part of a pattern; on success put its values into `found`."""
         value: Any = None
         match part:
             case Slot(name, default=default) if node is None:
@@ -147,9 +147,9 @@ class Reading(Generic[N]):
 
 @dataclass(frozen=True, slots=True)
 class Writing(Generic[N]):
-    """What a language writes its rows with. made: the node of a call. number: of a literal.
+    """Functions with which a language writes its rows. made: node of a call. number: of a literal.
 
-    Of these it gives what its rows have as arguments.
+    A language gives those of these that its rows have as arguments.
     """
 
     kinds: Mapping[str, Write[N]]
@@ -199,7 +199,7 @@ class Row:
         return self.record(**own, **self._filled(found))
 
     def slots(self, record: Any) -> dict[str, Any] | None:
-        """What the slots say of a record, None if the row does not say it."""
+        """Return the values of a record for the slots, None if the row cannot express it."""
         given = {name: getattr(record, name) for name in self._defaults}
         fixed = self._filled(given)
         for name in self._unsaid:
@@ -217,7 +217,7 @@ class Row:
 
 
 class FunctionRow(Row):
-    """A function: its arguments stand in the slots in their order."""
+    """A function: its arguments fill the slots in their order."""
 
     def __init__(self, function: str, text: str) -> None:
         super().__init__(text, Apply, function=function)
@@ -274,11 +274,11 @@ class Rows:
         self.records = frozenset(row.record for row in rows)
 
     def __contains__(self, word: str) -> bool:
-        """Whether a row begins with a word, in lower case."""
+        """True if a row begins with a word, in lower case."""
         return word in self._by_word
 
     def read(self, called: Called[N], reading: Reading[N]) -> Any:
-        """The record that a call stands for, None if no row says it."""
+        """Return the record of a call, None if no row matches it."""
         for row in self._by_word.get(called.word.lower(), ()):
             found = reading.fields(row.pattern, called)
             if found is not None:

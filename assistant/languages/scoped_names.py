@@ -170,7 +170,7 @@ class Naming:
         return any(number <= count for number in self._numbered.get(stem, ()))
 
     def _means(self, stem: str, name: str) -> bool:
-        """Whether a stem would be read as the name of something else, which was changed to it."""
+        """True if a stem would be read as the name of another item, which was changed to it."""
         return self._meant.get(stem.lower(), name) != name
 
     def _note(self, short: str, name: str) -> None:
@@ -181,12 +181,12 @@ class Naming:
 
 @dataclass(slots=True)
 class Scopes:
-    """What a language makes of names.
+    """Rules of a language for names.
 
-    longest: characters of one. reserved: lower-case names that have a meaning. kept: those that
-    kept declarations of a program declare. flange, base: what the bare flange and the robot's base
-    are called. renamed: tells of a name that is written as another one (short), and why. language:
-    its title.
+    longest: characters of one. reserved: lower-case names that have a meaning. kept: names that
+    vendor declarations of a program declare. flange, base: names of the bare flange and the robot's
+    base. renamed: reports a name that is written as another one (short), and why. language: its
+    title.
     """
 
     longest: int
@@ -211,7 +211,7 @@ class Scopes:
         return self._latest[1]
 
     def findings(self, program: Program) -> Iterator[Diagnostic]:
-        """Tells of each name that became another one."""
+        """Report each name that became another one."""
         for short, name in self.naming(program).changed:
             about = Declared(name)
             yield self.renamed(name=name, short=short, why=self._why(name), about=about)

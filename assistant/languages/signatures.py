@@ -18,9 +18,9 @@ N = TypeVar("N")
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """type: lower case, empty if it is not known. dimensions: 0 of a single value, -1 any.
+    """A parameter. type: lower case, empty if not known. dimensions: 0 for a single value, -1 any.
 
-    mode: how it is handed over, in the language's own word; empty for a value.
+    mode: how it is passed, in the language's own word; empty for a value.
     """
 
     name: str
@@ -39,11 +39,11 @@ class Slot:
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """What a routine is called with.
+    """Parameters and result of a routine.
 
-    kind: what it is, in the language's own word. result: type of a function's value, empty if not
-    known. open: whether there may be more parameters than stated. option: of the controller that
-    brings the routine, empty for every controller.
+    kind: kind of routine, in the language's own word. result: type of a function's value, empty if
+    not known. open: true if there may be more parameters than stated. option: of the controller
+    that brings the routine, empty for every controller.
     """
 
     name: str
@@ -80,7 +80,7 @@ class Given(Generic[N]):
 
 
 class Misfit(enum.Enum):
-    """What may be wrong with the arguments of a call."""
+    """Possible faults in the arguments of a call."""
 
     MISSING = enum.auto()
     TOO_MANY = enum.auto()
@@ -92,7 +92,7 @@ class Misfit(enum.Enum):
 
 
 Wrong = tuple[Misfit, N | None, dict[str, Any]]
-"""What is wrong, at which argument (None for the call), and the fields of its sentence."""
+"""A misfit, the argument with the fault (None for the call), and the fields of its message."""
 
 
 class Call(Generic[N]):
@@ -185,7 +185,7 @@ class Call(Generic[N]):
 
 
 MOST_ALIASES: Final = 8
-"""Aliases behind each other that are followed."""
+"""Most aliases of aliases that are followed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,7 +217,7 @@ class NamedTypes(abc.ABC):
 
     @abc.abstractmethod
     def atomic(self, base: str) -> bool:
-        """Whether a type surely has no components."""
+        """True if a type surely has no components."""
 
     def find(self, name: str) -> Type | None:
         return self.declared(name) or self.predefined.get(name.lower())
@@ -243,6 +243,6 @@ class NamedTypes(abc.ABC):
         return None if found is None else found.components
 
     def kind(self, base: str) -> str:
-        """What a type is; empty if that is not known."""
+        """Return the kind of a type; empty if it is not known."""
         found = self.find(base)
         return "" if found is None else found.kind

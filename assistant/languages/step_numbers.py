@@ -46,7 +46,7 @@ def first_step(item: object) -> int | None:
 
 
 def steps_in(items: Iterable[object]) -> int:
-    """How many steps some items are, if every line is one."""
+    """Return the number of steps in some items, if every line is one."""
     return sum(len(i.steps) if hasattr(i, "steps") else hasattr(i, "number") for i in items)
 
 
@@ -102,12 +102,11 @@ UNNUMBERED: Final = 0
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """What a language says of numbers.
+    """Step numbers of a language.
 
-    line: a line by itself. last: the highest number.
-    named: numbers that the jumps of some items name. retargeted: an item whose jumps name others.
-    falling, past_last, unknown: rules for numbers that do not ascend, that are too high, and for
-    a jump to a number that no line has.
+    line: type of a single line. last: the highest number. named: numbers that the jumps of some
+    items name. retargeted: an item whose jumps name others. falling, past_last, unknown: rules for
+    numbers that do not ascend, that are too high, and for a jump to a number that no line has.
     """
 
     line: type[Any]
@@ -189,7 +188,7 @@ def with_fitted_steps(items: Sequence[Any], step: int, steps: Steps) -> list[Any
 
 
 def _room(items: Sequence[Any], at: int, last: int, step: int, steps: Steps) -> int:
-    """What the number of a new line is more than the one before it."""
+    """Return the increment from the number of the previous line to that of a new one."""
     count = 1
     for item in islice(items, at, None):
         following = steps_of(item)

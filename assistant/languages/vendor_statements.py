@@ -75,9 +75,9 @@ MOST_REMEMBERED: Final = 1 << 14
 
 
 class ParsedTexts:
-    """What texts say: lifting, adapting, naming and building each ask for the same ones.
+    """Parsed vendor texts: lifting, adapting, naming and building each need the same ones.
 
-    unreadable: the rule for a text that is none of the language; it names `text` and `why`.
+    unreadable: the rule for a text that is not of the language; it names `text` and `why`.
     """
 
     def __init__(self, unreadable: Rule) -> None:
@@ -113,9 +113,9 @@ class ParsedTexts:
 
 
 def foreign_text_fields(kept: VendorText, language: str) -> dict[str, Any]:
-    """What a finding says of the text of another language: fields `language`, `text`, `cure`.
+    """Return the fields of a finding on the text of another language: `language`, `text`, `cure`.
 
-    language: the title of the one that is written.
+    language: the title of the language that is written.
     """
     text = kept.text if len(kept.text) <= SHOWN_CHARACTERS else kept.text[:SHOWN_CHARACTERS] + "…"
     reason = kept.reason if isinstance(kept, Opaque | Verbatim) else None
@@ -130,10 +130,10 @@ Fields = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class NodeEffect:
-    """What a node does, without those in it.
+    """Effect of a node, without the nodes in it.
 
-    reads, writes, calls, declares: fields of texts, or of nodes of data, that are named there.
-    words: of texts whose words may be names. untold: it may do anything.
+    reads, writes, calls, declares: fields with texts, or with nodes of data, that are named there.
+    words: fields with texts whose words may be names. untold: it may do anything.
     """
 
     reads: Fields = ()
@@ -148,7 +148,7 @@ class NodeEffect:
 
 
 class UnknownEffect(Exception):
-    """What a node calls is worked out as the program runs: it may do anything."""
+    """The callee of a node is computed at run time: it may do anything."""
 
 
 Take = Callable[[EffectBuilder, Any], None]
@@ -156,10 +156,10 @@ Take = Callable[[EffectBuilder, Any], None]
 
 
 class Effects:
-    """What the nodes of one language do.
+    """Effects of the nodes of one language.
 
-    nodes: those in a node or in several. named: the data that a node is, or is a part of, None if
-    it is none. rows: of each kind of nodes what they do; others do nothing.
+    nodes: returns those in a node or in several. named: the data that a node is, or is a part of,
+    None for other nodes. rows: effects by type of node; other nodes have no effect.
     """
 
     def __init__(
@@ -174,7 +174,7 @@ class Effects:
         }
 
     def of(self, tree: Any) -> Effect | None:
-        """What a node or several do, None if nobody can tell."""
+        """Return the effect of a node or several, None if it is unknown."""
         done = EffectBuilder()
         try:
             for node in self._nodes(tree):
@@ -186,7 +186,7 @@ class Effects:
         return done.effect()
 
     def names(self, *values: Any) -> Iterator[str]:
-        """What texts, and nodes of data, are called."""
+        """Yield the names in texts and of nodes of data."""
         for value in values:
             if isinstance(value, str):
                 yield value

@@ -33,7 +33,7 @@ def split_name(name: str) -> tuple[bytes, int]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Names:
-    """n names, each a stem and a number behind it; one of neither stands for no name.
+    """n names, each a stem followed by a number; one with neither represents a missing name.
 
     stem: (n,) int32 rows of stems. number: (n,) int64, -1 for a name that is its stem.
     """
@@ -130,7 +130,7 @@ class NameIndex:
             self._slices.setdefault(stem.lower(), []).append(place)
 
     def rows(self, names: Names) -> Rows:
-        """The row of each name, -1 if it is none."""
+        """Return the row of each name, -1 for an unknown one."""
         found = np.full(len(names), -1, dtype=np.intp)
         for at, stem in enumerate(names.stems):
             if stem.lower() not in self._slices:
@@ -145,12 +145,12 @@ class NameIndex:
         return found
 
     def row(self, name: str) -> Rows:
-        """As `rows` of one name."""
+        """Return `rows` of one name."""
         return self.rows(Names.of([name] if name.isascii() else [""]))
 
 
 def sorted_rows(known: Ints, wanted: Ints) -> Rows:
-    """Where each number stands among sorted ones, -1 for one that does not."""
+    """Return the row of each number among sorted ones, -1 for a number that is missing there."""
     if not len(known):
         return np.full(len(wanted), -1, dtype=np.intp)
     at = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
@@ -158,7 +158,7 @@ def sorted_rows(known: Ints, wanted: Ints) -> Rows:
 
 
 def rows_of(known: Ints, wanted: Ints) -> Rows:
-    """Where each number stands among others, -1 for one that does not."""
+    """Return the row of each number among others, -1 for a number that is missing there."""
     order = np.argsort(known, kind="stable")
     at = sorted_rows(known[order], wanted)
     return np.where(at >= 0, order[at] if len(order) else -1, -1)
@@ -243,7 +243,7 @@ class Run:
         return hash((type(self).__name__, len(first), head))
 
     def said(self, but: Collection[str] = ()) -> tuple[object, ...]:
-        """What it says as a whole, to be compared and hashed. but: columns that may differ."""
+        """Return the complete content, to compare and hash. but: columns that may differ."""
         return tuple(
             x.tobytes() if isinstance(x, np.ndarray) else x
             for name, x in self._fields()
@@ -251,7 +251,7 @@ class Run:
         )
 
     def fits(self, other: Run) -> bool:
-        """Whether its rows could stand in another run as they are."""
+        """True if its rows could be in the other run unchanged."""
         if type(self) is not type(other):
             return False
         pairs = zip(self._fields(), other._fields(), strict=True)
@@ -357,8 +357,9 @@ def concatenated(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
 
 
 Row = tuple[object, Any]
-"""What an item may be joined with others as: what those have in common, and the item's run or, of
-a single row, what it says.
+"""Key and content of an item that may be joined with others.
+
+Items with equal keys are joined; the content is the item's run or that of a single row.
 """
 
 

@@ -15,7 +15,7 @@ from assistant.program import statements as p
 from assistant.program.motion import Kind, Path
 
 SETTINGS: Final = ("speed", "blend", "tool", "frame")
-"""Columns of a path that are rows of a table, whose name has an `s` behind it."""
+"""Columns of a path that are rows of a table, whose name adds an `s`."""
 
 
 class Stretch(NamedTuple):
@@ -27,7 +27,7 @@ class Stretch(NamedTuple):
 
 
 def path_kinds(arcs: Truths, plain: NDArray[np.integer]) -> NDArray[np.uint8]:
-    """(rows,) a `Kind` each, of which an arc has two. plain: (n,) of moves that are no arcs."""
+    """Return (rows,) a `Kind` each; an arc has two rows. plain: (n,) of moves that are not arcs."""
     ends = np.cumsum(1 + arcs) - 1
     kinds = np.full(int(ends[-1]) + 1 if len(ends) else 0, Kind.VIA, dtype=np.uint8)
     kinds[ends] = np.where(arcs, Kind.END, plain)

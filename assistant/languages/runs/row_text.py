@@ -124,7 +124,7 @@ class Marks:
 
 
 def all_rows_equal(text: Slots, starts: Offsets, ends: Offsets) -> bool:
-    """Whether all rows say the same in the very same way; it is read once then."""
+    """True if all rows have the same bytes; then one row is read for all."""
     first = text.bytes[starts[0] : ends[0]].tobytes()
     return bool((ends - starts == len(first)).all() and text.holds(first, starts).all())
 
@@ -140,7 +140,7 @@ def after_digits(letters: NDArray[np.uint8], starts: Offsets) -> Offsets:
 
 @dataclass(frozen=True, slots=True)
 class NameWords:
-    """What may be a name. longest: characters. reserved: words in lower case that are none."""
+    """Valid names. longest: characters. reserved: words in lower case that are not names."""
 
     longest: int
     reserved: frozenset[str]
@@ -191,7 +191,7 @@ def numbered_names(text: Slots, starts: Offsets, ends: Offsets) -> Names | None:
 def entries(
     text: Slots, starts: Offsets, ends: Offsets, longest: int, read: Callable[[bytes], E]
 ) -> Entries[E]:
-    """What each row says between two offsets, each different text read once.
+    """Read the text of each row between two offsets, each different text once.
 
     longest: bytes of one; ValueError if a different one has more.
     """
@@ -239,9 +239,9 @@ class Groups:
     def read(
         self, text: Slots, marks: Marks, first: int, begins: Offsets, behind: bytes, values: Floats
     ) -> Offsets:
-        """Puts the numbers of rows into values (n, width); gives the mark behind each, (n,).
+        """Read the numbers of rows into values (n, width); return the mark after each row, (n,).
 
-        first: marks of a row before the groups, which begin at `begins`. behind: what follows.
+        first: marks of a row before the groups, which begin at `begins`. behind: text that follows.
         """
         wanted, parts = _group_layout(self, behind, marks.which)
         tables = (marks.offsets, marks.signs, marks.points)
@@ -276,8 +276,10 @@ class Groups:
 
 
 class _Group(NamedTuple):
-    """One group. columns: of its numbers. marks: those that end each of them. after: what stands
-    behind it, and before: how much of that stands before the first mark in it.
+    """One group of numbers.
+
+    columns: of its numbers. marks: those that end each of them. after: text after it, and before:
+    length of that text before the first mark in it.
     """
 
     columns: slice
@@ -288,7 +290,7 @@ class _Group(NamedTuple):
 
 @cache
 def _group_layout(groups: Groups, behind: bytes, which: bytes) -> tuple[bytes, tuple[_Group, ...]]:
-    """The marks of groups, and what stands behind them, and their parts."""
+    """Return the marks of the groups and of the text after them, and the groups' parts."""
     wanted, parts, column = b"", list[_Group](), 0
     for at, size in enumerate(groups.sizes, 1):
         after = groups.between if at < len(groups.sizes) else groups.closing + behind

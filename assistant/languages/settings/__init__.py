@@ -1,1 +1,1 @@
-"""Settings that are statements of their own: what holds at each line, and what follows from it."""
+"""Settings made by separate statements: the value that holds at each line, and its consequences."""

@@ -121,7 +121,7 @@ class Held:
 
     @property
     def is_inherited(self) -> bool:
-        """Whether it may be the caller's."""
+        """True if it may be the caller's."""
         return self.value is INHERITED or isinstance(self.value, OrInherited)
 
 
@@ -168,11 +168,11 @@ class MaySet:
 
 @dataclass(frozen=True, slots=True)
 class Calls:
-    """A line calls these, in an order that nobody knows.
+    """A line calls these, in an unknown order.
 
-    called: procedures by their number; of what is not known, the settings that it may change.
-    inside: whether what is not known is lines of the program. What a setting is worked out of is
-    the caller's: within what is called, and behind it, names may stand for other variables.
+    called: procedures by their number; for an unknown callee, the settings that it may change.
+    inside: true if the unknown callee is lines of the program. A setting is computed from the
+    caller's variables: within the callee, and after it, names may denote other variables.
     """
 
     called: tuple[int | frozenset[int], ...]
@@ -187,7 +187,7 @@ class Either:
 
 
 Steps = tuple[Sets | Changes | MaySet | Calls | Either, ...]
-"""What a line does to settings, in its order."""
+"""Effects of a line on settings, in its order."""
 
 
 def sets_in(steps: Steps) -> Iterator[Sets]:
@@ -202,7 +202,7 @@ def sets_in(steps: Steps) -> Iterator[Sets]:
 
 
 def calls_in(steps: Steps) -> Iterator[int | frozenset[int]]:
-    """What steps may call."""
+    """Yield the callees of steps."""
     for step in steps:
         match step:
             case Calls(called=called):
@@ -222,13 +222,13 @@ def _may_set(steps: Steps, setting: int) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class LineEffects:
-    """What is to be known of the lines of a program, by place.
+    """Effects and control flow of the lines of a program, by position.
 
-    settings: how many there are. procedures: the places of the lines of each. after: by procedure,
-    the places that may follow a line. steps: of the lines that do anything to settings. uses: the
-    settings that a line depends on. runs_on: whether control may go on below a line without a
-    jump. labels: lines that jumps lead to. inner: lines inside of something that is read whole.
-    lost: lines that are come to in ways that nobody knows.
+    settings: their number. procedures: the positions of the lines of each. after: by procedure, the
+    positions that may follow a line. steps: of the lines that affect settings. uses: the settings
+    that a line depends on. runs_on: true if control may continue below a line without a jump.
+    labels: lines that jumps lead to. inner: lines inside an item that is read as a unit. lost:
+    lines that are reached in unknown ways.
     """
 
     settings: int
@@ -248,7 +248,7 @@ class LineEffects:
 
 
 def joined_states(one: State | None, two: State) -> State:
-    """What is certain where two ways meet."""
+    """Return the state that is certain where two branches join."""
     if one is None or one is two or one == two:
         return two
     return tuple(
@@ -258,7 +258,7 @@ def joined_states(one: State | None, two: State) -> State:
 
 
 def _agreed_value(one: Any, two: Any) -> Any:
-    """What two ways agree on, for one caller or for all."""
+    """Return the value on which two branches agree, for one caller or for all."""
     if one == two:
         return one
     if not any(value is INHERITED or isinstance(value, OrInherited) for value in (one, two)):
@@ -283,13 +283,13 @@ def _resolved_value(value: Any, given: Any) -> Any:
 
 
 class Flow:
-    """What holds at each line of a program.
+    """State of the settings at each line of a program.
 
-    before: by line, what holds where it begins. exits: by procedure, what holds where it ends, None
-    if it never does. cuts: lines at which procedures are divided: what holds there is INHERITED
-    from the line that leads there. divided: the numbers of those procedures. parts: by procedure,
-    the places of each part of it. edges: what holds at the end of lines that lead to a cut, by
-    line, then by place.
+    before: by line, the state at its beginning. exits: by procedure, the state at its end, None if
+    it never ends. cuts: lines at which procedures are divided: the state there is INHERITED from
+    the line that leads there. divided: the numbers of those procedures. parts: by procedure, the
+    positions of each part of it. edges: the state at the end of lines that lead to a cut, by line,
+    then by position.
     """
 
     def __init__(self, lines: LineEffects) -> None:
@@ -360,7 +360,7 @@ class Flow:
         flow.spread([*((at, self.entry) for at in starts), *((at, self.lost) for at in lost)])
 
     def _note(self, number: int, flow: Dataflow[int, State]) -> None:
-        """Notes that; lines that no way leads to have what stands above them."""
+        """Record that state; lines that cannot be reached have the state of the line above."""
         places, last = self.lines.procedures[number], self.entry
         for at in places:
             if at not in flow.found:
@@ -382,12 +382,12 @@ class Flow:
     # -------------------------------------------------------------------------- one line
 
     def after(self, at: int, state: State) -> State | None:
-        """What holds behind a line; None if it never ends."""
+        """Return the state after a line; None if it never ends."""
         steps = self.lines.steps.get(at)
         return state if steps is None else self._ran(at, steps, state, [])
 
     def calls(self, at: int, state: State) -> dict[int, State]:
-        """What may hold at the calls in a line, by procedure."""
+        """Return the possible state at the calls in a line, by procedure."""
         met: list[tuple[int, State]] = []
         self._ran(at, self.lines.steps.get(at, ()), state, met)
         found: dict[int, State] = {}
@@ -398,7 +398,7 @@ class Flow:
     def _ran(
         self, at: int, steps: Steps, state: State, met: list[tuple[int, State]]
     ) -> State | None:
-        """What holds behind some steps. met: takes what is called, and what holds there."""
+        """Return the state after some steps. met: collects callees with the state at each call."""
         behind: State | None = state
         for step in steps:
             if behind is None:
@@ -425,7 +425,7 @@ class Flow:
         return behind
 
     def _between(self, called: Sequence[int | frozenset[int]], state: State) -> State:
-        """What may hold before each of several calls, whichever of them have been made."""
+        """Return the possible state before each of several calls, made in any order."""
         known: State | None = None
         while len(called) > 1 and known != state:
             known = state
@@ -436,9 +436,9 @@ class Flow:
     def _left_by(
         self, called: int | frozenset[int], state: State, inside: bool = False
     ) -> State | None:
-        """What holds behind a call; one that nobody knows may leave what lines before it made.
+        """Return the state after a call; an unknown callee may leave the values of earlier lines.
 
-        inside: or what any line of the program makes.
+        inside: or the values of any line of the program.
         """
         if isinstance(called, int):
             end = self.exits[called]
@@ -456,7 +456,7 @@ class Flow:
 def _after_changes(
     held: Held, names: frozenset[str] | None, but: frozenset[str] = frozenset()
 ) -> Held:
-    """What is left of a setting where variables change: what was worked out of them is unknown."""
+    """Return a setting after variables change: a value computed from them becomes unknown."""
     value = held.value.value if isinstance(held.value, OrInherited) else held.value
     if not isinstance(value, Computed) or value.names <= but:
         return held
@@ -466,7 +466,7 @@ def _after_changes(
 
 
 def _any_of(ways: Sequence[State | None], every: bool = False) -> State | None:
-    """What is certain behind ways that end, one of which was taken. every: all have to end."""
+    """Return the state that is certain after one of several branches. every: all must end."""
     ending = [way for way in ways if way is not None]
     return reduce(joined_states, ending) if ending and not (every and None in ways) else None
 
@@ -536,7 +536,7 @@ class _ProgramGraph:
                 self._before.setdefault(to, []).append(at)
 
     def settings(self, starts: Iterable[int]) -> dict[int, LineSet]:
-        """What may be set from some lines on, each with the lines that set it."""
+        """Return settings that may be set from some lines on, each with the lines that set it."""
         found: dict[int, set[int]] = {}
         for at in reachable(starts, self._next):
             steps = self.lines.steps.get(at, ())
@@ -546,10 +546,10 @@ class _ProgramGraph:
         return {setting: LineSet.of(lines) for setting, lines in found.items()}
 
     def running(self, interrupt: Interrupt) -> Iterable[int]:
-        """Lines that may run while an interrupt is on, and those that switch it on.
+        """Return the lines that may run while an interrupt is on, and those that switch it on.
 
-        What is come to in ways that nobody knows may run at any time; if that switches it on, then
-        all may.
+        A line that is reached in unknown ways may run at any time; if such a line switches the
+        interrupt on, all may run.
         """
         if not interrupt.on:
             return ()
@@ -564,7 +564,7 @@ class _ProgramGraph:
         return on | reachable(starts, lambda at: () if at in off else self._next(at))
 
     def _come_to(self, places: frozenset[int], starts: Iterable[int]) -> bool:
-        """Whether any of some places can be come to."""
+        """True if control can reach any of the positions from the starts."""
         found: set[int] = reachable(starts, self._next)
         return not places.isdisjoint(found)
 
@@ -639,7 +639,7 @@ class UnknownSettings:
         )
 
     def _value(self, number: int, at: int) -> Any:
-        """What a line gives a setting."""
+        """Return the value that a line gives a setting."""
         made = (one.value for one in sets_in(self._lines.steps[at]) if one.setting == number)
         return next(made, UNKNOWN)
 

@@ -31,12 +31,12 @@ MOST_LINES: Final = 4000
 
 @dataclass(slots=True, eq=False)
 class Form:
-    """A procedure as it is called with one set of settings: the lines at some places.
+    """A procedure as called with one set of settings: the lines at some positions.
 
-    One that is divided is read in several passes, each under the settings of its own way there;
-    itself it is the first of its `passes`, which all of them share. number: among the forms of
-    the procedure, or the passes of the same part. key: tells it from the others. name: what the
-    procedure is called in this form, once that is decided.
+    A divided procedure is read in several passes, each under the settings of one path to it; this
+    form is the first of its `passes`, which all of them share. number: among the forms of the
+    procedure, or the passes of the same part. key: distinguishes it from the others. name: name of
+    the procedure in this form, once that is decided.
     """
 
     procedure: int
@@ -51,11 +51,11 @@ class Form:
     goes: dict[int, dict[int, Form]] = field(default_factory=dict)
     """Passes that a line leads to, by line, then by place."""
     falls: Form | None = None
-    """The pass that stands below this one."""
+    """The pass that is written below this one."""
     name: str = ""
 
     def in_order(self) -> list[Form]:
-        """The passes; each stands above the one that it falls into if it can."""
+        """Return the passes; each precedes the one that it falls through to if possible."""
         left = sorted(self.passes.values(), key=lambda one: (one.number, one.part))
         made: list[Form] = []
         following: Form | None = self
@@ -142,7 +142,7 @@ class CalledForms:
         )
 
     def at(self, at: int, form: Form) -> State:
-        """What holds where a line begins."""
+        """Return the state at the beginning of a line."""
         before = self.flow.before.get(at)  # none where no way leads
         return form.state if before is None else resolved_state(before, form.state)
 
@@ -183,9 +183,9 @@ class CalledForms:
         state: State,
         passes: dict[Any, Form],
     ) -> Form:
-        """The one that begins with a part in a state, among those that are known.
+        """Return the form or pass, among the known ones, that begins with a part in a state.
 
-        It is followed, again, if it is new or if more is to be said of its settings.
+        It is followed, or followed again, if it is new or if its settings have changed.
         """
         count = sum(1 for one in known.values() if one.part == part)
         needs = self._needs[procedure, part]

@@ -49,21 +49,21 @@ class Spacing(abc.ABC):
     """Blanks between the words of one segment, asked in order, without line ends and comments."""
 
     begins_statement: bool = False
-    """Whether the last word begins a statement inside the segment."""
+    """True if the last word begins a statement inside the segment."""
 
     @abc.abstractmethod
     def before(self, word: Word) -> bool:
-        """Whether a blank stands before the next word."""
+        """True if a blank precedes the next word."""
 
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """What the layout of one language needs to know.
+    """Layout rules of one language.
 
-    spacing: of a segment. spelt: how a word is written. table: the lines of a table of alike
-    lines, without the last line end, from its text, indentation and line ends. separate: words of
-    blocks with a blank line before them. outermost: words of blocks that need none for the first
-    in them. choosing: words whose blocks begin with a line that divides them.
+    spacing: of a segment. spelt: spelling of a word. table: the lines of a table of similar lines,
+    without the last line end, from its text, indentation and line ends. separate: words of blocks
+    with a blank line before them. outermost: words of blocks whose first inner item needs no blank
+    line. choosing: words whose blocks begin with a line that divides them.
     """
 
     spacing: Callable[[Segment], Spacing]
@@ -126,7 +126,7 @@ def _placed(read: Sequence[Segment], text: str, style: Style) -> list[_Placed]:
 
 
 def _code_below(read: Sequence[Segment]) -> list[Segment | None]:
-    """For each segment the first at or below it that is no comment."""
+    """Return for each segment the first one at or below it that is not a comment."""
     below: list[Segment | None] = []
     last: Segment | None = None
     for segment in reversed(read):
@@ -138,9 +138,9 @@ def _code_below(read: Sequence[Segment]) -> list[Segment | None]:
 def _heads_division(
     comment: Segment, above: Segment | None, below: Segment | None, text: str, style: Style
 ) -> bool:
-    """Whether a comment belongs to a line below that divides a block rather than to what is above.
+    """True if a comment belongs to a line below that divides a block, not to the code above.
 
-    It does where it stands at that word's column and what is above stands deeper.
+    This holds if it is in the column of that word and the code above is deeper.
     """
     if below is None or below.form != "divides" or above is None:
         return False
@@ -151,7 +151,7 @@ def _heads_division(
 
 
 def _with_blank_lines(placed: list[_Placed], style: Style) -> list[_Placed]:
-    """One where one or more stood, and one before each block of its own with its comments."""
+    """Keep one blank line of several, and put one before each separate block with its comments."""
     for at, one in enumerate(placed):
         one.blank = at > 0 and one.segment.breaks > 1
         if one.segment.word in style.separate:
@@ -181,9 +181,9 @@ def _column(text: str, at: int) -> int:
 
 @dataclass(slots=True)
 class LaidOutLine:
-    """code: with its indentation. comment: behind it. lead: before it, counted by no column.
+    """A laid-out line. code: with its indentation. comment: after it. lead: before it, not counted.
 
-    column, gap: of the comment in the text that was read, and how far it stood from the code.
+    column, gap: of the comment in the text that was read, and its distance from the code.
     """
 
     code: str
@@ -290,13 +290,14 @@ def _continuation(
 class Cutter:
     """Cuts texts of a language into segments; words are given in lower case.
 
-    words: of a text, tables of alike lines as one of kind `rows`. plain: of a table that begins at
-    an offset, taken apart. scopes: may stand before the word that says what a segment is. opens,
-    divides, closes: what words do to blocks; opening: a word that opens one if another ends its
-    segment. alone: words that are segments of their own. end: ends any other segment, unless
-    ended_by or ended_before lists what ends it, or what it ends before. named: words of a heading
-    that ends with a name; headed: of one that goes on behind it. bracketed: words of headings
-    that end with a pair of parentheses, if one follows. label: stands behind the name of a place.
+    words: of a text, tables of similar lines as one word of kind `rows`. plain: of a table that
+    begins at an offset, word by word. scopes: may precede the word that determines the kind of a
+    segment. opens, divides, closes: effects of words on blocks; opening: a word that opens a block
+    if another word ends its segment. alone: words that are complete segments. end: ends any other
+    segment, unless ended_by or ended_before lists the words that end it, or before which it ends.
+    named: words of a heading that ends with a name; headed: of one that continues after the name.
+    bracketed: words of headings that end with a pair of parentheses, if one follows. label: follows
+    the name of a label.
     """
 
     words: Callable[[str], Iterator[Word]]
@@ -352,7 +353,7 @@ class Cutter:
         return "closes" if word in self.closes else "plain"
 
     def _end(self, read: list[Word], start: int) -> int:
-        """Index behind the last item of the segment that begins at an index."""
+        """Return the index after the last item of the segment that begins at an index."""
         seen = self._significant(read, start)
         at = next(seen)
         word = read[at].text.lower()

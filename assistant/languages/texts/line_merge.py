@@ -24,10 +24,10 @@ MOST_ROWS: Final = 1 << 10
 
 
 class LinePart(NamedTuple):
-    """What one field of a line says.
+    """Content of one field of a line.
 
-    key: whatever its layout. kind: what parts that may take each other's place have in common.
-    setting: the word of a statement that holds for what follows.
+    key: independent of its layout. kind: common property of parts that may replace each other.
+    setting: the word of a statement that applies to the lines after it.
     """
 
     field: str
@@ -37,11 +37,11 @@ class LinePart(NamedTuple):
 
 
 class LineMerger(abc.ABC):
-    """Puts changes into the lines of a program.
+    """Merges changes into the lines of a program.
 
-    line: a record whose fields have defaults that say nothing. table: many lines of the program.
-    header: what the keys of the first and the last comment begin with that keep what the language
-    cannot say.
+    line: a record whose fields have defaults without content. table: many lines of the program.
+    header: first characters of the keys of the first and the last comment that hold what the
+    language cannot express.
     """
 
     line: type[Any]
@@ -50,7 +50,7 @@ class LineMerger(abc.ABC):
 
     @abc.abstractmethod
     def parts(self, line: Any) -> Iterator[LinePart]:
-        """What a line says, in order."""
+        """Yield the parts of a line, in order."""
 
     @abc.abstractmethod
     def rows_as_lines(self, rows: Any) -> Iterator[Any]:
@@ -80,11 +80,10 @@ class LineMerger(abc.ABC):
     def merged(
         self, items: Sequence[Any], before: Sequence[Any], after: Sequence[Any]
     ) -> Iterator[list[Any]]:
-        """The lines with everything changed that differs between two built programs.
+        """Yield the lines with the differences between two built programs merged in.
 
-        One outcome for each way to tell where that goes: what is new stands behind what is above
-        it or before what follows it, and settings that the lines state once are stated again
-        behind a changed one or they are not.
+        One result for each strategy: new lines follow the line above them or precede the line below
+        them, and settings that the lines state once are stated again after a changed one or not.
         """
         here, old, new = map(self.entries, (items, before, after))
         if not any(entry.key.startswith(self.header[0]) for entry in here):
@@ -106,7 +105,7 @@ class LineMerger(abc.ABC):
 
 @dataclass(kw_only=True)
 class _LineEdits(tree_merge.Edits):
-    """What is done to the entries of a program."""
+    """Edits of the entries of a program."""
 
     language: LineMerger
 
@@ -186,9 +185,10 @@ Known = dict[str, Any]
 
 
 class DataMerger(abc.ABC):
-    """Puts changes into lines of data, each with a name of its own.
+    """Merges changes into lines of data, each with a separate name.
 
-    line: one. table: many whose names are a stem and a number. number: the column of these.
+    line: type of a line. table: many whose names are a stem and a number. number: the column of
+    these.
     """
 
     line: type[Any]
@@ -201,7 +201,7 @@ class DataMerger(abc.ABC):
 
     @abc.abstractmethod
     def stem(self, table: Any) -> str:
-        """What the names of a table begin with, as they are compared."""
+        """Return the stem of the names of a table, as they are compared."""
 
     @abc.abstractmethod
     def rows_as_lines(self, table: Any) -> Iterable[Any]:
@@ -209,13 +209,13 @@ class DataMerger(abc.ABC):
 
     @abc.abstractmethod
     def gathered(self, lines: Iterable[Any]) -> Iterable[Any]:
-        """Neighbours that could stand in one table as a table."""
+        """Join neighbours that could be in one table into a table."""
 
     @abc.abstractmethod
     def changed(self, here: Any, old: Any, new: Any) -> Any:
-        """A line as it is once what differs between two built ones has changed in it.
+        """Return a line with the differences between two built lines merged in.
 
-        old: None if there was none.
+        old: None for a new line.
         """
 
     def merged(

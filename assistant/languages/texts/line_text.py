@@ -31,9 +31,9 @@ _PARTS: Final = re.compile(r"([ \t]*)([0-9]*)([ \t\f]*)")
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """What a line says.
+    """Content of a line.
 
-    number: of the step. code: can be compared, None for none. comment: with its mark.
+    number: of the step. code: can be compared, None without code. comment: with its mark.
     """
 
     number: int | None
@@ -42,12 +42,12 @@ class Line:
 
     @property
     def is_comment(self) -> bool:
-        """Whether it is a comment and nothing else."""
+        """True if it is only a comment."""
         return self.code is None and self.comment is not None
 
 
 class Code(abc.ABC):
-    """How a language writes the code of a line."""
+    """Text form of a language's code lines."""
 
     @abc.abstractmethod
     def printed(self, code: Any) -> str:
@@ -63,11 +63,11 @@ class Code(abc.ABC):
 
     @abc.abstractmethod
     def key(self, word: Word) -> object:
-        """What a word says, however it is written."""
+        """Return the meaning of a word, independent of its spelling."""
 
     @abc.abstractmethod
     def says(self, text: str, code: Any) -> bool:
-        """Whether a text is read as that code and nothing else."""
+        """True if a text is read as exactly that code."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,10 +149,10 @@ def edited_words(
     new: Sequence[Word],
     key: Callable[[Word], object],
 ) -> str | None:
-    """The text with the edits that lead from an old line as it is printed to the new one.
+    """Return the text with the edits that lead from the printed old line to the printed new one.
 
-    here: words of the text. after, new: the new line as it is printed, and its words. key: what
-    words are compared by. None where what changes does not stand in the text as it is printed.
+    here: words of the text. after, new: the new line as it is printed, and its words. key: key by
+    which words are compared. None if a changed part is not in the text as it is printed.
     """
     place: dict[int, int] = {}
     mine, theirs = ([key(word) for word in listed] for listed in (old, here))
@@ -186,7 +186,7 @@ def edited_words(
 
 
 class Indentation:
-    """How deep lines are indented that stand at some level of blocks."""
+    """Indentation of lines at each level of blocks."""
 
     def __init__(self) -> None:
         self._known: dict[int, str] = {}
@@ -222,11 +222,11 @@ def partners(
 
 
 class LinePrinter(Code, abc.ABC):
-    """The items of a file and how its language writes them.
+    """Prints the items of a file in its language.
 
-    Lines of one kind may stand in tables. table: those of the program, with their step numbers.
-    number: the column of tables of data that tells which row is which. blocks: whether lines are
-    indented by the blocks that they stand in. most: bytes of a line that controllers take.
+    Lines of one kind may be in tables. table: those of the program, with their step numbers.
+    number: the column of tables of data that identifies the row. blocks: true if lines are indented
+    by the blocks around them. most: bytes of a line that controllers take.
     """
 
     items: Sequence[Any]
@@ -237,11 +237,11 @@ class LinePrinter(Code, abc.ABC):
 
     @abc.abstractmethod
     def line(self, item: Any) -> Line | None:
-        """What a line of the program says, None for any other item; its code can be hashed."""
+        """Return the content of a line of the program, with hashable code; None for other items."""
 
     @abc.abstractmethod
     def word(self, code: Any) -> BlockWord:
-        """What the code of a line is to blocks."""
+        """Return the role in blocks of the code of a line."""
 
     @abc.abstractmethod
     def text(self, at: int, newline: str, level: int = 0) -> str:
@@ -286,7 +286,7 @@ class LinePrinter(Code, abc.ABC):
 
 
 def _level_in_blocks(block: Block, at: int) -> int:
-    """How much deeper a line is for the blocks that it stands in; in a choice two levels a part."""
+    """Return the extra depth of a line in its blocks; in a choice two levels a part."""
     open_there = (one for one in block.chain if one.crossed is None or at < one.crossed)
     return sum(2 if one.form == "choice" else 1 for one in open_there)
 
@@ -329,11 +329,11 @@ class _RunLines:
 def merged_run_text(
     new: R, old: R, text: str, at: Rows, fresh: Callable[[R], str], number: str | None = None
 ) -> str:
-    """The lines of a run made from another, which was read from a text.
+    """Return the lines of a run made from another, which was read from a text.
 
-    at: (n,) row of the old run that each row may be, -1 for none. fresh: the lines of rows that
-    are new. number: column of the numbers that lines begin with; a line of which only that changed
-    keeps what stands behind it.
+    at: (n,) row of the old run that each row may be, -1 for a new row. fresh: prints the lines of
+    new rows. number: column of the numbers that lines begin with; a line of which only the number
+    changed keeps the rest of its text.
     """
     lines = _RunLines.of(text)
     kept = old.equal(at, new)
@@ -402,7 +402,7 @@ class _FileChanges:
         return self._lines.levels([self._as_line[id(item)] for item in items])
 
     def _said(self, item: Any) -> object:
-        """What an item says, whatever its numbers; it can be compared and hashed."""
+        """Return the content of an item without its numbers; it can be compared and hashed."""
         if isinstance(item, self._lines.table):
             return item.said({"steps"})
         line = self._as_line[id(item)]
@@ -522,9 +522,9 @@ class _FileLayout:
     # Levels
 
     def _heads_division(self, comment: int) -> bool:
-        """Whether a comment belongs to a line below that divides a block, not to what is above.
+        """True if a comment belongs to a line below that divides a block, not to the code above.
 
-        It does where it stands at that word's column and what is above does not.
+        This holds if it is in the column of that word and the code above is not.
         """
         above, below = self._above[comment], self._below[comment]
         if below is None or not self._word(below).parts:
@@ -582,7 +582,7 @@ class _FileLayout:
         return len(text.encode(self._encoding, "replace")) <= self._lines.most
 
     def _other(self, at: int, level: int) -> str:
-        """What is no line of the program."""
+        """Lay out an item that is not a line of the program."""
         text = self._source(at)
         if not isinstance(self._items[at], Run):
             return self._lines.respelled(at, text.strip(" \t\f")) + self._newline

@@ -1,11 +1,11 @@
 """Text of a changed tree: unchanged nodes keep their bytes, blanks and comments included.
 
-Old and new tree are walked together. A list of nodes on lines of their own is aligned, and
-unchanged neighbours keep the very text that they and the space between them had. For a node that
+Old and new tree are compared in parallel. A list of nodes on separate lines is aligned, and
+unchanged neighbours keep the exact text of the nodes and of the space between them. For a node that
 changed, the words before, between and after its lists are compared as the language prints them;
-words that stay keep their text, and comments between them stay as well. What is new is printed. A
-vendor language describes its printing in a `Layout`; a changed run of like lines is compared with
-each line as a node.
+words that stay keep their text, and comments between them stay as well. New words are printed. A
+vendor language describes its printing in a `Layout`; a changed run of similar lines is compared
+with each line as a node.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Original:
     def __init__(self, source: SourceText, layout: Layout) -> None:
         self.text, self._newline, self._layout = source.text, source.newline, layout
         self.extents: dict[int, Extent] = {}
-        """Of nodes that stand for a line of many, by the id of the node."""
+        """Extents of nodes that represent one line of many, by the id of the node."""
 
     def extent(self, node: Any) -> Extent:
         extent = self.extents.get(id(node)) or self._layout.extent(self.text, node)
@@ -80,7 +80,7 @@ class Original:
         return all(same_word(self._layout, p, w) for p, w in zip(pieces, words, strict=True))
 
     def locate(self, pieces: list[Piece], extent: Extent) -> bool:
-        """Finds the pieces in the source; False if their words are not those that stand there."""
+        """Locate the pieces in the source; False if their words are not the source's words."""
         at, waiting, first = extent.start, [], True
         for piece in [*pieces, None]:
             children = piece.what.children if piece and isinstance(piece.what, Block) else None
@@ -245,7 +245,7 @@ class _Writer:
         yield lacking or last
 
     def _says(self, out: list[str | Piece], after: list[Piece]) -> bool:
-        """Whether a text reads as the words that it should."""
+        """True if the text consists of the expected words."""
         stretches: list[list[str]] = [[]]
         for part in out:
             if isinstance(part, Piece):
@@ -270,7 +270,7 @@ class _Writer:
     # Lists of nodes on lines of their own
 
     def _block(self, old: Block, new: Block, room: Extent, base: str) -> str:
-        """The text from the word before a block to the word behind it."""
+        """Return the text from the word before a block to the word after it."""
         if old.children is new.children or old.children == new.children:
             return self._source.text[room.start : room.end]
         entries = _Entries(self, room, base, base + self._step * new.depth)
@@ -402,7 +402,7 @@ class _Entries:
         return newline * (2 if ends == 2 and before is not None else 1) + self._indent
 
     def _gap(self, removed: Sequence[Any], start: int, end: int) -> str:
-        """What stays between two nodes when those between them are taken out with their lines."""
+        """Return the text that stays between two nodes once those between them are removed."""
         text, extent = self._writer._source.text, self._writer._source.extent
         marks = [start, *(at for node in removed for at in extent(node)), end]
         gaps = [text[a:b] for a, b in zip(marks[::2], marks[1::2], strict=True)]
@@ -437,7 +437,7 @@ MOST_ROWS: Final = 4096
 
 @dataclass(frozen=True, slots=True)
 class RunRow:
-    """A row of a run. key: what it says, as it is compared; text: as it is printed."""
+    """A row of a run. key: its content, for comparison; text: as it is printed."""
 
     key: str
     text: str = field(compare=False)
@@ -449,9 +449,9 @@ class _UnchangedRows:
 
 
 class RunLayout(printed_trees.Layout):
-    """Of a language whose tree has nodes for runs of like lines.
+    """Layout of a language whose tree has nodes for runs of similar lines.
 
-    row_end: what each row ends with. note: what a comment begins with.
+    row_end: last character of each row. note: first characters of a comment.
     """
 
     row_end: str
@@ -459,11 +459,11 @@ class RunLayout(printed_trees.Layout):
 
     @abc.abstractmethod
     def is_run(self, node: Any) -> bool:
-        """Whether a node is a run; it has its rows in `run`."""
+        """True if a node is a run; its rows are in `run`."""
 
     @abc.abstractmethod
     def may_be_row(self, node: Any) -> bool:
-        """Whether a node could be a row of a run."""
+        """True if a node could be a row of a run."""
 
     def spread(self, text: str, old: Sequence[Any], new: Sequence[Any]) -> Spread | None:
         """Runs as their rows, those that stay in both lists together."""
@@ -526,7 +526,7 @@ class RunLayout(printed_trees.Layout):
     def _of_many(
         self, text: str, old: Sequence[Any], new: Sequence[Any], shared: set[int]
     ) -> Spread | None:
-        """Runs beside rows of their own: each row as a node, equal if it is spelled alike."""
+        """Spread runs next to single rows: each row as a node, equal if its spelling is equal."""
         if sum(len(n.run) for n in (*old, *new) if self.is_run(n)) > MOST_ROWS:
             return None
         spelled = any(id(node) not in shared and self.may_be_row(node) for node in new)
@@ -560,7 +560,7 @@ class RunLayout(printed_trees.Layout):
         return " ".join(word.text for word in self.words(line, 0, len(line)))
 
     def _row_places(self, text: str, node: Any, rows: int) -> Rows | None:
-        """Offsets (n, 2) of each row, None where they cannot be told apart at a glance."""
+        """Return offsets (n, 2) of each row, None if a quick scan cannot separate them."""
         place = self._place(text, node)
         if rows == 1:
             return np.array([place])

@@ -30,7 +30,7 @@ from assistant.languages.texts.words import Word
 MOST_COMPARED: Final = 1 << 20
 """Pairs of a stretch that are compared in full; longer stretches only from both ends."""
 MOST_RELATED: Final = 1 << 12
-"""Pairs of a stretch that are looked at for likeness; longer ones are taken in order."""
+"""Most pairs of a stretch that are compared for likeness; longer stretches are paired in order."""
 
 
 def same(a: object, b: object) -> bool:
@@ -38,7 +38,7 @@ def same(a: object, b: object) -> bool:
 
 
 def common_ends(old: Sequence[Any], new: Sequence[Any]) -> tuple[int, int]:
-    """How many items at the beginning and at the end are the same objects."""
+    """Return how many items at the beginning and at the end are the same objects."""
     most = min(len(old), len(new))
     head = 0
     while head < most and old[head] is new[head]:
@@ -135,7 +135,7 @@ def _in_order(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[int, int
 
 
 def likeness(a: object, b: object) -> int:
-    """How many fields two nodes of one kind share; empty ones do not count."""
+    """Return how many fields two nodes of one kind share; empty ones do not count."""
     if type(a) is not type(b) or not is_dataclass(a):
         return 0
     count = 0
@@ -157,14 +157,14 @@ MOST_WORDS: Final = 1 << 14
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Children that stand on lines of their own, `depth` steps deeper than what holds them."""
+    """Children on separate lines, `depth` steps deeper than the node that holds them."""
 
     children: tuple[Any, ...]
     depth: int = 1
 
 
 Sketch = Sequence["str | Block"]
-"""How a language prints a node: lines that end with a line feed, with its blocks between them."""
+"""Printed form of a node: lines that end with a line feed, with its blocks between them."""
 
 
 class Extent(NamedTuple):
@@ -175,9 +175,9 @@ class Extent(NamedTuple):
 
 
 class Layout(abc.ABC):
-    """What the text of one vendor language looks like.
+    """Text layout of one vendor language.
 
-    spelled: kinds of words that may be written in several ways. indent: one step of the printer's.
+    spelled: kinds of words with several spellings. indent: one step of the printer's indentation.
     """
 
     spelled: frozenset[str]
@@ -189,7 +189,7 @@ class Layout(abc.ABC):
 
     @abc.abstractmethod
     def noted(self, gap: str) -> bool:
-        """Whether a comment stands between two words."""
+        """True if the gap between two words has a comment."""
 
     @abc.abstractmethod
     def sketch(self, node: Any) -> Sketch:
@@ -197,18 +197,18 @@ class Layout(abc.ABC):
 
     @abc.abstractmethod
     def extent(self, text: str, node: Any) -> Extent | None:
-        """Where a node of a block stands, without outer blanks; None if it has no place."""
+        """Return the extent of a node of a block, without outer blanks; None without a position."""
 
     @abc.abstractmethod
     def line_ends(self, before: Any, after: Any) -> int | None:
-        """How many line ends two neighbours of a block want; None for the ends of the block.
+        """Return the number of line ends that two neighbours of a block need.
 
-        0 if they must share a line, 1 if they must not, 2 if a blank line looks well between
-        new ones, None if anything goes.
+        0 if they must share a line, 1 if they must not, 2 if a blank line looks well between new
+        ones, None without a rule. before, after: None at the ends of the block.
         """
 
     def spread(self, text: str, old: Sequence[Any], new: Sequence[Any]) -> Spread | None:  # noqa: ARG002
-        """Nodes that stand for many lines as nodes of one line each; None if there are none."""
+        """Return nodes that represent many lines as nodes of one line each; None without any."""
         return None
 
 
@@ -223,9 +223,9 @@ class Spread:
 
 @dataclass(slots=True)
 class Piece:
-    """A word or a block. gap: what is printed in front of it. start, end: in the source.
+    """A word or a block. gap: text printed in front of it. start, end: in the source.
 
-    A block's extent goes from the word before it to the word behind it.
+    A block's extent runs from the word before it to the word after it.
     """
 
     what: str | Block
@@ -250,7 +250,7 @@ def pieces_of(layout: Layout, sketch: Sketch) -> list[Piece]:
 
 
 def same_word(layout: Layout, piece: Piece, word: Word) -> bool:
-    """Whether a word of the source may be what the printer writes in another way."""
+    """True if a word of the source may be another spelling of a printed word."""
     if str(piece.what).casefold() == word.text.casefold():
         return True
     return word.kind == piece.kind and piece.kind in layout.spelled
@@ -316,9 +316,9 @@ def differences(
 
 
 Said = str | list[str | Block]
-"""What a node says: a text, or texts with the blocks between them."""
+"""Text of a node: a text, or texts with the blocks between them."""
 Part = Callable[[Any], Said | None]
-"""What a part of a template says of a node, None for nothing."""
+"""Returns the text of a template part for a node, None for no text."""
 
 _TOKEN: Final = re.compile(
     r"(?P<opens>\[\[)|(?P<closes>\]\])"
@@ -351,12 +351,12 @@ class Templates:
             self._says[kind] = self.template(row) if isinstance(row, str) else partial(row, self)
 
     def text(self, node: Any) -> str:
-        """What a node says that holds no block; also several, with commas between them."""
+        """Return the text of a node without blocks, or of several with commas between them."""
         text: str = self._says[node.__class__](node)
         return text
 
     def sketch(self, node: Any) -> list[str | Block]:
-        """What a node says, with the blocks that it holds."""
+        """Return the text of a node, with its blocks."""
         said = self._says[node.__class__](node)
         return [said] if isinstance(said, str) else said
 
@@ -372,9 +372,9 @@ class Templates:
     def _compiled(
         self, template: str, tokens: Iterator[re.Match[str]], at: int, *, optional: bool
     ) -> tuple[Part, int, bool]:
-        """What a template says from an offset to the end of its brackets.
+        """Compile a template from an offset to the end of its brackets.
 
-        Also the offset behind these, and whether it holds blocks.
+        Return the part, the offset after the brackets, and true if it holds blocks.
         """
         parts: list[str | Part] = []
         blocks = False
@@ -466,11 +466,11 @@ def joined_texts(parts: Iterable[str | Block]) -> list[str | Block]:
 
 @dataclass(frozen=True, slots=True)
 class BlockPrinter:
-    """Prints nodes that stand on lines of their own, and the blocks in them.
+    """Prints nodes on separate lines, and the blocks in them.
 
-    indent: one step. tables: of nodes of many lines, their text with an indentation and line ends.
-    trails: whether a node stands behind another on its line. stands_apart: whether a blank line
-    stands before a node that is not the first of its block.
+    indent: one step. tables: by type, the text of a node of many lines with an indentation and line
+    ends. trails: true if a node follows another on its line. stands_apart: true if a blank line
+    precedes a node that is not the first of its block.
     """
 
     templates: Templates
@@ -486,7 +486,7 @@ class BlockPrinter:
         return "".join(out)
 
     def sketch(self, node: Any) -> list[str | Block]:
-        """What a node says, as `Templates.sketch` does, a table as its lines."""
+        """Return the text of a node, as `Templates.sketch` does, for a table its lines."""
         table = self.tables.get(type(node))
         return self.templates.sketch(node) if table is None else [table(node, "", "\n")]
 

@@ -15,12 +15,12 @@ from typing import Any, TypeVar
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Something that a program says in one place.
+    """An item of content at one position of a program.
 
-    key: what it says, whatever its number and layout. kind: what entries that may take each
-    other's place have in common. setting: the word of a statement that holds for what follows.
-    at: index of its item. row: of a table, -1 for others; entries of one line have the same of
-    both. part: field of its line, empty for a table as a whole. line: it alone.
+    key: its content, independent of number and layout. kind: common property of entries that may
+    replace each other. setting: the word of a statement that applies to the lines after it. at:
+    index of its item. row: of a table, -1 for others; entries of one line have the same values of
+    both. part: field of its line, empty for a complete table. line: the entry alone.
     """
 
     key: str
@@ -45,7 +45,7 @@ def matched_entries(old: Sequence[Entry], new: Sequence[Entry]) -> dict[int, int
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What stands in the place of old entries first … stop: pairs of old and new, None for none."""
+    """Replacement of old entries first … stop: pairs of old and new, None for a missing one."""
 
     first: int
     stop: int
@@ -83,10 +83,10 @@ def _matcher(old: Sequence[Entry], new: Sequence[Entry]) -> SequenceMatcher[str]
 
 @dataclass
 class Edits:
-    """What is done to the entries of a tree.
+    """Edits of the entries of a tree.
 
-    place: entry of the built tree → entry here. replaced: entry → what takes its place, None for
-    nothing. put: new entries in front of an entry.
+    place: entry of the built tree → entry here. replaced: entry → its replacement, None for
+    removal. put: new entries in front of an entry.
     """
 
     here: Sequence[Entry]
@@ -96,7 +96,7 @@ class Edits:
     put: dict[int, list[Entry]] = field(default_factory=dict)
 
     def take(self, change: Change) -> bool:
-        """Does a change; False if it cannot be told where."""
+        """Apply a change; False if its position is unknown."""
         last: int | None = None
         for was, now in change.pairs:
             at = None if was is None else self.place.get(was)
@@ -111,9 +111,9 @@ class Edits:
         return True
 
     def restore(self, change: Change, old: Sequence[Entry], changed: set[int]) -> None:
-        """Says settings again that have changed and are not said where they are to change back.
+        """Repeat changed settings that are not stated at the point where they must change back.
 
-        changed: entries of the built tree that are not to stay.
+        changed: entries of the built tree that will not stay.
         """
         said = {old[at].setting for at in range(change.first, change.stop)}
         said |= {now.setting for _, now in change.pairs if now is not None}
@@ -127,7 +127,7 @@ class Edits:
                 self.put.setdefault(gap, []).append(old[at])
 
     def _gap(self, first: int, stop: int, forward: bool | None = None) -> int | None:
-        """The entry here that stands behind the place of entries first … stop of the built tree."""
+        """Return the entry here after the position of entries first … stop of the built tree."""
         above = max((k for k in self.place if k < first), default=None)
         below = min((k for k in self.place if k >= stop), default=None)
         if (self.forward if forward is None else forward) and below is not None:
@@ -155,10 +155,11 @@ def merged_by_key(
     changed: Callable[[T, T, T], T],
     place: Callable[[Sequence[T], T], int],
 ) -> list[T] | None:
-    """The items of a tree, changed as one built tree was into another, where order says nothing.
+    """Return a tree's items, changed as one built tree was into another, if order has no meaning.
 
-    key: of what is declared, None for what is none; that stays. changed: an item here, as it was
-    and as it is. place: where a new one goes. None where a changed one is not here.
+    key: of the declared item, None for an item that declares nothing; that stays. changed: returns
+    an item here with the change from the old to the new one. place: index for a new item. None if a
+    changed item is not here.
     """
     was, now, here = ({key(item): item for item in listed} for listed in (old, new, items))
     differ = {k for k, item in now.items() if k is not None and k in was and was[k] != item}

@@ -36,9 +36,9 @@ def abouts(package: str) -> Mapping[str, str]:
 
 
 def wrapped_text(text: str, most: int, mark: str) -> list[str]:
-    """A text cut between words, into parts of at most so many bytes in UTF-8.
+    """Cut a text between words, into parts of at most so many bytes in UTF-8.
 
-    mark: that further parts begin with. A word that is too long by itself is cut.
+    mark: first characters of further parts. A single word that is too long is cut.
     """
     if _utf8_size(text) <= most:
         return [text]
@@ -67,6 +67,6 @@ def in_ascii(name: str) -> str:
 
 
 def from_ascii(text: str) -> str:
-    """The name that was written; the text as it stands if that is none."""
+    """Return the name before escaping; the text unchanged if the result is not a name."""
     name = re.sub(_ESCAPE, lambda m: chr(min(int(m[0][2:], 16), 0x10FFFF)), text)
     return name if re.fullmatch(r"[^\W\d]\w*", name) else text

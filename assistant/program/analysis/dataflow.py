@@ -50,11 +50,11 @@ def postorder(after: Mapping[N, Iterable[N]]) -> list[N]:
 
 
 class Dataflow(Generic[N, V]):
-    """What holds where each node begins: `found`, for those that some start leads to.
+    """Value that holds at the beginning of each node: `found`, for the nodes that a start reaches.
 
-    after: node → those that may follow it. effect: what holds behind a node, by what holds where
-    it begins; None if nothing runs on. join: what is certain where two ways meet. The values are
-    those of a lattice of finite height: joining again and again must come to an end.
+    after: node → the nodes that may follow it. effect: returns the value after a node from the
+    value at its beginning; None if nothing follows. join: returns the value that is certain where
+    two paths meet. The values are those of a lattice of finite height: repeated joins must end.
     """
 
     def __init__(
@@ -105,10 +105,10 @@ _STEERING: Final = p.If | p.While | p.For | p.Switch | p.Label | p.Goto | p.Retu
 
 
 class ControlFlowGraph:
-    """The statements of a body as nodes, which are numbers; kept text may go to what it names.
+    """The statements of a body as numbered nodes; vendor statements may lead to labels they name.
 
-    runs: by node, what is worked out there, in order: statements, and of those that hold others
-    their conditions or their heads. after: by node, those that may follow. start: the first one.
+    runs: by node, its statements and expressions in order: for a statement that holds others, its
+    condition or its head. after: by node, those that may follow. start: the first one.
     """
 
     def __init__(self, body: Body, whole: Callable[[p.Statement], bool] = lambda _: False) -> None:
@@ -135,7 +135,7 @@ class ControlFlowGraph:
         return [self._labels[name] for name in effect_of(node).names & self._labels.keys()]
 
     def _body(self, body: Body, after: int) -> int:
-        """The node that a body begins at. after: the one behind it."""
+        """Return the node at the beginning of a body. after: the node that follows the body."""
         for steers, nodes in groupby(reversed(body), self._steers):
             if steers:
                 for node in nodes:
@@ -182,7 +182,7 @@ class ControlFlowGraph:
 
 
 def is_always_true(condition: e.Expression) -> bool:
-    """Whether a condition always holds."""
+    """True if a condition always holds."""
     match condition:
         case e.Truth(value) | e.Number(value):
             return bool(value)

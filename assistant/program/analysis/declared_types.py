@@ -21,7 +21,7 @@ KnownTypes = Mapping[str, str]
 COMPONENTS: Final = frozenset(
     ("x", "y", "z", *e.ANGLES, *e.EXTERNAL, *(f"j{axis}" for axis in range(1, 7)))
 )
-"""Of positions and joints, which are numbers; other members are a record's own."""
+"""Components of positions and joints, which are numbers; other members belong to records."""
 
 _TEXTS: Final = (
     "text", "fixed", "part", "character", "received", "date_today", "time_of_day",
@@ -34,7 +34,7 @@ _NUMBERS: Final = ("number", "integer")
 
 
 def known_types(program: Program, procedure: Procedure) -> KnownTypes:
-    """What is known of the names that a procedure sees."""
+    """Return the known types of the names that a procedure sees."""
     shared = _shared(program)
     known: dict[str, str] = {n.lower(): v.type for n, v in procedure.variables.items()}
     known |= {q.name.lower(): q.type for q in procedure.parameters}
@@ -46,7 +46,7 @@ def known_types(program: Program, procedure: Procedure) -> KnownTypes:
 
 @once_per_program
 def _shared(program: Program) -> dict[str, str]:
-    """What all procedures see."""
+    """Return the known types of the names that all procedures see."""
     known = {q.name.lower(): str(q.result) for q in program.procedures if q.result is not None}
     for table, kind in (
         (program.targets, "position"),
@@ -76,7 +76,7 @@ _WIDEST: Final[tuple[ValueType, ...]] = ("position", "joints", "text", "number")
 
 
 def is_value(x: e.Expression, known: KnownTypes) -> bool:
-    """Whether an expression surely is no text."""
+    """True if an expression surely is not a text."""
     match x:
         case e.Name(name):
             return known.get(name.lower(), "text") not in _TEXTS
@@ -124,7 +124,7 @@ def is_number(x: e.Expression, known: KnownTypes) -> bool:
 
 
 def is_position(x: e.Expression, known: KnownTypes) -> bool:
-    """Whether it is a target, which has more than the pose that it is at."""
+    """True if an expression is a target, which has more than its pose."""
     match x:
         case e.Name(name) | e.Index(e.Name(name)):
             return known.get(name.lower()) == "position"
@@ -132,7 +132,7 @@ def is_position(x: e.Expression, known: KnownTypes) -> bool:
 
 
 class Spelling:
-    """What names mean in one procedure after the other; those of the program until one is entered.
+    """Names in one procedure after another; those of the program before the first is entered.
 
     A name that is declared nowhere is spelled as it is given.
     """
@@ -155,7 +155,7 @@ class Spelling:
                 self._own.pop(name.lower(), None)
 
     def name(self, name: str) -> str:
-        """Of a variable, target or signal."""
+        """Return the declared spelling of a variable, target or signal."""
         return self._own.get(name.lower()) or self._shared.get(name.lower(), name)
 
     def timer(self, name: str) -> str:
@@ -165,5 +165,5 @@ class Spelling:
         return self._procedures.get(name.lower())
 
     def signal(self, name: str) -> Signal | None:
-        """What a name stands for if it is that of a signal."""
+        """Return the signal of a name, None for other names."""
         return None if name.lower() in self._own else self._signals.get(name.lower())

@@ -27,18 +27,18 @@ from assistant.program.vendor_statements import effect_of
 Element = tuple[str, tuple[int, ...]]
 Known = frozenset[str | Element]
 State = Known | None
-"""What has a value on every way to a place: names in lower case; None where no way leads to.
+"""Data with a value on every path to a position: names in lower case; None if no path leads there.
 
-Of arrays single elements too, and the array once all of them have one.
+For arrays these include single elements, and the array once all elements have a value.
 """
 
 
 @dataclass(slots=True)
 class Run:
-    """Names in lower case.
+    """Result of running a procedure: names in lower case.
 
-    read: perhaps read before a value is given. own: those of its own variables.
-    given: have one on every way back. ends: whether any way comes back.
+    read: perhaps read before they have a value. own: such names that are the procedure's variables.
+    given: have a value on every path back. ends: true if any path returns.
     """
 
     read: set[str] = field(default_factory=set)
@@ -68,9 +68,11 @@ class AssignmentAnalysis:
         self._running: list[str] = []
 
     def run(self, procedure: Procedure) -> Run:
-        """What a call may read and surely gives; of those that call each other the worst.
+        """Return the names that a call may read, and those that it surely gives a value.
 
-        One that calls itself reads no more by that than what it reads from its top.
+        For procedures that call each other this is the worst case.
+
+        A procedure that calls itself reads no more by that than it reads from its top.
         """
         key = procedure.name.lower()
         if self._running and key == self._running[-1]:
@@ -126,7 +128,7 @@ class _ReadsFromTop:
         return state
 
     def ran(self, node: Any, state: Known) -> State:
-        """What has a value behind a statement, or behind a condition that is worked out."""
+        """Return the names with a value after a statement, or after a condition is evaluated."""
         match node:
             case p.Assign(e.Name(name), value):
                 return self.reads(value, state) | {name.lower()}
@@ -146,7 +148,7 @@ class _ReadsFromTop:
         return self.reads(node, state)
 
     def element(self, target: e.Expression, state: Known) -> set[str | Element]:
-        """What has a value behind an assignment to an element: that, and its array if all have."""
+        """Return the element that an assignment gives a value, and its array once all have one."""
         place = assigned_element(target, self.sizes)
         if place is None:
             return set()
@@ -157,7 +159,7 @@ class _ReadsFromTop:
         return {place} if {(name, at) for at in every} - state - {place} else {place, name}
 
     def reads(self, value: Any, state: Known) -> Known:
-        """What an expression or a plain statement reads, and its calls of functions."""
+        """Record the reads of an expression or a plain statement, and its calls of functions."""
         for record in records(value):
             match record:
                 case e.Name(name):
@@ -182,7 +184,7 @@ class _ReadsFromTop:
         self.run.own |= (names & self.own) - state
 
     def others(self, state: Known) -> Known:
-        """What has a value of data that is not the procedure's own."""
+        """Return the names with a value that are not the procedure's own."""
         return frozenset(x for x in state if (x if isinstance(x, str) else x[0]) not in self.own)
 
 
@@ -215,7 +217,7 @@ def filled_array(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str
 
 
 def first_move(program: Program, name: str, of: Literal["tool", "frame"]) -> Span | None:
-    """Where the program first moves with the tool, or in the frame, of that name."""
+    """Return the span of the first move with the tool, or in the frame, of that name."""
     for statement in program.statements():
         match statement:
             case p.Follow(path=path):

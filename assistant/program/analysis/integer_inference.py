@@ -1,7 +1,7 @@
-"""Integer inference: which numbers of a program are whole, and which never fall below 0.
+"""Integer inference: numbers of a program that are integers, and numbers that are never below 0.
 
-A variable is whole if every value that it is ever given is. All are taken to be so at first, and
-those that are given something else drop out, until no more do.
+A variable is an integer if every value assigned to it is. All variables count as integers at first,
+and those with another value are removed, until no more are.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _WORD: Final = re.compile(r"\w+")
 
 @dataclass(frozen=True, slots=True)
 class NumberFact:
-    """What is known of a number. positive: 0 or more."""
+    """Known facts about a number. whole: an integer. positive: 0 or more."""
 
     whole: bool
     positive: bool
@@ -38,12 +38,12 @@ Key = tuple[str, str]
 
 
 Given = tuple[e.Expression, str] | tuple[p.For, str] | NumberFact
-"""What a variable is given: a value or the counting of a loop, with its procedure."""
+"""Source of a variable's value: a value or the count of a loop, with its procedure."""
 
 
 @dataclass
 class NumberFacts:
-    """What is known of the numbers of a program."""
+    """Known facts about the numbers of a program."""
 
     program: Program
     found: dict[Key, NumberFact] = field(default_factory=dict)
@@ -80,7 +80,7 @@ class NumberFacts:
                 break
 
     def of(self, x: e.Expression, procedure: Procedure) -> NumberFact:
-        """What is known of an expression in a procedure."""
+        """Return the known fact about an expression in a procedure."""
         return self._of(x, procedure.name.lower())
 
     def _typed(self) -> Iterator[Key]:
@@ -221,7 +221,7 @@ def without_needless_rounding(program: Program) -> Program:
 
 
 def _initial_fact(variable: Variable) -> NumberFact:
-    """What is known before anything is assigned; a persistent one is changed from elsewhere."""
+    """Return the fact before any assignment; a persistent variable is changed from elsewhere."""
     whole = variable.type == "integer"
     if variable.storage == "persistent" or variable.type not in ("number", "integer"):
         return NumberFact(whole, positive=False)
@@ -258,7 +258,7 @@ def _fact_of_operation(operator: str, left: NumberFact, right: NumberFact) -> Nu
 
 
 def _written_variable(x: Any) -> str | None:
-    """The variable that holds what is written, None for a component, which is no number's own."""
+    """Return the variable that is written, None for a component, which has no number fact."""
     match x:
         case e.Name(name) | e.Index(e.Name(name)):
             return name

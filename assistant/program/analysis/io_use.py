@@ -63,7 +63,10 @@ def with_one_name(program: Program) -> Program:
 
 
 def used_signal_names(program: Program) -> set[str]:
-    """Lower-case names of all signals that statements or kept texts read, wait for or set."""
+    """Return the names of all signals that statements or vendor texts read, wait for or set.
+
+    The names are in lower case.
+    """
     found = set()
     for statement in program.statements():
         found |= {one.signal.lower() for one in p.outputs(statement)}
@@ -156,8 +159,10 @@ _SaidOfChannel: TypeAlias = tuple[OpenChannels, tuple[str, ...]]
 
 @dataclass(slots=True)
 class _ChannelEffect:
-    """What a procedure does to channels. left: of those open before it, which may be so behind it.
-    opened: what it may leave open itself.
+    """Effect of a procedure on channels.
+
+    left: channels open before it that may be open after it. opened: channels that it may leave open
+    itself.
     """
 
     left: OpenChannels
@@ -217,7 +222,7 @@ class _OpenTogether:
         return found
 
     def more_ways(self) -> bool:
-        """Whether the procedures do more than was known of those that they call."""
+        """Update the effects of the procedures from their callees; True if any has changed."""
         changed = False
         for name, procedure in self.procedures.items():
             opened = self.through(procedure, _NONE)
@@ -227,14 +232,14 @@ class _OpenTogether:
         return changed
 
     def more_begins(self) -> bool:
-        """Whether more may be open somewhere than was known; tells all that is open together."""
+        """Update the channels open at the start of procedures and collect pairs; True on change."""
         before = dict(self.begins)
         for name, procedure in self.procedures.items():
             self.through(procedure, self.begins[name])
         return before != self.begins
 
     def through(self, procedure: Procedure, before: OpenChannels) -> OpenChannels:
-        """What may be open behind a procedure."""
+        """Return the channels that may be open after a procedure."""
         self.left = _NONE
         if any(isinstance(one, p.Goto) for one in walk(procedure.body)):
             before |= frozenset(
@@ -246,7 +251,7 @@ class _OpenTogether:
         return (behind or _NONE) | self.left
 
     def body(self, body: Body, before: OpenChannels | None) -> OpenChannels | None:
-        """What may be open behind statements; None where nothing goes on."""
+        """Return the channels that may be open after statements; None if nothing follows."""
         for node in body:
             if before is None:
                 return None
@@ -277,7 +282,7 @@ class _OpenTogether:
         return at
 
     def step(self, node: p.Statement, before: OpenChannels) -> OpenChannels:
-        """What may be open behind one statement, without those that stand in it."""
+        """Return the channels that may be open after one statement, without those inside it."""
         names, calls = self.of(node)
         for name in names:
             self.found |= {frozenset((name, other)) for other in before - {name}}
@@ -292,7 +297,7 @@ class _OpenTogether:
         return before
 
     def of(self, node: p.Statement) -> _SaidOfChannel:
-        """Channels that a statement names by itself, and procedures that it calls."""
+        """Return the channels that a statement itself names, and the procedures that it calls."""
         known = self.said.get(id(node))
         if known is None:
             parts = list(records(head(node)))

@@ -23,10 +23,10 @@ TOOL, FRAME, CORNER, LINES = range(4)
 """Parts of a state: see `State`."""
 
 MotionState = tuple[frozenset[str], ...] | None
-"""What may hold, in lower case; None where no way leads to.
+"""Possible state, in lower case; None if no path leads there.
 
-Names of the active tool and frame; STOP if the last move ended at its target, else `corner_of`
-that move, or UNKNOWN; WATCHED or OPEN for the configurations of straight moves.
+Names of the active tool and frame; STOP if the last move ended at its target, else `corner_of` that
+move, or UNKNOWN; WATCHED or OPEN for the configurations of straight moves.
 """
 
 ENTRY: Final = ""
@@ -46,11 +46,11 @@ _FIRST: Final = frozenset((START,))
 _BEGUN: Final = (_FIRST, _FIRST, frozenset((STOP,)), frozenset((WATCHED,)))
 """At the start of a program."""
 _STARTED: Final = (*_BEGUN[:3], _ANY[3])
-"""Where a person starts a procedure that nothing calls."""
+"""State at which a person starts a procedure that nothing calls."""
 
 
 class MotionStep(enum.Enum):
-    """What a statement of a kept text does to what holds."""
+    """Effect of a vendor statement on the motion state."""
 
     NOTHING = enum.auto()
     STOPS = enum.auto()
@@ -64,7 +64,7 @@ class MotionStep(enum.Enum):
 
 
 StepsOfText = Callable[[str], Iterable[MotionStep] | None]
-"""The steps of a kept text in their order; None for what may run between any two statements."""
+"""Returns the steps of a vendor text in order; None if it may run between any two statements."""
 
 
 class MotionStates:
@@ -112,7 +112,7 @@ class MotionStates:
             self.cut |= (self.entered[name] or _ANY)[CORNER]
 
     def at(self, owner: Procedure, node: p.Statement) -> tuple[frozenset[str], ...]:
-        """What may hold before a statement of a procedure that was asked for."""
+        """Return the possible state before a statement of a procedure that `asks` selects."""
         key = owner.name.lower()
         if key in self.handled:
             return _ANY
@@ -127,7 +127,7 @@ class MotionStates:
         return self.spelled.get(next(iter(names))) if len(names) == 1 else None
 
     def _entered(self, entry: str) -> dict[str, MotionState]:
-        """What may be active where each procedure is called; nobody knows at the start."""
+        """Return the possible state at the calls of each procedure; at the start it is unknown."""
         roots = {n for n in self.procedures if n not in self.calls or self.any_called}
         entered: dict[str, MotionState] = {entry: self._begun(entry)}
         alone = _ANY if self.any_called else _STARTED
@@ -223,7 +223,7 @@ class MotionStates:
             state = again
 
     def read(self, node: p.Statement, value: Any, state: MotionState) -> MotionState:
-        """What holds once a value is worked out; notes a statement that is asked for."""
+        """Return the state after a value is evaluated; record that of a selected statement."""
         asked, begun = False, state
         for record in records(value):
             if self.asks(record):
@@ -284,7 +284,7 @@ class MotionStates:
         return state
 
     def lost(self, state: MotionState) -> MotionState:
-        """What holds once something may have moved the robot: its corners are behind it."""
+        """Return the state after a possible motion of the robot, which has left its last corner."""
         corners = (state or _ANY)[CORNER]
         self.cut |= corners
         if ENTRY in corners:
@@ -299,12 +299,12 @@ def _with_part(state: MotionState, part: int, value: str) -> MotionState:
 
 
 def corner_of(move: p.Statement) -> str:
-    """What stands for the corner of a move."""
+    """Return the identifier of the corner of a move."""
     return str(id(move))
 
 
 def _merged_states(*ways: MotionState) -> MotionState:
-    """What may hold where several ways meet."""
+    """Return the possible state where several paths meet."""
     known = [way for way in ways if way is not None]
     return tuple(map(_union, zip(*known, strict=True))) if known else None
 

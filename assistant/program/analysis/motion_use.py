@@ -76,9 +76,9 @@ KnownPosition = tuple[Vector, str, str] | None
 
 
 def straight_lengths(program: Program) -> dict[int, float]:
-    """Mm of the straight moves that set outputs on their way, by identity of the statement.
+    """Return the mm of straight moves that set outputs on their way, by statement identity.
 
-    Of one that begins where the statement before it ends, in the same tool and frame.
+    Only moves that begin at the end of the statement before, in the same tool and frame.
     """
     targets = {name.lower(): target for name, target in program.targets.items()}
     found: dict[int, float] = {}
@@ -131,10 +131,10 @@ USUAL_SETTINGS: Final[tuple[Setting, ...]] = (
     p.SetOverride(e.Number(100)),
     p.SetAcceleration(e.Number(100), e.Number(100)),
 )
-"""As a controller begins: nothing is slowed down."""
+"""Settings at the start of a controller: full speed and acceleration."""
 _BEGUN, _USUAL, _OTHER = "begun", "usual", "other"
 SettingValues = frozenset[str]
-"""What a setting may be at a place: as the cycle began, as usual, or another."""
+"""Possible values of a setting at a position: as the cycle began, as usual, or another."""
 
 
 def left_settings(program: Program, entry: Procedure) -> tuple[Setting, ...]:
@@ -177,7 +177,10 @@ class _SettingAlongPaths:
         return self.used and _OTHER in ends
 
     def behind(self, procedure: Procedure, values: SettingValues) -> SettingValues:
-        """What may hold where a procedure ends that began with some; empty if it never does."""
+        """Return the values possible at the end of a procedure; empty if it never ends.
+
+        values: those possible at its start.
+        """
         key = procedure.name.lower(), values
         if key not in self._known:
             self._known[key] = values  # for one that calls itself

@@ -51,7 +51,7 @@ class PossibleValues:
         self._given: dict[_Place, list[tuple[str, e.Expression]]] = {}
         self._any: set[_Place] = set()
         self._counted: set[_Place] = set()
-        """Variables of loops, and those that are no plain ones."""
+        """Loop variables, and variables that are not plain ones."""
         self._called: set[str] = set()
         for declaration in program.declarations:
             self._any |= {("", name) for name in effect_of(declaration).writes}
@@ -67,13 +67,13 @@ class PossibleValues:
     def of(
         self, value: e.Expression, procedure: Procedure, known: Mapping[str, Numbers] | None = None
     ) -> Numbers:
-        """What an expression in a procedure may come to. known: of variables, in lower case."""
+        """Return the values that an expression may have. known: of variables, in lower case."""
         owner = procedure.name.lower()
         self._settle(set(self._asked(value, owner)))
         return self._of(value, owner, known or {})
 
     def is_entry_alone(self, procedure: Procedure) -> bool:
-        """Whether a procedure is what runs first, and nothing calls it again."""
+        """True if a procedure runs first, and nothing calls it again."""
         name = procedure.name.lower()
         return (self.program.entry or "").lower() == name and name not in self._called
 
@@ -93,7 +93,7 @@ class PossibleValues:
         return found
 
     def begun(self, name: str) -> Numbers:
-        """What a variable may hold before anything is assigned to it: what its file gives it."""
+        """Return the values that a variable may have before any assignment: those in its file."""
         given = self._given.get(("", name), ())
         return self._all([(by, one) for by, one in given if not by], _NONE)
 
@@ -155,7 +155,7 @@ class PossibleValues:
         return (owner if name in self._own.get(owner, ()) else "", name)
 
     def _begins(self, place: _Place, initial: e.Expression | None, storage: str) -> None:
-        """A value that stands in the file is one of those that the variable may have."""
+        """Add the values in the file to those that the variable may have."""
         self._given.setdefault(place, [])
         if initial is None and storage == "persistent":
             self._any.add(place)
@@ -243,7 +243,7 @@ _HOLDS: Final[Mapping[str, Callable[[float, float], bool]]] = {
 
 @dataclass(frozen=True, slots=True)
 class _Assumed:
-    """Stands where a condition is known to hold, or not to."""
+    """Marks a position at which a condition is known to hold, or not to hold."""
 
     condition: e.Expression
     holds: bool
@@ -252,7 +252,7 @@ class _Assumed:
 def numbers_at(
     possible: PossibleValues, value: e.Expression, procedure: Procedure, statement: p.Statement
 ) -> Numbers:
-    """What an expression of a statement may come to where that stands in a procedure."""
+    """Return the possible values of an expression at a statement of a procedure."""
     found = possible.of(value, procedure)
     if found is not None or not possible.is_entry_alone(procedure):
         return found

@@ -1,7 +1,7 @@
-"""What procedures read, change and call, and where the order within a statement matters.
+"""Reads, changes and calls of procedures, and dependence on the order within a statement.
 
 The pseudo-program evaluates from left to right. A call that is moved before its statement runs
-before what is read to the left of it. Recursion is found by strongly connected components.
+before the reads to the left of it. Recursion is found by strongly connected components.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _CALLED: Final = {POSITION: "the position of the robot", TIME: "a timer"}
 
 
 def called_by(name: str) -> str:
-    """What `read_before` names, in the words of a finding."""
+    """Return the name of an item of `read_before` for a finding."""
     return _CALLED.get(name, f"`{name}`")
 
 
@@ -111,7 +111,7 @@ def mentioned_variables(program: Program) -> dict[str, frozenset[str]]:
 
 
 def along_calls(program: Program, own: Mapping[str, frozenset[str]]) -> dict[str, frozenset[str]]:
-    """What each procedure has, by lower-case name, with what those have that it calls."""
+    """Return the names of each procedure, by lower-case name, with those of its callees."""
     found = dict(own)
     calls = {q.name.lower(): found.keys() & set(called(q)) for q in program.procedures}
     callers: dict[str, list[str]] = {key: [] for key in found}
@@ -130,7 +130,7 @@ def along_calls(program: Program, own: Mapping[str, frozenset[str]]) -> dict[str
 
 
 def callees_first(calls: Mapping[str, Iterable[str]]) -> list[str]:
-    """Procedures in an order in which each stands behind those that it calls, but for circles."""
+    """Return the procedures in an order in which each follows its callees, except in cycles."""
     found: dict[str, None] = {}
     begun: set[str] = set()
     for root in calls:
@@ -178,11 +178,11 @@ def handed_over(procedure: Procedure, arguments: tuple[Any, ...]) -> Iterator[e.
 def read_before(
     statement: Any, functions: Mapping[str, Procedure], alters: Mapping[str, frozenset[str]]
 ) -> Iterator[tuple[str, str]]:
-    """What a statement reads before a function changes it: names as in `altered`, the function's.
+    """Yield each name that a statement reads before a function changes it, with the function.
 
-    statement: one without the bodies that it holds, or expressions as they are worked out.
-    functions: that are taken out of it, by lower-case name. alters: what each changes outside of
-    itself, as `altered` tells.
+    The names are those of `altered`. statement: without the bodies that it holds, or expressions in
+    the order of evaluation. functions: to be moved out of it, by lower-case name. alters: names
+    that each changes outside of itself, as `altered` returns them.
     """
     pending: list[str] = []
 
@@ -240,7 +240,7 @@ def unordered(program: Program, cannot_say: Rule) -> Iterator[Diagnostic]:
     alters, mentions = altered(program), mentioned_variables(program)
 
     def touched(side: Any) -> tuple[set[str], set[str]]:
-        """What working a side out reads, and what it changes."""
+        """Return the names that evaluation of one side reads, and those that it changes."""
         read: set[str] = set()
         changed: set[str] = set()
         for record in records(side):
@@ -314,7 +314,7 @@ def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
 
 
 def names_in_procedure(procedure: Procedure) -> frozenset[str]:
-    """Names that a procedure reads or changes, and every word of its kept text, in lower case."""
+    """Return lower-case names that a procedure reads or changes, and all words of vendor text."""
     names: set[str] = set()
     for record in records_in_body(procedure, e.Name, p.For, p.Opaque, e.Verbatim):
         match record:
