@@ -45,7 +45,7 @@ def draw_by(names: Mapping[str, tuple[str, str]]) -> None:
 
 
 def pictured(one: object) -> str:
-    """What a notebook shows of an object, as HTML: the `_repr_html_` of its class."""
+    """Return the HTML that a notebook shows of an object: the `_repr_html_` of its class."""
     module, name = _DRAWING[type(one).__name__]
     html: str = getattr(importlib.import_module(module), name)(one)
     return html

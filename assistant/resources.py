@@ -10,7 +10,9 @@ from pathlib import Path
 
 
 def resource(folder: str, name: str) -> Traversable:
-    """A file of `grammars`, `templates` or `samples`; raises FileNotFoundError if there is none."""
+    """Return a file of `grammars`, `templates` or `samples`; raises FileNotFoundError if it is
+    missing.
+    """
     inside = files("assistant").joinpath(folder, name)
     beside = Path(__file__).resolve().parent.parent / folder / name
     for found in (inside, beside):

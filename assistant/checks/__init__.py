@@ -32,12 +32,12 @@ def check(program: Program) -> tuple[Diagnostic, ...]:
 def with_robot(
     solution: SolvedProgram, *, cycle: float | None = None, scene: Scene | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Findings of the rules about how a robot gets through a program.
+    """Return the findings of the rules about how a robot executes a program.
 
-    scene: the cell that it stands in, None if nobody has told of one: then the arm is looked at
-    alone, with its base and its tools. cycle: seconds between two places that the controller
-    commands; None for what is known of it.
-    What cannot be reached at all are findings of the solution itself.
+    scene: the cell around the robot; None if it is unknown, then only the arm with its base and
+    tools is checked. cycle: seconds between two positions that the controller commands; None for
+    the known value of the robot. Targets that cannot be reached at all are findings of the solution
+    itself.
     """
     from assistant.checks import robot_rules
     from assistant.checks.clearances import clearances

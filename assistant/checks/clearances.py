@@ -1,4 +1,4 @@
-"""What a program touches on its way through a cell, or comes too near to."""
+"""Contacts and small clearances of a program on its way through a cell."""
 
 from __future__ import annotations
 
@@ -90,12 +90,13 @@ UNSEEN: Final = (
 )
 """Words of what a simulation does not know by which ways of the arm are left out."""
 SHALLOW: Final = 0.05
-"""Of the radii of two links, by which their capsules overlap where the links may not: nobody has
-measured them, and they are thicker than the castings."""
+"""Share of the radii of two links by which their capsules may overlap where the links may not: the
+radii are not measured, and the capsules are thicker than the castings.
+"""
 NEIGHBOURS: Final = 2
 """Moves that are at most so far apart are neighbours; the points of an arc are two apart."""
 BARE: Final = 50.0
-"""mm from a tip to the next body from which on the tool is taken to have none."""
+"""mm from a tip to the next body; from this distance on, the tool is assumed to have no body."""
 
 
 def clearances(
@@ -280,7 +281,7 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
 
 
 def _leaves_known_space(scene: Scene, one: str, other: str) -> str | None:
-    """The body that is in space of which a map says nothing, None if both are bodies."""
+    """Return the body that is in unknown space of a map, None if both are bodies."""
     from assistant.cell.scene import CORE_SUFFIX, UNKNOWN_SUFFIX
 
     for thin, space in ((one, other), (other, one)):

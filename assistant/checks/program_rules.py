@@ -151,8 +151,8 @@ def _arc_findings(points: Floats, place: _Place) -> Iterator[Diagnostic]:
 
 
 def _angle_findings(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Iterator[Diagnostic]:
-    """One finding for all rows of a path, with the angle of the worst; one for each that has a
-    line of its own.
+    """Yield one finding for all rows of a path, with the angle of the worst row; one finding per
+    row if each row has a separate line.
     """
     if not len(rows):
         return
@@ -268,7 +268,9 @@ UNITS: Final[Mapping[Measure, str]] = {"start": "mm", "end": "mm", "time": "s", 
 
 
 def outputs(program: Program) -> Iterator[Diagnostic]:
-    """Places before the start, and behind the end of straight moves of known length."""
+    """Find outputs set before the start of a move, or after the end of a straight move of known
+    length.
+    """
     if not sets_on_way(program):
         return
     known = straight_lengths(program)

@@ -230,18 +230,18 @@ def _blend_radius(blend: Blend | Name, named: Mapping[str, Blend]) -> float:
 
 
 BENT: Final = float(np.sin(np.radians(IN_LINE)))
-"""Sine of axis 5 below which axes 4 and 6 mean nothing by themselves."""
+"""Sine of axis 5 below which the individual values of axes 4 and 6 have no meaning."""
 
 
 @dataclass(frozen=True, slots=True)
 class Extremes:
-    """Of m moves, each (m,); infinite where an arm has no such thing.
+    """Extremes of m moves, each array (m,); infinite where an arm has no such singularity.
 
-    wrist: least angle of axis 5 on the way, degrees. elbow: least angle between the upper arm
+    wrist: least angle of axis 5 during the move, degrees. elbow: least angle between the upper arm
     and the line from axis 3 to the wrist centre, degrees. shoulder: least distance of the wrist
-    centre from axis 1, mm. crossed: whether the move goes straight through the singularity of
-    the wrist. by_ends: whether its ends alone show that, which is what finding RB115 tells.
-    seconds: the least that the joint speeds allow. axis: which joint that is.
+    centre from axis 1, mm. crossed: True if the move goes straight through the wrist singularity.
+    by_ends: True if its ends alone show that, which finding RB115 reports. seconds: the least time
+    that the joint speeds allow. axis: the joint that sets this time.
     """
 
     wrist: Floats
@@ -307,9 +307,10 @@ def _peak(moves: Moves, extremes: Extremes, at: Rows, joints: Floats) -> None:
 
 
 def _steps(robot: Robot, joints: Floats) -> Floats:
-    """(k, p - 1, a) seconds at full speed between places on ways, joints (k, p, a).
+    """Return (k, p - 1, a) seconds at full speed between positions on paths, joints (k, p, a).
 
-    Beside a straight wrist axes 4 and 6 mean nothing by themselves.
+    Steps of axes 4 and 6 are ignored near a straight wrist: their individual values have no meaning
+    there.
     """
     step = np.abs(robot.wound(np.diff(joints, axis=1)))
     if robot.arm.spherical:
@@ -371,14 +372,14 @@ def _crossed_at_targets(moves: Moves, extremes: Extremes) -> None:
 
 
 def _clear_ends(extremes: Extremes, moves: Rows) -> None:
-    """What the ends of moves have shown."""
+    """Remove the extremes that the ends of moves have already shown."""
     for least in (extremes.wrist, extremes.elbow, extremes.shoulder):
         least[moves] = np.inf
     extremes.seconds[moves] = 0.0
 
 
 def _same_branch(moves: Moves, rows: Rows) -> Truths:
-    """Whether both ends of some moves belong to one arm branch."""
+    """True for each move whose two ends are in the same arm branch."""
     first, last = (
         moves.robot.branch_of(moves.robot.configuration(moves.joints[place[rows] + 1]))
         for place in (moves.starts, moves.rows)
@@ -454,7 +455,9 @@ def _update_extremes(robot: Robot, extremes: Extremes, at: Rows, joints: Floats)
 
 
 def _past_nothing(points: Floats) -> Floats:
-    """How near the straight lines between points (k, p, 2) come to the origin: (k, p - 1)."""
+    """Return the distances (k, p - 1) of the straight lines between points (k, p, 2) from the
+    origin.
+    """
     first, extremes = points[:, :-1], np.diff(points, axis=1)
     squared = np.einsum("kpi,kpi->kp", extremes, extremes)
     part = -np.einsum("kpi,kpi->kp", first, extremes) / np.where(squared > 0.0, squared, 1.0)
@@ -467,16 +470,18 @@ def _within_a_turn(radians: Floats) -> Floats:
 
 
 NEIGHBOURS: Final = 2
-"""Rows that are at most so far apart are told of together; the points of an arc are two apart."""
+"""Largest distance between rows that one finding reports together; the points of an arc are two
+apart.
+"""
 MOST_GROUPS: Final = 5
-"""Groups of neighbours in a run from which on they are told of together as well."""
+"""Number of groups of neighbours in a run from which on one finding reports all of them."""
 
 
 @dataclass(frozen=True)
 class ProgramView:
-    """What rules look at.
+    """Solved program that the rules check.
 
-    cycle: seconds between two places that the controller commands.
+    cycle: seconds between two positions that the controller commands.
     """
 
     solution: SolvedProgram
@@ -544,10 +549,11 @@ class RunView:
         return np.asarray(np.searchsorted(self.firsts, rows, side="right") - 1)
 
     def groups(self, rows: Rows, badness: Floats) -> Iterator[tuple[Rows, int]]:
-        """Rows of the run (k,) ascending, each group with the place of its worst.
+        """Yield groups of rows of the run (k,), ascending, each group with the index of its worst
+        row.
 
-        Neighbours are together, and so are the rows of a path that have no lines of their own. The
-        place is one among the k of badness (k,), of which more is worse.
+        Neighbouring rows form a group, and so do the rows of a path without separate lines. The
+        index is one among the k of badness (k,); higher badness is worse.
         """
         leg = self.leg_of(rows)
         alone = np.array([_has_lines(one.statement) for one in self.legs], dtype=bool)[leg]
@@ -574,7 +580,7 @@ class RunView:
 
 
 def _has_lines(statement: Moving) -> bool:
-    """True if each row of the statement has a line of its own in the text."""
+    """True if each row of the statement has a separate line in the text."""
     return isinstance(statement, Follow) and statement.path.places is not None
 
 

@@ -67,7 +67,9 @@ def joint_speeds(view: ProgramView) -> Iterator[Diagnostic]:
 
 
 def _speed_text(moves: Moves, at: int, seconds: float) -> str:
-    """How fast a move is that takes so long, of the TCP, or of a turn on the spot."""
+    """Return the speed of a move that takes this many seconds: of the TCP, or of the rotation if it
+    turns on the spot.
+    """
     length, turn = float(moves.length[at]), float(moves.turn[at])
     if length / moves.tcp[at] >= turn / moves.rotation[at]:
         return f"{figure(length / seconds)} mm/s"
@@ -154,7 +156,7 @@ def singularities(view: ProgramView) -> Iterator[Diagnostic]:
 LEAST_LENGTH: Final = 1.0
 """mm below which a move turns on the spot, and no speed of the TCP is expected of it."""
 LEAST_SLOWDOWN: Final = 1.1
-"""Times that a move must take longer to be told of,"""
+"""Factor by which a move must take longer to be reported; `LEAST_DELAY` applies as well."""
 LEAST_DELAY: Final = 0.1
 """and seconds: less is lost in accelerating."""
 
@@ -342,7 +344,7 @@ TOO_HEAVY: Final = warning(
 
 
 def loads(view: ProgramView) -> Iterator[Diagnostic]:
-    """Of tools that the program moves; what weight is not known is not told of."""
+    """Check the loads of the tools that the program moves; skip tools without a known load."""
     robot = view.robot
     for name, tool in view.solution.tools.items():
         if not tool.held or tool.load is None:

@@ -1,1 +1,1 @@
-"""What editors ask about programs that are being written; `service` names it all."""
+"""Answers for editors about programs during typing; `service` names all of them."""

@@ -19,9 +19,9 @@ SORTS: Final = (
     *("comment", "keyword", "type", "variable", "parameter", "function", "procedure"),
     *("instruction", "target", "number", "string", "operator", "label", "property"),
 )
-"""What a word of a program is, by number: see `Tokens`."""
+"""Sorts of words in a program, by number: see `Tokens`."""
 MARKS: Final = ("declaration", "readonly", "predefined")
-"""What else is said of a word: bit 0, 1 and 2 of `Tokens.marks`."""
+"""Marks of a word: bits 0, 1 and 2 of `Tokens.marks`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +39,10 @@ of them is made."""
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A finding, and where it stands.
+    """A finding and its range.
 
-    range: the first line of the file where the finding names none. settled: whether the whole
-    program was looked at since the last change; what is not may still change.
+    range: the first line of the file if the finding has no location. settled: True if the complete
+    program was checked since the last change; other findings may still change.
     """
 
     diagnostic: Diagnostic
@@ -90,10 +90,10 @@ CompletionKind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """A word that may stand at a place.
+    """A word that can be inserted at a position.
 
-    text: what is put in for `range`. detail: one line beside the label, such as a type.
-    about: more, as Markdown, empty if there is none. rank: smaller ones come first.
+    text: the text that replaces `range`. detail: one line beside the label, such as a type. about:
+    more text as Markdown, empty if unknown. rank: smaller ones come first.
     """
 
     label: str
@@ -107,7 +107,7 @@ class Completion:
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """What is said about the word at a place: Markdown without HTML."""
+    """Text about the word at a position: Markdown without HTML."""
 
     text: str
     range: Range
@@ -158,10 +158,11 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class Translation:
-    """A program as another language says it.
+    """A program translated into another language.
 
-    files: text by file name, empty if it could not be written. pairs: in the order of the source.
-    findings: of translating it. draft: what cannot be said stands as a comment behind a stop.
+    files: text by file name, empty if the program could not be written. pairs: in the order of the
+    source. findings: from the translation. draft: statements without a translation are comments
+    after a stop.
     """
 
     language: str

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 
 MOST_COMPLETIONS: Final = 500
-"""Words that are told at once."""
+"""Largest number of completions in one answer."""
 _COMPLETION_KINDS: Final = {
     "procedure": "procedure", "function": "function", "interrupt": "procedure", "record": "type",
     "type": "type", "constant": "variable", "variable": "variable", "target": "target",
     "parameter": "parameter", "label": "label", "step": "label",
 }  # fmt: skip
 _LATER_RANK: Final = 1000
-"""Added to the rank of words that do not begin with what is written."""
+"""Added to the rank of words that do not begin with the typed letters."""
 _STARTING: Final = ("instruction", "procedure", "keyword", "variable")
 _VALUES: Final = ("target", "variable", "parameter", "function", "label")
 
@@ -96,7 +96,9 @@ def _rank(kind: str, first: tuple[str, ...]) -> int:
 
 
 def _declared(document: Document, line: int) -> Iterator[Declaration]:
-    """What a line sees: of its routine, its file, and what other files share."""
+    """Yield the declarations visible in a line: of its routine, of its file, and shared ones of
+    other files.
+    """
     routine = document.made_of.routine_at(line)
     for other in document.workspace.task(document):
         for at, facts in enumerate(other.facts):
@@ -138,7 +140,9 @@ def _fitting(
 
 
 def _fits(key: str, wanted: str) -> bool:
-    """Whether the letters of one stand in the other in their order, the first one first."""
+    """True if the letters of `wanted` occur in `key` in their order, beginning with the first
+    one.
+    """
     if not wanted:
         return True
     if not key or key[0] != wanted[0]:
@@ -176,7 +180,7 @@ def hover(document: Document, place: Place) -> Hover | None:
 
 
 def _with_next(document: Document, line: int, start: int) -> str:
-    """A word and the one behind it: `def pos`."""
+    """Return a word and the one after it: `def pos`."""
     words = [word for word in document.facts[line].words if word.start >= start][:2]
     return " ".join(word.text.lower() for word in words)
 
@@ -269,7 +273,7 @@ def _code(text: str) -> str:
 
 
 def _escaped_markdown(text: str) -> str:
-    """A text that is no Markdown."""
+    """Escape a plain text for Markdown."""
     return "".join(f"\\{c}" if c in "\\`*_{}[]()#+-.!|<>&" else c for c in text)
 
 

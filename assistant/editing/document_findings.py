@@ -108,7 +108,7 @@ def _fix(document: Document, edit: _Edit, code: str, *, preferred: bool) -> Fix:
 
 
 def _candidate_edits(document: Document, found: Found) -> Iterator[_Edit]:
-    """What may be meant, the likeliest first."""
+    """Yield possible corrections, the likeliest first."""
     finding, lines = found.diagnostic, document.lines
     span = lines.span(found.range)
     there = document.text[span.start : span.end]
@@ -164,7 +164,9 @@ def _similar_names(document: Document, found: Found, missing: str) -> Iterator[_
 
 
 def _quoted(finding: Diagnostic) -> list[str]:
-    """Of the cure first, then of what is wrong: a message may name what is missing."""
+    """Return the quoted words of the cure, then of the message: a message may name the missing
+    word.
+    """
     words = [*_QUOTED.findall(finding.cure), *_QUOTED.findall(finding.message)]
     return [word for word in dict.fromkeys(words) if "…" not in word and len(word) <= 60]
 
@@ -254,7 +256,7 @@ def _indent(document: Document, line: int) -> str:
 
 
 def _cures(document: Document, finding: Diagnostic, edit: _Edit) -> bool:
-    """Whether the finding goes by an edit, and no error comes."""
+    """True if an edit removes the finding and adds no error."""
     text = document.text[: edit.span.start] + edit.text + document.text[edit.span.end :]
     before, after = _looked(document, document.text), _looked(document, text)
     if before is None or after is None or _count(before, finding) == 0:

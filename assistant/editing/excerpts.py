@@ -17,7 +17,7 @@ from assistant.program.editor_support import Declaration, LineFacts
 
 Fold = Callable[[str], str]
 MOST_PIECE_LINES: Final = 40
-"""Of a piece, unless a block goes on."""
+"""Largest number of lines of a piece, unless a block continues."""
 
 
 @dataclass(slots=True)
@@ -186,10 +186,10 @@ def excerpt(
     names: frozenset[str] = frozenset(),
     needed: frozenset[str] = frozenset(),
 ) -> Excerpt:
-    """The pieces that lines are in, and the declarations that these need.
+    """Return the pieces that contain some lines, and the declarations that these pieces need.
 
-    starts: offset of each line. names: whose uses are looked at as well. needed: whose declarations
-    are there in any case.
+    starts: offset of each line. names: names whose uses are included as well. needed: names whose
+    declarations are always included.
     """
     wanted = set(changed)
     kept = _holding(made_of, wanted)
@@ -334,7 +334,9 @@ def _between(made_of: Structure, count: int) -> tuple[list[list[int]], set[int]]
 def _declaring(
     facts: Sequence[LineFacts], made_of: Structure, kept: set[int], routines: set[int]
 ) -> dict[str, list[int]]:
-    """Lines that declare each name: a statement of one line by itself, else its whole piece."""
+    """Return the lines that declare each name: the line alone for a statement of one line, else its
+    complete piece.
+    """
     found: dict[str, list[int]] = {}
     for index, piece in enumerate(made_of.pieces):
         if index in kept or not piece.declares:

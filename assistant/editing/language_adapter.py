@@ -46,9 +46,10 @@ _DIVIDING: Final = ("else", "elseif", "case")
 
 
 def laid_out_pseudo(source: SourceText, folder: FilePath | None) -> str:
-    """The text in its layout, proven to say the same; raises Refused where it cannot be read.
+    """Return the text in the standard layout, proven to have the same meaning; raises Refused if it
+    cannot be read.
 
-    folder: of tables that are files of their own.
+    folder: folder of tables in separate files.
     """
     before = parse_pseudo(source, folder)
     text = _indented(source.text)
@@ -119,9 +120,9 @@ class LanguageAdapter(abc.ABC):
     def program(
         self, text: SourceText, others: Sequence[SourceText], robot: Robot | None = None
     ) -> Program:
-        """What it says; raises Refused for what cannot be read.
+        """Return the program of a text; raises Refused if it cannot be read.
 
-        robot: whose configurations and orientations it states.
+        robot: the robot whose configurations and orientations the program states.
         """
 
     def warm(self, text: str) -> None:
@@ -159,7 +160,7 @@ class Translated:
 
 @cache
 def adapter_of(name: str) -> LanguageAdapter | None:
-    """The language of that name, None for what is none."""
+    """Return the adapter of the language with that name, None for an unknown name."""
     if name == PSEUDO:
         return _PseudoAdapter()
     return _VendorAdapter(languages.get(name)) if name in languages.names() else None
@@ -300,7 +301,7 @@ class _VendorAdapter(LanguageAdapter):
     def declarations(
         self, text: SourceText, others: Sequence[SourceText], name: str
     ) -> Sequence[str]:
-        """As a cell file would supply it, else one of each kind."""
+        """Return the declaration that a cell file would supply, followed by one of each kind."""
         kinds = () if self.editable is None else self.editable.declarations(name)
         language = self._language
         try:
@@ -360,7 +361,7 @@ def _as_pseudo(program: Program, text: SourceText) -> Translated:
 
 
 def _least(wanted: Wanted) -> SuppliedValue | None:
-    """What says least of a name."""
+    """Return the plainest value for a wanted name."""
     made = _LEAST.get(wanted.kind)
     return wanted.nothing if made is None else made
 

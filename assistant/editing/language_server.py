@@ -28,10 +28,11 @@ from assistant.editing.checker import Checker
 from assistant.editing.service import Change, Changes, Document, Location, Workspace
 
 REST: Final = 0.4
-"""Seconds without a key after which the whole program is looked at."""
+"""Seconds without a key after which the complete program is checked."""
 SOON: Final = 0.03
-"""Seconds without a key after which what changed is looked at: a request that comes with the key is
-answered first."""
+"""Seconds without a key after which the changed parts are checked: a request sent with the key is
+answered first.
+"""
 LANGUAGES: Final = "assistant"
 TRANSLATION: Final = "robot-assistant.translation"
 """Command of the server: an address and a language; gives files and lines."""
@@ -83,7 +84,7 @@ class Server(LanguageServer):
     # ---------------------------------------------------------------------------- documents
 
     def path(self, uri: str) -> str:
-        """What a document is called here; its file if it is one."""
+        """Return the internal name of a document; its file if it is one."""
         path = uris.to_fs_path(uri) if urlsplit(uri).scheme == "file" else None
         name = path or unquote(uri)
         self._addresses[name] = uri
@@ -174,7 +175,7 @@ class Server(LanguageServer):
 
     @property
     def _pulls(self) -> bool:
-        """Whether the editor asks for findings by itself: then they are not sent as well."""
+        """True if the editor requests findings; they are then not sent as well."""
         asks = self.client_capabilities.text_document
         return asks is not None and asks.diagnostic is not None
 
@@ -227,7 +228,7 @@ class Server(LanguageServer):
 
 
 def refusing(work: Callable[[], T]) -> T:
-    """What is refused is told to the one who asked."""
+    """Run `work` and report a refusal to the client that sent the request."""
     try:
         return work()
     except Refused as refused:
@@ -410,7 +411,7 @@ def _add_commands(server: Server) -> None:
 
 LOOPBACK: Final = "127.0.0.1"
 _BEGIN: Final = b"Content-"
-"""What every message of the protocol begins with; a browser's request does not."""
+"""First bytes of every message of the protocol; a browser's request begins otherwise."""
 
 
 def serve_pipes(version: str) -> None:
@@ -419,9 +420,9 @@ def serve_pipes(version: str) -> None:
 
 
 def serve_line(version: str, port: int, listening: Callable[[int], None]) -> None:
-    """One editor that connects to a port of this computer; 0 takes a free one.
+    """Serve one editor that connects to a port of this computer; port 0 takes a free one.
 
-    listening: is told the port. Raises Refused where it cannot be listened on.
+    listening: called with the port. Raises Refused if the server cannot listen on it.
     """
     asyncio.run(_serve_line(version, port, listening))
 

@@ -27,14 +27,14 @@ from assistant.editing.text_lines import (
 from assistant.program.editor_support import CachedLineFacts, LineFacts
 
 Quick = Callable[[Excerpt], tuple[Sequence[Diagnostic], Sequence[Diagnostic]]]
-"""Of an excerpt: errors of what cannot be read, and all findings."""
+"""Check of an excerpt: syntax errors, and all findings."""
 Whole = Callable[[str], Sequence[Diagnostic]]
 SMALL: Final = 300
 """Lines of a text that is always looked at as a whole by the quick look."""
 
 
 class State:
-    """A text, and what each of its lines says by itself."""
+    """A text, and the facts of each of its lines."""
 
     def __init__(self, text: str, remembered: CachedLineFacts, before: State | None = None) -> None:
         """before: another state of the text; what did not change is taken from there."""
@@ -94,9 +94,10 @@ class Shown:
 
 @dataclass(frozen=True, slots=True)
 class Unseen:
-    """A text that is to be looked at as a whole. last: the last sound text, with its findings.
+    """A text whose complete program is still to be checked. last: the last text without damage,
+    with its findings.
 
-    known: the text that was looked at as a whole before.
+    known: the text of the last complete check.
     """
 
     text: str
@@ -128,18 +129,18 @@ class Watch:
         return self.current
 
     def findings(self, text: str) -> tuple[Diagnostic, ...]:
-        """What is found now; looks at the whole if it never was."""
+        """Return the present findings; check the complete program if that was never done."""
         if self._base is None:
             return self.settled(text)
         return self._now(self.state(text))
 
     def tried(self, text: str) -> tuple[Diagnostic, ...]:
-        """What would be found in another text; nothing is remembered of it."""
+        """Return the findings that another text would have; nothing is remembered."""
         return self._looked(self._state(text))[0]
 
     @property
     def is_known(self) -> bool:
-        """Whether the whole was looked at, be it in another state."""
+        """True if the complete program was checked, possibly in another state."""
         return self._base is not None
 
     def state_of(self, text: str) -> State:
@@ -177,7 +178,7 @@ class Watch:
         return self._last
 
     def settled(self, text: str) -> tuple[Diagnostic, ...]:
-        """What is found in the whole."""
+        """Return the findings of the complete program."""
         unseen = self.unseen(text)
         seen = Seen(None) if unseen is None else self.look(unseen)
         if seen.text is not None:
@@ -185,7 +186,7 @@ class Watch:
         return self._now(self.state(text))
 
     def is_settled(self, text: str) -> bool:
-        """Whether what is known of a text is known of the whole program."""
+        """True if the findings of a text come from a check of the complete program."""
         if self._base is None or self._last is None:
             return False
         sound = (self._base.state.text, self._last.state.text)
@@ -261,7 +262,9 @@ class Watch:
     def _difference(
         self, base: Shown, moves: LineMoves, differing: Sequence[Hunk], looked_at: frozenset[int]
     ) -> _Difference:
-        """What the excerpt of `base` with the same lines shows more and less than the whole."""
+        """Return the findings that the excerpt of `base` with the same lines shows more and less
+        than the complete text.
+        """
         old = {line for new in looked_at if (line := moves.back(new)) is not None}
         old |= {line for hunk in differing for line in range(hunk.first, hunk.last)}
         key = frozenset(old)
@@ -361,7 +364,7 @@ def _redeclared(differing: Sequence[Hunk], before: State, now: State) -> frozens
 
 
 def _at_change(finding: Diagnostic, differing: Sequence[Hunk], state: State) -> Diagnostic:
-    """Damage that is told on a line that did not change, at the change that it follows."""
+    """Move damage reported on an unchanged line to the change before it."""
     line = (finding.line or 1) - 1
     before = [hunk for hunk in differing if hunk.new_first <= line]
     hunk = max(before, key=lambda one: one.new_first, default=differing[0])

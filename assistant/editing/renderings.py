@@ -25,7 +25,7 @@ def formatted(document: Document) -> tuple[Change, ...]:
 
 
 def changes_to(lines: Lines, text: str) -> tuple[Change, ...]:
-    """What makes another text of this one, whole lines at a time."""
+    """Return the changes that turn these lines into another text, complete lines at a time."""
     new = Lines(text)
     before, after = _ended(lines), _ended(new)
     found = []

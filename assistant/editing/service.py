@@ -1,4 +1,4 @@
-"""What editors ask about programs that are being written, without any protocol.
+"""Answers for editors about programs during typing, independent of any protocol.
 
     workspace = Workspace(Path("cell"))
     document = workspace.open("cell/main.mod", text, version=1)
@@ -6,13 +6,13 @@
     for found in findings(document):
         show(found.range, found.diagnostic, fixes(document, found))
 
-A `Document` is one state of a text and never changes; its workspace holds the open ones, which
-stand for their files. Every place is a line and a column from 0, columns in units of UTF-16, as
-browsers and language servers count. Nothing here writes a file: what is to be changed comes as
-`Changes`. All functions may be called from any thread; one workspace works on one call at a time.
-No function raises for what a text says: what cannot be answered is empty or None. What cannot be
-done for a reason (a name that is taken, a text that cannot be laid out) raises `Refused` with
-findings.
+A `Document` is one state of a text and never changes; its workspace holds the open documents, which
+replace their files. Every place is a line and a column from 0, columns in units of UTF-16, as
+browsers and language servers count. These functions write no file: they return edits as `Changes`.
+All functions may be called from any thread; one workspace works on one call at a time. No function
+raises for the content of a text: an answer that is not available is empty or None. A request that
+cannot be carried out for a reason (a name that is taken, a text that cannot be laid out) raises
+`Refused` with findings.
 """
 
 from __future__ import annotations
@@ -45,11 +45,12 @@ __all__ = [
 
 
 def findings(document: Document) -> tuple[Found, ...]:
-    """What is wrong with a document now, in the order of its lines; fast, for each key.
+    """Return the present findings of a document, in the order of its lines; fast enough for each
+    key.
 
-    The parts that changed are looked at; findings of all others are those of the last time that
-    the whole program was looked at. A damaged line has its own findings, and all others keep
-    theirs meanwhile. `settled` looks at the whole program; call it when typing rests.
+    Only the changed parts are checked; all other findings are from the last check of the complete
+    program. A damaged line has separate findings, and all other lines keep theirs meanwhile.
+    `settled` checks the complete program; call it when typing rests.
     """
     return document_findings.findings(document, whole=False)
 
@@ -72,9 +73,9 @@ def fixes(document: Document, found: Found) -> tuple[Fix, ...]:
 
 
 def tokens(document: Document, first: int = 0, last: int | None = None) -> Tokens:
-    """The words of a document, each with its sort, in columns.
+    """Return the words of a document, each with its sort, in columns.
 
-    first, last: lines from 0 whose words are asked for; None for up to the end.
+    first, last: lines from 0 whose words are returned; None for all lines to the end.
     """
     return code_assist.tokens(document, max(first, 0), last)
 
@@ -85,35 +86,38 @@ def completions(document: Document, place: Place) -> tuple[Completion, ...]:
 
 
 def hover(document: Document, place: Place) -> Hover | None:
-    """What the word at a place means: an instruction, a declaration, a target with its pose.
+    """Return the meaning of the word at a place: an instruction, a declaration, a target with its
+    pose.
 
-    Of a target also the joints of the project's robot, where there is one.
+    For a target it includes the joints of the project's robot, if the project has one.
     """
     return code_assist.hover(document, place)
 
 
 def definition(document: Document, place: Place) -> Location | None:
-    """Where the name at a place is declared, in any file of the task."""
+    """Return the location of the declaration of the name at a place, in any file of the task."""
     return symbols.definition(document, place)
 
 
 def references(document: Document, place: Place, declaration: bool = True) -> tuple[Location, ...]:
-    """Where the thing named at a place is named, in all files of the task, in their order.
+    """Return the locations of all uses of the thing named at a place, in all files of the task, in
+    their order.
 
-    declaration: whether that counts.
+    declaration: True to include the declaration.
     """
     return symbols.references(document, place, declaration)
 
 
 def renameable(document: Document, place: Place) -> Range | None:
-    """The name at a place that can be changed, None where there is none."""
+    """Return the range of the name at a place if it can be renamed, else None."""
     return symbols.renameable(document, place)
 
 
 def rename(document: Document, place: Place, name: str) -> Changes:
-    """What gives the thing named at a place another name, in all files of the task.
+    """Return the changes that rename the thing named at a place, in all files of the task.
 
-    Raises Refused for what is no name there, is taken, or is not declared in the task.
+    Raises Refused for a word that is not a name there, for a taken name, and for a name that is not
+    declared in the task.
     """
     return symbols.rename(document, place, name)
 
@@ -124,7 +128,8 @@ def outline(document: Document) -> tuple[OutlineItem, ...]:
 
 
 def formatted(document: Document) -> tuple[Change, ...]:
-    """What lays a document out as `robot-assistant fmt` does, line by line; empty if nothing does.
+    """Return the changes that lay a document out as `robot-assistant fmt` does, line by line; empty
+    if the layout is correct.
 
     Raises Refused if it cannot be laid out, with the reason.
     """
@@ -132,9 +137,10 @@ def formatted(document: Document) -> tuple[Change, ...]:
 
 
 def translation(document: Document, language: str) -> Translation:
-    """The document's program in another language, its lines beside what they became.
+    """Return the document's program in another language, with its lines beside their translations.
 
-    language: `pseudo` shows the pseudo-program. With the files of its task and its project's robot.
-    What cannot be read or said is in the findings. Raises Refused for an unknown language.
+    language: `pseudo` shows the pseudo-program. The translation uses the files of its task and its
+    project's robot. Text that cannot be read or translated is in the findings. Raises Refused for
+    an unknown language.
     """
     return renderings.translation(document, language)

@@ -125,7 +125,7 @@ def _in_routine(
 def _outside(
     document: Document, speaks: Editable, key: str, *, own_file: bool
 ) -> tuple[int, Declaration] | None:
-    """What a file declares outside of its routines."""
+    """Return the line and declaration of a name that a file declares outside its routines."""
     heads = {line for one in document.made_of.routines for line in range(one.first, one.head + 1)}
     for at, facts in enumerate(document.facts):
         for one in facts.declares:
@@ -175,7 +175,7 @@ def references(document: Document, place: Place, declaration: bool) -> tuple[Loc
 
 
 def uses(found: Named) -> Iterator[tuple[Document, int, Word]]:
-    """Where a thing is named, where it is declared too; the other files behind its own."""
+    """Yield all uses of a name, including its declaration; the other files follow its file."""
     speaks = editable(found.document)
     assert speaks is not None
     key = speaks.folded(found.word.text)
@@ -303,7 +303,7 @@ def _with(item: OutlineItem, children: list[OutlineItem]) -> OutlineItem:
 
 
 def _in_modules(document: Document, items: list[OutlineItem]) -> tuple[OutlineItem, ...]:
-    """What follows a module or program is in it, up to the next one."""
+    """Nest the items after a module or program in it, up to the next one."""
     found: list[OutlineItem] = []
     inside: list[OutlineItem] = []
     holder: OutlineItem | None = None

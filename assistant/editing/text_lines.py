@@ -19,7 +19,7 @@ from typing import Final
 from assistant.base.diagnostics import Diagnostic, Span
 
 LINE_END: Final = re.compile(r"\r\n|\n|\r")
-"""What ends a line for the protocol of language servers (3.17, "Text Documents")."""
+"""Line ends of the protocol of language servers (3.17, "Text Documents")."""
 _KEPT_END: Final = re.compile(rf"({LINE_END.pattern})")
 _WIDE: Final = re.compile(r"[\U00010000-\U0010ffff]")
 
@@ -51,7 +51,7 @@ class Lines:
         self.starts = [0, *ends][: len(self.lines)]
         """Offset at which each line begins."""
         self.narrow = text.isascii() or _WIDE.search(text) is None
-        """Whether no character has two units."""
+        """True if no character has two units."""
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -65,7 +65,7 @@ class Lines:
         return len(self.lines[number])
 
     def place(self, offset: int) -> Place:
-        """The place of a character offset; the end of the text for what lies behind it."""
+        """Return the place of a character offset; the end of the text for a larger offset."""
         offset = min(max(offset, 0), len(self.text))
         line = bisect_right(self.starts, offset) - 1
         start = self.starts[line]
@@ -75,9 +75,10 @@ class Lines:
         return Place(line, column)
 
     def offset(self, place: Place) -> int:
-        """The character offset of a place; one behind the end of its line is that end.
+        """Return the character offset of a place; a column after the end of its line gives that
+        end.
 
-        A place inside of a character of two units is that character's begin.
+        A place inside a character of two units gives the start of that character.
         """
         if place.line < 0:
             return 0
@@ -151,7 +152,7 @@ def hunks(before: Sequence[str], after: Sequence[str]) -> tuple[Hunk, ...]:
 
 
 def _common_lines(most: int, are: Callable[[int, int], bool]) -> int:
-    """How many are equal, from 0 on; many are compared at once."""
+    """Return the number of equal lines from 0 on; compares many at once."""
     low, high = 0, most
     while low < high:
         middle = (low + high + 1) // 2
@@ -160,7 +161,7 @@ def _common_lines(most: int, are: Callable[[int, int], bool]) -> int:
 
 
 class LineMoves:
-    """Where lines of one text stand in the next one."""
+    """Positions of the lines of one text in the next one."""
 
     def __init__(self, differing: Sequence[Hunk]) -> None:
         self._hunks = differing

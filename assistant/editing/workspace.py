@@ -34,9 +34,11 @@ MOST_FILES: Final = 200
 Stamps = tuple[tuple[str, int], ...]
 """Files with the times of their last change."""
 MOST_ENTRIES: Final = 5000
-"""Names in a folder that are looked at."""
+"""Largest number of names in a folder that are examined."""
 LONGEST: Final = 4_000_000
-"""Characters of a document that is looked at while it is typed; a longer one has no findings."""
+"""Largest number of characters of a document that is checked while it is typed; a longer one has no
+findings.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +64,7 @@ class Document:
 
     @cached_property
     def facts(self) -> list[LineFacts]:
-        """What each line says by itself; empty lines for a language that does not tell."""
+        """Return the facts of each line; empty lines for a language without line facts."""
         speaks = self.spoken
         lines = self.lines
         said = [lines.line(number) for number in range(len(lines))]
@@ -108,9 +110,9 @@ class Workspace:
         self._files: dict[str, tuple[tuple[int, int], Document]] = {}
 
     def open(self, path: str, text: str, version: int = 0, language: str = "") -> Document:
-        """Takes a document's text instead of its file's.
+        """Use a document's text instead of its file's.
 
-        language: a name of `assistant.languages` or `pseudo`; told by suffix and text if empty.
+        language: a name of `assistant.languages` or `pseudo`; found from suffix and text if empty.
         """
         with self.lock:
             name = language if adapter_of(language) is not None else language_name(path, text)
@@ -218,7 +220,7 @@ class Workspace:
             return found, watch.is_settled(document.text)
 
     def is_known(self, document: Document) -> bool:
-        """Whether its whole program was looked at, be it in another state."""
+        """True if the document's complete program was checked, possibly in another state."""
         watch = self._watches.get(document.path)
         return watch is not None and watch.is_known
 
@@ -256,7 +258,9 @@ class Workspace:
                 watch.settle(state, found, last)
 
     def tried(self, document: Document, text: str) -> tuple[Diagnostic, ...] | None:
-        """What is found in a document if it had another text; None where that cannot be told."""
+        """Return the findings that a document would have with another text; None if they cannot be
+        found.
+        """
         speaks = document.spoken
         if speaks is None or speaks.remembered is None:
             return None
@@ -301,7 +305,7 @@ class Workspace:
         return tuple(one for one in left if one.path == document.path)
 
     def _whole(self, document: Document, text: str) -> tuple[Diagnostic, ...]:
-        """What `robot-assistant check` finds in a document that has this text."""
+        """Return the findings of `robot-assistant check` for a document with this text."""
         speaks = document.spoken
         assert speaks is not None
         _, *others = self.task(document)
@@ -341,7 +345,7 @@ class Workspace:
             return None
 
     def _guarded(self, look: Any) -> tuple[Diagnostic, ...]:
-        """What is refused, or fails, is a finding too: an editor goes on."""
+        """Return a refusal or a failure as a finding too, so that the editor continues."""
         try:
             found: tuple[Diagnostic, ...] = look()
         except Refused as refused:

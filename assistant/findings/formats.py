@@ -44,9 +44,9 @@ RECORDED: Final = (
     "code", "severity", "message", "cure", "path", "span", "line", "column", "place", "excerpt",
     "end_line", "end_column",
 )  # fmt: skip
-"""What a record of a finding holds, in this order; what it is about as words."""
+"""Fields of a finding's record, in this order; its subject in words."""
 BASE: Final = "ROOT"
-"""What addresses of files in a SARIF log are relative to."""
+"""Base of the relative file addresses in a SARIF log."""
 
 
 def finding_record(finding: Diagnostic) -> dict[str, Any]:
@@ -79,11 +79,11 @@ def github_line(finding: Diagnostic) -> str:
 
 
 def gitlab(findings: Sequence[Diagnostic], root: FilePath) -> list[dict[str, Any]]:
-    """A code quality report: the fields of the issues of Code Climate that GitLab reads.
+    """Return a code quality report: the fields of Code Climate issues that GitLab reads.
 
-    https://docs.gitlab.com/ci/testing/code_quality/#code-quality-report-format. root: an absolute
-    folder, that of the repository; files inside it are named relative to it. The fingerprint of a
-    finding holds no line number, so that one that only moved is not told of as new.
+    https://docs.gitlab.com/ci/testing/code_quality/#code-quality-report-format. root: the absolute
+    folder of the repository; files inside it are named relative to it. The fingerprint of a finding
+    contains no line number, so that a finding that only moved is not reported as new.
     """
     seen: Counter[tuple[object, ...]] = Counter()
     report: list[dict[str, Any]] = []
@@ -207,7 +207,7 @@ def _escaped(text: object, more: str = "") -> str:
 
 
 JUNIT_COUNTS: Final = {"failures": "failure", "errors": "error", "skipped": "skipped"}
-"""What a suite counts, and the element that stands in a test of it."""
+"""Count attributes of a suite, each with the element in a test that it counts."""
 SUITE_WITHOUT_FILE: Final = "robot-assistant"
 """The suite of findings that are about no file."""
 TEST_WITHOUT_FINDINGS: Final = "check"
@@ -230,7 +230,7 @@ def junit_document(name: str, suites: Sequence[ET.Element], time: str | None = N
 
 
 def junit_case(suite: ET.Element, name: str) -> ET.Element:
-    """A test of a suite that passes as long as nothing else is said of it."""
+    """Add a test to a suite; it passes unless a failure is added to it."""
     given = {"classname": suite.get("name", ""), "name": visible(name)}
     return ET.SubElement(suite, "testcase", given)
 
@@ -242,7 +242,9 @@ def mark_skipped(case: ET.Element, why: str) -> None:
 def mark_failed(
     case: ET.Element, kind: str, code: str, said: str, findings: Iterable[Diagnostic]
 ) -> None:
-    """kind: `failure` or `error`. code: the type of the failure. findings: what is told of it."""
+    """Add a failure to a test. kind: `failure` or `error`. code: the type of the failure. findings:
+    listed in its text.
+    """
     element = ET.SubElement(case, kind, {"type": code, "message": visible(said)})
     element.text = "\n".join(visible(line) for f in findings for line in _finding_lines(f))
 
@@ -250,10 +252,11 @@ def mark_failed(
 def junit_report(
     findings: Sequence[Diagnostic], files: Iterable[str], fail_on: FailOn, name: str
 ) -> bytes:
-    """A suite a file, in it a test a finding; a file without one is a test that passes.
+    """Return a JUnit report: one suite per file with one test per finding; a file without a finding
+    is a test that passes.
 
-    files: all that were looked at. Findings for which the command does not fail are skipped
-    tests. What lies at other lines is the same test, so that pipelines tell what is new.
+    files: all checked files. Findings for which the command does not fail are skipped tests. A
+    finding that only moved to other lines is the same test, so that pipelines report only new ones.
     """
     by_file: dict[str, list[Diagnostic]] = {file: [] for file in files}
     for finding in findings:

@@ -53,10 +53,10 @@ NO_RULE: Final = error(
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """What is said about a rule beside its own row.
+    """Text about a rule beyond its row in the table.
 
-    why: what a controller does about it, where a limit is from. example: the text of a small
-    file that has the finding. better: the same without it.
+    why: how a controller reacts to it, or the source of a limit. example: the text of a small file
+    that has the finding. better: the same file without it.
     """
 
     why: str = ""
@@ -73,7 +73,7 @@ def families() -> Mapping[str, str]:
 
 @cache
 def pages() -> Mapping[str, Page]:
-    """What is said about rules, by code: a file of `pages/` for each family that has one."""
+    """Return the pages about rules, by code: one file of `pages/` for each family that has one."""
     folder = importlib.resources.files("assistant.findings") / "pages"
     files = sorted(folder.iterdir(), key=lambda file: file.name)
     tables = [tomllib.loads(file.read_text(encoding="utf-8")) for file in files]
@@ -105,12 +105,12 @@ def rules_in(package: ModuleType) -> Iterator[Rule]:
 
 
 def page_address(code: str) -> str:
-    """Where the page about a code is, as an address."""
+    """Return the address of the page about a code."""
     return f"{PAGES}#{code.lower()}"
 
 
 def explain(codes: Sequence[str]) -> str:
-    """The pages of the rules with these codes; raises Refused for a code that is none."""
+    """Return the pages of the rules with these codes; raises Refused for an unknown code."""
     book = rules()
     unknown = [code for code in codes if code.upper() not in book]
     if unknown:
@@ -133,10 +133,11 @@ def section(rule: Rule) -> str:
 
 
 def adjustable(rule: Rule) -> bool:
-    """Whether a project may give the rule a lower severity, or ignore it.
+    """True if a project may give the rule a lower severity, or ignore it.
 
-    Warnings and infos may always be. Errors only if a language's own check of a program says
-    them: no others, as they tell what cannot be read, or why nothing is written.
+    This holds for all warnings and infos. It holds for errors only if a language's check of a
+    program reports them; other errors report text that cannot be read, or the reason why no file is
+    written.
     """
     return rule.severity is not Severity.ERROR or _is_check(rule.code)
 

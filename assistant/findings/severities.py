@@ -9,8 +9,9 @@ RA4 = "off"                         # all whose code begins so
     MoveL p1,v25,z3,tool0;
     ! assistant: ignore-file RA211
 
-A comment after code ignores findings of its own line, one that is alone on its line those of the
-next line that is no comment as well, `ignore-file` those of the whole file.
+A comment after code ignores findings of its line. A comment alone on its line ignores findings of
+its line and of the next line that is not a comment. `ignore-file` ignores those of the complete
+file.
 """
 
 from __future__ import annotations
@@ -70,10 +71,10 @@ NO_TABLE: Final = error(
 
 @dataclass(frozen=True, slots=True)
 class Severities:
-    """What a project wants findings to be.
+    """Severities that a project sets for findings.
 
-    levels: severity by code or by how codes begin, None for off. findings: what is odd about
-    the settings, once.
+    levels: severity by code or by beginning of codes, None for off. findings: faults of the
+    settings, each once.
     """
 
     levels: Mapping[str, Severity | None] = field(default_factory=dict)
@@ -183,7 +184,7 @@ NO_CODE: Final = warning(
 WORD: Final = re.compile(r"assistant:[ \t]*ignore(-file)?\b", re.IGNORECASE)
 CODES: Final = re.compile(r"[ \t]+([A-Z]{2}\d{3}(?:[ \t]*,[ \t]*[A-Z]{2}\d{3})*)\b", re.IGNORECASE)
 STEP: Final = re.compile(r"\s*\d*\s*")
-"""What may stand before a comment that stands alone: a step number."""
+"""Text allowed before a comment that is alone on its line: a step number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,10 +198,10 @@ class Sifted:
 def sift(
     findings: Sequence[Diagnostic], source: SourceText, mark: str, *, complete: bool = True
 ) -> Sifted:
-    """The findings of one text without those that its comments ignore.
+    """Return the findings of one text without those that its comments ignore.
 
-    mark: begins a comment. complete: all was looked for, so that a comment that ignores
-    nothing is a finding itself.
+    mark: begins a comment. complete: all checks ran, so that a comment that ignores nothing is a
+    finding itself.
     """
     ignoring = list(_ignoring(source, mark))
     if not ignoring:
@@ -264,12 +265,14 @@ def _ignoring(source: SourceText, mark: str) -> Iterator[_Comment]:
 
 
 def comment_start(line: str, mark: str) -> int | None:
-    """Where a comment begins in a line, strings in double quotes left aside."""
+    """Return the position at which a comment begins in a line, outside strings in double quotes."""
     return next((span.start for span in comments(line, mark)), None)
 
 
 def _next_code(source: SourceText, line: int, mark: str) -> int:
-    """The first line below that is more than a comment, or the line behind the last one."""
+    """Return the first line below that contains more than a comment, or the line after the last
+    one.
+    """
     last, _ = source.line_column(len(source.text))
     for number in range(line + 1, last + 1):
         text = source.line_text(number)

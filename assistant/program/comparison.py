@@ -24,7 +24,7 @@ MOST_MISMATCHES: Final = 20
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """What may differ: mm per component, degrees of rotation, relative for other numbers."""
+    """Allowed differences: mm per component, degrees of rotation, relative for other numbers."""
 
     position: float = 0.0
     angle: float = 0.0
@@ -33,10 +33,10 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class Mismatch:
-    """What differs.
+    """A difference between two programs.
 
-    about: where in the program. message: what is there against what should be.
-    span: of the statement or procedure that it is in, as the expected program has it.
+    about: its position in the program. message: the found and the expected value. span: of the
+    statement or procedure that contains it, as in the expected program.
     """
 
     about: Inner

@@ -1,8 +1,9 @@
-"""What editors ask a language: the words of a line, what it opens, ends and declares.
+"""Answers of a language for editors: the words of a line, and the names and blocks that it
+declares, opens and ends.
 
-All answers are about a single line, so that a change of one leaves the others valid. What a line
-means among others, such as where a procedure ends, is put together in `assistant/editing`. The
-grammar of a language remains the one that decides what is right.
+All answers are about a single line, so that a change of one leaves the others valid.
+`assistant/editing` combines them, for example to find the end of a procedure. The grammar of a
+language remains the authority on what is correct.
 """
 
 from __future__ import annotations
@@ -35,9 +36,10 @@ class Word(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """What a line declares. start, end: its name in the line. detail: its type, or parameters.
+    """A declaration in a line. start, end: its name in the line. detail: its type, or parameters.
 
-    implied: by its first use; others are declarations for sure. fixed: it never changes.
+    implied: True if its first use declares it; others are definite declarations. fixed: True if it
+    never changes.
     """
 
     name: str
@@ -52,11 +54,11 @@ class Declaration:
 
 @dataclass(frozen=True, slots=True)
 class LineFacts:
-    """A line by itself.
+    """Facts of a single line.
 
-    names: that it uses or declares, as `folded`. begins, ends: a routine. opens: how many blocks it
-    opens more than it closes. stays: it holds the file together, whatever else is left out.
-    complete: the next line is another statement.
+    names: names that it uses or declares, as `folded`. begins, ends: a routine. opens: number of
+    blocks it opens minus those it closes. stays: True if it holds the file together, even if other
+    lines are left out. complete: True if the next line is another statement.
     """
 
     words: tuple[Word, ...] = ()
@@ -84,12 +86,12 @@ class KnownWord:
 
 
 class Editable(abc.ABC):
-    """What a language answers editors."""
+    """Answers of a language for editors."""
 
     mark: str
     """Begins a comment to the end of the line."""
     folds: bool = True
-    """Whether names that differ in case alone are the same."""
+    """True if names that differ in case alone are the same."""
     brackets: tuple[tuple[str, str], ...] = (("(", ")"), ("[", "]"))
     blocks: tuple[tuple[str, str], ...] = ()
     """Words that open and close a block, for indentation; in lower case."""
@@ -99,7 +101,9 @@ class Editable(abc.ABC):
 
     @abc.abstractmethod
     def facts(self, line: str) -> LineFacts:
-        """What a line says by itself; of any text, also of one that is no program."""
+        """Return the facts of a single line; it accepts any text, including one that is not a
+        program.
+        """
 
     @abc.abstractmethod
     def known(self) -> Mapping[str, KnownWord]:
@@ -114,7 +118,7 @@ class Editable(abc.ABC):
         return ()
 
     declared_last: bool = False
-    """Whether such lines stand at the end of a text, not in front of its routines."""
+    """True if such lines are at the end of a text, not in front of its routines."""
 
     def members(self, detail: str) -> Mapping[str, str]:  # noqa: ARG002
         """Parts of what was declared with that detail, each with its type."""
@@ -125,9 +129,9 @@ class Editable(abc.ABC):
         return {}
 
     def colours(self) -> Mapping[str, str]:
-        """Patterns of what is told by how it is written, by their scopes in TextMate grammars.
+        """Return patterns of words recognised by their form, by their scopes in TextMate grammars.
 
-        In the order in which they are tried; words are known by `known`.
+        They are in the order in which they are tried; `known` lists the other words.
         """
         return {}
 

@@ -14,19 +14,19 @@ from assistant.base.source_text import words_of
 from assistant.program.geometry import JointTarget, Pose, Target
 
 VendorTextKind = Literal["statement", "expression", "declaration"]
-"""What a kept text is."""
+"""Kind of a vendor text."""
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """What a kept text does where it stands; rather too much than too little.
+    """Effect of a vendor statement where it is executed; an upper bound in case of doubt.
 
     Names are in lower case. reads: everything that it names. writes: data that it may change or
-    that it declares. calls: routines of the user's that it runs, and nobody here knows what those
-    do; the language's own are told of by the rest. moves: whether it may move the robot. jumps:
-    whether the program may go on elsewhere than behind it. waits: whether it may last until
-    something happens, or for a time. Of a declared routine it is what its body does. What only
-    happens later, in an interrupt or an error handler, is named but not done where it stands.
+    declares. calls: routines of the user that it runs, whose effects are unknown here; the other
+    fields cover those of the language. moves: True if it may move the robot. jumps: True if the
+    program may continue elsewhere than after it. waits: True if it may last until an event, or for
+    a time. For a declared routine, it is the effect of its body. Actions that happen only later, in
+    an interrupt or an error handler, are in `reads`, but have no effect here.
     """
 
     reads: frozenset[str] = frozenset()
@@ -76,7 +76,7 @@ NO_EFFECT: Final = Effect()
 
 
 def combined_effect(effects: Iterable[Effect]) -> Effect:
-    """What several do."""
+    """Return the combined effect of several effects."""
     each = list(effects)
     return Effect(
         frozenset().union(*(one.reads for one in each)),
@@ -89,7 +89,9 @@ def combined_effect(effects: Iterable[Effect]) -> Effect:
 
 
 def unknown_effect(text: str) -> Effect:
-    """Of a text that nobody can read: it may do anything with whatever its words name."""
+    """Return the effect of a text that cannot be analysed: it may do anything with the names in its
+    words.
+    """
     words = frozenset(words_of(text))
     return Effect(words, words, words, moves=True, jumps=True, waits=True)
 
@@ -98,7 +100,9 @@ BinaryOperator = Literal[
     "+", "-", "*", "/", "div", "mod", "^", "@",
     "=", "<>", "<", "<=", ">", ">=", "and", "or", "xor",
 ]  # fmt: skip
-"""`@` composes poses; the rest means what it says, `and` … `xor` on truth values."""
+"""`@` composes poses; the other operators have their usual meaning, `and` … `xor` on truth
+values.
+"""
 
 RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
 LOGICAL: Final = ("and", "or", "xor")
@@ -222,7 +226,7 @@ ANGLES: Final = ("about_x", "about_y", "about_z")
 EXTERNAL: Final = tuple(f"external_{number}" for number in range(1, 7))
 """Components of targets and joints that are places of external axes, see `Member`."""
 NEVER_GIVEN: Final = Aggregate(())
-"""A position of an array's first value that is none: to use it before it is set is an error."""
+"""Missing first value of an array element: to use it before it is set is an error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,11 +301,10 @@ class Reason:
 
 @dataclass(frozen=True, slots=True)
 class Verbatim:
-    """An expression that only one vendor language can say, as its text.
+    """An expression that only one vendor language can express, as its text.
 
-    reason: why it is not said otherwise, None if that is not known. effect: what it does, None
-    if nobody has read it. told: what its language makes of it for others. None is part of what
-    it says.
+    reason: why it is not translated, None if unknown. effect: its effect, None if it was not
+    analysed. told: its form for other languages. These three are not part of its meaning.
     """
 
     language: str

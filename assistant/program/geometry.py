@@ -178,7 +178,7 @@ IDENTITY: Final = Pose()
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What a tool weighs: mass in kg, centre of gravity in mm, inertia in kg·m²."""
+    """Load of a tool: mass in kg, centre of gravity in mm, inertia in kg·m²."""
 
     mass: float
     centre: Vector = (0.0, 0.0, 0.0)
@@ -190,8 +190,8 @@ class Load:
 class Tool:
     """A tool: pose of its tip in the flange frame, and its load if that is known.
 
-    held: the robot carries it; False for a tool that stands in the room. free_turn: how it is
-    turned about its own z axis means nothing to the work, as of a round nozzle or a milling cutter.
+    held: True if the robot carries it, False for a stationary tool. free_turn: True if the rotation
+    about the tool's z axis has no effect on the work, as for a round nozzle or a milling cutter.
     """
 
     tip: Pose = IDENTITY
@@ -353,9 +353,10 @@ def arc_middle_across(start: Floats, end: Floats, other: Floats) -> Floats | Non
 
 
 def arc_middle_around(start: Floats, end: Floats, centre: Floats, most: float) -> Floats | None:
-    """The middle of the arc of less than half a turn about a centre; None where there is none.
+    """Return the middle of the arc of less than half a turn about a centre; None if no such arc
+    exists.
 
-    most: mm that start and end may differ in their distance from the centre.
+    most: mm by which start and end may differ in their distance from the centre.
     """
     one, two = start - centre, end - centre
     radii = np.linalg.norm(one), np.linalg.norm(two)

@@ -67,7 +67,7 @@ FULL_BLEND: Final = Blend(math.inf)
 USUAL_ROTATION: Final = Number(500)
 USUAL_LINEAR: Final = Number(5000)
 USUAL_ROTARY: Final = Number(1000)
-"""What a speed states of more than the tool's tip, unless it says otherwise; see `Speed`."""
+"""Usual values of a speed beyond that of the tool's tip; see `Speed`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ COMPUTED: Final = Name("")
 
 
 class Kind(enum.IntEnum):
-    """How a row of a path is reached. A VIA row and the END row after it are one arc."""
+    """Motion type that reaches a row of a path. A VIA row and the END row after it are one arc."""
 
     JOINT = 0
     LINEAR = 1
@@ -126,10 +126,10 @@ class Path:
     configurations: (n, 6) int8, `CONFIGURATION_COLUMNS`; UNSTATED in the first if unknown.
     external: (n, 6) deg or mm, NaN for an unused axis.
     speed, blend, tool, frame: (n,) int32 rows of the tables speeds, blends, tools, frames.
-    places: (n, 2) where the move to each row begins and ends in the source text, counted from the
-    begin of the statement that follows the path; None if the rows have no lines of their own.
-    original: stem and number of the first row in the source text, where rows are called otherwise
-    there: `P` and 5 of P5, P6 … Neither is part of what the path says.
+    places: (n, 2) start and end of the move to each row in the source text, counted from the
+    start of the statement that follows the path; None if the rows have no separate lines.
+    original: stem and number of the first row in the source text, if rows have other names
+    there: `P` and 5 of P5, P6 … `places` and `original` are not part of the path's meaning.
     """
 
     name: str
@@ -246,7 +246,7 @@ class Path:
         return np.flatnonzero(~equal[getattr(self, column), getattr(other, column)])
 
     def rows(self, start: int, stop: int, name: str | None = None) -> Path:
-        """The rows from start up to stop as a path of their own."""
+        """Return the rows from start up to stop as a separate path."""
         cut: dict[str, Any] = {
             f.name: getattr(self, f.name)[start:stop]
             for f in fields(self)

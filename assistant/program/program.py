@@ -18,13 +18,13 @@ from assistant.program.statements import Follow, For, If, Spanned, Statement, Sw
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """What a cell that exists wants of a program's names.
+    """Requirements of an existing cell for a program's names.
 
-    called: what others call it by, "" for the name that its entry has. main: False: it has no
-    routine that runs all of it, and others call its procedures. prefix: stands before every name
-    that it declares but that one. local: whatever nobody else calls is seen in its own module only.
-    there: tools and frames by lower-case name that the controller has already, which are named and
-    not written, with the numbers that they have where a controller counts them.
+    called: the name by which others call it, "" for the name of its entry. main: False if it has no
+    routine that runs all of it, and others call its procedures. prefix: precedes every name that it
+    declares but that one. local: True if procedures that no other program calls are visible in
+    their module only. there: tools and frames by lower-case name that exist on the controller; they
+    are named and not written, with their numbers if the controller counts them.
     """
 
     called: str = ""
@@ -35,7 +35,7 @@ class Interface:
 
 
 STANDALONE = Interface()
-"""Of a program that nobody has asked anything of."""
+"""Interface of a program without requirements."""
 
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -54,7 +54,7 @@ class TakenNames(set[str]):
         super().__init__()
         self.lower: set[str] = set()
         self.counts: dict[Hashable, int] = {}
-        """By what a name is made of, the first number that may be free behind it."""
+        """By the parts of a name, the first number that may be free as a suffix."""
         self._stems: set[str] = set()
         self._unread: list[str] = []
         self.update(names)
@@ -72,7 +72,7 @@ class TakenNames(set[str]):
 
     @property
     def stems(self) -> Set[str]:
-        """What stands before the numbers of names, in lower case: `a_1` and `a` of `A_1_2`."""
+        """Return the parts before the numbers of names, in lower case: `a_1` and `a` of `A_1_2`."""
         for name in self._unread:
             stem = name.lower()
             while (shorter := _NUMBERED.sub("", stem)) != stem:
@@ -86,10 +86,10 @@ _NUMBERED: Final = re.compile(r"_[0-9]+\Z")
 
 
 def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> str:
-    """A name made of letters, digits and `_` that is close to the given one and not taken.
+    """Return a name made of letters, digits and `_` that is close to the given one and not taken.
 
-    Letters beyond ASCII become those they are written with where there are none of them, see
-    `plain_letters`. Names are compared without case, as both vendors' languages do.
+    Letters beyond ASCII become their usual replacements, see `plain_letters`. Names are compared
+    without case, as both vendors' languages do.
     """
     name = re.sub(r"[^A-Za-z0-9_]+", "_", plain_letters(given)).strip("_")[:64] or "unnamed"
     if not name[0].isalpha():
@@ -154,12 +154,12 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Procedure:
-    """result: its type if it gives back a value.
+    """A procedure. result: its type if it returns a value.
 
-    unit: the program unit (module, program file) that holds it; None for the main one. A
-    program longer than a controller takes is spread over units that are loaded when called.
-    span: where in a source text it stood; not part of what it says.
-    known: what `contents` found in its body, empty until it was asked.
+    unit: the program unit (module, program file) that holds it; None for the main one. A program
+    longer than the controller's limit is spread over units that are loaded when called. span: its
+    position in a source text; not part of its meaning. known: the index of its body from
+    `contents`, empty until it is requested.
     """
 
     name: str
@@ -175,9 +175,9 @@ class Procedure:
 
 @dataclass(frozen=True, slots=True)
 class Declaration(Spanned):
-    """A declaration that only one vendor language can say, as its text.
+    """A declaration that only one vendor language can express, as its text.
 
-    effect: what it does, None if nobody has read it; not part of what it says.
+    effect: its effect, None if it was not analysed; not part of its meaning.
     """
 
     language: str
@@ -189,8 +189,8 @@ class Declaration(Spanned):
 class Origin:
     """The trees of a vendor language that a program was lifted from.
 
-    lifted: what they say, which the program may have been changed from since. robot: that they
-    were read for, None if they were for none. called: names in lower case of procedures that the
+    lifted: their program; the present program may have been changed since. robot: the robot that
+    they were read for, None without a robot. called: names in lower case of procedures that the
     controller calls.
     """
 

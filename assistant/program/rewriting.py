@@ -1,7 +1,7 @@
 """Rewriting: the same program with some of its parts replaced; and the records that are its parts.
 
-Programs are looked through many times, so the fields of a kind of record that may hold other
-records are worked out once.
+Programs are traversed many times, so the fields of a kind of record that may hold other records are
+computed once.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from assistant.program.program import Procedure, Program, bodies, walk
 
 @dataclass(frozen=True, slots=True)
 class RecordFields:
-    """What of a kind of record is to be entered.
+    """Fields of a kind of record that may hold other records.
 
-    names: of its fields in their order, without those that compare nothing and those whose types
-    tell that no record is in them. of: their values.
+    names: of its fields in their order, without those excluded from comparison and those whose
+    types exclude records. of: their values.
     """
 
     names: tuple[str, ...]
@@ -56,7 +56,7 @@ def _read_record_fields(kind: Any) -> RecordFields:
 
 
 def _holds_no_record(hint: Any) -> bool:
-    """Whether what has a type surely is no record, and holds none."""
+    """True if a value of the type surely is not a record, and holds no record."""
     if get_origin(hint) is Literal or hint in _PLAIN_TYPES:
         return True
     return bool(get_args(hint)) and all(map(_holds_no_record, get_args(hint)))
@@ -197,7 +197,7 @@ def records(value: Any) -> Iterator[Any]:
 
 
 def is_repeatable(value: e.Expression) -> bool:
-    """Whether working it out several times is the same as once: nothing of the user's is called."""
+    """True if computing it several times is the same as once: it calls no routine of the user."""
     return not any(
         isinstance(part, e.Verbatim)
         or (isinstance(part, e.Apply) and part.function not in e.FUNCTIONS)

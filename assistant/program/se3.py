@@ -1,6 +1,6 @@
-"""Poses in columns from and to SE3 of spatialmath, which is imported only where one is made.
+"""Poses in columns from and to SE3 of spatialmath, which is imported only when one is made.
 
-Units are said by who calls, never guessed; roboticstoolbox counts in metres.
+The caller states the units; they are never guessed. roboticstoolbox counts in metres.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ METRE: Final[Mapping[str, float]] = {"m": 1000.0, "mm": 1.0}
 
 
 def columns_of(poses: Any, *, unit: Unit) -> tuple[Floats, Floats]:
-    """SE3 of one or many poses, a sequence of them, or (4, 4) or (n, 4, 4) → columns.
+    """Convert SE3 of one or many poses, a sequence of them, or (4, 4) or (n, 4, 4) to columns.
 
-    Positions (n, 3) mm and unit quaternions (n, 4). Raises ValueError for what is none of these,
-    KeyError for another unit.
+    Positions (n, 3) mm and unit quaternions (n, 4). Raises ValueError for any other input, KeyError
+    for another unit.
     """
     given = _matrices(poses)
     if given.ndim != 3 or given.shape[1:] != (4, 4) or not np.isfinite(given).all():

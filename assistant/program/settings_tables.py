@@ -26,12 +26,12 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import IDENTIFIER, identifier
 
 Read = Callable[[Any], Any]
-"""What TOML gave → the value; raises Wrong."""
+"""Convert a TOML value to the setting's value; raises Wrong."""
 
 REPAIRABLE: Final = 1e-3
-"""How far a quaternion's length may be off 1 to be repaired."""
+"""Largest deviation of a quaternion's length from 1 that is repaired."""
 EXACT_LENGTH: Final = 1e-6
-"""How far it may be off 1 without a word, as digits of a file leave it."""
+"""Largest deviation from 1 without a finding, as digits of a file leave it."""
 MOST_TOLERANCE: Final = 10.0
 """mm; over this, contours of a work piece would lose their shape."""
 MOST_BITS: Final = 32
@@ -40,7 +40,7 @@ MOST_AXES: Final = 7
 LARGEST: Final = 1e6
 """mm, mm/s, degrees …: no robot is a kilometre long."""
 MOST_VALUE: Final = 2.0**MOST_BITS - 1
-"""Of a signal: all bits of the widest group."""
+"""Largest value of a signal: all bits of the widest group."""
 LEAST_DIRECTION: Final = 1e-9
 
 
@@ -109,7 +109,7 @@ def choice(*words: str) -> Read:
 
 
 def caseless(*words: str) -> Read:
-    """As `choice`, of words in any case; the word as it is in the list."""
+    """Return a reader like `choice` for words in any case; it returns the word as in the list."""
     known, exact = {word.casefold(): word for word in words}, choice(*words)
 
     def read(value: Any) -> str:
@@ -243,7 +243,7 @@ def switches(value: Any) -> dict[str, float]:
 
 
 def shown(given: str, most: int = 40) -> str:
-    """A text from outside, fit to stand in a sentence."""
+    """Return a text from outside in a form fit for a sentence."""
     plain = "".join(c if c.isprintable() else "?" for c in given)
     return plain if len(plain) <= most else plain[: most - 1] + "…"
 
@@ -311,7 +311,7 @@ class Table:
         return found
 
     def table(self, key: str) -> Table:
-        """The table under a key; an empty one if there is none."""
+        """Return the table under a key; an empty one if it is missing."""
         value = self.content.get(key, {})
         if not isinstance(value, dict):
             example = f"[{'.'.join((*self.path, key))}] with a line for each entry"
@@ -320,7 +320,7 @@ class Table:
         return Table(self.page, (*self.path, key), value)
 
     def named(self, *, identifiers: bool = True) -> Iterator[tuple[str, Table]]:
-        """The tables in this one by name; names that are none, or come twice, are findings."""
+        """Yield the tables in this one by name; invalid and repeated names are findings."""
         seen: dict[str, str] = {}
         for key in self.content:
             other = seen.setdefault(key.casefold(), key)

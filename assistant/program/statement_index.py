@@ -21,10 +21,10 @@ T = TypeVar("T")
 
 
 class StatementIndex:
-    """What a body says, in order of the text.
+    """Records of a body, in order of the text.
 
-    heads: each statement with the records of it without the bodies that it holds; the statement
-    itself first. places: by the kind of a record the numbers of heads that have one.
+    heads: each statement with its records outside its inner bodies; the statement itself first.
+    places: by the kind of a record, the numbers of heads that contain one.
     """
 
     __slots__ = ("heads", "places")
@@ -46,7 +46,7 @@ class StatementIndex:
 
 
 def statement_index(procedure: Procedure) -> StatementIndex:
-    """What the body of a procedure says, worked out when it is asked for the first time."""
+    """Return the index of a procedure's body, computed at the first request."""
     if not procedure.known:
         procedure.known.append(StatementIndex(procedure.body))
     found: StatementIndex = procedure.known[0]
@@ -54,7 +54,7 @@ def statement_index(procedure: Procedure) -> StatementIndex:
 
 
 def once_per_program(work: Callable[[Program], T]) -> Callable[[Program], T]:
-    """What is worked out of a program, once for the one that was asked about last."""
+    """Cache the result of `work` for the last program."""
     last: list[tuple[ReferenceType[Program], T]] = []
 
     def remembered(program: Program) -> T:
@@ -113,7 +113,7 @@ def records_in_procedures(program: Program, *kinds: type[T]) -> Iterator[T]:
 
 
 def names_in_procedures(program: Program) -> Iterator[str]:
-    """Every name in the procedures of a program; those of kept text in lower case."""
+    """Yield every name in the procedures of a program; those of vendor texts in lower case."""
     for part in records_in_procedures(program, Name, Opaque, Verbatim):
         if isinstance(part, Name):
             yield part.name
@@ -122,5 +122,5 @@ def names_in_procedures(program: Program) -> Iterator[str]:
 
 
 def has_record(program: Program, *kinds: type) -> bool:
-    """Whether a record of one of the kinds is anywhere in the procedures of a program."""
+    """True if a record of one of the kinds is anywhere in the procedures of a program."""
     return any(True for _ in records_in_procedures(program, *kinds))

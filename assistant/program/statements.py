@@ -24,7 +24,7 @@ from assistant.program.motion import ComputedSpeed as ComputedSpeed
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spanned:
-    """Where in a source text a statement stood; not part of what it says."""
+    """Position of a statement in a source text; not part of its meaning."""
 
     span: Span | None = field(default=None, compare=False, repr=False)
 
@@ -78,7 +78,7 @@ Interrupting = Interrupt | SwitchInterrupt | SwitchInterrupts
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How a move is made: speed, blend at its end, tool and frame by name."""
+    """Parameters of a move: speed, blend at its end, tool and frame by name."""
 
     speed: Speed | ComputedSpeed | Name
     blend: Blend | ComputedBlend | Name
@@ -96,8 +96,9 @@ class Motion:
 
 
 Measure = Literal["start", "end", "time", "share"]
-"""What says where on its way a move sets an output: mm behind the start, mm before the end, seconds
-before the end, or percent of the way that are done."""
+"""Position at which a move sets an output: mm after the start, mm before the end, seconds before
+the end, or percent of the path.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,12 +155,12 @@ class MoveJoints(Spanned):
 
 @dataclass(frozen=True, slots=True)
 class Travel(Spanned):
-    """To a target or joints by a way that touches nothing in the cell, which is planned before any
-    language is told of it: `compiler/travel.py`.
+    """Move to a target or joints on a path without contact in the cell, which is planned before the
+    program is lowered: `compiler/travel.py`.
 
-    motion: blend at the end of the way; those on it are chosen with it. tilt: degrees by which the
-    z axis of the tool may turn away from where it points in the end, None for any. search: seconds
-    that are spent on finding the way at most, None for as many as usual.
+    motion: blend at the end of the path; the blends on it are chosen with it. tilt: degrees by
+    which the z axis of the tool may turn away from its final direction, None for any. search:
+    largest number of seconds for the search of the path, None for the default.
     """
 
     target: Expression
@@ -185,8 +186,8 @@ class Follow(Spanned):
 
     @property
     def lines(self) -> Rows | None:
-        """(m, 2) where each move of the path is in the source text, an arc once; None if the rows
-        have no lines of their own.
+        """Return (m, 2) positions of the path's moves in the source text, an arc once; None if the
+        rows have no separate lines.
         """
         if self.span is None or self.path.places is None or not len(self.path):
             return None
@@ -343,7 +344,7 @@ class Comment(Spanned):
     text: str
 
     def stands_at_end_of(self, other: Statement | None) -> bool:
-        """Whether it stood at the end of the line of another statement."""
+        """True if the comment was at the end of the line of another statement."""
         if other is None or isinstance(other, Comment):
             return False
         return self.span is not None and self.span == other.span
@@ -367,9 +368,10 @@ class Message(Spanned):
 
 
 ChannelKind = Literal["line", "serial", "server", "client", "file"]
-"""What a channel leads to: a communication line of the controller by its number, whatever it is; a
-serial port by its number; whoever connects to a port of it (the port, and its own address where
-that is known); a port of another computer (its address and the port); a file by its name."""
+"""Partner of a channel: a communication line of the controller by its number; a serial port by its
+number; a client that connects to a port of the controller (the port, and the controller's address
+if that is known); a port of another computer (its address and the port); a file by its name.
+"""
 ChannelMode = Literal["both", "read", "write", "append"]
 
 
@@ -395,9 +397,9 @@ class Detach(Spanned):
 
 @dataclass(frozen=True, slots=True)
 class Send(Spanned):
-    """Writes the parts one after the other to a channel.
+    """Write the parts one after the other to a channel.
 
-    kind: `line` with the end of a line behind them, as the controller ends its lines, else `piece`.
+    kind: `line` with the controller's line end after them, else `piece`.
     """
 
     channel: str
@@ -407,11 +409,10 @@ class Send(Spanned):
 
 @dataclass(frozen=True, slots=True)
 class Opaque(Spanned):
-    """A statement that only one vendor language can say, as its text.
+    """A statement that only one vendor language can express, as its text.
 
-    reason: why it is not said otherwise, None if that is not known. effect: what it does, None
-    if nobody has read it. told: what its language makes of it for others. None is part of what
-    it says.
+    reason: why it is not translated, None if unknown. effect: its effect, None if it was not
+    analysed. told: its form for other languages. These three are not part of its meaning.
     """
 
     language: str
@@ -464,10 +465,11 @@ Statement = (
 Trait = Literal[
     "moves", "waits", "sets", "calls", "jumps", "marks", "ends", "holds", "says", "kept"
 ]
-"""What a statement does: moves the robot; lets it stand still, for a time or until something; sets
-a signal, variable, timer or what holds for moves; calls a procedure; jumps to a label; marks a
-place that is jumped to; ends or stops the procedure or program; holds other statements; says
-something to people alone; or is kept as its text, which may do any of them."""
+"""Main effect of a statement: moves the robot; waits, for a time or until an event; sets a signal,
+variable, timer or a setting of moves; calls a procedure; jumps to a label; marks the target of a
+jump; ends or stops the procedure or program; holds other statements; only informs people; or is a
+vendor statement, which may do any of them.
+"""
 
 TRAITS: Final[Mapping[type, Trait]] = {
     **dict.fromkeys((Move, MoveCircular, MoveJoints, Travel, Follow), "moves"),
@@ -486,12 +488,12 @@ TRAITS: Final[Mapping[type, Trait]] = {
 
 
 def trait(statement: Statement) -> Trait:
-    """What a statement does, which whoever walks through a program has to answer."""
+    """Return the main effect of a statement, which every traversal of a program must handle."""
     return TRAITS[type(statement)]
 
 
 def outputs(statement: Statement) -> tuple[SetSignal | Trigger, ...]:
-    """What sets outputs of a statement, without the bodies that it holds."""
+    """Return the parts of a statement that set outputs, without its inner bodies."""
     match statement:
         case SetSignal():
             return (statement,)

@@ -67,10 +67,11 @@ def numbered_channels(
     numbers: Sequence[int],
     together: Callable[[Program], Collection[Collection[str]]],
 ) -> dict[str, int]:
-    """A number for each channel by lower-case name; those for which there is none have none.
+    """Return a number for each channel by lower-case name; channels for which no number is free are
+    missing.
 
-    A channel whose name says its number keeps it. One beyond the numbers shares that of others, if
-    no two of them are `together`.
+    A channel whose name contains its number keeps it. One beyond the numbers shares that of others,
+    if no two of them are `together`.
     """
     wanted = [name.lower() for name in channels(program)]
     said = ((name, _NUMBERED_CHANNEL.fullmatch(name)) for name in wanted)
@@ -122,18 +123,20 @@ WantedKind = Literal[
     "arm",
     "line",
 ]
-"""What it is: as in a process file, `data` for any other value, `routine` for what is called,
-`record` for a type of data, whose value is a text with type and name for each component,
-`arm` for the one that joint angles were taught on, `line` for a line of the controller by its
-number."""
+"""Kind of a name: as in a process file, `data` for any other value, `routine` for a called routine,
+`record` for a type of data, whose value is a text with type and name for each component, `arm` for
+the one that joint angles were taught on, `line` for a line of the controller by its number.
+"""
 Plain: TypeAlias = float | bool | str | tuple["Plain", ...]
 """A value as its language writes it: a number, truth, text, or values in brackets."""
 SuppliedValue: TypeAlias = Tool | Frame | Speed | Blend | Target | JointTarget | ChannelLine | Plain
-"""What a cell says of a wanted name; of a routine one of ROUTINES, or the name of its file."""
+"""Value that a cell gives a wanted name; for a routine, one of ROUTINES, or the name of its
+file.
+"""
 ROUTINES: Final = ("stop", "empty")
-"""What may stand for a routine that was not read: it stops there, or does nothing."""
+"""Replacements of a routine that was not read: it stops there, or does nothing."""
 SAME_ARM: Final = "same"
-"""What may be said of the arm that joint angles were taught on: the one that runs the program."""
+"""Name of the arm that joint angles were taught on if it is the one that runs the program."""
 BASE_FRAME_SUFFIX: Final = "_stands"
 """Follows the name of a mechanical unit in that of the frame where it stands."""
 TAUGHT_ON: Final = "taught_on"
@@ -154,13 +157,13 @@ class CallArgument:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """One name that is declared nowhere in what was read.
+    """One name without a declaration in the files that were read.
 
-    type: as its language names it, empty where the uses do not tell; of a routine that of its
+    type: as its language names it, empty if the uses do not show it; for a routine that of its
     result, empty for a procedure. size: of an array, as large as the uses need. arguments: of a
-    routine. signal: what is known of a signal. uses: `file:line` of each statement that uses it,
-    in order, each once. assigned: the program itself gives it values. nothing: of data, the value
-    that says least, None where its type has no values.
+    routine. signal: known properties of a signal. uses: `file:line` of each statement that uses it,
+    in order, each once. assigned: True if the program itself gives it values. nothing: of data, the
+    plainest value, None if its type has no values.
     """
 
     name: str
@@ -198,9 +201,10 @@ STATE_TYPE: Final = "state"
 
 
 def neutral_value(wanted: Wanted) -> SuppliedValue | None:
-    """What stands for a name until the cell says it: the flange, the base, 100 mm/s, a stop.
+    """Return the default value of a name until the cell supplies it: the flange, the base, 100
+    mm/s, a stop.
 
-    None of data whose type has no values.
+    Return None for data whose type has no values.
     """
     if wanted.kind == "position" and wanted.type == STATE_TYPE:
         return Target(Pose())
@@ -219,10 +223,12 @@ def timers(program: Program) -> tuple[str, ...]:
 def numbered_timers(
     program: Program, numbers: Sequence[int], kept: re.Pattern[str]
 ) -> tuple[dict[str, int], int]:
-    """A number for each timer by lower-case name, and one that no timer has, 0 if there is none.
+    """Return a number for each timer by lower-case name, and one that no timer has, 0 if all are
+    used.
 
-    A timer whose name says its number keeps it; of the others the first number is given last.
-    Timers beyond the numbers have none. kept: finds the number of a timer in kept text.
+    A timer whose name contains its number keeps it; among the others the first number is given
+    last. Timers beyond the numbers have no number. kept: finds the number of a timer in vendor
+    texts.
     """
     texts = [declaration.text for declaration in program.declarations]
     texts += [part.text for _, parts in statements_with_vendor_text(program) for part in parts]

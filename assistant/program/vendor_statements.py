@@ -32,12 +32,14 @@ def vendor_text_kind(kept: VendorText) -> VendorTextKind:
 
 
 def effect_of(kept: VendorText) -> Effect:
-    """What a kept text does: anything, if nobody has read it."""
+    """Return the effect of a vendor text: anything, if it was not analysed."""
     return unknown_effect(kept.text) if kept.effect is None else kept.effect
 
 
 def respelled(kept: K, text: str, old: str, new: str) -> K:
-    """A kept text in which a name was exchanged, but for strings; both names in lower case."""
+    """Return a vendor text in which a name was exchanged, except in strings; both names in lower
+    case.
+    """
     if kept.effect is None:
         return replace(kept, text=text)
     stays = old in words_of(text)
@@ -45,9 +47,9 @@ def respelled(kept: K, text: str, old: str, new: str) -> K:
 
 
 def with_effects(program: Program, read: Callable[[VendorText], Effect | None]) -> Program:
-    """The program whose kept texts carry their effects; those that do already keep them.
+    """Return the program whose vendor texts carry their effects; known effects stay unchanged.
 
-    read: gives the effect of one, None if there is nobody who can read it.
+    read: returns the effect of one, None if it cannot be analysed.
     """
 
     def visit(record: Any) -> Any:

@@ -1,4 +1,4 @@
-"""OpenCV, which the extra `vision` brings; it is loaded when a picture is looked at."""
+"""OpenCV, installed by the extra `vision`; it is loaded for the first picture."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from assistant.base.diagnostics import Refused
 from assistant.vision.rules import NO_OPENCV
 
 MOST_PIXELS: Final = 100_000_000
-"""Of a picture; a small file can say to hold any number of them."""
+"""Largest number of pixels of a picture; a small file can claim any number of them."""
 
 
 @lru_cache(maxsize=1)
@@ -29,7 +29,7 @@ def opencv() -> Any:
 
 @contextmanager
 def silent() -> Iterator[Any]:
-    """The module, while it says nothing by itself of what cannot be opened or read."""
+    """Yield OpenCV without its messages about files that cannot be opened or read."""
     cv = opencv()
     before = cv.utils.logging.setLogLevel(cv.utils.logging.LOG_LEVEL_SILENT)
     try:

@@ -52,8 +52,9 @@ ObjectLookup = Callable[[str], Sight | None]
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a program was told. name: that it asked for, empty for no question. state: the first of
-    the numbers; None where nothing was answered. pose: in the robot's base. findings: why not.
+    """Answer to a program. name: the requested name, empty without a question. state: the first of
+    the numbers; None without an answer. pose: in the robot's base. findings: reasons for a missing
+    pose.
     """
 
     name: str
@@ -70,12 +71,12 @@ def serve_program(
     base: Pose | None = None,
     patience: float = math.inf,
 ) -> Iterator[Answer]:
-    """Answers one program, from when it opens its line until it closes that.
+    """Serve one program, from the time it opens its line until it closes it.
 
-    link: not open yet. trust: beyond which a sight is not answered as found. base: where the robot
-    stands in the world of the cell. patience: seconds without a word after which Lost is raised.
-    Each answer is given when it is on its way. Raises Lost if the line cannot be opened or fails
-    while an answer goes out.
+    link: not open yet. trust: limits within which a sighting counts as found. base: pose of the
+    robot in the world of the cell. patience: seconds without a word after which Lost is raised.
+    Each answer is yielded after it was sent. Raises Lost if the line cannot be opened or fails
+    during an answer.
     """
     _open_link(link, patience)
     try:
@@ -92,7 +93,7 @@ def serve_program(
 def answer_line(
     line: str, look: ObjectLookup, *, trust: Trust = DEFAULT_TRUST, base: Pose | None = None
 ) -> Answer:
-    """What is answered to a line of a program."""
+    """Return the answer to a line of a program."""
     word, _, name = line.strip().partition(" ")
     name = name.strip()
     if word.lower() != QUESTION or not name:

@@ -1,1 +1,1 @@
-"""The extension for VS Code: made of our tables, packed without any tool of its own."""
+"""Extension for VS Code, made from our tables and packed without a separate tool."""

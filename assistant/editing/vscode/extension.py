@@ -77,7 +77,7 @@ _NEEDS: Final = (
 ENGINE: Final = "^1.82.0"
 """The oldest VS Code that the bundled client runs in."""
 FORMAT: Final = "http://schemas.microsoft.com/developer/vsx-schema/2011"
-"""What names the form of the manifest; nothing is asked there."""
+"""Name of the manifest's format; the address is never requested."""
 _TIME: Final = (1980, 1, 1, 0, 0, 0)
 _TYPES: Final = {
     "json": "application/json",
@@ -121,7 +121,7 @@ def extension(version: str) -> dict[str, str]:
 
 
 def package(version: str) -> dict[str, Any]:
-    """What the extension says of itself."""
+    """Return the manifest of the extension."""
     known = _spoken()
     number = re.match(r"\d+\.\d+\.\d+", version)
     return {

@@ -50,9 +50,9 @@ from assistant.robots import Robot
 from assistant.robots.arms import Placed, Serial
 
 SUSPICIOUS_MISS: Final = 0.005
-"""Of the reach, by which the nominal arm misses the points where mistakes are tried."""
+"""Share of the reach: if the nominal arm misses the points by more, typical mistakes are tried."""
 MISTAKE_SHARE: Final = 0.25
-"""Of what it misses, that a mistake must leave at most to be the reason."""
+"""Largest share of the miss that may remain for a mistake to count as its reason."""
 SUSPICIOUS_TURN: Final = 5.0
 """Degrees of the measured turns that no arm is off by."""
 LEAST_AXIS_RANGE: Final = 2.0
@@ -211,21 +211,23 @@ def _turn_miss(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> flo
 LEAST_MEASUREMENTS: Final = 1.5
 """Numbers measured for each parameter, at least."""
 MOST_OUTLIERS: Final = 0.3
-"""Of the rows, that may not fit the others."""
+"""Largest share of rows that may not fit the others."""
 LARGE_CORRECTIONS: Final = {"mm": 10.0, "deg": 5.0}
-"""What is more than errors of assembly."""
+"""Corrections above these values exceed errors of assembly."""
 OVER_FIT_RATIO: Final = 2.0
-"""Times the residual of the fit from which on that of poses held out tells of over-fitting."""
+"""Ratio of the residual of held-out poses to that of the fit above which over-fitting is
+reported.
+"""
 FREE_CHAIN_SHARE: Final = 0.75
-"""Of what remains, that a free chain leaves at most to be worth telling."""
+"""Largest share of the remaining error that a free chain may leave to be reported as better."""
 MOST_MISS: Final = 0.25
-"""Of the reach, that the nominal arm may miss the middle one of the points by."""
+"""Largest share of the reach by which the nominal arm may miss the median point."""
 MOVED_STATISTIC: Final = 22.0
-"""Of the statistic of two samples, that chance gives one set of poses in some thousand."""
+"""Two-sample statistic that chance reaches in about one of a thousand sets of poses."""
 LEAST_VARIANCE: Final = 1e-12
 """mm², so that points without any noise have a covariance."""
 CORRELATED: Final = 0.9
-"""Correlation from which on errors of two corrections are told to go together."""
+"""Correlation from which on the errors of two corrections are reported as coupled."""
 MOST_NOISE_RATIO: Final = 1.3
 """Times the stated noise that the residual may be."""
 
@@ -245,11 +247,12 @@ class Correction:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """What measured poses tell of an arm.
+    """Result of a calibration of an arm with measured poses.
 
-    fit: the fit. start: base and tool of the nominal arm. before, after: residuals of the poses
-    that count, with base and tool fitted in both. out_before, out: of each pose by a fit of others.
-    held: corrections that the poses do not tell, or only in sums. findings: what is to be known.
+    fit: the fit. start: base and tool of the nominal arm. before, after: residuals of the used
+    poses, with base and tool fitted in both. out_before, out: residuals of each pose by a fit of
+    other poses. held: corrections that the poses do not determine, or only in sums. findings:
+    warnings and remarks about the result.
     """
 
     robot: Robot
@@ -267,28 +270,30 @@ class Calibration:
 
     @property
     def base(self) -> Pose:
-        """Of the corrected arm, in the measuring frame."""
+        """Base of the corrected arm, in the measuring frame."""
         return self.fit.state.base
 
     @property
     def tool(self) -> Pose:
-        """What was measured, in the flange of the corrected arm."""
+        """Measured tool, in the flange of the corrected arm."""
         return self.fit.state.tool
 
     @property
     def noise(self) -> tuple[float, float | None]:
-        """Of a point along each axis, mm, and of a turn about each, degrees: one sigma."""
+        """Noise of a point along each axis, mm, and of a turn about each axis, degrees: one
+        sigma.
+        """
         one = self.fit.problem
         return one.point_noise, None if one.measured.turns is None else one.turn_noise
 
     @cached_property
     def condition(self) -> float:
-        """Of the Jacobian with columns of one length."""
+        """Condition number of the Jacobian with columns of equal length."""
         return condition_number(self.fit.slope)
 
     @cached_property
     def corrections(self) -> tuple[Correction, ...]:
-        """Those of the arm that are told."""
+        """Corrections of the arm that the poses determine."""
         free, sigma = np.flatnonzero(self.fit.free), self.sigmas
         return tuple(
             Correction(
@@ -475,7 +480,7 @@ def _calibration_findings(done: Calibration, noise: float | None) -> list[Diagno
 
 
 def _moved_findings(done: Calibration) -> list[Diagnostic]:
-    """Whether the points of later rows are off those of earlier ones, by the best place to part
+    """Report that the points of later rows are off those of earlier ones, at the best place to part
     them (Hotelling's two samples).
     """
     problem, used = done.fit.problem, np.flatnonzero(done.fit.used)
@@ -494,7 +499,7 @@ def _moved_findings(done: Calibration) -> list[Diagnostic]:
 
 
 def _free_chain_findings(done: Calibration) -> list[Diagnostic]:
-    """What a free chain would explain beyond the lengths of a robot file."""
+    """Report an error that a free chain explains beyond the lengths of a robot file."""
     if done.estimate == "chain":
         numerical = isinstance(done.robot.arm, Placed | Serial)
         five = "" if len(done.robot.axes) > 5 else ", and its axes are named J1 to J5"

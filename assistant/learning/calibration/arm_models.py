@@ -30,8 +30,8 @@ EstimatedErrors = Literal["zeros", "lengths", "chain"]
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """name: as it is told. unit: of its corrections. nominal: what the robot file says, 0 of what
-    it does not say.
+    """Parameter of an arm. name: its name in reports. unit: of its corrections. nominal: its value
+    in the robot file, 0 if the file does not state it.
     """
 
     name: str
@@ -52,7 +52,7 @@ class FlangeSlopes:
 
 
 class ArmModel(Protocol):
-    """An arm with k parameters, all of them 0 for the arm as its file says it."""
+    """Model of an arm with k parameters, all of them 0 for the arm of the robot file."""
 
     @property
     def robot(self) -> Robot: ...
@@ -99,7 +99,7 @@ class LengthsModel:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of the lengths that are parameters."""
+        """Names of the lengths that are parameters."""
         arm = self.robot.arm
         if not self.lengths or not isinstance(arm, SixAxis | FiveAxis | Scara):
             return ()
@@ -158,7 +158,9 @@ PARALLEL_SINE: Final = 0.1
 
 
 def arm_model(robot: Robot, estimate: EstimatedErrors) -> ArmModel:
-    """The model of a robot; of an arm without lengths of its own `lengths` are the zeros alone."""
+    """Return the model of a robot; `lengths` has only the zeros for an arm without separate
+    lengths.
+    """
     if estimate == "chain":
         return ChainModel(robot)
     return LengthsModel(robot, lengths=estimate == "lengths")
@@ -172,8 +174,9 @@ class ChainModel:
 
     @cached_property
     def links(self) -> tuple[tuple[Pose, tuple[str, ...]], ...]:
-        """Of each link but the last: the frame of its corrections in that of its joint, z along
-        the axis and x along the common normal with the next one, and which corrections it has.
+        """Return for each link but the last the frame of its corrections in that of its joint, z
+        along the axis and x along the common normal with the next one, and the names of its
+        corrections.
         """
         chain = self.robot.arm.whole_chain
         found = chain.along(np.zeros((1, len(chain.joints))))
@@ -248,7 +251,7 @@ class ChainModel:
         return self.chain(values).along(robot.chained(joints))
 
     def _own(self, values: Floats) -> Iterator[tuple[Pose, dict[str, float]]]:
-        """Of each link its frame and its corrections."""
+        """Yield the frame and the corrections of each link."""
         rest = values[len(self.robot.axes) :].tolist()
         for place, names in self.links:
             yield place, dict(zip(names, rest, strict=False))

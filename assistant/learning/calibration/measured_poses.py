@@ -128,7 +128,7 @@ def measured_from_columns(
 def _left_out_findings(
     rows: Rows, whole: Truths, wrong: Mapping[str, Truths], path: str | None
 ) -> tuple[Diagnostic, ...]:
-    """A finding for each reason for which rows say nothing."""
+    """Return one finding for each reason for which rows are left out."""
     known = np.zeros(len(rows), dtype=bool)
     for which in wrong.values():
         known |= which
@@ -201,7 +201,7 @@ def _bad_header(path: str, reason: str, columns: str = "j1_deg …, x_mm, y_mm, 
 
 
 class _PoseTable:
-    """Columns of a table by their names; what is no number is told with its line."""
+    """Columns of a table by their names; a value that is not a number is reported with its line."""
 
     def __init__(self, header: list[str], lines: list[tuple[int, list[str]]], path: str) -> None:
         self.header, self.lines, self.path = header, lines, path

@@ -64,7 +64,9 @@ class FitState:
     values: Floats
 
     def moved(self, step: Floats) -> FitState:
-        """With corrections (12 + k,) added, turns about axes of their own."""
+        """Return the state with corrections (12 + k,) added, base and tool turned about their
+        axes.
+        """
         base, tool = _small_motion(step[:6]), _small_motion(step[6:PLACEMENT_COUNT])
         return FitState(self.base @ base, self.tool @ tool, self.values + step[PLACEMENT_COUNT:])
 
@@ -151,7 +153,7 @@ class FitProblem:
         return by[:, : self.parts]
 
     def wanted(self, known: KnownPlacement, *, arm: bool = True) -> Truths:
-        """(12 + k,) which corrections are looked for. arm: whether those of the arm are."""
+        """Return which (12 + k,) corrections are wanted. arm: True to include those of the arm."""
         out = np.full(len(self.parameters), arm)
         out[: len(BASE_PARAMETERS)] = known.base is None
         out[len(BASE_PARAMETERS) : len(BASE_PARAMETERS) + 3] = known.tool is None
@@ -178,7 +180,7 @@ def _cross_matrices(vectors: Floats) -> Floats:
 
 FIT_ROUNDS: Final = 60
 CONVERGED_SHARE: Final = 1e-9
-"""Of the cost, by which a step must make it less to go on."""
+"""Share of the cost by which a step must reduce it for the fit to continue."""
 ROUGHLY_CONVERGED_SHARE: Final = 1e-4
 """The same while rows are weighed anew, and for poses that are only predicted."""
 TUKEY_SIGMAS: Final = 6.0
@@ -188,7 +190,7 @@ OUTLIER_SIGMAS: Final = {3: 4.6, 6: 5.3}
 MEDIAN_LENGTH: Final = {3: 1.538, 6: 2.313}
 """Median length of so many normal numbers (square root of the median of chi-square)."""
 LEAST_REDUNDANCY: Final = 0.1
-"""Share of itself that a row is taken to say at least beyond what the others do."""
+"""Least share of redundancy that is assumed for a row beyond the other rows."""
 LEAST_NOISE: Final = 1e-9
 """mm and degrees below which noise is rounding."""
 
@@ -307,7 +309,7 @@ def _robust_weights(missing: Floats, parts: int, beyond: float) -> Floats:
 
 
 def _inliers(problem: FitProblem, state: FitState, free: Truths, used: Truths) -> Truths:
-    """(n,) rows that are no farther off than noise explains."""
+    """True for each of (n,) rows whose error noise explains."""
     missing = problem.missing(state)
     slope = problem.slope(state, arm=bool(free[PLACEMENT_COUNT:].any()))[:, :, free]
     _, triangle = np.linalg.qr(slope[used].reshape(-1, slope.shape[2]))
@@ -341,20 +343,20 @@ def _with_residual_noise(
 
 
 DEPENDENT_SHARE: Final = 1e-5
-"""Of a column, what is left of it beside the others, below which it is a sum of them."""
+"""Share of a column's length: if less remains beside the others, the column is a sum of them."""
 MOST_SIGMA: Final = {"mm": 2.0, "deg": 1.0}
 """Standard deviation from which on a correction is held: errors of assembly are smaller."""
 MOST_PARTS: Final = 6
-"""Parts of a sum that are said."""
+"""Largest number of parts of a sum in a report."""
 LEAST_PART: Final = 0.02
-"""Share of a sum, by its effect on the points, from which on it is told."""
+"""Share of a sum, by its effect on the points, from which on a part is reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class HeldParameter:
-    """A correction that is not told. parts: with what it is one: names with how much of each, mm
-    or degrees, one mm or degree of it looks like. sigma: None for exactly one, or how uncertain it
-    would be by itself.
+    """A correction that the poses do not determine. parts: the corrections that have the same
+    effect: name, amount and unit, mm or degrees, equal to one mm or degree of it. sigma: None if it
+    is exactly such a sum, else its uncertainty if it were free.
     """
 
     parameter: Parameter
@@ -378,10 +380,10 @@ class HeldParameter:
 def identify_parameters(
     slope: Floats, parameters: Sequence[Parameter], wanted: Truths, *, loose: bool
 ) -> tuple[Truths, tuple[HeldParameter, ...]]:
-    """Which (k,) corrections are free, and those of the wanted ones that are held.
+    """Return which (k,) corrections are free, and which of the wanted ones are held.
 
-    slope: (m, k) in sigmas a mm or degree. loose: whether those are held as well that are told
-    worse than any error of assembly; of base and tool all are free that can be.
+    slope: (m, k) in sigmas per mm or degree. loose: True to hold corrections as well that are less
+    certain than any error of assembly; for base and tool, all that can be free are free.
     """
     free, held = np.zeros(len(parameters), dtype=bool), []
     basis: list[Floats] = []
@@ -407,7 +409,9 @@ def identify_parameters(
 
 
 def condition_number(slope: Floats) -> float:
-    """Of the Jacobian (m, k) with columns of one length: 1 where nothing is mixed."""
+    """Return the condition number of the Jacobian (m, k) with columns of equal length: 1 if no
+    corrections are mixed.
+    """
     if not slope.shape[1]:
         return 1.0
     return float(np.linalg.cond(slope / np.linalg.norm(slope, axis=0)))
@@ -428,7 +432,7 @@ def _parts_of_sum(
 
 
 ALIGNMENT_ROUNDS: Final = 8
-"""Of weighing the linear equations anew, so that a few wild rows do not decide."""
+"""Rounds of reweighting the linear equations, so that a few wild rows do not decide."""
 
 
 def align_placement(problem: FitProblem, known: KnownPlacement) -> tuple[FitState, Truths]:
@@ -483,7 +487,7 @@ def _start_states(problem: FitProblem, known: KnownPlacement) -> list[FitState]:
 
 
 def _tool_turn(problem: FitProblem, r: Floats, base: Pose, known: KnownPlacement) -> Quaternion:
-    """How the tool is turned by the measured turns."""
+    """Return the rotation of the tool from the measured turns."""
     if known.turn is not None or problem.measured.turns is None:
         return known.turn or IDENTITY.quaternion
     own = rotations.to_matrix(np.array(base.quaternion))
@@ -538,7 +542,7 @@ FOLDS: Final = 5
 SAME_POSE: Final = 0.5
 """Degrees or mm of joints within which a pose is the same."""
 FEW_POSES: Final = 15
-"""Poses below which each is held out by itself."""
+"""Number of poses below which each pose is held out alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -551,7 +555,7 @@ class Residual:
 
     @staticmethod
     def of(points: Floats, turns: Floats | None) -> Residual:
-        """Of errors (n, 3) mm and (n, 3) radians."""
+        """Return the residual of errors (n, 3) mm and (n, 3) radians."""
         off = norms(points)
         turn = None if turns is None else float(np.degrees(np.sqrt((norms(turns) ** 2).mean())))
         return Residual(float(np.sqrt((off**2).mean())), float(off.max()), turn)
@@ -575,7 +579,7 @@ def distinct_poses(joints: Floats) -> Rows:
 
 
 def held_out_residual(problem: FitProblem, state: FitState, free: Truths, rows: Rows) -> Residual:
-    """Of each of some rows by a fit of the other poses, that begins at a state."""
+    """Return the residual of some rows, each by a fit of the other poses that begins at a state."""
     alike = distinct_poses(problem.measured.joints[rows])
     many = int(alike.max()) + 1
     order = np.random.default_rng(0).permutation(many)

@@ -30,7 +30,7 @@ from assistant.vision.cameras.camera import Camera
 
 CANDIDATES: Final = 800
 RANGE_SHARE: Final = 0.95
-"""Of the range of each axis."""
+"""Share of the range of each axis that is used."""
 EXCHANGE_ROUNDS: Final = 3
 """Times that each pose is exchanged for the best other one at most."""
 PICTURE_MARGIN: Final = 10.0
@@ -63,11 +63,11 @@ def suggest_poses(
     noise: float = 0.05,
     seed: int = 0,
 ) -> SuggestedPoses:
-    """Poses to measure an arm in; whether the way there is free is not looked at.
+    """Return poses for measuring an arm; the way to them is not checked for collisions.
 
-    tool: mm, of the point in the flange, roughly. box: (3, 2) mm of the base in which it stays.
-    cameras: that stand in the base's frame; two of them at least see the point. noise: mm. Raises
-    Refused where not so many poses can be found.
+    tool: mm, rough position of the point in the flange. box: (3, 2) mm of the base that contains
+    the point. cameras: cameras in the base's frame; at least two of them see the point. noise: mm.
+    Raises Refused if fewer poses are found.
     """
     known = known or KnownPlacement()
     joints, points = _random_candidates(robot, tool, box, cameras, seed)

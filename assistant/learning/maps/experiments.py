@@ -47,7 +47,7 @@ TOOL_POINTS: Final = (TOOL_TIP, (60.0, 0.0, 20.0), (0.0, 60.0, 20.0))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Experiment:
-    """dimensions: numbers by which a goal is told."""
+    """An experiment of a map. dimensions: numbers that describe a goal."""
 
     arm: ObservedArm
     space: Space
@@ -59,9 +59,10 @@ class Experiment:
 
 
 def three_joints() -> Experiment:
-    """As published: the first three joints of an arm, the tip of its tool anywhere in a box.
+    """Return the published experiment: the first three joints of an arm, the tip of its tool
+    anywhere in a box.
 
-    Here of an RV-2AJ whose hand is held straight; the box is 150 x 400 x 200 mm.
+    This version uses an RV-2AJ whose hand is held straight; the box is 150 x 400 x 200 mm.
     """
     box = np.array([[300.0, 450.0], [-200.0, 200.0], [200.0, 400.0]])
     robot = robots.get("rv-2aj")
@@ -215,7 +216,7 @@ def _stated_ranges(asked: ExperimentSettings, moves: tuple[str, ...], ranges: Fl
 
 
 def _check_task(net: ExtendedMap, made: Experiment) -> None:
-    """Raises Refused unless a map has learnt what is asked for."""
+    """Raise Refused unless a map has learnt the requested task."""
     asked = made.arm.task
     if net.task != asked:
         raise Refused(
@@ -244,7 +245,7 @@ LEAST_SLOPE_SPREAD: Final = 0.2
 LEAST_PICTURE_SPREAD: Final = 1e-9
 """Pixels, where all pictures are alike."""
 PICTURE_SURPLUS: Final = 20
-"""Times the pictures that are wanted, among which those about the targets are looked for."""
+"""Factor of the wanted pictures: among so many pictures, those near the targets are chosen."""
 
 
 class Baseline(Protocol):
@@ -259,10 +260,11 @@ class Baseline(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CalibratedBaseline:
-    """model: the arm as its robot file has it, with the cameras as they were calibrated.
+    """Baseline with a calibrated model. model: the arm as in its robot file, with the cameras as
+    they were calibrated.
 
-    A whole pose, told by three points, goes through `Robot.ik`. For fewer points joints are found
-    by Gauss and Newton over `Robot.fk`, from the middle of the ranges (a, 2).
+    Three points give a complete pose, which `Robot.ik` solves. For fewer points, joints are found
+    by Gauss-Newton over `Robot.fk`, from the middle of the ranges (a, 2).
     """
 
     model: ObservedArm
@@ -272,7 +274,7 @@ class CalibratedBaseline:
         return self._solved(self._points(pixels))
 
     def corrected(self, joints: Floats, target: Floats, seen: Floats) -> Floats:
-        """As far from where the model has the tool as it is seen to be from the target."""
+        """Move the tool in the model by the seen distance between tool and target."""
         off = self._points(target) - self._points(seen)
         return self._solved(self.model.tool(joints)[0] + off, joints)
 
@@ -370,7 +372,9 @@ def nearest_baseline(
 
 
 def baseline_errors(rival: Baseline, arm: ObservedArm, goals: Goals) -> MapErrors:
-    """As of the map: its first movement as `coarse`, the others after one correction."""
+    """Return errors as for the map: the first movement as `coarse`, the others after one
+    correction.
+    """
     first = rival.joints(goals.pixels)
     seen = arm(first)
     there = np.isfinite(seen).all(axis=1)

@@ -65,7 +65,7 @@ class Neighbourhood:
 
     @property
     def alone(self) -> bool:
-        """Whether the winner has no neighbours any more."""
+        """True if the winner has no neighbours any more."""
         return not any(self.reaches)
 
     def about(self, place: tuple[int, ...]) -> tuple[LatticeBox, Floats]:
@@ -94,15 +94,17 @@ RANDOM_SIGMA: Final = 0.1
 JOINTS_OF_POINTS: Final = {1: 3, 2: 5}
 """Number of joints that so many seen points determine; three points determine six."""
 LEAST_SPREAD: Final = 0.15
-"""Of the largest spread: along axes of less, pictures curve more than they tell."""
+"""Share of the largest spread: along axes with less, curvature of the pictures outweighs their
+information.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapScale:
-    """What the net counts in: pictures in spreads about their middle, joints in halves of ranges.
+    """Units of the net: pictures in spreads about their middle, joints in halves of ranges.
 
-    middle: (d,) pixels. frame: (d, d) axes of the pictures as columns, each a spread long inverted.
-    low, high: (a,) between which joints are answered.
+    middle: (d,) pixels. frame: (d, d) axes of the pictures as columns, each with the length of an
+    inverse spread. low, high: (a,) limits of the joints in answers.
     """
 
     middle: Floats
@@ -131,16 +133,16 @@ class MapScale:
 
     @property
     def pixel(self) -> float:
-        """How long the picture of a noise of one pixel in each number is."""
+        """Length of the picture of a noise of one pixel in each number."""
         return float(np.sqrt((self.frame**2).sum()))
 
 
 @dataclass(frozen=True, slots=True)
 class LearningRates:
-    """How much is learnt now: shares of the winner, and widths in units of the lattice.
+    """Present learning rates: shares of the winner, and widths in units of the lattice.
 
-    place, place_width: of w. answer, answer_width: of θ and A. noise: pixels; movements that are
-    seen to be as small tell nothing of A.
+    place, place_width: of w. answer, answer_width: of θ and A. noise: pixels; smaller seen
+    movements give no information about A.
     """
 
     place: float
@@ -152,8 +154,8 @@ class LearningRates:
 
 @dataclass(frozen=True, slots=True)
 class MapTask:
-    """What a map is of: robot and the names of its joints that move, cameras, and how many points
-    of the tool each of them sees. A picture is u, v of each camera, point by point.
+    """Task of a map: robot and the names of its joints that move, cameras, and number of tool
+    points that each of them sees. A picture is u, v of each camera, point by point.
     """
 
     robot: str
@@ -305,7 +307,7 @@ NEWEST_SHARE: Final = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trials:
-    """What became of m targets: winners (m,), joints (m, a) and pixels (m, d) of both movements."""
+    """Results for m targets: winners (m,), joints (m, a) and pixels (m, d) of both movements."""
 
     winners: Rows
     coarse: Floats
@@ -319,9 +321,9 @@ def try_targets(
 ) -> Trials:
     """Move the arm to targets (m, d) pixels, each by a coarse and a fine movement.
 
-    more: (m, a) in angles of the map, added to the fine movements of an arm that tries others.
-    Where the arm is out of sight after the coarse one it stays. Raises Refused for an arm that does
-    not answer pixels (m, d).
+    more: (m, a) in angles of the map, added to the fine movements of an arm that tries others. An
+    arm that is out of sight after the coarse movement stays there. Raises Refused for an arm that
+    does not answer pixels (m, d).
     """
     scale = net.scale
     wanted = scale.pictures(targets)
@@ -399,11 +401,13 @@ def _null_motion(slopes: Floats, angles: Floats, count: int) -> Floats:
 
 
 UNSEEN_MOVEMENT: Final = 1e-12
-"""Of squares of spreads: a movement that is no longer seen."""
+"""Squared spread below which a movement is not seen."""
 
 
 def observe_arm(arm: ArmFunction, joints: Floats, count: int) -> Floats:
-    """What an arm is seen at; raises Refused if that are no pixels (m, count)."""
+    """Return the pixels at which the arm is seen; raises Refused unless they are pixels (m,
+    count).
+    """
     seen = np.asarray(arm(joints), dtype=np.float64)
     if seen.shape != (len(joints), count):
         raise Refused(
@@ -452,17 +456,17 @@ RELEARNING_RATES: Final = LearningRates(0.02, 0.15, 0.9, 0.5)
 
 
 def first_cooling(steps: int, noise: float = 0.0) -> Cooling:
-    """Of a map that begins. noise: pixels."""
+    """Return the cooling of a new map. noise: pixels."""
     return _cooling_with_noise(FIRST_RATES, LAST_RATES, steps, noise)
 
 
 def relearning_cooling(steps: int, noise: float = 0.0) -> Cooling:
-    """Of a map that has learnt, and whose arm or cameras have changed."""
+    """Return the cooling of a trained map whose arm or cameras have changed."""
     return _cooling_with_noise(RELEARNING_RATES, LAST_RATES, steps, noise)
 
 
 def rates_in_use(noise: float = 0.0) -> LearningRates:
-    """Of a map that learns from what it is used for."""
+    """Return the rates of a map that learns during use."""
     return _cooling_with_noise(RELEARNING_RATES, LAST_RATES, 0, noise).last
 
 

@@ -34,14 +34,14 @@ COLUMNS: Final = (
 LONGEST_TEXT: Final = 1000
 """Characters of a text."""
 MOST_NUMBERS: Final = 1000
-"""Of a picture."""
+"""Largest number of values of a picture."""
 LARGEST_NUMBER: Final = 1e9
 """No number of a map that learns comes near it."""
 READ_ERRORS: Final = (
     *(zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError),
     *(OSError, ValueError, SyntaxError, TypeError, MemoryError, RecursionError, TokenError),
 )
-"""What readers of archives and of headers raise for damaged and foreign content."""
+"""Exceptions that readers of archives and headers raise for damaged and foreign content."""
 
 
 def save_map(
@@ -67,7 +67,9 @@ def save_map(
 
 
 def load_map(path: str | FilePath) -> ExtendedMap:
-    """The map of a file. Raises Unreadable or Refused, with a finding, for whatever is none."""
+    """Read the map of a file. Raises Unreadable or Refused, with a finding, for a file that is not
+    a map.
+    """
     try:
         columns = _read_columns(read_bytes(path))
     except Refused:
@@ -91,7 +93,7 @@ def load_map(path: str | FilePath) -> ExtendedMap:
 
 
 def _read_columns(data: bytes) -> dict[str, Any]:
-    """What an archive holds, each by its name; nothing in it is ever run."""
+    """Return the members of an archive by name; no content is executed."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         members = archive.infolist()
         if sum(member.file_size for member in members) > most_unpacked():
@@ -103,9 +105,9 @@ def _read_columns(data: bytes) -> dict[str, Any]:
 
 
 def _read_array(data: bytes) -> Any:
-    """A column of float64, or a text; raises ValueError for anything else.
+    """Return a column of float64, or a text; raises ValueError for anything else.
 
-    By its header, whose size is compared with what is there before anything is made.
+    The size in its header is compared with the available data before an array is made.
     """
     stream = io.BytesIO(data)
     if np.lib.format.read_magic(stream) != (1, 0):
@@ -121,7 +123,7 @@ def _read_array(data: bytes) -> Any:
 
 
 def _map_fault(columns: dict[str, Any]) -> str:
-    """What keeps columns from being a map, nothing if they are one."""
+    """Return the fault that makes columns unusable as a map, empty if they are a map."""
     if str(columns.get("kind")) != FILE_KIND:
         return "it says to be something else"
     missing = [name for name in COLUMNS if name not in columns]

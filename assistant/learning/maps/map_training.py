@@ -36,8 +36,8 @@ from assistant.learning.maps.proposals import RANGE_TOLERANCE
 from assistant.learning.rules import BAD_LATTICE, FEW_POINTS, FEW_ROWS, TOOL_RARELY_SEEN
 
 TARGETS_AT_ONCE: Final = 16
-"""Targets that are tried before what they told is learnt: an arm that is computed is asked for all
-of them in one call.
+"""Targets that are tried before their results are learnt: a computed arm gets all of them in one
+call.
 """
 SCALE_SAMPLES: Final = 1000
 """Pictures by which a map that begins is scaled."""
@@ -58,7 +58,9 @@ USUAL_LATTICES: Final[dict[int, tuple[int, ...]]] = {
     5: (6, 8, 4, 4, 4),
     6: (4, 5, 4, 4, 4, 4),
 }
-"""By how many numbers a target is told. That of three is the one of the published experiment."""
+"""Usual lattice by the count of numbers that describe a target; the one for three is from the
+published experiment.
+"""
 MEASURED_STEPS: Final = (300, 1_000, 3_000, 6_000, 10_000, 20_000, 30_000, 40_000)
 """Steps at which errors are measured."""
 RANDOM_MOVEMENT: Final = 0.3
@@ -176,10 +178,10 @@ def train_and_measure(
     tests: Goals | None = None,
     watch: Callable[[MapErrors], None] = lambda _: None,
 ) -> tuple[MapErrors, ...]:
-    """Trains with goals that are drawn, and measures by the truth.
+    """Train with random goals, and measure the errors by the truth.
 
-    tests: goals by which it is measured, drawn if there are none. watch: called with each of the
-    errors that are given in the end.
+    tests: goals that measure the errors; random ones if None. watch: called with each of the errors
+    that the function returns.
     """
     goals = space.draw(arm, plan.steps, np.random.default_rng(plan.seed + 1))
     asked = tests or draw_test_goals(arm, space, plan.seed)

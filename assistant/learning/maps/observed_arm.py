@@ -134,9 +134,9 @@ PAIR_LENS: Final = Lens.ideal((640, 480), 800.0)
 PAIR_MARGIN: Final = 30.0
 """Pixels that are kept free at the edges by `pair_for`."""
 PAIR_ASIDE: Final = 0.3
-"""Of the distance by which each of the two cameras stands aside."""
+"""Sideways offset of each of the two cameras, as a share of the distance."""
 PAIR_HEIGHT: Final = 0.35
-"""Of the distance by which they stand higher than what they look at."""
+"""Height of the cameras above the observed points, as a share of the distance."""
 
 
 def pair_for(points: Floats, lens: Lens = PAIR_LENS) -> tuple[Camera, Camera]:
@@ -197,7 +197,7 @@ def point_slopes(arm: ObservedArm, joints: Floats) -> Floats:
 
 
 ToolRule = Literal["any", "down", "forward"]
-"""How a tool is held: anyhow, its z axis down, or along x of the base."""
+"""Orientation of the tool: any, its z axis down, or along x of the base."""
 TOOL_ROTATIONS: Final[dict[ToolRule, tuple[float, float, float, float]]] = {
     "down": (0.0, 0.0, 1.0, 0.0),
     "forward": (0.7071067811865476, 0.0, 0.7071067811865476, 0.0),
@@ -262,7 +262,9 @@ class InBox:
     def joints(
         self, arm: ObservedArm, count: int, draw: np.random.Generator
     ) -> tuple[Floats, Truths]:
-        """Of poses in the box: joints (n, a) of the branch that reaches most, and which reach."""
+        """Return joints (n, a) for poses in the box, of the branch that reaches most, and which
+        poses it reaches.
+        """
         places = _random_joints(draw, self.box, count)
         turns = self._turns(draw.uniform(*self.turn, count))
         flange = places - rotations.rotate(turns, arm.points[0])
@@ -294,7 +296,9 @@ def ranges_about_home(robot: Robot, moves: Sequence[str]) -> Floats:
 
 
 def check_ranges(robot: Robot, moves: Sequence[str], ranges: Floats) -> Floats:
-    """The same ranges (a, 2); raises Refused for one that is none or leaves the limits."""
+    """Return the ranges (a, 2) unchanged; raises Refused for a range that is empty or leaves the
+    limits.
+    """
     for name, (low, high) in zip(moves, ranges.tolist(), strict=True):
         least, most = robot.limits[robot.axes.index(name)].tolist()
         if not least <= low < high <= most:
@@ -306,7 +310,7 @@ def check_ranges(robot: Robot, moves: Sequence[str], ranges: Floats) -> Floats:
 
 
 def check_box(box: Floats) -> Floats:
-    """The same box (3, 2); raises Refused for one that is none."""
+    """Return the box (3, 2) unchanged; raises Refused for an invalid box."""
     reason = ""
     if box.shape != (3, 2) or not np.isfinite(box).all():
         reason = "is not three ranges of numbers"

@@ -46,8 +46,9 @@ LEAST_GAP: Final = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnitSurroundings:
-    """Of m units, in spreads. gap: (m,) mean distance from their neighbours. planes: (m, d, k) axes
-    at right angles that span the surface there. bend: (m,) by how much neighbours leave it.
+    """Surroundings of m units, in spreads. gap: (m,) mean distance from their neighbours. planes:
+    (m, d, k) orthogonal axes that span the surface there. bend: (m,) distance of neighbours from
+    it.
     """
 
     gap: Floats
@@ -121,17 +122,17 @@ the movement after it corrects that."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proposal:
-    """Joints for targets, and how sure they are.
+    """Joints for targets, with their reliability.
 
     joints: (m, a) for m targets, inside their ranges. clipped: (m, a) degrees (mm) by which the
     answers left the ranges; above 0 beyond the upper end. winners: (m,) units that answer.
 
-    How sure they are: away: (m,) how far the target is from the winner, in distances between the
-    winner and its neighbours; above `NEAR_UNIT` nothing like it was learnt. beside: (m,) how far it
-    is from all pictures of the tool there; above 1 the cameras see something else, or have moved.
-    spread: (m,) degrees (mm of an axis that slides) by which the winner's neighbours would answer
-    otherwise, root mean square. expected: (m,) pixels that the winner missed by lately after both
-    movements, NaN if it never won.
+    Reliability: away: (m,) distance of the target from the winner, in distances between the winner
+    and its neighbours; above `NEAR_UNIT` the target is unlike all learnt ones. beside: (m,) its
+    distance from all pictures of the tool there; above 1 the cameras see something else, or have
+    moved. spread: (m,) degrees (mm of a sliding axis) by which the answers of the winner's
+    neighbours differ, root mean square. expected: (m,) pixels of the winner's recent error after
+    both movements, NaN if it never won.
     """
 
     joints: Floats
@@ -193,13 +194,14 @@ class MapInUse:
         pace: LearningRates | None = None,
         asks: Callable[[Floats], bool] = lambda _: True,
     ) -> Reached:
-        """Moves an arm to a target (d,) pixels: a coarse movement and so many fine ones.
+        """Move an arm to a target (d,) pixels: a coarse movement and `corrections` fine ones.
 
-        pace: learn from them, by this (`cooling.in_use`). asks: called with the joints (a,) of the
-        first movement before anything moves; False ends it with a Refused. Raises Refused, before
-        anything moves, for a target that is no picture, like nothing that was learnt, or reached
-        only outside the ranges of the joints; and where the tool gets out of sight, or to where its
-        map does not explain it: then the arm stays where it is.
+        pace: learning rates for the movements (`cooling.in_use`). asks: called with the joints (a,)
+        of the first movement before anything moves; False ends the call with a Refused. Raises
+        Refused, before anything moves, for a target that is not a picture, is unlike all learnt
+        ones, or is reached only outside the ranges of the joints. It also raises Refused if the
+        tool leaves the view, or goes to a position that its map does not explain: then the arm
+        stays there.
         """
         net, scale = self.net, self.net.scale
         proposal = self.proposed(target[None])

@@ -39,7 +39,7 @@ def without_truth_values(value: e.Expression) -> e.Expression:
 
 
 def opposite(value: e.Expression) -> e.Expression:
-    """What holds where the value does not."""
+    """Return the negation of a truth value."""
     match value:
         case e.Binary("and" | "or" as operator, left, right):
             return e.Binary(OPPOSITE[operator], opposite(left), opposite(right))
@@ -51,9 +51,10 @@ def opposite(value: e.Expression) -> e.Expression:
 
 
 def floor(x: e.Expression) -> e.Expression:
-    """The whole number below: one less than the whole part where that is above.
+    """Return the largest integer below or equal to x: one less than the truncated value if that is
+    larger.
 
-    What is left of a number without its whole part is over -1 and under 1.
+    The remainder of a number after truncation is greater than -1 and less than 1.
     """
     whole = e.Apply("trunc", (x,))
     rest = e.Binary("+", e.Binary("-", x, whole), e.Number(1))
@@ -176,7 +177,7 @@ class _Rounding:
         return procedure if body == procedure.body else replace(procedure, body=body)
 
     def _is_given_parts(self, procedure: Procedure, at: int) -> bool:
-        """Whether a call gives a parameter by value what may be no whole number."""
+        """True if a call may pass a number that is not an integer to a parameter by value."""
         if procedure.parameters[at].mode != "in":
             return False
         for caller in self.program.procedures:

@@ -1,8 +1,8 @@
-"""Statements hoisted before another one, whatever control flow that one is part of.
+"""Statements hoisted before another one, inside any control flow.
 
-So functions that move the robot are called before the move that takes their value, for languages
-whose speed, corner, tool and frame are statements of their own: such a function sets them for its
-own moves, and those of the move that calls it would be gone when that begins.
+The pass calls functions that move the robot before the move that takes their value. It serves
+languages whose speed, corner, tool and frame are separate statements: such a function sets them for
+its moves, and the settings of the calling move would be lost when that begins.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ Take = Callable[[p.Statement], Taken]
 
 
 def hoisted(body: Body, take: Take) -> Body:
-    """The body with what `take` finds in front of and behind each statement.
+    """Return the body with the statements that `take` returns, before and after each statement.
 
-    What a loop's condition needs is worked out before each turn; the conditions of an `If` in
-    their order, each only if those before it do not hold.
+    A loop's condition is computed before each cycle; the conditions of an `If` in their order, each
+    only if those before it are false.
     """
     made: list[p.Statement] = []
     for node in body:
@@ -108,7 +108,9 @@ def with_functions_before_moves(program: Program) -> Program:
 
 
 def _sets_motion(procedure: Procedure) -> frozenset[str]:
-    """Whether a procedure moves, or reads where the robot stands, in a tool and a frame."""
+    """Return a non-empty set if a procedure moves, or reads the robot's position, in a tool and a
+    frame.
+    """
     kinds = (*p.Moving.__args__, e.Here, p.Opaque)
     asks = any(True for _ in statements_with(procedure, *kinds))
     asks = asks or any(map(_is_of_arm, records_in_body(procedure, e.Apply)))
@@ -116,7 +118,7 @@ def _sets_motion(procedure: Procedure) -> frozenset[str]:
 
 
 _OF_ARM: Final[Mapping[str, ValueType]] = {"flange_at": "position", "joints_at": "joints"}
-"""Functions that are asked for under a tool and a frame, and the types of what they give."""
+"""Functions that depend on a tool and a frame, and the types of their results."""
 
 
 def _is_of_arm(value: object) -> bool:

@@ -1,13 +1,13 @@
 """Motion state that statements leave implicit: tool and frame, stops, unwatched configurations.
 
-What reads the position reads it in the active tool and frame: those of the last move. Which move
-that is depends on the path that leads to the statement, also through calls. Where tool and frame
-are known they are named; where several moves may have been the last one, each of them notes its own
-after it, in two variables.
+A statement that reads the position reads it in the active tool and frame: those of the last move.
+Which move is the last one depends on the control flow before the statement, including calls. The
+pass names tool and frame if they are known; if several moves may be the last one, each of them
+stores its tool and frame after it, in two variables.
 
-Waits for the robot to stand still become stops at the targets of the moves before them. A straight
-move or an arc whose configuration is not watched goes on in the one nearest to that in which it
-begins, whatever its target states: its targets are left open.
+Waits for the robot to stop become stops at the targets of the moves before them. A straight move or
+an arc with an unwatched configuration continues in the configuration closest to that of its start,
+even if its target states another one: its targets are left open.
 """
 
 from __future__ import annotations
@@ -45,15 +45,15 @@ from assistant.program.statement_index import records_in_procedures
 from assistant.program.vendor_statements import effect_of
 
 Said = Callable[[e.Expression, str | None, str | None], e.Expression]
-"""What a text says that reads the position, with the active tool and frame as far as known."""
+"""Translation of a text that reads the position, with the active tool and frame as far as known."""
 
 
 def with_present_places(
     program: Program, reads: Callable[[Any], bool], said: Said, kept: StepsOfText
 ) -> Program:
-    """The program with `said` made of the texts that read the position.
+    """Return the program with the texts that read the position replaced by `said`.
 
-    reads: which records are such texts. kept: what kept texts do.
+    reads: True for records that are such texts. kept: the steps of vendor texts.
     """
     if not any(map(reads, records_in_procedures(program, p.Opaque, e.Verbatim))):
         return program
@@ -174,7 +174,7 @@ class _Active:
     def note(
         self, made: list[p.Statement], last: tuple[int, Mounting], known: Mounting | None
     ) -> Mounting:
-        """Puts the assignments behind the last move, and gives what they note."""
+        """Insert the assignments after the last move, and return the values that they store."""
         at, mounting = last
         if mounting != known:
             span = made[at].span
@@ -191,7 +191,7 @@ class _Active:
             yield name, e.PoseValue(IDENTITY) if standard else e.Name(one)
 
     def asks(self, node: p.Statement) -> bool:
-        """Whether a statement reads what is active, or calls what may."""
+        """True if a statement reads the active tool or frame, or calls a procedure that may."""
         return self.calls(node) or any(
             isinstance(one, e.Here) and not {one.tool, one.frame}.isdisjoint(self.used)
             for one in records(node)
@@ -216,7 +216,7 @@ def _mounting_after(node: p.Statement) -> Mounting | None:
 
 
 def _is_idle(node: p.Statement, asks: Callable[[p.Statement], bool]) -> bool:
-    """Whether a statement neither asks nor leads anywhere else."""
+    """True if a statement neither reads the state nor changes the control flow."""
     leads = isinstance(node, p.Label | p.Goto | p.Return | p.Stop)
     return not (leads or bodies(node) or asks(node))
 
@@ -229,18 +229,22 @@ def with_stops(
     always: Callable[[p.MoveStatement], None],
     after: Callable[[p.Opaque], None],
 ) -> Program:
-    """The program with stops for those of its kept texts that only wait for the robot to stand.
+    """Return the program with stops in place of vendor statements that only wait for the robot to
+    stop.
 
-    kept: what kept texts do. left: what a wait does besides. in_corner: why one stays that may find
-    the robot in a corner of which nobody knows. always: tells of a move that goes on without a stop
-    on other ways, and stops on all of them. after: tells of a wait that may be for a kept move.
+    kept: the steps of vendor texts. left: the other effects of a wait. in_corner: reason why a wait
+    stays if the robot may be in an unknown corner. always: reports a move that continues without a
+    stop on other control paths, and stops on all of them. after: reports a wait that may follow a
+    vendor move.
     """
 
     def waits(node: Any) -> bool:
         return isinstance(node, p.Opaque) and [*(kept(node.text) or ())] == [MotionStep.STOPS]
 
     def moves(node: Any) -> bool:
-        """True if a kept text may move the arm: the program is incomplete by that, not by waits."""
+        """True if a vendor text may move the arm: that makes the program incomplete, a wait does
+        not.
+        """
         if not isinstance(node, p.Opaque):
             return False
         steps = kept(node.text)
@@ -286,9 +290,10 @@ def stopped(move: p.MoveStatement) -> p.MoveStatement:
 
 
 def with_open_lines(program: Program, kept: StepsOfText) -> Program:
-    """With the targets open that only such straight moves use, for an arm to choose.
+    """Return the program with open configurations in targets that only such straight moves use, so
+    that an arm chooses.
 
-    kept: what kept texts do.
+    kept: the steps of vendor texts.
     """
     ways = MotionStates(program, _is_straight, kept)
     free = {

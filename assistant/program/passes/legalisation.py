@@ -35,7 +35,7 @@ _pass_watcher: Final[ContextVar[PassWatcher | None]] = ContextVar("watcher", def
 
 @contextmanager
 def pass_trace(watcher: PassWatcher) -> Iterator[None]:
-    """What is compiled meanwhile is shown to a watcher."""
+    """Show the program to a watcher after each pass while the context is open."""
     token = _pass_watcher.set(watcher)
     try:
         yield
@@ -53,16 +53,15 @@ def traced(name: str, program: Program) -> Program:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Units:
-    """How long paths go to units of their own, which the program loads or calls.
+    """Limits from which on paths move to separate units, which the program loads or calls.
 
-    most: targets of a unit. least_most: fewer of them count as that. least: targets of a piece.
-    counted: what has so many at most, all that a unit holds or the paths of one procedure.
-    part, unit, path: format of the names of a piece's procedure (of the path's name and the number
-    of the piece) and of its unit (the same), both if that is empty, and of its path (of the
-    procedure's name). straight: a piece begins with a straight move where one is near.
-    most_steps: of a path in one unit, None without limit; first, steps: those that its first row,
-    and a change of a column, take beside one for each move.
-    split: has the fields name, count and parts.
+    most: targets of a unit. least_most: smaller limits count as this value. least: targets of a
+    piece. counted: the subject of the limit, a complete unit or the paths of one procedure. part,
+    unit, path: format of the names of a piece's procedure (from the path's name and the number of
+    the piece), of its unit (the same), both if that is empty, and of its path (from the procedure's
+    name). straight: True if a piece begins with a straight move when one is near. most_steps: of a
+    path in one unit, None without limit; first, steps: steps that its first row, and a change of a
+    column, take besides one for each move. split: has the fields name, count and parts.
     """
 
     most: int
@@ -81,12 +80,12 @@ class Units:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variables:
-    """What a language makes of variables.
+    """Rules for variables of a language.
 
-    external: of a name and its variable, whether it is one of all programs of a controller, and no
-    program gives it its first value. persistent: that it gets its first value at each start
-    (name). carried: that it gets it in each cycle (name). repeated: that the cycle stands in a
-    loop, as some keep what one leaves to the next (names).
+    external: takes a name and its variable; True if all programs of a controller share it, and no
+    program gives it its first value. persistent: reports that it gets its first value at each start
+    (name). carried: reports that it gets it in each cycle (name). repeated: reports that the cycle
+    is in a loop, as some variables keep their values for the next cycle (names).
     """
 
     external: Callable[[str, Variable], bool]
@@ -111,16 +110,18 @@ class NameForm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Switches:
-    """Of a language whose cases are one number each. nested: one may stand inside another."""
+    """Switches of a language whose cases are one number each. nested: True if one may be inside
+    another.
+    """
 
     nested: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comments:
-    """Comments of one line. ascii: that has no letters but those. most_bytes: of a line.
+    """Comments of one line. ascii: True if only ASCII letters are allowed. most_bytes: of a line.
 
-    message: tells of a message that becomes a comment (text); None where messages are said.
+    message: reports a message that becomes a comment (text); None if the language has messages.
     """
 
     ascii: bool = False
@@ -130,9 +131,9 @@ class Comments:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Acceleration:
-    """Of a language with one acceleration, in percent, not under the least.
+    """Acceleration of a language with one value, in percent, not less than `least`.
 
-    cure, cure_of_least: of a change for the one reason and for either.
+    cure, cure_of_least: cures of a change for the first reason, and for either reason.
     """
 
     least: float
@@ -142,9 +143,9 @@ class Acceleration:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Corners:
-    """Of a language in which each corner has a size.
+    """Corners of a language in which each corner has a size.
 
-    size: mm of one that the controller is to choose, at a speed. name: of a blend.
+    size: mm of a corner that the controller chooses, at a speed. name: of a blend.
     """
 
     size: Callable[[Speed], float]
@@ -153,10 +154,10 @@ class Corners:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loops:
-    """Of a language whose loops have variables of their own.
+    """Loops of a language with separate loop variables.
 
-    refused: tells of a counter (name) that is used so that it cannot be one, and why. changed: of
-    a loop (what) that is said as another one (instead), with a cure.
+    refused: reports a counter (name) that cannot be a loop variable, and why. changed: reports a
+    loop (what) that is translated as another one (instead), with a cure.
     """
 
     refused: Rule
@@ -166,10 +167,10 @@ class Loops:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FiveAxes:
-    """Rules of arms of five axes: orientations that they do not reach.
+    """Rules of arms with five axes: orientations that they do not reach.
 
     unreachable: has the fields name and angle. over_the_back: name. to_base: a frame (name) whose
-    targets are said in the base.
+    targets are written in the base.
     """
 
     unreachable: Rule
@@ -179,7 +180,7 @@ class FiveAxes:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mounts:
-    """What a language has no words for of tools and frames, each told of by its name.
+    """Tools and frames that a language cannot express, each reported by its name.
 
     held: a tool that the robot does not hold, a frame that moves. load: of a tool. joined: a frame
     of two parts. bent: a tool whose tip is not on the flange's axis, for an arm of five axes.
@@ -193,10 +194,10 @@ class Mounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loads:
-    """Of a language in which each tool has a load, and none is less than the least.
+    """Loads of a language in which each tool has a load, not less than `least`.
 
-    missing: tells of a tool (name) that states none. centre: the least one's in words. written:
-    a load with the decimals that are written.
+    missing: reports a tool (name) that states no load. centre: the centre of the least load in
+    words. written: returns a load with the decimals that are written.
     """
 
     least: Load
@@ -207,17 +208,17 @@ class Loads:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Positions:
-    """How a language writes positions and joints.
+    """Form in which a language writes positions and joints.
 
-    decimals: of joints and external axes. farthest: mm or degrees that each number is below.
-    not_finite: tells of a number in something (what) that is not. branches: arm branches (n, 6)
-    int8 as they are written, where unstated ones get one. unstated: tells of a target (about) or
-    of targets of a path (place) that had none; None where they are counted. external: how many
-    external axes a target may have, of which the first ones are used, by all targets of a path
-    alike; None where any of the six may be. unused: a value from there on stands for none.
-    quaternions: orientations are written as quaternions, of which two are the same.
-    joints: of a joint target. own: those of the arm, of the ones that are stated. padded: missing
-    ones are written as 0.
+    decimals: of joints and external axes. farthest: upper bound of each number, mm or degrees.
+    not_finite: reports a number in something (what) that is not finite. branches: arm branches (n,
+    6) int8 as they are written, with a branch for unstated ones. unstated: reports a target (about)
+    or targets of a path (place) without a branch; None if they are counted. external: number of
+    external axes that a target may have; the first ones are used, by all targets of a path alike;
+    None if any of the six may be used. unused: values from this one on mean an unused axis.
+    quaternions: True if orientations are written as quaternions; two quaternions are the same
+    orientation. joints: of a joint target. own: those of the arm among the stated ones. padded:
+    True if missing ones are written as 0.
     """
 
     decimals: int
@@ -237,12 +238,14 @@ class Positions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motions:
-    """Of a language whose moves state mm/s or, of the joints, percents, and mm of a corner.
+    """Motions of a language whose moves state mm/s or, for joint moves, percent, and mm of a
+    corner.
 
-    fastest: mm/s that are taken for 100 percent. unknown: tells of a name that is not declared, and
-    what it should be. percent: of a joint move's percent that was worked out of a speed (tcp).
-    computed_percent: of one that the program works out, where 100 percent are so many mm/s (tcp).
-    speed_part: of more that a speed states (part). blend_part: of more that a blend does.
+    fastest: mm/s that count as 100 percent. unknown: reports an undeclared name, and what it should
+    be. percent: reports a joint move's percent that was computed from a speed (tcp).
+    computed_percent: reports one that the program computes, with 100 percent for a speed in mm/s
+    (tcp). speed_part: reports a further part of a speed (part). blend_part: reports a further part
+    of a blend.
     """
 
     fastest: float
@@ -263,12 +266,13 @@ class Arrays:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Procedures:
-    """What a language makes of procedures.
+    """Rules for procedures of a language.
 
-    functions: they have parameters, results and variables of their own; else as_variables tells of
-    one (name) whose parameters and result become variables of the program, and recursive of one
-    (name) that calls itself though its data exist once. longest: characters of a head or a call
-    that a line holds; the parameters of longer ones become variables, too. longest_name: of a name.
+    functions: True if they have parameters, results and local variables; else as_variables reports
+    a procedure (name) whose parameters and result become variables of the program, and recursive
+    reports one (name) that calls itself though its data exist once. longest: characters of a head
+    or a call in a line; the parameters of longer ones become variables, too. longest_name: of a
+    name.
     """
 
     functions: bool
@@ -280,17 +284,18 @@ class Procedures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outputs:
-    """How a language sets outputs on the ways of moves, and for a time.
+    """Output settings of a language during moves, and for a time.
 
-    measures: what it measures places by. known: whether that is what the pseudo-program means by
-    them on every way. unlike: tells of one (name) on the way of a move (what) that others may count
-    otherwise. pulse: of one (name) that may be on when a pulse begins. behind: of one (name) that
-    is set behind a move which stops there, None where it can be set at its very end. timed: of one
-    (name) that is set a time before or behind a place (when), and is where a robot of a speed in
-    mm/s is then; None where times can be told. most_pulses: that may run at a time, None for any
-    number. waiting: tells of one (name) that waits for another one (before), as no more run. most:
-    that are set on one way, None for any number. before: tells of one (name) that is set before its
-    move instead of as it begins, as there are more.
+    measures: its units for positions on a path. known: True if they have the pseudo-program's
+    meaning on every path. unlike: reports an output (name) during a move (what) whose position
+    others may count differently. pulse: reports one (name) that may be on when a pulse begins.
+    behind: reports one (name) that is set after a move that stops there, None if it can be set at
+    its very end. timed: reports one (name) that is set a time before or after a position (when),
+    and is set at the robot's position for a speed in mm/s; None if the language has times.
+    most_pulses: number of simultaneous pulses, None for any number. waiting: reports one (name)
+    that waits for another one (before), because no more can run. most: number of outputs on one
+    path, None for any number. before: reports one (name) that is set before its move instead of at
+    its start, because the move has more outputs.
     """
 
     measures: frozenset[Measure]
@@ -307,14 +312,14 @@ class Outputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Capabilities:
-    """What a language can say of what programs ask for, and the rules that tell of the rest.
+    """Capabilities of a language, and the rules that report what it cannot express.
 
-    A table that is None is of what the language says as it stands: the pass leaves it alone.
+    The pass of a table that is missing (None) makes no change.
 
-    kin: languages whose programs mean by their values what this one does. cannot_say: has the
-    fields what and cure. changed: has those and instead; None where nobody is told. no_fit: tells
-    of a number (value) that the bits (in words) of a signal (name) cannot hold, up to most. ended:
-    of an end for good. longest_message: characters of one.
+    kin: languages whose values have the same meaning as in this one. cannot_say: has the fields
+    what and cure. changed: has those and instead; None if changes are not reported. no_fit: reports
+    a number (value) that the bits (in words) of a signal (name) cannot hold, up to most. ended:
+    reports a permanent end. longest_message: characters of one.
     """
 
     kin: frozenset[str]
@@ -338,7 +343,9 @@ class Capabilities:
 
 @dataclass(frozen=True, slots=True)
 class Legalisation:
-    """A program on its way into a language. findings: what is said differently, or not at all."""
+    """A program during legalisation for a language. findings: statements that are changed or cannot
+    be expressed.
+    """
 
     program: Program
     can: Capabilities
@@ -351,7 +358,7 @@ class Legalisation:
     def changed(
         self, what: str, instead: str, cure: str, about: Subject | str | None = None
     ) -> None:
-        """Something is said differently."""
+        """Report a statement that is translated with a change."""
         if self.can.changed is not None:
             told = self.can.changed(what=what, instead=instead, cure=cure, about=about)
             self.findings.append(told)
@@ -382,12 +389,13 @@ Changes = Mapping[type, Callable[[Any, Any], Iterable[p.Statement]]]
 
 
 class Rewording:
-    """Findings stand at the statements that they are about, and so does what is made of these.
+    """Rewrite statements for a language; findings and new statements get the span of the original
+    statement.
 
-    changes: by kind of a statement what is made of one, given this object and the statement. Its
-    expressions are said by then; the bodies that it holds are the change's own business.
-    spelling, known: of names in the procedure at hand. choices: how many `switch` are around the
-    place.
+    changes: by kind of a statement, a function that returns its replacement from this object and
+    the statement. Its expressions are rewritten before; the change itself handles the bodies
+    inside. spelling, known: of names in the present procedure. choices: number of `switch` around
+    the present statement.
     """
 
     changes: ClassVar[Changes] = {}
@@ -398,12 +406,12 @@ class Rewording:
         self.choices = 0
 
     def enter(self, procedure: Procedure) -> None:
-        """What follows stands in a procedure."""
+        """Enter a procedure: the following statements belong to it."""
         self.spelling.enter(procedure)
         self.known = known_types(self.job.program, procedure)
 
     def procedure(self, procedure: Procedure) -> Procedure:
-        """A procedure with its variables and statements as the language says them."""
+        """Return a procedure with its variables and statements rewritten for the language."""
         self.enter(procedure)
         owner = procedure.name
         variables = {n: self.variable(v, n, owner) for n, v in procedure.variables.items()}
@@ -414,11 +422,13 @@ class Rewording:
         return replace(variable, initial=map_expressions(variable.initial, self.expression))
 
     def expression(self, x: e.Expression) -> e.Expression:
-        """An expression as the language says it; what is in it is said already."""
+        """Return an expression rewritten for the language; its parts are rewritten already."""
         return x
 
     def whole(self, node: p.Statement) -> p.Statement:
-        """A statement whose expressions are said, with what depends on more than one of them."""
+        """Return a statement with rewritten expressions, changed where several of them depend on
+        each other.
+        """
         return node
 
     def body(self, body: Body) -> Body:
@@ -435,7 +445,7 @@ class Rewording:
         return (self.inside(node),) if change is None else change(self, node)
 
     def inside(self, node: p.Statement) -> p.Statement:
-        """A statement with the bodies that it holds as the language says them."""
+        """Return a statement with its inner bodies rewritten for the language."""
         said: p.Statement = map_bodies(node, self.body)
         return said
 

@@ -28,9 +28,9 @@ from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.statement_index import records_in_body
 
 HEAD: Final = 24
-"""Of the words around the parameters, and those that a call stands in."""
+"""Characters of the words around the parameters, and around a call."""
 DECLARED: Final = 10
-"""Of the words around the name of one parameter."""
+"""Characters of the words around the name of one parameter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,9 +66,11 @@ class LineWidths:
 
 
 def procedures_too_long(program: Program, widths: LineWidths) -> frozenset[str]:
-    """Lower-case names of the procedures whose head, or a call of which, no line holds.
+    """Return lower-case names of the procedures whose head, or a call of which, is longer than a
+    line.
 
-    Without those that call themselves, that take arrays alone, or whose parameters kept texts name.
+    Procedures that call themselves, that take only arrays, or whose parameters vendor texts name
+    are not included.
     """
     known = {q.name.lower(): q for q in program.procedures if q.parameters}
     found = {name for name, q in known.items() if widths.head(q) > widths.most}
@@ -85,14 +87,14 @@ def procedures_too_long(program: Program, widths: LineWidths) -> frozenset[str]:
 
 
 def _has_free_parameters(procedure: Procedure) -> bool:
-    """Whether its parameters may be other variables."""
+    """True if its parameters may become variables."""
     own = {q.name.lower() for q in procedure.parameters}
     plain = not all(q.dimensions for q in procedure.parameters)
     return plain and own.isdisjoint(_names_in_vendor_text(procedure))
 
 
 def _names_in_vendor_text(procedure: Procedure) -> Iterator[str]:
-    """Names in lower case that kept texts of a procedure speak of."""
+    """Yield names in lower case that vendor texts of a procedure mention."""
     for part in records(procedure.body):
         if isinstance(part, p.Opaque | e.Verbatim):
             effect = unknown_effect(part.text) if part.effect is None else part.effect
@@ -167,7 +169,7 @@ class _SumSplitter:
         yield from parts if any(map(self.is_text, parts)) else (part,)
 
     def added(self, value: e.Expression) -> list[e.Expression]:
-        """What is added, from left to right; of texts also what is added in brackets."""
+        """Return the terms of a sum, from left to right; for texts also those in brackets."""
         parts = list(_summands(value))
         while any(map(self.is_text, parts)) and any(map(_is_sum, parts)):
             parts = [inner for part in parts for inner in _summands(part)]
@@ -195,7 +197,7 @@ class _SumSplitter:
             yield replace(node, value=into)
 
     def groups(self, parts: Sequence[e.Expression], beside: int) -> Iterator[list[e.Expression]]:
-        """Parts that stand in one line together. beside: characters of what else stands there."""
+        """Yield parts that fit in one line together. beside: characters of the rest of the line."""
         group: list[e.Expression] = []
         size = beside
         for part in parts:
@@ -207,7 +209,7 @@ class _SumSplitter:
         yield group
 
     def touches(self, record: object, target: e.Name) -> bool:
-        """Whether a part may read what is put together meanwhile."""
+        """True if a part may read the variable that collects the value."""
         match record:
             case e.Name(name):
                 return name.lower() == target.name.lower()
@@ -230,7 +232,7 @@ class _SumSplitter:
         return self.kind(part) == "text"
 
     def kind(self, part: e.Expression) -> str:
-        """Its type, as far as it says so by itself: what is added has that of its parts."""
+        """Return the type of a part if the part alone shows it, else an empty text."""
         match part:
             case e.Text():
                 return "text"
@@ -249,7 +251,7 @@ def _is_sum(part: e.Expression) -> bool:
 
 
 def _summands(value: e.Expression) -> Iterator[e.Expression]:
-    """What is added, from left to right."""
+    """Yield the terms of a sum, from left to right."""
     match value:
         case e.Binary("+", left, right):
             yield from _summands(left)

@@ -1,13 +1,13 @@
-"""Counting loops: variables of their own, and bounds and direction that are fixed once.
+"""Counting loops: separate loop variables, and bounds and direction that are fixed once.
 
-In some languages the variable of a loop is read-only, is seen in the loop only and hides what has
-its name outside. A `for` of the pseudo-program counts an ordinary variable: what the loop changes
-in it is seen outside, and afterwards it holds the value past the end. Both mean the same where
-nothing but the loop uses the variable.
+In some languages the variable of a loop is read-only, is visible in the loop only and hides an
+outer variable of the same name. A `for` of the pseudo-program counts an ordinary variable: changes
+in the loop are visible outside, and afterwards it holds the value past the end. Both have the same
+meaning if only the loop uses the variable.
 
-A `for` of the pseudo-program works its bounds out once and may count in either direction. Where a
-loop counts upwards unless a step says otherwise, and no manual tells what it makes of a bound that
-changes while it runs, such values get variables of their own.
+A `for` of the pseudo-program computes its bounds once and may count in either direction. In some
+languages a loop counts upwards unless a step is given, and no manual describes its behaviour for a
+bound that changes while it runs; there, such values get separate variables.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ Tells = Callable[..., Diagnostic]
 
 
 def counted_loops(job: Legalisation) -> Program:
-    """The program for a language whose loops have a variable of their own."""
+    """Return the program for a language with separate loop variables."""
     loops = job.can.loops
     if loops is None:
         return job.program
@@ -57,10 +57,10 @@ def counted_loops(job: Legalisation) -> Program:
 def counted(
     program: Program, *, refused: Tells, changed: Tells
 ) -> tuple[Program, list[Diagnostic]]:
-    """The program for a language whose loops have a variable of their own, and what was found.
+    """Return the program for a language with separate loop variables, and the findings.
 
-    A loop whose variable is used outside becomes a `while`; a finding tells of it (`changed`, with
-    the fields name and why), or that it cannot (`refused`).
+    A loop whose variable is used outside becomes a `while`; a finding reports it (`changed`, with
+    the fields name and why), or that this is not possible (`refused`).
     """
     found: Found = {}
     while True:
@@ -171,9 +171,9 @@ class _Uses:
         return {id(q): _Use.of(q.body) for q in self.program.procedures}
 
     def outside(self, x: p.For, procedure: Procedure, *, verbatim: bool) -> str:
-        """What tells the loop's variable from one of the loop's own, empty if nothing does.
+        """Return the reason why the loop's variable cannot be local to the loop, empty if it can.
 
-        verbatim: whether statements that are kept as text could assign it.
+        verbatim: True if vendor statements could assign it.
         """
         name = x.variable.lower()
         if name in written_names(x.body, self.program, verbatim=verbatim):
@@ -274,7 +274,7 @@ class _Whiles:
         self.changed = False
         self.taken = TakenNames(declared(program))
         self.bounds: dict[str, Variable] = {}
-        """Of the procedure at hand, the variables that hold where its loops end."""
+        """Variables of the present procedure that hold the end values of its loops."""
 
     def procedure(self, procedure: Procedure) -> Procedure:
         self.bounds = {}
@@ -305,7 +305,7 @@ class _Whiles:
         return x.variable.lower() in self.uses.known | _own(procedure)
 
     def as_while(self, x: p.For, procedure: Procedure) -> list[p.Statement] | None:
-        """The same counting said with a variable, None where that cannot be told."""
+        """Return the same loop as a `while` with a variable, None if that cannot be expressed."""
         if not isinstance(x.step, e.Number) or not x.step.value:
             return None
         if not _countable(x.variable, procedure, self.program):
@@ -333,7 +333,7 @@ class _Whiles:
     def steady(
         self, last: e.Expression, procedure: Procedure, body: Body, assigned: set[str]
     ) -> bool:
-        """Whether the last value is the same however often it is computed."""
+        """True if the last value is the same however often it is computed."""
         match last:
             case e.Number():
                 return True
@@ -374,7 +374,7 @@ COUNTABLE: Final = ("number", "integer")
 
 
 def ascends(first: e.Expression, last: e.Expression) -> bool | None:
-    """Whether the bounds of a loop go upwards; None if they are not plain numbers."""
+    """True if the bounds of a loop go upwards; None if they are not plain numbers."""
     bounds = [e.plain_number(x) for x in (first, last)]
     return None if bounds[0] is None or bounds[1] is None else bounds[0] <= bounds[1]
 

@@ -64,9 +64,9 @@ def without_axes(speed: Speed) -> tuple[Speed, list[str]]:
 
 
 def joint_percent(tcp: float, most: float) -> float:
-    """Whole percent of joint speed for a speed in mm/s, rounded down, at least 1.
+    """Return whole percent of joint speed for a speed in mm/s, rounded down, at least 1.
 
-    most: mm/s that are taken for 100 percent.
+    most: mm/s that count as 100 percent.
     """
     if math.isinf(tcp):
         return 100.0
@@ -75,9 +75,9 @@ def joint_percent(tcp: float, most: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class ValueNames(Generic[T]):
-    """How a language calls speeds, or blends, that it declares.
+    """Names of speeds, or blends, that a language declares.
 
-    kind: what they are. predefined: by name. name: of a value, predefined or to be declared.
+    kind: speeds or blends. predefined: by name. name: of a value, predefined or to be declared.
     """
 
     kind: str
@@ -85,7 +85,8 @@ class ValueNames(Generic[T]):
     name: Callable[[T], str]
 
     def meant(self, name: str, declared: Mapping[str, T]) -> T | None:
-        """The value that stands for a name: one that is called so; None for a name of its own.
+        """Return the value with this name if the name is its standard name; None for another
+        declared name.
 
         declared: by lower-case name.
         """
@@ -95,15 +96,15 @@ class ValueNames(Generic[T]):
         return value if self.name(value) == name.lower() else None
 
     def named(self, declared: Mapping[str, T]) -> dict[str, T]:
-        """Those with names of their own."""
+        """Return the values whose names differ from their standard names."""
         return {n: v for n, v in declared.items() if n.lower() != self.name(v)}
 
 
 class NamedValues(Generic[T]):
-    """The speeds of a program by name, or its blends; filled as moves ask for them.
+    """Speeds or blends of a program by name; filled as moves request them.
 
-    sayable: what the language can say of a value; given its name, None for one that has none.
-    longest: characters of a name.
+    sayable: returns the part of a value that the language can express; takes its name, None for an
+    unnamed value. longest: characters of a name.
     """
 
     def __init__(
@@ -117,11 +118,15 @@ class NamedValues(Generic[T]):
         self._values = {n: sayable(v, n) for n, v in given.items()}
 
     def table(self) -> dict[str, T]:
-        """Those with names of their own: one that is called as its own value would be is that."""
+        """Return the values with separate names: one that has the standard name of its value is
+        that value.
+        """
         return self._words.named(self._values)
 
     def said(self, value: T | e.Name) -> T | e.Name:
-        """A value, or a name where it has one of its own or its own would be too long."""
+        """Return a value, or a name if it has a separate one or its standard name would be too
+        long.
+        """
         if isinstance(value, e.Name):
             known = {n.lower(): v for n, v in self._values.items()}
             return self._words.meant(value.name, known) or value
@@ -174,7 +179,7 @@ class ByValue:
         return ComputedSpeed(None, joint=e.Apply("max", (e.Number(1), most)))
 
     def corner(self, blend: ComputedBlend) -> ComputedBlend:
-        """A blend that is worked out, without what the language cannot say of it."""
+        """Return a computed blend without the parts that the language cannot express."""
         if blend.details is not None:
             self.job.findings.append(self.can.blend_part())
         return replace(blend, details=None)

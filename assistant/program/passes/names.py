@@ -28,7 +28,7 @@ FIELDS: Final[dict[type, tuple[str, ...]]] = {
 }
 """Kind of record → its fields that are names."""
 TABLES: Final = ("tools", "frames", "signals", "targets", "joint_targets", "variables")
-"""What is declared under a name."""
+"""Tables of the program that declare names."""
 
 
 class Names:
@@ -46,7 +46,7 @@ class Names:
         self.longest, self.legal = longest, legal
         self.taken = {name.lower() for name in taken}
         self._numbers: dict[str, int] = {}
-        """By names in lower case, the first number behind them that may be free."""
+        """By names in lower case, the first number that may be free as a suffix."""
 
     def take(self, name: str) -> None:
         self.taken.add(name.lower())
@@ -89,9 +89,9 @@ def free_counters(program: Program, procedure: Procedure) -> tuple[str, ...]:
 
 
 def with_legal_names(job: Legalisation) -> Program:
-    """The program with names that the language takes, each the same wherever it is used.
+    """Return the program with legal names for the language, each the same wherever it is used.
 
-    For a language whose programs say nothing of the names that something had before.
+    It serves languages whose programs do not record original names.
     """
     can, program = job.can.names, job.program
     if can is None:

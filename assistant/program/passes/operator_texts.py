@@ -30,11 +30,11 @@ from assistant.program.program import Procedure, Program, Signal, bodies
 from assistant.program.rewriting import Body, map_bodies, records
 
 VALUE_LENGTH: Final = 10
-"""Characters that a value is taken to have."""
+"""Assumed number of characters of a value."""
 
 
 def message_parts(x: p.Message, known: KnownTypes) -> tuple[e.Expression, ...]:
-    """What a message shows one after the other: values as they are, texts as they are."""
+    """Return the parts of a message in display order: values as they are, texts as they are."""
     found: list[e.Expression] = []
     for part in summands(x.parts, lambda one: not is_value(one, known)):
         match part:
@@ -79,7 +79,7 @@ def lines_of_parts(parts: Iterable[e.Expression], longest: int) -> list[list[e.E
 
 
 def short_messages(r: Rewording, node: p.Message) -> Iterator[p.Statement]:
-    """As many messages as it takes for the characters that one of them may have."""
+    """Yield as many messages as the limit of characters per message requires."""
     shown, most = message_parts(node, r.known) or (e.Text(""),), r.job.can.longest_message
     rows = [list(shown)] if most is None else lines_of_parts(shown, most)
     if len(rows) > 1:
@@ -120,12 +120,12 @@ ENTERED: Final = "operator_entered"
 """The input that tells that the number is there."""
 PREFIX: Final = "operator_"
 BITS: Final = 15
-"""Of a number: with one more, controllers may take it for a negative one."""
+"""Bits of a number: with one more, controllers may read it as a negative one."""
 MOST: Final = 2**BITS - 1
 
 
 def is_operators(name: str) -> bool:
-    """Whether a signal is one that a person answers by."""
+    """True if a signal is one for an operator's answer."""
     return name.lower().startswith(PREFIX)
 
 
@@ -163,7 +163,7 @@ def asked_for_key(
 
 
 NO_KEY: Final = -1
-"""What no key stands for."""
+"""Value that no key has."""
 
 
 def asked_for_number(
@@ -254,13 +254,13 @@ def comment_lines(text: str, job: Legalisation) -> list[str]:
 
 _BLANK_ABOVE: Final = re.compile(r"\n[ \t]*\r?\n[ \t]*(?:[0-9]+[ \t]+)?\Z")
 _FAR: Final = 400
-"""Characters in front of a statement that are looked at."""
+"""Characters in front of a statement that are searched."""
 
 
 def with_blank_lines(program: Program) -> Program:
-    """The program with an empty comment where its source has blank lines above a statement.
+    """Return the program with an empty comment for blank lines above a statement in its source.
 
-    A source that is no program of a language tells of none.
+    A program that was not lifted from a language's source has no blank lines.
     """
     if program.origin is None:
         return program
@@ -282,7 +282,9 @@ def with_blank_lines(program: Program) -> Program:
 def _spaced(
     statements: Body, parted: Callable[[Span], bool], body: Callable[[Body], Body]
 ) -> Iterator[p.Statement]:
-    """before: what stands above; what was made of one statement has nothing in between."""
+    """Yield the statements with empty comments for blank lines. before: the statement above; the
+    statements made from one statement have nothing in between.
+    """
     before: p.Statement | None = None
     for one in statements:
         if before is not None and before != p.Comment(""):
@@ -293,12 +295,12 @@ def _spaced(
 
 
 def with_comments_in_front(program: Program) -> Program:
-    """Comments at the end of a line are said in front of the statement of that line."""
+    """Move comments at the end of a line in front of the statement of that line."""
     return _rearranged(program, _in_front)
 
 
 def with_comments_behind(program: Program) -> Program:
-    """Comments at the end of a line are said behind the statement of that line."""
+    """Move comments at the end of a line after the statement of that line."""
     return _rearranged(program, _behind)
 
 

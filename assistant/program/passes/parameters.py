@@ -47,7 +47,9 @@ from assistant.program.rewriting import Body, head, map_head, records, rewrite
 
 
 def refuse_kept_texts(job: Legalisation, procedure: Procedure) -> None:
-    """An error for each kept text that names a parameter: it would name another variable then."""
+    """Report an error for each vendor text that names a parameter: it would name another variable
+    then.
+    """
     own = {parameter.name.lower(): parameter.name for parameter in procedure.parameters}
     for node in walk(procedure.body):
         for part in records(head(node)) if own else ():
@@ -152,10 +154,10 @@ class _Form:
 
 
 class _Forms:
-    """What the procedures of a program become.
+    """Forms of the procedures of a program.
 
     called: those with parameters or a result, by lower-case name. variables: of the program.
-    reaches: what runs while a procedure does, itself included.
+    reaches: procedures that run during a procedure, including itself.
     """
 
     def __init__(self, job: Legalisation, formed: Iterable[Procedure]) -> None:
@@ -199,9 +201,9 @@ class _Forms:
         return ((q.name.lower(), q) for q in self.whole.procedures)
 
     def variable(self, kind: str, *stem: str, of: Variable) -> str:
-        """A variable of the program, the same one whenever it is asked for.
+        """Return a variable of the program, the same one for each request.
 
-        kind: what it is for, so that two of one stem are not the same.
+        kind: its purpose, so that two with one stem are not the same.
         """
         key = kind, *stem
         if key not in self.named:
@@ -263,7 +265,7 @@ class _Forms:
         return self.made[key]
 
     def _written(self, form: _Form) -> Procedure:
-        """The form as it stands in the program."""
+        """Return the form as the program contains it."""
         procedure = form.procedure
         moved = self._moved(form)
         names = {**form.names, **{key: e.Name(name) for key, name in moved.items()}}
@@ -373,9 +375,10 @@ class _Calls:
     def call(
         self, callee: Procedure, arguments: tuple[e.Expression, ...]
     ) -> tuple[list[p.Statement], p.Call, list[p.Statement]]:
-        """What stands before a call, the call itself, and what it changed copied back.
+        """Return the statements before a call, the call itself, and those that copy changed values
+        back.
 
-        A copy will do unless the variable can be used by another name meanwhile.
+        A copy is sufficient unless the variable can be used by another name meanwhile.
         """
         mentions = self.forms.mentions[callee.name.lower()]
         handed = [base_variable(place) for place in handed_over(callee, arguments)]
@@ -445,7 +448,7 @@ class _Calls:
 
 
 def _is_steady(index: e.Expression, changing: frozenset[str]) -> bool:
-    """Whether an index is made of numbers and variables that a call leaves alone."""
+    """True if an index consists of numbers and variables that a call leaves unchanged."""
     parts = list(records(index))
     plain = all(isinstance(x, e.Number | e.Name | e.Unary | e.Binary) for x in parts)
     return plain and not any(isinstance(x, e.Name) and x.name.lower() in changing for x in parts)

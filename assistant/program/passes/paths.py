@@ -1,8 +1,8 @@
-"""Paths: made of numbered moves, as moves to points, their tables, and their split into units.
+"""Paths: made from numbered moves, as single moves, their tables, and their split into units.
 
 Moves through consecutively numbered targets become one path; a path becomes moves row by row for a
-language without paths. A controller takes only so many targets in one program, so long paths go to
-units of their own.
+language without paths. A controller limits the number of targets in one program, so long paths move
+to separate units.
 """
 
 from __future__ import annotations
@@ -184,7 +184,7 @@ def motion_at(path: Path, row: int) -> p.Motion:
 
 
 def move_at(path: Path, row: int, target: e.Expression) -> p.Move:
-    """The move to a row of a path that is no part of an arc."""
+    """Return the move to a row of a path that is not part of an arc."""
     kind = path.kinds[row]
     return p.Move("joint" if kind == Kind.JOINT else "linear", target, motion_at(path, row))
 
@@ -228,7 +228,7 @@ COLUMNS: Final = ("speed", "blend", "tool", "frame")
 
 
 def has_half_arcs(path: Path) -> bool:
-    """Whether a via point has no end behind it, or an end no via point in front of it."""
+    """True if a via point has no end after it, or an end no via point before it."""
     if not len(path):
         return False
     after = np.append(path.kinds[1:], np.uint8(Kind.LINEAR))
@@ -360,7 +360,7 @@ class _Splitter:
             yield p.Call(procedure, unit=unit, span=node.span)
 
     def stays(self, size: int, owner: Procedure) -> bool:
-        """Whether a path in one piece stays where it is; the last one of a unit does."""
+        """True if a path in one piece stays in its unit; the last one of a unit does."""
         if self.units.counted == "procedure":
             sizes = _path_sizes(owner)
             lone = owner.unit is not None and len(owner.body) == 1

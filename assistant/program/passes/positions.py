@@ -1,11 +1,11 @@
 """Positions: computed components, angles set one by one, the robot's base, rows of tables.
 
-`here(grip in base).x` becomes a variable that is given the position, and a part of it, for a
-language that has components of data alone; so do the positions whose distance is asked for.
+For a language that has components of data alone, `here(grip in base).x` becomes a variable with the
+position, and a part of it; the positions of a computed distance become variables, too.
 
-Where angles are stored as they are set, consecutive ones make one orientation together. A language
-of quaternions reads the angles of each anew, of which two sets are the same: those that are set
-directly after each other become one assignment.
+If angles are stored as they are set, consecutive ones form one orientation. A language of
+quaternions reads the angles anew from each, and two sets of angles are the same orientation:
+assignments of angles that directly follow each other become one.
 
 Five-axis arms get targets in the robot's base, as their orientations depend on the position.
 """
@@ -50,7 +50,7 @@ POSITION_STEM = "here"
 
 
 def with_named_places(job: Legalisation) -> Program:
-    """The program that gives a position to a variable where a part of it is asked for."""
+    """Return the program that assigns a position to a variable before it uses a part of it."""
     program = job.program
     if not any(map(_unnamed, records_in_procedures(program, e.Member, e.Apply))):
         return program
@@ -152,7 +152,7 @@ def _position_set(node: Any) -> Any:
 
 
 def _continues_group(group: list[p.Assign], node: p.Statement) -> bool:
-    """Whether a statement sets another angle of the same place."""
+    """True if a statement sets another angle of the same position."""
     if not _sets_angle(node) or _position_set(node) != _position_set(group[0]):
         return False
     return is_repeatable(_position_set(node)) and all(is_repeatable(one.value) for one in group)
@@ -253,7 +253,7 @@ def _is_angle(record: Any) -> bool:
 
 
 def _copies(given: Sequence[e.Expression]) -> bool:
-    """Whether angles are all those of one position."""
+    """True if the angles are all those of one position."""
     first = given[0] if given else None
     if not isinstance(first, e.Member):
         return False
@@ -372,9 +372,11 @@ def _assigned(program: Program) -> Iterator[str]:
 
 
 RowTable = tuple[Declaration, Sequence[Tool | Frame]]
-"""What a declaration says: the rows."""
+"""A table's declaration, and its rows."""
 RowName = Callable[[str, int], str | None]
-"""The name of a row, by that of its table and its place from 1; None where there is none."""
+"""Return the name of a row from the name of its table and its number from 1; None for an unknown
+row.
+"""
 
 
 def with_table_rows(
@@ -382,9 +384,9 @@ def with_table_rows(
     tables: Mapping[str, RowTable],
     said: Callable[[p.Opaque, RowName], p.Statement],
 ) -> Program:
-    """The program whose moves name rows, if nothing else reads or changes the tables.
+    """Return the program whose moves name rows, if nothing else reads or changes the tables.
 
-    tables: by lower-case name. said: what a kept text says where rows are named.
+    tables: by lower-case name. said: returns the statement for a vendor text whose rows are named.
     """
     names: dict[tuple[str, int], str] = {}
     taken = TakenNames(declared(program))

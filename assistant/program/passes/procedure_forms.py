@@ -1,7 +1,8 @@
 """Procedures and interrupts: variables that begin anew at each call, results, order, recursion.
 
-Where a language calls functions in expressions only, a variable takes an unused result. Procedures
-that are equal forms of one become one. A language may define interrupts where its program begins.
+If a language calls functions in expressions only, a variable takes an unused result. Procedures
+that are equal forms of one become one. A language may define interrupts at the start of its
+program.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ NOTHING: Final[dict[ValueType, e.Expression]] = {
     "pose": e.PoseValue(IDENTITY),
     "joints": e.JointValue(JointTarget((0.0,) * 6)),
 }
-"""What a variable holds that was given no value; of a position no arm may be sent to it."""
+"""Value of a variable that has no first value; an arm must not be sent to such a position."""
 
 
 def with_fresh_variables(program: Program) -> Program:
@@ -90,7 +91,9 @@ def has_form(procedure: Procedure) -> bool:
 
 
 def is_called_with_arguments(procedure: Procedure, program: Program) -> bool:
-    """Whether another unit hands a procedure its arguments: it begins its own, and takes copies."""
+    """True if another unit passes arguments to a procedure: it is the first in its unit, and takes
+    copies.
+    """
     if procedure.unit is None or procedure.result is not None:
         return False
     first = next(q for q in program.procedures if q.unit == procedure.unit)
@@ -113,7 +116,9 @@ def procedures_of(program: Program, unit: str | None) -> tuple[Procedure | None,
 
 
 def has_functions(program: Program, unit: str | None, functions: bool) -> bool:
-    """Whether what a unit calls are functions; subroutines, if not, share all variables."""
+    """True if the procedures that a unit calls are functions; subroutines, in contrast, share all
+    variables.
+    """
     _, others = procedures_of(program, unit)
     return functions and any(q.parameters or q.result is not None for q in others)
 
@@ -164,7 +169,7 @@ def recursive_procedures(program: Program) -> Iterator[Procedure]:
 
 
 UNUSED: Final = "unused"
-"""Name of the variable; of another type with the type behind it."""
+"""Name of the variable; for another type, the type follows it."""
 
 
 def with_results_taken(program: Program) -> Program:
@@ -243,10 +248,10 @@ def _with_calls_replaced(
 
 
 def with_interrupts_first(job: Legalisation) -> Program:
-    """The program that defines its interrupts at its top, in the order of the text.
+    """Return the program that defines its interrupts at its top, in the order of the text.
 
-    They do nothing before they are switched on. One that is defined in several ways, or asks for
-    what its procedure alone has, cannot be said.
+    They have no effect before they are switched on. An interrupt that is defined in several ways,
+    or that needs local data of its procedure, cannot be expressed.
     """
     program = job.program
     entry = program.procedure(program.entry) if program.entry else None
@@ -294,9 +299,9 @@ def _refused(
 
 
 def _shared_interrupts(job: Legalisation) -> Iterator[tuple[p.Interrupt, str]]:
-    """Interrupts that call what they may interrupt, and what that is.
+    """Yield interrupts that call a procedure that they may interrupt, with the reason.
 
-    It has data of its own which are there once, or a timer.
+    Such a procedure has local data that exist only once, or a timer.
     """
     program, can = job.program, job.can.procedures
     if can is None:  # each call has data of its own
@@ -317,7 +322,7 @@ def _shared_interrupts(job: Legalisation) -> Iterator[tuple[p.Interrupt, str]]:
 
 
 def _direct_calls(procedure: Procedure) -> set[str]:
-    """What a procedure calls itself, without its interrupts."""
+    """Return the names that a procedure calls directly, without its interrupts."""
     answered = {id(one.call) for one in walk(procedure.body) if isinstance(one, p.Interrupt)}
     return {
         (one.procedure if isinstance(one, p.Call) else one.function).lower()
@@ -336,14 +341,14 @@ def _reached_procedures(names: set[str], calls: dict[str, set[str]]) -> set[str]
 
 
 def _starts_timer(procedure: Procedure) -> bool:
-    """Whether it starts a timer."""
+    """True if it starts a timer."""
     return any(isinstance(one, p.StartTimer) for one in walk(procedure.body)) or _waits_with_limit(
         procedure
     )
 
 
 def _waits_with_limit(procedure: Procedure | None) -> bool:
-    """Whether it waits with a time limit."""
+    """True if it waits with a time limit."""
     return procedure is not None and any(
         isinstance(one, p.WaitSignal | p.WaitUntil) and one.timeout is not None
         for one in walk(procedure.body)

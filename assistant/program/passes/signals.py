@@ -24,7 +24,7 @@ from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statement_index import records_in_procedures
 
 FOR_GOOD: Final = p.While(e.Number(1), (p.Stop(),))
-"""A stop that a start does not lead out of: it goes on behind one that stands alone."""
+"""A permanent stop, also after a restart: the program would continue after a single stop."""
 
 
 def end_for_good(r: Rewording, node: p.Stop) -> Iterator[p.Statement]:
@@ -58,7 +58,9 @@ def with_checked_outputs(job: Legalisation) -> Program:
 
 
 def find_outputs_of_two_names(job: Legalisation) -> None:
-    """Errors where what is read has another name where it is set, for signals known by names."""
+    """Report outputs that are read by another name than they are set by, for signals known by
+    names.
+    """
     for statement, name, other in read_by_another_name(job.program):
         with job.findings.at(statement.span):
             job.cannot(
@@ -69,7 +71,9 @@ def find_outputs_of_two_names(job: Legalisation) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _SharedNames:
-    """Of a program, by names in lower case: signals, types of variables and of results."""
+    """Names shared by the procedures of a program, in lower case: signals, types of variables and
+    of results.
+    """
 
     signals: Mapping[str, Signal]
     kinds: dict[str, ValueType]
@@ -130,7 +134,9 @@ class _OutputChecks:
             yield replace(node, value=value)
 
     def fits(self, value: e.Expression, signal: Signal) -> bool:
-        """Whether it is known to be a truth, or what as many bits can hold; or is no number."""
+        """True if a value is surely a truth, fits into the signal's bits, or is not computed from
+        numbers.
+        """
         match value:
             case e.Number() | e.Truth() | e.Verbatim() | e.Unary("not"):
                 return True
@@ -146,7 +152,7 @@ class _OutputChecks:
         return False
 
     def keep(self) -> e.Name:
-        """A variable of the procedure's own that a value is kept in while it is looked at."""
+        """Return a local variable of the procedure that holds a value during its check."""
         if not self.kept:
             free = (f"out_{n}" for n in itertools.count(1))
             name = next(n for n in free if n not in self.taken)
@@ -156,7 +162,7 @@ class _OutputChecks:
 
 
 def _is_guarded(node: p.Statement, outside: e.Expression) -> bool:
-    """Whether a statement leaves the program where a condition holds: it is checked already."""
+    """True if a statement stops the program for a condition: the value is checked already."""
     match node:
         case p.If((p.Branch(condition, (stop,)),), ()):
             return condition == outside and stop == FOR_GOOD

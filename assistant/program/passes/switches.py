@@ -25,10 +25,11 @@ from assistant.program.statement_index import records_in_procedures
 
 
 def with_single_reads(job: Legalisation) -> Program:
-    """The program in which a choice that becomes comparisons reads an input once for all of them.
+    """Return the program in which a choice that becomes comparisons reads an input once for all of
+    them.
 
-    What others change may be another value at the next comparison, and none of the cases is taken
-    then: it is assigned to a variable first.
+    A value that others change may differ at the next comparison, and then no case would match: it
+    is assigned to a variable first.
     """
     can = job.can.switches
     if can is None or not any(isinstance(node, p.Switch) for node in job.program.statements()):
@@ -98,7 +99,7 @@ def _compare_once(subject: e.Expression, job: Legalisation) -> None:
 
 
 def _is_of_numbers(node: p.Switch) -> bool:
-    """Whether each case is one number."""
+    """True if each case is one number."""
     return bool(node.cases) and all(
         len(case.values) == 1 and isinstance(case.values[0], e.Number) for case in node.cases
     )
@@ -113,9 +114,9 @@ def chosen(
     cases: Sequence[tuple[Sequence[Test], Body]],
     otherwise: Body,
 ) -> p.Switch | p.If:
-    """What a choice does whose cases each ask for one of some tests.
+    """Return a choice whose cases each require one of some tests.
 
-    It is a `switch` if all of them are single values, else an `if` that works the value out anew.
+    It is a `switch` if all of them are single values, else an `if` that computes the value anew.
     """
     if all(len(one) == 1 and one[0][0] == "=" for tests, _ in cases for one in tests):
         made = (p.Case(tuple(one[0][1] for one in tests), body) for tests, body in cases)

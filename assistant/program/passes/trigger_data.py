@@ -1,8 +1,8 @@
 """Trigger data: outputs set during moves, in a language whose moves take data set up before.
 
-Where it is certain which statement set up the data that a move takes, and nothing else names them,
-the move itself states what it sets where; the data and their set-up are left out. Where several
-statements may have set them up, each of them notes its number, and the move is chosen by that.
+If it is certain which statement set up the data of a move, and nothing else names them, the move
+itself states its outputs and their positions; the data and their set-up are left out. If several
+statements may have set them up, each of them stores its number, and that number selects the move.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ class TriggerData:
 
 @dataclass(frozen=True, slots=True)
 class TriggerSetUp:
-    """What sets data up.
+    """A statement that sets up trigger data.
 
-    trigger, signal: what a move that takes them sets, None for what the pseudo-program cannot say.
-    fixed: whether it is made of numbers that are the same everywhere.
+    trigger, signal: the output that a move with these data sets, None if the pseudo-program cannot
+    express it. fixed: True if its numbers are the same everywhere.
     """
 
     name: str
@@ -55,14 +55,16 @@ class TriggerSetUp:
 
 @dataclass(frozen=True, slots=True)
 class TriggeredMove:
-    """A move that takes data. move: without them, None if the pseudo-program cannot say it."""
+    """A move that takes data. move: the move without them, None if the pseudo-program cannot
+    express it.
+    """
 
     names: tuple[str, ...]
     move: p.MoveStatement | None
 
 
 Told = TriggerData | TriggerSetUp | TriggeredMove
-"""What a kept text is to outputs on the way of moves; names are in lower case."""
+"""Role of a vendor text for outputs during moves; names are in lower case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +84,12 @@ def with_triggers(
     *,
     chosen: bool = False,
 ) -> tuple[Program, list[tuple[str, Signal]]]:
-    """The program with what its moves set on their way, and the signals that these are.
+    """Return the program whose moves state the outputs that they set, and the signals of these
+    outputs.
 
-    told: what a kept text is. library: whether a lower-case name is that of a function of the
-    language's own. chosen: also choose among several statements that may have set data up, and
-    leave out what sets data up that no move takes.
+    told: returns the role of a vendor text. library: True for the lower-case name of a function of
+    the language. chosen: True to also choose among several statements that may have set data up,
+    and to leave out set-ups that no move takes.
     """
     texts: tuple[VendorText, ...] = (*program.declarations, *_opaque(program))
     found = {id(text): one for text in texts if (one := told(text)) is not None}
@@ -110,9 +113,10 @@ _STILL: Final = (p.Move, p.MoveCircular, p.MoveJoints, p.Follow, p.SetSignal, p.
 
 
 class _SetUpsAlongPaths:
-    """told, becomes: by identity of kept texts, what each is, and the statement in its place.
+    """Set-ups along the control flow. told, becomes: by identity of vendor texts, the role of each,
+    and its replacement.
 
-    single: what sets up data that nothing else does, with the same numbers everywhere.
+    single: the only set-ups of their data, with the same numbers everywhere.
     """
 
     def __init__(
@@ -183,7 +187,7 @@ class _SetUpsAlongPaths:
         return {name: setup for name, setup in state.items() if setup.fixed}
 
     def _left(self, part: Any, state: State) -> State:
-        """What is still set up as it was once the calls in a statement or a value are done."""
+        """Return the set-ups that are unchanged after the calls in a statement or a value."""
         calls = set(_called_names(part)) if state else set()
         if any(map(self._is_foreign, calls)):
             return {}
@@ -191,13 +195,15 @@ class _SetUpsAlongPaths:
         return {name: setup for name, setup in state.items() if name not in changed}
 
     def _is_foreign(self, name: str) -> bool:
-        """Whether nobody here knows what a call of that name does."""
+        """True if the effect of a call of that name is unknown."""
         return not (name in self.known or name in e.FUNCTIONS or self.library(name))
 
     # ------------------------------------------------------------------------ what is said
 
     def settled(self) -> tuple[Program, list[tuple[str, Signal]]]:
-        """What can be said without any of the data that stay."""
+        """Return the program, and the signals, with the moves that need none of the remaining
+        data.
+        """
         declared = self._declared()
         said = [
             (node, taking, self._said(node, taking, state)) for node, taking, state in self.takings
@@ -334,7 +340,9 @@ class _SetUpsAlongPaths:
         return {name for name, declarations in count.items() if declarations == 1}
 
     def _elsewhere(self) -> set[str]:
-        """Names that anything else has, with data that a kept text may set up anew by a call."""
+        """Return names that anything else has, and data that a vendor text may set up anew by a
+        call.
+        """
         names = {name for q in self.program.procedures for name in locals_of(q)}
         kept: list[VendorText] = list(self.program.declarations)
         for record in records(tuple(q.body for q in self.program.procedures)):
@@ -359,7 +367,9 @@ def _merged_set_ups(one: State, other: State) -> State:
 
 
 def _called_names(value: Any) -> Iterator[str]:
-    """Lower-case names of what statements or values call, kept texts too."""
+    """Yield lower-case names of the procedures that statements or values call, vendor texts
+    included.
+    """
     for record in records(value):
         match record:
             case p.Call(name) | e.Apply(name):

@@ -18,17 +18,21 @@ from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statement_index import once_per_program
 
 DECIMALS: Final = 3
-"""Of mm that are worked out."""
+"""Decimals of computed mm."""
 SHORTEST: Final = 0.01
-"""mm of a way whose parts are told in mm; a move that turns the tool alone has none."""
+"""Shortest path, mm, on which positions are measured in mm; a move that only turns the tool has
+length 0.
+"""
 ZERO: Final = e.Number(0)
 
 
 def with_measured_places(job: Legalisation) -> Program:
-    """The program with places measured otherwise where it is known to be the same.
+    """Return the program with positions measured differently where the result is known to be the
+    same.
 
-    Either end of a way can be told as mm from it, and the rest of a straight move whose length is
-    known. Other places stay as they are; a finding tells of those that may be counted otherwise.
+    Both ends of a path can be expressed as mm from it, and so can other positions of a straight
+    move of known length. Other positions stay as they are; a finding reports those that may be
+    counted differently.
     """
     program, can = job.program, job.can.outputs
     if can is None:
@@ -58,7 +62,7 @@ def with_measured_places(job: Legalisation) -> Program:
 
 
 def sets_on_way(program: Program) -> bool:
-    """Whether a move sets anything on its way."""
+    """True if any move sets outputs during its motion."""
     return any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements())
 
 
@@ -81,7 +85,7 @@ def _shared_constants(program: Program) -> dict[str, e.Number]:
 
 
 def _constant_numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
-    """Of those that are constants, by lower-case name."""
+    """Return the constant numbers among some variables, by lower-case name."""
     return {
         name.lower(): one.initial
         for name, one in variables.items()
@@ -139,9 +143,10 @@ def is_at_start(one: p.Trigger) -> bool:
 
 
 def is_steady(value: e.Expression, signals: Container[str] = ()) -> bool:
-    """Whether a value is the same as long as no statement changes it: of variables and numbers.
+    """True if a value stays the same until a statement changes it: it consists of variables and
+    numbers.
 
-    signals: names in lower case that are none of variables.
+    signals: names in lower case that are not variables.
     """
     match value:
         case e.Number():
@@ -156,10 +161,10 @@ def is_steady(value: e.Expression, signals: Container[str] = ()) -> bool:
 
 
 def by_speed(job: Legalisation, x: p.Trigger, speed: Speed | None) -> p.Trigger:
-    """A trigger at a time, as the mm that a robot of that speed goes in it.
+    """Return a trigger at a time as the mm that a robot of that speed moves in it.
 
-    speed: of the move, None where it is not known, or not of the tool. What a language tells by
-    time stays, and so does what would be behind the end of the way.
+    speed: of the move, None if it is unknown, or not of the tool. A trigger stays unchanged if the
+    language supports times, or if it would be after the end of the path.
     """
     can, ahead = job.can.outputs, ZERO if x.ahead is None else x.ahead
     if can is None or can.timed is None or speed is None or speed.tcp <= 0:
@@ -222,7 +227,7 @@ def _find_pulses(job: Legalisation, can: Outputs) -> None:
 
 
 def _find_other_positions(job: Legalisation, can: Outputs) -> None:
-    """Places that are told by what languages may count otherwise."""
+    """Report positions whose measure languages may count differently."""
     if not (_is_foreign(job) or (job.program.origin is None and not can.known)):
         return
     blends = job.program.blends

@@ -38,9 +38,9 @@ SCALAR: Final = frozenset({"number", "integer", "truth", "text"})
 
 
 def with_first_values(job: Legalisation) -> Program:
-    """The program with values for the variables that it reads before it gives them one.
+    """Return the program with values for the variables that it reads before it assigns one.
 
-    What a program of the same kin leaves without a value keeps the one that it has there.
+    In a program of the same kin, a variable without a value keeps its value on the controller.
     """
     program, findings, can = job.program, job.findings, job.can.variables
     entry = program.procedure(program.entry) if program.entry else None
@@ -108,11 +108,12 @@ _SETTING_WORDS: Final[Mapping[type[Setting], str]] = {
 
 
 def with_kept_values(job: Legalisation) -> Program:
-    """The program with a loop without end around its cycle, where one leaves values to the next.
+    """Return the program with an endless loop around its cycle, if a cycle leaves values to the
+    next one.
 
-    Such a controller gives variables their first values at the first line, to which it goes back
-    behind each cycle, and moves as fast as usual again. A program of the same kin has no such
-    values, and nothing becomes of it.
+    Such a controller gives variables their first values at the first line, to which it returns
+    after each cycle, and resets the speed. A program of the same kin has no such values and stays
+    unchanged.
     """
     program, can = job.program, job.can.variables
     entry = program.procedure(program.entry) if program.entry else None
@@ -144,7 +145,7 @@ def with_kept_values(job: Legalisation) -> Program:
 
 
 def repeats_cycle(program: Program) -> bool:
-    """Whether the cycle of a program stands in a loop of its own, behind first values."""
+    """True if the cycle of a program is in a separate loop, after first values."""
     entry = program.procedure(program.entry) if program.entry else None
     match entry.body if entry is not None else ():
         case (*_, p.While(condition, (p.Call(arguments=()),))):
@@ -380,7 +381,7 @@ def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterato
 
 
 def _has_all_values(value: e.Expression | None, size: tuple[int, ...]) -> bool:
-    """Whether a value has one for each element: extents say more than a text can hold."""
+    """True if a value has one part for each element: extents may exceed what a text can hold."""
     if not size:
         return True
     if not isinstance(value, e.Aggregate) or len(value.items) != size[0]:
@@ -419,7 +420,9 @@ def _for_each_element(
     counters: Sequence[str],
     give: Callable[[tuple[e.Expression, ...]], p.Statement],
 ) -> Iterator[p.Statement]:
-    """What is done with every element, by loops where there are many. give: by its indices."""
+    """Yield the statement for every element, with loops if there are many. give: returns it from
+    its indices.
+    """
     if math.prod(size) <= MOST_ALIKE:
         for place in itertools.product(*(range(1, n + 1) for n in size)):
             yield give(tuple(map(e.Number, place)))

@@ -42,7 +42,7 @@ _SignalKind = Literal["digital", "analog", "group"]
 
 
 def header_text(program: Program) -> str:
-    """The `program` line; `main` is the entry that need not be said."""
+    """Return the `program` line; the entry `main` is not written."""
     parts = [f"program {name_text(program.name)}"]
     parts += [f"for {word_text(program.robot)}"] if program.robot is not None else []
     if program.entry is None:

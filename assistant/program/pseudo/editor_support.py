@@ -1,4 +1,4 @@
-"""What editors ask about the text form of the pseudo-program."""
+"""Answers for editors about the text form of the pseudo-program."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ _DECLARATIONS: Final = (
     "variable {name} number = 0",
     "procedure {name}\nend",
 )
-"""Of each kind that a name may be."""
+"""One declaration for each kind of a name."""
 
 
 class EditablePseudo(Editable):

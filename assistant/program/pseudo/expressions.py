@@ -72,11 +72,11 @@ from assistant.program.pseudo.words import (
 )
 
 UNIT_TOLERANCE: Final = 1e-3
-"""How far from 1 the length of a quaternion may be."""
+"""Largest deviation of a quaternion's length from 1."""
 
 Part = TypeVar("Part")
 Turns: TypeAlias = tuple[Part, Part, Part]
-"""How fast a speed turns (deg/s), and how fast external axes move (mm/s) and turn (deg/s)."""
+"""Rotation speed (deg/s), and speeds of external axes (mm/s and deg/s)."""
 
 _USUAL: Final = Speed(0.0)
 _USUAL_TURNS: Final = (_USUAL.rotation, _USUAL.external_linear, _USUAL.external_rotary)
@@ -444,7 +444,7 @@ def _list(items: tuple[Expression, ...]) -> str:
 
 
 def _is_deeper(expression: Expression, most: int) -> bool:
-    """Whether there are more levels; looked at without recursion."""
+    """True if the expression has more levels; works without recursion."""
     level: list[Expression] = [expression]
     for _ in range(most):
         level = [part for whole in level for part in _parts(whole)]

@@ -86,8 +86,8 @@ _OWNERS: Final = {"elseif": "`if`", "else": "`if` and `switch`", "case": "`switc
 class Block:
     """An open block.
 
-    word: how its first line begins. span: of that line. line: its number.
-    body: where its next statement goes; None if none may stand there.
+    word: first word of its first line. span: of that line. line: its number. body: receives its
+    next statement; None if a statement is not allowed here.
     """
 
     word: str = ""
@@ -120,7 +120,7 @@ class Ignored(Block):
         self.word = word
 
     def divide(self, *_: object) -> None:
-        """Whatever stands in it is read for what is wrong there, and dropped."""
+        """Ignore the division; its content is checked for errors, and dropped."""
 
 
 class ProcedureBlock(Block):
@@ -267,7 +267,7 @@ class PathBlock(Block):
 
 
 class OpaqueBlock(Block):
-    """A text of several lines in a language of its own."""
+    """A text of several lines in a vendor language."""
 
     word = "opaque"
 
@@ -637,6 +637,6 @@ _KINDS: Final = {
 
 
 def _is_assignment(text: str) -> bool:
-    """Whether a line that begins with a word of declarations assigns to a thing so named."""
+    """True if a line that begins with a word of declarations assigns to a variable of that name."""
     rest = text[len(first_word(text)) :].lstrip()
     return rest.startswith(("=", ".", "["))

@@ -1,12 +1,12 @@
 """Rows of a path to text and from it, and side tables: the columns of a long path in a `.npz` file.
 
-A row states how its target is reached and where it is; what it does not state (orientation, arm
-branch, external axes, speed, blend, tool, frame) is as in the row before it.
+A row states its motion type and its target; omitted parts (orientation, arm branch, external axes,
+speed, blend, tool, frame) are the same as in the row before it.
 
-Of a path in a side table the text keeps what a person reviews (speeds, blends, tools, frames,
-number of rows) and the sha256 sum of the file, so that a changed table shows in a diff and a wrong
-one is refused. A column that is the same in every row is stored once, positions aside, so that the
-file is never smaller than the number of rows that it claims.
+For a path in a side table, the text holds the parts that a person reviews (speeds, blends, tools,
+frames, number of rows) and the sha256 sum of the file, so that a changed table shows in a diff and
+a wrong one is refused. A column that is the same in every row is stored once, positions aside, so
+that the file is never smaller than the number of rows that it claims.
 """
 
 from __future__ import annotations
@@ -122,7 +122,9 @@ def text_codes(
 
 
 def _attribute_texts(path: Path) -> dict[int, str]:
-    """What rows say behind their pose, by row; rows that say nothing are missing."""
+    """Return the attributes after the poses of rows, by row; rows without attributes are
+    missing.
+    """
     said: dict[int, str] = {}
     branches = _changes(path.configurations, _UNSTATED_ROW)
     for i in np.flatnonzero(branches).tolist():
@@ -145,7 +147,7 @@ def _attribute_texts(path: Path) -> dict[int, str]:
 
 
 def _changes(column: Floats | NDArray[np.int8], before: Sequence[float]) -> Truths:
-    """Rows that differ from the row before them; `before` stands above the first."""
+    """Return which rows differ from the row before them; `before` precedes the first."""
     rows = np.asarray(column)
     above = np.concatenate([np.asarray([before], dtype=rows.dtype), rows[:-1]])[: len(rows)]
     differ = rows != above
@@ -226,7 +228,7 @@ class RowReader:
         )
 
     def _read_usual(self, found: re.Match[str]) -> bool:
-        """Whether the row was read; numbers that need a finding are left to the grammar."""
+        """True if the row was read; numbers that need a finding are left to the grammar."""
         kind, position, turn, branch, axes, rest = found.groups()
         point = _floats(position)
         quaternion = None if turn is None else _floats(turn)
@@ -297,7 +299,9 @@ class RowReader:
             raise missing
 
     def _start(self, turn: object, speed: object, blend: object) -> Wrong | None:
-        """What holds before the first row, and what that row should have said."""
+        """Set the values before the first row, and return the fault of a first row that lacks a
+        part.
+        """
         self._turns.hold(0, (1.0, 0.0, 0.0, 0.0))
         self._branches.hold(0, _UNSTATED_ROW)
         self._axes.hold(0, NO_EXTERNAL)
@@ -387,7 +391,9 @@ def _attributes(tree: Node) -> _Attributes:
 
 
 def path_faults(path: Path) -> Iterator[tuple[int, Rule, dict[str, object]]]:
-    """What no robot could do, as row, rule and fields; each kind once, at its first row."""
+    """Yield faults that no robot could execute, as row, rule and fields; each kind once, at its
+    first row.
+    """
     finite = np.isfinite(path.positions).all(axis=1)
     length = np.linalg.norm(path.quaternions, axis=1)
     unit = np.abs(length - 1.0) <= UNIT_TOLERANCE
@@ -406,7 +412,7 @@ def path_faults(path: Path) -> Iterator[tuple[int, Rule, dict[str, object]]]:
 
 
 SideTables = FilePath | str | Mapping[str, bytes] | None
-"""Where side tables are: a folder, or the files' bytes by name."""
+"""Side tables: a folder, or the files' bytes by name."""
 
 COLUMNS: Final[dict[str, tuple[str, tuple[int, ...]]]] = {
     "kinds": ("|u1", ()),
@@ -426,7 +432,7 @@ _HEADER: Final = 4096
 
 
 class TableWriter:
-    """The side tables of one text, each under a name of its own."""
+    """The side tables of one text, each under a separate name."""
 
     def __init__(self, program: str) -> None:
         self._program = program
@@ -526,7 +532,7 @@ _DAMAGE: Final = (
     NotImplementedError,
     RuntimeError,
 )
-"""What reading a damaged archive can raise."""
+"""Exceptions that reading a damaged archive can raise."""
 
 
 def _packed(path: Path, index: Mapping[str, NDArray[np.int32]]) -> bytes:
@@ -549,10 +555,10 @@ def _is_constant(column: NDArray[np.generic]) -> bool:
 
 
 def _unpacked(data: bytes, rows: int) -> dict[str, NDArray[np.generic]]:
-    """The columns of a file; raises one of `_DAMAGE`.
+    """Return the columns of a file; raises one of `_DAMAGE`.
 
-    Shapes and types are looked at before any memory is taken for them, and no Python object
-    is ever made from the file.
+    Shapes and types are checked before any memory is allocated for them, and no Python object is
+    ever created from the file.
     """
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         names = sorted(archive.namelist())
@@ -587,6 +593,6 @@ def _member(
 
 
 def _are_branches(configurations: NDArray[np.int8]) -> bool:
-    """Whether each row of (n, 6) is an arm branch, or states none."""
+    """True if each row of (n, 6) is an arm branch, or states no branch."""
     first, rest = configurations[:, 0], configurations[:, 1:3]
     return bool(np.isin(first, (UNSTATED, 0, 1)).all() and np.isin(rest, (0, 1)).all())

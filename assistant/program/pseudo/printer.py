@@ -103,7 +103,7 @@ def block_text(statement: Statement) -> str:
 
 
 class _Printer:
-    """What is the same all over one program."""
+    """Printer of one program, with the state that all its parts share."""
 
     def __init__(self, program: str, side_tables_above: int | None) -> None:
         self.tables = TableWriter(program)

@@ -178,7 +178,7 @@ def _read_trigger(tree: Any) -> Trigger:
 
 
 def _value(value: Expression) -> str:
-    """What stands behind a `=`; a comparison for equality in brackets, for the eye."""
+    """Return the text after a `=`; a comparison for equality is in brackets, for legibility."""
     equality = isinstance(value, Binary) and value.operator == "="
     return expression_text(value, ATOM if equality else 0)
 
@@ -192,7 +192,7 @@ def _optional(before: str = " ", after: str = "") -> _Slot:
 
 
 def _wrapped(before: str, after: str) -> _Slot:
-    """One that has a rule of its own."""
+    """Return an optional expression with a separate grammar rule."""
     plain = _optional(before, after)
     return _Slot(plain.text, lambda tree: plain.read(tree and tree.children[0]))
 
@@ -202,7 +202,7 @@ def _arguments(arguments: tuple[Expression, ...]) -> str:
 
 
 class _Slot(NamedTuple):
-    """What stands in a place of a line: as text, and from the tree of its place."""
+    """A slot of a line: its text, and its value from the tree."""
 
     text: Callable[[Any], str]
     read: Callable[[Any], Any]

@@ -179,7 +179,7 @@ def quoted(text: str, mark: str = '"') -> str:
 
 
 def unquoted(token: Token) -> str:
-    """What a quoted text says; raises Wrong for an unknown escape."""
+    """Return the content of a quoted text; raises Wrong for an unknown escape."""
 
     def meant(found: re.Match[str]) -> str:
         body = found[1]
@@ -244,7 +244,7 @@ def read_numbers(tree: Node, *counts: int) -> tuple[float, ...]:
 
 
 def shortened(text: str, most: int = 24) -> str:
-    """As it can stand in a message: of one line, visible, not too long."""
+    """Return a text fit for a message: one line, visible, not too long."""
     text = "".join(_escaped(c, "") for c in text[: most + 1])
     return text if len(text) <= most else text[: most - 1] + "…"
 
@@ -264,7 +264,7 @@ def comment_text(comment: str) -> str:
 
 
 def read_comment(text: str) -> str:
-    """What a text that begins with `#` says."""
+    """Return the content of a text that begins with `#`."""
     said = text[1:].strip()
     if text.startswith('#"') and _QUOTED_COMMENT.fullmatch(said):
         try:
@@ -394,7 +394,7 @@ _SPOKEN: Final = {
 }
 _MOST_EXPECTED: Final = 8
 _GOING_ON: Final = frozenset(f"`{word}`" for word in ("or", "xor", "and", "=", "+", "-", "*", "^"))
-"""What could make an expression longer; seldom what is missing."""
+"""Tokens that could make an expression longer; they are seldom the missing ones."""
 
 
 def parse_line(start: Start, text: str) -> Node:
@@ -424,7 +424,7 @@ def first_word(text: str) -> str:
 
 
 def _is_deeper(tree: Node, most: int) -> bool:
-    """Whether a tree has more levels; looked at without recursion."""
+    """True if a tree has more levels; works without recursion."""
     level = [tree]
     for _ in range(2 * most):  # two rules of the grammar to one of an expression, at the most
         level = [child for node in level for child in node.children if isinstance(child, Tree)]

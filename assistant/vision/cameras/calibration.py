@@ -55,7 +55,7 @@ class Board:
 
     @staticmethod
     def parse(text: str) -> Board:
-        """What a text says; raises Refused (exit status 2)."""
+        """Parse the text of a board; raises Refused (exit status 2)."""
         found = BOARD_TEXT.fullmatch(" ".join(text.split()))
         if found is None:
             raise _bad_board(text, "it is none of the two forms", BOARD_EXAMPLES)
@@ -106,9 +106,7 @@ class Board:
 
     @property
     def turned_alike(self) -> bool:
-        """Whether it looks the same when it is turned by half a turn: its corners are not told
-        apart then.
-        """
+        """True if it looks the same after half a turn: its corners are then ambiguous."""
         return self.kind == "chessboard" and (self.columns + self.rows) % 2 == 0
 
     @property
@@ -185,7 +183,7 @@ def _bad_board(text: str, reason: str, cure: str) -> Refused:
 
 
 FEWEST_VIEWS: Final = 4
-"""Views; each gives six unknowns of its own and the lens has nine."""
+"""Fewest views; each adds six unknowns and the lens has nine."""
 LEAST_TILT: Final = 10.0
 """Degrees between the most unlike views of a board below which depth and focal length are one."""
 MOST_FOCAL_SIGMA: Final = 1.0
@@ -268,7 +266,9 @@ def _coverage(cv: Any, views: Sequence[BoardView], size: tuple[int, int]) -> flo
 
 
 def _fit_lens(cv: Any, objects: Any, pixels: Any, size: tuple[int, int]) -> tuple[Lens, Any]:
-    """The lens with the most of distortion that is told, and what OpenCV answers with it."""
+    """Return the lens with as many distortion terms as the views determine, and OpenCV's result for
+    it.
+    """
     for flags in (0, cv.CALIB_FIX_K3, cv.CALIB_FIX_K3 | cv.CALIB_FIX_K2):
         try:
             found = cv.calibrateCameraExtended(objects, pixels, size, None, None, flags=flags)

@@ -23,7 +23,7 @@ from assistant.program.geometry import IDENTITY, Pose, Vector
 WORLD: Final = "world"
 """The parent of a camera that stands still."""
 LEAST_DEPTH: Final = 1.0
-"""mm before the camera; what is nearer, or behind it, is not seen."""
+"""mm in front of the camera; closer points, and points at its back, are not seen."""
 UNDISTORTION_ROUNDS: Final = 20
 """Steps of Newton's method at most, from a pixel to its ray."""
 TANGENT_SAMPLES: Final = np.linspace(0.0, 3.0, 601)
@@ -32,7 +32,7 @@ TANGENT_SAMPLES: Final = np.linspace(0.0, 3.0, 601)
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """What a camera does to directions.
+    """Projection of directions by a camera.
 
     size: width and height in pixels. focal: pixels along u and v. centre: pixel of the axis.
     distortion: k1, k2, p1, p2, k3.
@@ -64,7 +64,7 @@ class Lens:
 
     @property
     def whole(self) -> bool:
-        """Whether all of the ellipse that fills the picture is seen, each direction once."""
+        """True if all of the ellipse that fills the picture is seen, each direction once."""
         ring = np.linspace(0.0, 2.0 * np.pi, 33)
         circle = np.column_stack([np.cos(ring), np.sin(ring)])
         part = np.linspace(0.05, 1.0, 20)[:, None, None]
@@ -229,9 +229,9 @@ LEAST_RAY_ANGLE: Final = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TriangulatedPoints:
-    """points: (n, 3) mm in the world, NaN where they cannot be told: seen by less than two
-    cameras, by rays that hardly cross, or behind a camera. covariances: (n, 3, 3) mm² for the
-    noise that was given. residuals: (n,) pixels, root mean square over u and v of all cameras that
+    """Triangulated points. points: (n, 3) mm in the world, NaN for an undetermined point: seen by
+    fewer than two cameras, by nearly parallel rays, or behind a camera. covariances: (n, 3, 3) mm²
+    for the given noise. residuals: (n,) pixels, root mean square over u and v of all cameras that
     see the point; two pictures that show different things have large ones.
     """
 

@@ -42,10 +42,10 @@ LONGEST_FOCAL: Final = 100.0
 
 @dataclass(frozen=True, slots=True)
 class CalibrationRecord:
-    """How a camera was calibrated: when, and what was left, root mean square.
+    """Record of a camera's calibration: its date, and the residuals, root mean square.
 
-    residual: pixels, of its lens. pair: pixels, of its place to the first camera. mm, degrees: of
-    its place to the arm.
+    residual: pixels, of its lens. pair: pixels, of its pose relative to the first camera. mm,
+    degrees: of its pose relative to the arm.
     """
 
     date: datetime.date | None = None
@@ -67,7 +67,7 @@ class Rig:
     folder: FilePath = FilePath()
 
     def __getitem__(self, name: str) -> Camera:
-        """The camera of a name; raises Refused (exit status 2) if there is none."""
+        """Return the camera of a name; raises Refused (exit status 2) for an unknown name."""
         if name not in self.cameras:
             known = ", ".join(near_names(name, self.cameras) or self.cameras)
             raise Refused(rules.NO_CAMERA(name=name, known=known), exit_status=2)
@@ -178,7 +178,7 @@ def _source(value: Any) -> str:
 
 
 RESIDUAL_KEYS: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
-"""Of `CalibrationRecord`, in the order of its fields."""
+"""Keys of the residuals of `CalibrationRecord`, in the order of its fields."""
 KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "size": _size,
     "focal": _numbers(2, 1.0, 1e7),
@@ -213,7 +213,7 @@ def _camera(name: str, table: Table, said: Mapping[str, Any]) -> Camera | None:
 
 
 def _lens_fault(lens: Lens) -> str | None:
-    """What no camera of a cell has."""
+    """Return the fault of a lens that no camera of a cell can have, None if it has none of them."""
     width, height = lens.size
     if not all(width / 20.0 <= focal <= LONGEST_FOCAL * width for focal in lens.focal):
         return f"has a focal length of {max(lens.focal):g} pixels for {width} pixels of width"

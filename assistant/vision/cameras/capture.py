@@ -47,11 +47,11 @@ VIDEO_SUFFIXES: Final = (
     ".mjpeg",
     ".mjpg",
 )
-"""What is handed to what decodes films; lists of other files and addresses are none."""
+"""Suffixes of files for the film decoder; lists of other files and addresses are excluded."""
 PICTURE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 STREAM_ADDRESS: Final = re.compile(r"(?:rtsp|rtsps|http|https|udp|tcp)://", re.IGNORECASE)
 PICTURE_SIGNATURES: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
-"""How files of pictures begin; others are not handed to what decodes them."""
+"""First bytes of picture files; other files are not passed to the decoder."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,14 +70,13 @@ class Frame:
 def open_frames(
     camera: Camera, source: str, folder: FilePath = FilePath()
 ) -> Iterator[Iterator[Frame]]:
-    """The frames of a camera, one by one as they are asked for.
+    """Yield the frames of a camera, one for each request.
 
     source: the number of a device, the address of a stream, a film, a picture, a folder of pictures
     in the order of their numbers, or a cell file (.toml), which is drawn again and again with its
-    robots at home. Relative files stand in `folder`. Films and folders end; a device or a stream
-    that ends is lost.
-    Raises Refused (exit status 2) if there is no such camera, no picture, one of another size, or
-    where the camera is lost.
+    robots at home. Relative files are in `folder`. Films and folders end; a device or a stream that
+    ends is lost. Raises Refused (exit status 2) if the camera or the picture is missing, a picture
+    has another size, or the camera is lost.
     """
     if source.isascii() and source.isdigit():
         if len(source) > 2:
@@ -116,7 +115,7 @@ def open_frames(
 
 
 def read_picture(path: str | FilePath) -> Picture:
-    """A picture (h, w, 3) of a file; raises Refused (exit status 2) for what is none."""
+    """Read a picture (h, w, 3) from a file; raises Refused (exit status 2) for any other file."""
     data = read_bytes(path, most=MOST_BYTES)
     reason = _unlike_a_picture(data)
     if reason is None:
@@ -134,7 +133,7 @@ def read_picture(path: str | FilePath) -> Picture:
 
 
 def exposure_findings(camera: Camera, picture: Picture) -> tuple[Diagnostic, ...]:
-    """Whether a picture is dark or saturated."""
+    """Return findings for a dark or saturated picture."""
     found = []
     brightest = picture.max(axis=2)
     if float(np.median(brightest)) < DARK_LEVEL:
@@ -146,7 +145,9 @@ def exposure_findings(camera: Camera, picture: Picture) -> tuple[Diagnostic, ...
 
 
 def picture_names(source: str, folder: FilePath = FilePath()) -> list[str] | None:
-    """Names of the pictures of a source, in their order; None for one that is no folder of them."""
+    """Return the names of the pictures of a source, in their order; None if it is not a folder of
+    pictures.
+    """
     number = source.isascii() and source.isdigit()
     if number or STREAM_ADDRESS.match(source) or not is_folder(folder / source):
         return None
@@ -197,7 +198,7 @@ def _folder_frames(camera: Camera, folder: FilePath) -> Iterator[Frame]:
 
 
 def _drawn_frames(camera: Camera, cell: FilePath) -> Iterator[Frame]:
-    """A cell as a camera that stands in it sees it; each picture has noise of its own."""
+    """Yield a cell as a camera in it sees it; each picture has different noise."""
     from assistant.cell.cell_file import read_scene
     from assistant.vision.cameras.synthetic_pictures import bodies_of_scene, camera_in_world, draw
 
@@ -252,9 +253,9 @@ def _not_opened(camera: Camera, source: str, reason: str, cure: str) -> Diagnost
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """How well two cameras agree on corners of a board that both see. corners: how many. pixels:
-    root mean square left by the points. mm: the same of distances between neighbours, beside what
-    the board says.
+    """Agreement of two cameras about corners of a board that both see. corners: number of corners.
+    pixels: root mean square residual of the points. mm: the same for distances between neighbours,
+    compared with the board's distances.
     """
 
     cameras: tuple[str, str]
@@ -305,12 +306,13 @@ def pictures_findings(
 def pairing_finding(
     one: str, names: Sequence[str], other: str, others: Sequence[str]
 ) -> Diagnostic | None:
-    """What keeps pictures of two cameras from being paired in their order, None if nothing does.
+    """Return the reason why pictures of two cameras cannot be paired in their order, None if they
+    can.
 
-    one, other: of the cameras. names, others: of their files, in their order. The last number in
-    each name counts pictures if most of them follow each other by one: then a number that one
-    camera has and the other lacks is a picture that is missing. Each may count from where it
-    likes, and one of them may go on for longer.
+    one, other: names of the cameras. names, others: names of their files, in their order. The last
+    number in each name counts pictures if most of them follow each other by one: then a number that
+    one camera has and the other lacks is a missing picture. Each may start from any number, and one
+    of them may have more pictures at the end.
     """
     counted = _picture_numbers(names), _picture_numbers(others)
     if counted[0] is None or counted[1] is None:

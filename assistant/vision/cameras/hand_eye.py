@@ -25,7 +25,7 @@ from assistant.vision.opencv import opencv
 Mounting = Literal["hand", "stand"]
 METHODS: Final = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS", "SHAH", "LI")
 METHODS_WITH_WORLD: Final = ("SHAH", "LI")
-"""Of these, those that find the place of the board at the same time."""
+"""Methods that find the pose of the board at the same time."""
 ROBUST_METHOD: Final = "PARK"
 """By which samples of the poses are solved: in closed form, and exact for exact poses."""
 FEWEST_POSES: Final = 4
@@ -40,7 +40,9 @@ with one pose of four wrong, at least one sample is right in all but 1e-13 of th
 OUTLIER_SIGMAS: Final = 6.0
 """Robust sigmas from the other poses from which on a pose does not belong to them."""
 OUTLIER_FLOOR: Final = (0.05, 0.01)
-"""mm and degrees that no pose is told apart by: rounding, and a handful of poses that fit alike."""
+"""mm and degrees within which poses are not distinguished: rounding, and a handful of poses that
+fit alike.
+"""
 MOST_OUTLIERS: Final = 0.25
 """Part of the poses that may be left out."""
 MEDIAN_LENGTH: Final = 1.538
@@ -288,7 +290,7 @@ def pose_residuals(
 def _board_poses(
     flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, camera: Pose
 ) -> tuple[Floats, Floats]:
-    """Of the board: in the base, or on the flange."""
+    """Return the poses of the board: in the base, or on the flange."""
     hands = flanges if mounting == "hand" else [one.inverse() for one in flanges]
     places = [hand @ camera @ board for hand, board in zip(hands, boards, strict=True)]
     return np.array([p.position for p in places]), np.array([p.quaternion for p in places])
@@ -354,4 +356,4 @@ METHOD_SOURCES: Final[Mapping[str, str]] = {
     "SHAH": "Shah 2013",
     "LI": "Li, Wang and Wu 2010",
 }
-"""Of the methods, as OpenCV's documentation names them."""
+"""Sources of the methods, as OpenCV's documentation names them."""

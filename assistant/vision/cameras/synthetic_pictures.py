@@ -65,7 +65,7 @@ Hits = tuple[Floats, Floats]
 PAIRS_AT_ONCE: Final = 2_000_000
 """Pairs of rays and triangles that are worked out at once."""
 PARALLEL_SHARE: Final = 1e-12
-"""Of a direction along an axis or a face, below which it runs beside it."""
+"""Share of a direction along an axis or a face below which it is parallel to the face."""
 
 
 def cast_rays(shape: Shape, eye: Floats, rays: Floats) -> Hits:
@@ -241,10 +241,11 @@ class VisibleBody:
 
 @dataclass(frozen=True, slots=True)
 class Optics:
-    """How a picture is taken.
+    """Light and quality of a picture.
 
-    light: where it comes from. ambient: part of it that comes from everywhere. brightness: times
-    all of it. background: red, green, blue. blur: sigma in pixels. noise: sigma in grey levels.
+    light: direction to the light. ambient: part of it that comes from everywhere. brightness:
+    factor for all light. background: red, green, blue. blur: sigma in pixels. noise: sigma in grey
+    levels.
     """
 
     light: Vector = (0.3, -0.5, 0.81)
@@ -261,7 +262,7 @@ CLEAR: Final = Optics()
 def draw(
     camera: Camera, things: Sequence[VisibleBody], optics: Optics = CLEAR, *, seed: int = 0
 ) -> Picture:
-    """What a camera that stands in the world sees (h, w, 3); the same seed gives the same noise."""
+    """Draw the picture (h, w, 3) of a camera in the world; the same seed gives the same noise."""
     width, height = camera.lens.size
     numbers = np.arange(width * height).reshape(height, width)
     regions = [_region(camera, thing) for thing in things]
@@ -486,7 +487,9 @@ AXIS_CHORDS: Final = 16
 
 
 def with_axes(camera: Camera, picture: Picture) -> Picture:
-    """The axes of the frame that the camera stands in, 100 mm each, and the camera's own centre."""
+    """Draw the axes of the camera's parent frame, 100 mm each, and the centre of the camera's
+    picture.
+    """
     cv = opencv()
     out = picture.copy()
     u, v = (round(value) for value in camera.lens.centre)

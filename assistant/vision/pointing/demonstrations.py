@@ -55,11 +55,11 @@ CREEP_SHARE: Final = 0.7
 
 @dataclass(frozen=True, slots=True)
 class HoldLimits:
-    """What a hold is, beside the noise that there is.
+    """Limits of a hold, in addition to the noise.
 
-    frames: moments one after the other. within: mm that each may be off their mean. creep: mm
-    between the means of the first and the second half. turned: degrees that each may be off.
-    apart: mm to the place shown before, nearer to which nothing is shown anew.
+    frames: consecutive moments. within: mm that each may be off their mean. creep: mm between the
+    means of the first and the second half. turned: degrees that each may be off. apart: mm to the
+    position shown before; a closer one does not count as new.
     """
 
     frames: int = HOLD_FRAMES
@@ -230,9 +230,10 @@ def _movement_finding(
 
 
 def _settling_moments(points: Floats) -> int:
-    """How many moments at the begin the hand was still coming to rest: they are left out.
+    """Return the number of first moments in which the hand was still coming to rest: they are left
+    out.
 
-    They are farther from the mean of the second half than its own moments differ.
+    They are farther from the mean of the second half than its moments differ from each other.
     """
     half = points[len(points) // 2 :]
     steps = float(np.sqrt((np.diff(half, axis=0) ** 2).sum(axis=1).mean() / 2.0))
@@ -243,9 +244,10 @@ def _settling_moments(points: Floats) -> int:
 
 
 def _most_deviation(sightings: Sequence[Sighting], within: float) -> float:
-    """How many mm a moment may be off: what a hand may, and the noise of what is seen.
+    """Return the mm that a moment may be off: the tolerance of a hand plus the noise of the
+    sightings.
 
-    That is what was stated, or less where moments that follow each other differ by less.
+    The noise is the stated one, or less if consecutive moments differ by less.
     """
     mean = np.mean([sighting.covariance[:3, :3] for sighting in sightings], axis=0)
     points = np.array([sighting.pose.position for sighting in sightings])
@@ -254,7 +256,7 @@ def _most_deviation(sightings: Sequence[Sighting], within: float) -> float:
 
 
 def _noise_ratio(seen: Sighting, away: Floats) -> float:
-    """How many times the variance of the stated noise the moments had, 1 at least."""
+    """Return the ratio of the variance of the moments to that of the stated noise, at least 1."""
     expected = float(np.trace(seen.covariance[:3, :3]))
     scattered = float((away**2).sum(axis=1).mean())
     return max(1.0, scattered / max(expected, 1e-12))
@@ -271,7 +273,7 @@ def _distance(one: Pose, other: Pose) -> float:
 
 
 def _extent(sightings: Sequence[Sighting]) -> float:
-    """How many mm from corner to corner of the box in which the device was."""
+    """Return the diagonal, mm, of the box that contains the device positions."""
     points = np.array([sighting.pose.position for sighting in sightings])
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
@@ -313,7 +315,7 @@ class Stroke:
     last: HeldPosition
 
     def csv(self) -> str:
-        """As a table of waypoints, mm and unit quaternions."""
+        """Return a table of waypoints, mm and unit quaternions."""
         text = io.StringIO()
         text.write("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n")
         turns = rotations.canonical(self.quaternions)

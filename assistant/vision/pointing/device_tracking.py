@@ -197,7 +197,7 @@ RADIUS_TOLERANCE: Final = 0.05
 RADIUS_PIXELS: Final = 0.75
 """Pixels of the outline."""
 MOST_COMBINATIONS: Final = 2000
-"""Ways to join spots of several marks that are looked at."""
+"""Largest number of tried combinations of spots of several marks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,7 +229,7 @@ class Sighting:
 
 
 Seen = Sighting | Diagnostic
-"""Where it is, or why nobody knows."""
+"""Sighting of the device, or the reason why it is unknown."""
 
 
 def check_cameras(cameras: Sequence[Camera]) -> None:
@@ -248,7 +248,7 @@ def locate_device(
     pictures: Sequence[Picture],
     limits: Limits = USUAL_LIMITS,
 ) -> Seen:
-    """The device in pictures of the cameras, in their order, that were taken at one moment."""
+    """Locate the device in pictures of the cameras, in their order, taken at one moment."""
     sizes = (size_finding(c, p) for c, p in zip(cameras, pictures, strict=True))
     if (wrong := next((finding for finding in sizes if finding), None)) is not None:
         return wrong
@@ -290,7 +290,7 @@ def locate_at_pixels(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _MarkPositions:
-    """Where a mark may be: points (n, 3), pixels (c, n, 2), confidences (n,)."""
+    """Possible positions of a mark: points (n, 3), pixels (c, n, 2), confidences (n,)."""
 
     name: str
     points: Floats
@@ -370,7 +370,7 @@ def _radius_fits(way: Sequence[MarkSpot | None], seen: Floats, mark: Ball | Ligh
 
 
 def _distinct_positions(points: Floats, sure: Floats, apart: float) -> Rows:
-    """Of places that are the same one, the surest; the surest first."""
+    """Return the surest one of positions that are the same; the surest first."""
     kept: list[int] = []
     for i in np.argsort(-sure, kind="stable"):
         if all(np.linalg.norm(points[i] - points[k]) > apart for k in kept):
@@ -430,7 +430,7 @@ FASTEST_HAND: Final = 1500.0
 JUMP_SIGMAS: Final = 6.0
 """Times its uncertainty that a device may be off beside."""
 MOMENTS_TO_FORGET: Final = 5
-"""Moments without a believed sighting after which the device is looked for anew, everywhere."""
+"""Moments without a believed sighting after which the device is searched for anew, everywhere."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -443,7 +443,7 @@ class Moment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """What is known of one moment."""
+    """Observation at one moment."""
 
     seconds: float
     seen: Seen

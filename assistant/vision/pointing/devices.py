@@ -66,9 +66,9 @@ HUES: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Ball:
-    """radius: mm. position: of its centre in the frame of the device.
+    """A ball. radius: mm. position: of its centre in the frame of the device.
 
-    colour_name: as it is told.
+    colour_name: its name in reports.
     """
 
     colour: HueRange
@@ -107,7 +107,7 @@ class Device:
 
     @property
     def turns_shown(self) -> int:
-        """Of the three turns in space, how many the marks show: 0, 2 or 3."""
+        """Number of the three turns in space that the marks show: 0, 2 or 3."""
         away = self.positions - self.positions.mean(axis=0)
         return (0, 2, 3, 3)[np.linalg.matrix_rank(away, tol=1.0)]
 
@@ -136,7 +136,7 @@ def wand() -> Device:
 
 
 DEVICES: Final[Mapping[str, Callable[[], Device]]] = {"ball": ball, "light": light, "wand": wand}
-"""What needs no file."""
+"""Devices that need no file."""
 
 
 LEAST_MARK_DISTANCE: Final = 30.0
@@ -196,7 +196,7 @@ def _read_ball(table: Table) -> Ball | None:
 
 
 def _device_fault(device: Device, kind: str, given: int) -> tuple[str, str] | None:
-    """What no device has, with what to do."""
+    """Return a fault that no device may have, with its cure."""
     count = len(device.marks)
     if given > MOST_BALLS_OF_DEVICE:
         return f"has {given} balls", f"write {MOST_BALLS_OF_DEVICE} at most"
@@ -223,7 +223,7 @@ def _device_fault(device: Device, kind: str, given: int) -> tuple[str, str] | No
 
 
 def _hues_overlap(one: Ball | Light, other: Ball | Light) -> bool:
-    """Whether colours of two balls overlap."""
+    """True if the colours of two balls overlap."""
     if isinstance(one, Light) or isinstance(other, Light):
         return False
     away = abs(one.colour.hue - other.colour.hue) % 360.0

@@ -46,9 +46,9 @@ class MarkSpot:
 
 
 CONE_ROUNDS: Final = 6
-"""Of leaving out what does not lie on the cone."""
+"""Rounds that leave out rays which are not on the cone."""
 FEWEST_RAYS: Final = 8
-"""Rays of an outline from which a cone is told."""
+"""Fewest rays of an outline that determine a cone."""
 CONE_SAMPLES: Final = 120
 """Cones through three rays each that are tried."""
 
@@ -122,7 +122,7 @@ def _best_sampled_cone(rays: Floats, off: float) -> Floats:
 LEAST_BALL_AREA: Final = 12
 """Pixels of a ball's colour; what is smaller is noise."""
 MOST_BALLS: Final = 6
-"""Of one colour that are looked at, the largest first."""
+"""Largest number of balls of one colour that are examined, the largest first."""
 OUTLINE_LINES: Final = 90
 """From the middle of a ball across its outline."""
 OUTLINE_STEP: Final = 0.25
@@ -151,7 +151,7 @@ def hues_of(picture: Picture) -> Any:
 
 
 def find_balls(picture: Picture, hues: Any, camera: Camera, ball: Ball) -> tuple[MarkSpot, ...]:
-    """What may be the ball in a picture, the surest first."""
+    """Find spots in a picture that may be the ball, the surest first."""
     cv2 = opencv()
     mask = _colour_mask(cv2, hues, ball.colour)
     count, _, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
@@ -288,7 +288,7 @@ def _spot_of_cone(camera: Camera, cone: Cone, edge: Floats) -> MarkSpot | None:
 
 
 LIGHT_SMOOTHING: Final = 1.0
-"""Pixels, sigma, before bright places are looked for."""
+"""Pixels, sigma, of the smoothing before the search for bright spots."""
 LEAST_BRIGHTNESS: Final = 60.0
 """Grey levels above what is around it."""
 SURROUNDINGS_WIDTH: Final = 31
@@ -301,9 +301,10 @@ LEAST_FILL: Final = 0.55
 
 
 def find_lights(picture: Picture) -> tuple[MarkSpot, ...]:
-    """What may be the light in a picture, the surest first.
+    """Find spots in a picture that may be the light, the surest first.
 
-    How large it may be is told in mm, which only the distance compares with: see `device_tracking`.
+    Its largest size is in mm, which can only be compared with a known distance: see
+    `device_tracking`.
     """
     cv2 = opencv()
     bright = picture.max(axis=2).astype(np.float32)
@@ -363,7 +364,7 @@ def _measure_light(
 def find_spots(
     picture: Picture, camera: Camera, marks: Sequence[Ball | Light]
 ) -> list[tuple[MarkSpot, ...]]:
-    """What may be each of the marks in a picture, the surest first.
+    """Find spots in a picture for each of the marks, the surest first.
 
     Raises Refused without OpenCV.
     """

@@ -74,7 +74,9 @@ class Library:
 
 
 def read_library(folder: str | FilePath) -> Library:
-    """Everything in a library; raises Unreadable or Refused, with a finding, for what is none."""
+    """Read all objects of a library; raises Unreadable or Refused, with a finding, for an invalid
+    library.
+    """
     place = FilePath(folder)
     _check_version(place)
     names = names_in(place)
@@ -109,9 +111,9 @@ def check_name(name: str, path: str | None = None) -> None:
 def add_objects(
     folder: str | FilePath, objects: Iterable[KnownObject], *, again: bool = False
 ) -> tuple[FilePath, ...]:
-    """Writes objects into a library, which is made where there is none; all of them or none.
+    """Write objects into a library, which is created if it is missing; all of them or none.
 
-    again: what has their names is replaced. Raises Refused or Unreadable.
+    again: True to replace objects of the same names. Raises Refused or Unreadable.
     """
     place = FilePath(folder)
     there: set[str] = set()
@@ -129,7 +131,7 @@ def add_objects(
 
 
 def object_toml(one: KnownObject) -> str:
-    """What people may change of an object, as TOML."""
+    """Return the part of an object that people may edit, as TOML."""
     lines = [f"# {one.source}"] if one.source.isprintable() and one.source else []
     lines += [f"height = {_number(one.height)}  # mm of its face above what it lies on"]
     for name, place in one.places.items():
@@ -307,7 +309,7 @@ def _read_features(path: FilePath) -> tuple[Outline | None, Texture | None]:
 
 
 def _archive_fault(arrays: Mapping[str, Floats]) -> str:
-    """What keeps columns from being an object, nothing if they are one."""
+    """Return the fault that makes columns unusable as an object, empty if they are one."""
     if not all(np.isfinite(one).all() and one.size <= 2e8 for one in arrays.values()):
         return "it holds what is no number"
     if "outline" not in arrays and "points" not in arrays:

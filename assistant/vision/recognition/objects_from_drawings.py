@@ -85,7 +85,7 @@ def read_part(
 
 
 def symmetry_findings(known: KnownObject, path: str) -> list[Diagnostic]:
-    """What is said of an outline that can be turned and looks the same."""
+    """Return findings about an outline that looks the same after a turn."""
     if known.symmetry == 1:
         return []
     how = f"by {360.0 / known.symmetry:g} degrees" if known.symmetry else "by any angle"

@@ -33,9 +33,9 @@ LEAST_RISE_SIGMAS: Final = 5.0
 SAMPLE_SPACING: Final = 3.0
 """Pixels between samples of an outline."""
 CORNER_CLEARANCE: Final = 3.0
-"""Pixels from a corner within which no edge is looked for: it is round in the picture."""
+"""Pixels from a corner within which edges are ignored: a corner is round in the picture."""
 SIDE_DISTANCE: Final = 3.5
-"""Pixels from the outline at which it is looked what is on both sides."""
+"""Pixels from the outline at which both sides of it are examined."""
 MOSTLY_BACKGROUND: Final = 0.7
 MOST_EDGE_SLOPE: Final = 0.12
 """Pixels that an edge may leave the outline by a pixel along it; more is the edge of another thing
@@ -58,9 +58,9 @@ class OutlineSamples:
 
 
 def sample_outline(outline: Outline, apart: float, clear: float = 0.0) -> OutlineSamples:
-    """Places every `apart` mm, but for those nearer than `clear` mm to a corner.
+    """Return positions every `apart` mm, but for those nearer than `clear` mm to a corner.
 
-    Corners of polygons that stand for arcs are none: they turn by less than 25 degrees.
+    Corners of polygons that approximate arcs do not count: they turn by less than 25 degrees.
     """
     points, tangents, rings = list[Floats](), list[Floats](), list[Floats]()
     for number, ring in enumerate(outline.rings):
@@ -94,9 +94,9 @@ def sample_outline(outline: Outline, apart: float, clear: float = 0.0) -> Outlin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundEdges:
-    """Where edges are: offs (n,) pixels out of the material from the outline, NaN where there is
-    none. pixels: (n, 2) of the outline; normals: (n, 2) out of the material there; slopes: (n, 6)
-    of the pixels along these normals by the pose.
+    """Edges found near an outline: offs (n,) pixels out of the material from the outline, NaN
+    without an edge. pixels: (n, 2) of the outline; normals: (n, 2) out of the material there;
+    slopes: (n, 6) of the pixels along these normals by the pose.
     """
 
     offs: Floats
@@ -135,10 +135,11 @@ def find_edges(
 def measure_edges(
     cv: ModuleType, photo: Photo, samples: OutlineSamples, reach: float, height: float = 0.0
 ) -> Callable[[Pose], PixelErrors]:
-    """What a picture measures of an outline; the reach shrinks as the pose is approached.
+    """Return a function that measures the pixel errors of an outline at a pose; the reach shrinks
+    from call to call.
 
-    height: mm that the part goes down from its face. Where the camera sees that side, the edge may
-    be of the face or of its foot, or both in one.
+    height: mm that the part extends down from its face. On a side that the camera sees, the edge
+    may be of the face or of its foot, or both in one.
     """
     left = [reach, reach, max(reach / 2.0, 2.0)]
 
@@ -218,7 +219,7 @@ SUPPORTING_DISTANCE: Final = 1.6
 MOST_COLOUR_DIFFERENCE: Final = 30.0
 """Units of L*a*b* from which no two colours are of one plain thing, however mottled."""
 INNER_GRID: Final = 28
-"""Places along the longer side of an outline at which its inside is looked at."""
+"""Positions along the longer side of an outline at which its inside is sampled."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -238,9 +239,9 @@ class OutlineSupport:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FaceAppearance:
-    """What a picture shows where a face is said to be. colour: (3,) L*a*b* of most of it, NaN where
-    nothing is. close: how far colours of one thing may be from it. alike, empty: parts of the face
-    that have that colour, and where nothing is.
+    """Appearance of a picture at the supposed pose of a face. colour: (3,) L*a*b* of most of it,
+    NaN for background. close: largest distance of colours of one thing from it. alike, empty: parts
+    of the face with that colour, and with background.
     """
 
     colour: Floats
@@ -268,7 +269,7 @@ def face_appearance(photo: Photo, inner: Floats, pose: Pose) -> FaceAppearance:
 def judge_outline(
     cv: ModuleType, photo: Photo, inner: Floats, samples: OutlineSamples, pose: Pose
 ) -> OutlineSupport:
-    """What a picture says to an outline at a pose of it; inner: as of `face_appearance`."""
+    """Judge an outline at a pose in a picture; inner: as in `face_appearance`."""
     found = find_edges(cv, photo, samples, pose, 3.0, along=True)
     held = np.isfinite(found.offs) & (np.abs(found.offs) <= SUPPORTING_DISTANCE)
     face = face_appearance(photo, inner, pose)
@@ -379,7 +380,9 @@ def near_symmetry_of(outline: Outline) -> int:
 
 
 def _turned_offsets(outline: Outline, ways: Iterable[int]) -> Iterator[Floats]:
-    """How far places (n,) on an outline are off it as it is turned, in parts of its size."""
+    """Yield distances (n,) of points on a turned outline from the outline itself, in parts of its
+    size.
+    """
     middle, size = outline_centre(outline), outline.diameter
     points = sample_outline(outline, size / 90.0).points[:, :2] - middle
     rings = [ring - middle for ring in outline.rings]

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 PAIRED_POINTS: Final = 96
-"""Of an outline that pairs are made of."""
+"""Points of an outline that form pairs."""
 VOTING_POINTS: Final = 28
 """Points of a seen contour that vote."""
 PARTNER_POINTS: Final = 120
@@ -53,7 +53,7 @@ DISTANCE_STEPS: Final = 24
 ANGLE_STEPS: Final = 24
 """Steps of a full turn."""
 MOST_CANDIDATES: Final = 4
-"""Poses of an outline in a contour that are looked at closer."""
+"""Poses of an outline in a contour that are examined closely."""
 CONTOUR_FIT_ROUNDS: Final = 10
 LEAST_NEAR_CONTOUR: Final = 0.3
 """Part of an outline that lies near to a contour where a pose that is voted for is worth more."""
@@ -248,15 +248,16 @@ def _table_cells(
 
 
 ROUND_DIFFERENCE: Final = 0.03
-"""Difference of the two radii of gyration, as a part of the larger, below which no direction is
-told by them."""
+"""Difference of the two radii of gyration, as a part of the larger, below which they determine no
+direction.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContourMoments:
-    """Of a shape in a plane. area: mm²; middle: (2,) mm; radii: of gyration along both main axes,
-    the longer one first; turn: radians of that axis, in [0, π); hu: the seven invariants of Hu
-    (1962), which neither place, turn nor size change.
+    """Moments of a shape in a plane. area: mm²; middle: (2,) mm; radii: of gyration along both main
+    axes, the longer one first; turn: radians of that axis, in [0, π); hu: the seven invariants of
+    Hu (1962), which do not change with position, turn and size.
     """
 
     area: float
@@ -270,7 +271,7 @@ class ContourMoments:
         return self.radii[0] - self.radii[1] < ROUND_DIFFERENCE * self.radii[0]
 
     def like(self, other: ContourMoments, part: float = 0.06) -> bool:
-        """Whether size and stretch differ by that part at most."""
+        """True if size and stretch differ by at most that part."""
         if abs(self.area - other.area) > 2.0 * part * other.area:
             return False
         pairs = zip(self.radii, other.radii, strict=True)
@@ -278,9 +279,10 @@ class ContourMoments:
 
 
 def contour_moments(cv: ModuleType, rings: tuple[Floats, ...]) -> ContourMoments | None:
-    """Of closed polygons (n, 2), the first about the shape, the others about its holes.
+    """Return the moments of closed polygons (n, 2), the first about the shape, the others about its
+    holes.
 
-    By Green's formula over the polygons; None of a shape without area.
+    Computed by Green's formula over the polygons; None for a shape without area.
     """
     total: dict[str, float] = {}
     origin = rings[0].mean(axis=0)
@@ -326,7 +328,7 @@ def _central_moments(m: dict[str, float], x: float, y: float) -> dict[str, float
 LEAST_SUPPORT: Final = 0.45
 """Part of an outline that has to be supported by edges, less twice what speaks against it."""
 SUPPORT_TO_TRY_TURNS: Final = 0.4
-"""Part of an outline that is supported from which other turns of it are looked at as well."""
+"""Supported part of an outline from which on other turns of it are tried as well."""
 MOST_CONTRADICTED: Final = 0.08
 """Part of an outline that a picture may contradict."""
 MOST_EMPTY: Final = 0.06
@@ -336,15 +338,15 @@ LEAST_INSIDE: Final = 0.5
 LEAST_INSIDE_AT_START: Final = 0.4
 """The same, before an outline is brought onto its edges."""
 LEAST_ON_CONTOUR: Final = 0.36
-"""Part of an outline that lies on a contour of the picture before it is looked at closer."""
+"""Least part of an outline on a contour of the picture for a closer examination."""
 EDGE_REACH: Final = 6.0
-"""Pixels from where the contour put an outline in which its edges are looked for."""
+"""Pixels from the outline placed by the contour within which its edges are searched."""
 LEAST_OWN_EDGES: Final = 0.8
 """Part of the supported edges of an object that no other one has before."""
 RIVAL_CONFIDENCE: Final = 0.03
-"""Of confidence, within which two ways to lie are not told apart."""
+"""Difference of confidence within which two poses are ambiguous."""
 POSES_TRIED: Final = 3
-"""Poses of an object in a region that are looked at closely."""
+"""Poses of an object in a region that are examined closely."""
 COVERED_EDGE: Final = 0.7
 """Part of a region's edge that lies on faces which are known already, from which it is left out."""
 FEWEST_SAMPLES: Final = 24
@@ -375,8 +377,8 @@ def confidence_of(judged: OutlineSupport) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OutlineShape:
-    """What is worked out once of an object with an outline. nearly: in how many ways it looks
-    nearly the same. inner: (n, 3) places inside of it.
+    """Data of an object with an outline that are computed once. nearly: number of turns after which
+    it looks nearly the same. inner: (n, 3) positions inside it.
     """
 
     object: KnownObject
@@ -405,9 +407,9 @@ def find_outlines(
     plane: Plane,
     faces: Sequence[Floats] = (),
 ) -> list[OutlineFound]:
-    """What lies on the plane with a known outline, each place of the picture claimed once.
+    """Find known outlines on the plane; each part of the picture is assigned once.
 
-    faces: polygons (n, 2) of pixels in which everything is known already.
+    faces: polygons (n, 2) of pixels with known objects.
     """
     possible: list[OutlineFound] = []
     for rings in photo.regions if shapes else ():
@@ -560,7 +562,7 @@ def _fit_outline(
 
 
 def _agrees(judged: OutlineSupport) -> bool:
-    """Whether a picture shows enough of an outline, and little that speaks against it."""
+    """True if a picture shows enough of an outline, and little that contradicts it."""
     return (
         confidence_of(judged) >= LEAST_SUPPORT
         and judged.contradicted <= MOST_CONTRADICTED
@@ -591,7 +593,7 @@ def _without_shared_edges(possible: list[OutlineFound]) -> list[OutlineFound]:
 
 
 def _rivals(kept: OutlineFound, other: OutlineFound) -> bool:
-    """Whether another pose of the same object at the same place is about as likely."""
+    """True if another pose of the same object at the same position is about as likely."""
     if kept.object is not other.object or kept.object.symmetry != 1:
         return False
     if other.confidence < kept.confidence - RIVAL_CONFIDENCE:

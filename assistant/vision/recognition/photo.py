@@ -1,8 +1,8 @@
 """Pictures prepared for recognition: sound and assigned to cameras, then segmented.
 
 The background is the colour of most of the picture and changes smoothly across it, as light does.
-What differs from it is foreground, which is cut along its edges into regions of one colour. The
-pictures of one moment must have the calibrated size and be neither dark nor saturated.
+Everything else is foreground, which is cut along its edges into regions of one colour. The pictures
+of one moment must have the calibrated size and be neither dark nor saturated.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Photo:
 
 
 def analyse_picture(cv: ModuleType, camera: Camera, picture: Picture) -> Photo:
-    """Everything about a picture that does not depend on what is looked for."""
+    """Compute all data of a picture that do not depend on the known objects."""
     noise = picture_noise(cv, picture)
     exact = picture.astype(np.float32)
     smooth = cv.GaussianBlur(exact, (0, 0), 0.7)
@@ -233,7 +233,9 @@ def _boundaries(cv: ModuleType, mask: Truths, corner: tuple[int, int]) -> tuple[
 
 
 def signed_area(ring: Floats) -> float:
-    """Of a closed polygon (n, 2) by the shoelace formula; above 0 against the clock."""
+    """Return the signed area of a closed polygon (n, 2) by the shoelace formula; positive if
+    counter-clockwise.
+    """
     x, y = (ring - ring[0]).T
     return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 
@@ -260,8 +262,8 @@ def read_pictures_of_cameras(
 
 
 def read_picture_of_camera(file: str, camera: Camera) -> Picture:
-    """The picture of a file; raises Refused for one of another size than calibrated, and for one
-    that is dark or saturated: of these nothing is told that anybody acts on.
+    """Read the picture of a file; raises Refused for a size other than the calibrated one, and for
+    a dark or saturated picture, which allows no reliable result.
     """
     picture = read_picture(file)
     size = picture.shape[1], picture.shape[0]

@@ -43,8 +43,9 @@ FEWEST_MEASUREMENTS: Final = 6
 LEAST_AGREEING: Final = 0.3
 """Part of all measurements that have to agree with a pose."""
 KEYPOINT_OVERLAP: Final = 1.4
-"""Rows of keypoints that tell as much as one by itself: what they are told by overlaps, and all are
-off alike where they were learnt (measured on drawn scenes, tests/vision/recognition)."""
+"""Rows of keypoints with the information of one independent row: their surroundings overlap, and
+all share the errors of their learnt positions (measured on drawn scenes, tests/vision/recognition).
+"""
 ANY_TURN_SIGMA: Final = 104.0
 """Degrees, one sigma, of what may be turned by any angle: 180 / √3."""
 UNKNOWN_HEIGHT_SIGMA: Final = 1e3
@@ -68,13 +69,13 @@ class PixelErrors:
 
 
 Measure = Callable[[Pose], PixelErrors]
-"""What a camera measures if an object has a pose."""
+"""Return the pixel errors that a camera measures for a pose of an object."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plane:
-    """What objects lie on: its z axis is the normal. sigma: mm, sigma_deg: degrees that it may be
-    off.
+    """Plane on which objects lie: its z axis is the normal. sigma: uncertainty in mm. sigma_deg: in
+    degrees.
     """
 
     pose: Pose = IDENTITY
@@ -98,7 +99,7 @@ class PoseEstimate:
 
     @property
     def sigma_mm(self) -> float:
-        """Of the position along the axis of which least is known."""
+        """Standard deviation of the position along its least certain axis."""
         return float(np.sqrt(np.linalg.eigvalsh(self.covariance[:3, :3])[-1]))
 
     @property
@@ -253,7 +254,7 @@ def _fit_step(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _NormalEquations:
-    """What rows tell of a change: the normal equations, and the variance of a row in pixels²."""
+    """Normal equations of rows for a change of the pose, and the variance of a row in pixels²."""
 
     matrix: Floats
     vector: Floats
@@ -304,8 +305,8 @@ MOST_CORRELATED_NEIGHBOURS: Final = 8
 
 
 def _correlation_factor(offs: Floats, used: Truths) -> float:
-    """How much surer the mean of rows seems than it is, as neighbours are off alike: one and twice
-    the sum of their correlations, up to the first that is not above 0.
+    """Return the factor by which the mean of correlated rows is less certain than it seems: one
+    plus twice the sum of their correlations, up to the first that is not above 0.05.
     """
     values = np.where(used, offs, 0.0)
     power = float((values**2).sum())

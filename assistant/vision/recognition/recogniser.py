@@ -94,7 +94,7 @@ class FoundObject:
 
 @dataclass(frozen=True, slots=True)
 class UnknownThing:
-    """A thing that is no known object: where its middle is on the plane, and mm across."""
+    """A thing that is not a known object: its middle on the plane, and its size in mm."""
 
     x: float
     y: float
@@ -103,7 +103,7 @@ class UnknownThing:
 
 @dataclass(frozen=True, slots=True)
 class Recognition:
-    """What pictures show. findings: errors are of what must not be acted on."""
+    """Result of recognition in pictures. findings: errors concern results that must not be used."""
 
     found: tuple[FoundObject, ...]
     unknown: tuple[UnknownThing, ...]
@@ -143,10 +143,10 @@ class Recogniser:
         cameras: Mapping[str, Camera],
         plane: Plane = LEVEL_PLANE,
     ) -> Recognition:
-        """Objects in one picture of each of some cameras, which stand in the world.
+        """Recognise objects in one picture of each of some cameras in the world.
 
-        Those with outlines lie on the plane; those with textures may be anywhere. Raises Refused
-        where a camera does not see the plane.
+        Objects with outlines lie on the plane; those with textures may be anywhere. Raises Refused
+        if a camera does not see the plane.
         """
         photos = {
             name: analyse_picture(self.cv, cameras[name], picture)
@@ -272,7 +272,7 @@ def _outline_measure(cv: ModuleType, photo: Photo, found: OutlineFound) -> Measu
 
 
 def _group_by_object(ones: Sequence[_CameraObject]) -> list[list[_CameraObject]]:
-    """What several cameras see of one object; one camera sees an object once."""
+    """Group the sightings of one object by several cameras; one camera sees an object once."""
     groups: list[list[_CameraObject]] = []
     for one in sorted(ones, key=lambda one: -one.confidence):
         for group in groups:
@@ -367,7 +367,7 @@ def _percent_larger(size: SizeFit, pose: Pose, camera: Camera) -> float | None:
 
 
 def _with_least_turn(pose: Pose, known: KnownObject) -> Pose:
-    """Of the ways that an object can be turned and look the same, the one with the least turn."""
+    """Return the pose with the least turn among those in which the object looks the same."""
     if known.symmetry == 1 or known.outline is None:
         return pose
     middle = np.array([*outline_centre(known.outline), 0.0])

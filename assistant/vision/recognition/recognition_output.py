@@ -34,14 +34,16 @@ from assistant.vision.recognition.recogniser import (
 from assistant.vision.rules import FOREIGN_FILE
 
 FILE_HEAD: Final = "# Seen by robot-assistant"
-"""How files begin that `see` writes, and replaces."""
+"""First words of files that `see` writes, and replaces."""
 MM_DECIMALS: Final = 4
-"""Of mm."""
+"""Decimals of mm."""
 
 
 @dataclass(frozen=True, slots=True)
 class OutputFrame:
-    """What poses are told in. name: "world", or "base" of a robot; pose: its base in the world."""
+    """Frame of the written poses. name: "world", or "base" of a robot; pose: its base in the
+    world.
+    """
 
     name: str = "world"
     pose: Pose = IDENTITY
@@ -59,10 +61,12 @@ def targets_text(
     when: datetime.datetime,
     robot: str | None = None,
 ) -> str:
-    """Taught targets: a frame for each object, then what is done on one after the other.
+    """Return taught targets: a frame for each object, then the actions on one object after the
+    other.
 
-    Before and behind each place and line is one above it, by so much along the tool. Poses are in
-    the frame of the object, so that a build with another sight only changes frames.
+    Before and after each place and line is a target above it, at the approach distance along the
+    tool. Poses are in the frame of the object, so that a build with another sighting only changes
+    frames.
     """
     lines = [f"{FILE_HEAD} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
     lines += ["", f'robot = "{robot}"'] if robot else []
@@ -79,7 +83,9 @@ def targets_text(
 
 
 def found_text(found: Iterable[FoundObject], base: OutputFrame, when: datetime.datetime) -> str:
-    """Where each object is: [found.NAME] with pose, standard deviations, covariance, confidence."""
+    """Return the poses of objects: [found.NAME] with pose, standard deviations, covariance,
+    confidence.
+    """
     lines = [f"{FILE_HEAD}: where known objects are, in mm."]
     for one in found:
         pose = base.of(one.pose)
@@ -155,7 +161,7 @@ def _numbers(numbers: Iterable[float], digits: int = MM_DECIMALS) -> str:
 
 OUTLINE_COLOUR: Final = (80, 220, 80)
 AXIS_COLOURS: Final = ((60, 60, 240), (80, 200, 80), (240, 120, 60))
-"""Of x, y and z; blue, green, red."""
+"""Colours of x, y and z; blue, green, red."""
 LINE_COLOUR: Final = (220, 50, 200)
 AXIS_LENGTH: Final = 20.0
 """mm of an axis."""

@@ -23,7 +23,7 @@ from assistant.vision.recognition.pose_estimation import Plane
 BLOCK_SIZE: Final = 5
 """Pixels along the side of what is compared."""
 FEWEST_FACE_PIXELS: Final = 300
-"""Pixels of a face of which the depth is told."""
+"""Fewest pixels of a face for a measurement of its depth."""
 DISPARITY_UNITS: Final = 16.0
 """Disparities are whole numbers of these."""
 
@@ -129,9 +129,9 @@ def face_height(
     pictures: tuple[Picture, Picture],
     plane: Plane,
 ) -> float | None:
-    """How many mm the face of the largest thing in two pictures is above what it lies on.
+    """Return the height in mm of the face of the largest thing in two pictures above its support.
 
-    None where too little of it is the same in both: of what is plain, nothing is.
+    Return None if too little of it is the same in both: nothing matches on a plain face.
     """
     photo = analyse_picture(cv, cameras[0], pictures[0])
     if not photo.regions:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 MOST_KEYPOINTS: Final = 4000
-"""Keypoints of a picture in which objects are looked for."""
+"""Largest number of keypoints of a picture in which objects are searched."""
 MOST_LEARNT_KEYPOINTS: Final = 700
 """Keypoints of one look at a face that is learnt."""
 NEAREST_RATIO: Final = 0.82
@@ -42,7 +42,7 @@ NEAREST_RATIO: Final = 0.82
 FARTHEST_DESCRIPTOR: Final = 180.0
 """Distance of descriptors that are of one thing: of 512 between those that share nothing."""
 LEARNT_TILTS: Final = ((1.0, 0.0), (1.6, 0.0), (1.6, 45.0), (1.6, 90.0), (1.6, 135.0))
-"""How much a face is shortened by being looked at from aside, and along which direction."""
+"""Shortening of a face in an oblique view, and the direction of the shortening."""
 
 Grey = NDArray[np.uint8]
 Descriptors = NDArray[np.uint8]
@@ -63,7 +63,7 @@ class Keypoints:
 def find_keypoints(
     cv: ModuleType, grey: Grey, most: int = MOST_KEYPOINTS, mask: Grey | None = None
 ) -> Keypoints:
-    """Of a picture (h, w) of grey levels; mask: where they are looked for."""
+    """Find the keypoints of a picture (h, w) of grey levels; mask: the searched part."""
     points, found = cv.SIFT_create(
         nfeatures=most, contrastThreshold=0.02, enable_precise_upscale=True
     ).detectAndCompute(grey, mask)
@@ -78,7 +78,9 @@ def find_keypoints(
 
 
 def face_keypoints(cv: ModuleType, grey: Grey) -> Keypoints:
-    """Keypoints of a flat face, also as they are when it is looked at from aside; pixels of it."""
+    """Find the keypoints of a flat face, including those of oblique views; in pixels of the
+    face.
+    """
     looks = [
         _to_face_pixels(find_keypoints(cv, one, MOST_LEARNT_KEYPOINTS, mask), turned)
         for one, mask, turned in _tilted_faces(cv, grey)
@@ -161,13 +163,13 @@ LEAST_MATCHING_CELLS: Final = 0.45
 SURE_KEYPOINTS: Final = 30.0
 """Keypoints that agree on the pose of what is not flat, from which nobody doubts it."""
 MOST_OF_KIND: Final = 6
-"""Objects of one kind that are looked for in a picture."""
+"""Largest number of objects of one kind searched in a picture."""
 LYING_SIGMAS: Final = 4.0
 """Sigmas that an object on the plane may seem to be off it, beside mm and degrees of
 `LYING_TOLERANCE`."""
 LYING_TOLERANCE: Final = (2.0, 2.0)
 FLIPPED_RATIO: Final = 1.5
-"""How many times worse the other pose of a flat face has to fit, that looks nearly the same."""
+"""Factor by which the other pose of a flat face, which looks nearly the same, must fit worse."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -252,8 +254,8 @@ def _find_object(
 
 
 def _on_another(camera: Camera, found: TextureFound, before: Sequence[TextureFound]) -> bool:
-    """Whether its middle is on one of the same kind, which is seen better: nothing lies there
-    twice.
+    """True if its middle is on a better seen object of the same kind: two objects cannot lie at one
+    position.
     """
     texture = found.object.texture
     assert texture is not None
@@ -376,13 +378,13 @@ def _angle_between(one: Pose, other: Pose) -> float:
 
 
 def _seen_from_behind(camera: Camera, texture: Texture, pose: Pose) -> bool:
-    """Whether a flat face would be seen through its back."""
+    """True if a flat face would be seen through its back."""
     out = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))
     return texture.flat and float(out @ (np.array(camera.pose.position) - pose.position)) <= 0.0
 
 
 def lies_on_plane(found: PoseEstimate, plane: Plane, height: float) -> bool:
-    """Whether a pose that was found without the plane may be one on it."""
+    """True if a pose that was found without the plane may be one on it."""
     local = plane.pose.inverse() @ found.pose
     up = rotations.rotate(np.array(local.quaternion), np.array([0.0, 0.0, 1.0]))
     tilt = float(np.degrees(np.arccos(np.clip(up[2], -1.0, 1.0))))

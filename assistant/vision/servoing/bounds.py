@@ -1,4 +1,4 @@
-"""What an arm may do while it is led by what is seen: speeds, accelerations, a region."""
+"""Limits of an arm during servoing: speeds, accelerations, a region."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from assistant.vision import rules
 from assistant.vision.servoing.interaction import flange_of, jacobian
 
 POSTURES: Final = 256
-"""Of an arm, by chance, at which it is looked how fast its tool is at full speed."""
+"""Number of random postures of an arm at which the full speed of its tool is computed."""
 SHARES: Final = (0.8, 0.6, 0.4, 0.2, 0.1)
 """Parts of a change that are tried one after the other where all of it leads out of the box."""
 RESERVE: Final = 0.95
-"""Part of the speed of the tool that is asked for: on its way an arm gets into postures in which
-the same speeds of its axes make more of it.
+"""Requested share of the tool's speed limit: during a step an arm reaches postures in which the
+same speeds of its axes give a higher tool speed.
 """
 ROUNDING: Final = 0.02
-"""Degrees or mm by which what a controller tells of an axis at its end may be beyond."""
+"""Degrees or mm by which a reported position of an axis at its end may exceed the limit."""
 PLACES: Final = (0.25, 0.5, 0.75, 1.0)
 """On the way to a stop, at which it is looked whether the tip is in the box."""
 
@@ -78,7 +78,7 @@ class Guard:
             self.rises = np.minimum(self.rises, robot.accelerations)
         self._low, self._high = (robot.limits + bounds.margin * np.array([1.0, -1.0])).T
         self.barred = ""
-        """What held the last motion back, "" for nothing."""
+        """Limit that held the last motion back, "" for none."""
 
     def slowed(self, speeds: Floats) -> Guard:
         """The same for axes that must not go faster than speeds (a,)."""
@@ -87,7 +87,7 @@ class Guard:
         return slower
 
     def arm(self) -> Arm:
-        """What a carrier has to know."""
+        """Return the data that a carrier requires."""
         return Arm(
             axes=self.robot.axes,
             sliding=tuple(bool(slides) for slides in self.robot.sliding),
@@ -101,7 +101,7 @@ class Guard:
         )
 
     def outside(self, joints: Floats) -> str:
-        """What joints (a,) leave, in words; "" for nothing."""
+        """Return the limit that joints (a,) exceed, in words; "" if all are kept."""
         low, high = self.robot.limits.T
         for i, axis in enumerate(self.robot.axes):
             if not low[i] - ROUNDING <= joints[i] <= high[i] + ROUNDING:
@@ -136,7 +136,9 @@ class Guard:
         return np.asarray(velocity * min(1.0, self._scale(velocity, middle)))
 
     def _scale(self, velocity: Floats, joints: Floats) -> float:
-        """How many times a velocity axes and tool may have."""
+        """Return the factor by which a velocity may be multiplied within the limits of axes and
+        tool.
+        """
         most = [float((self.speeds / np.maximum(np.abs(velocity), 1e-12)).min())]
         twist = jacobian(self.robot, joints) @ velocity
         arm = self._tip(joints) - np.array(flange_of(self.robot, joints).position)
@@ -147,14 +149,14 @@ class Guard:
         return min(most)
 
     def _risen(self, velocity: Floats, before: Floats, seconds: float) -> Floats:
-        """As far towards a velocity as the accelerations let it come."""
+        """Return the velocity nearest to the wanted one that the accelerations allow."""
         change = velocity - before
         part = float((self.rises * seconds / np.maximum(np.abs(change), 1e-12)).min())
         return np.asarray(before + min(1.0, part) * change)
 
     def _boxed(self, velocity: Floats, before: Floats, joints: Floats, seconds: float) -> Floats:
-        """As much of it as leaves the way to brake within the box, and else braking itself: that
-        this stays within was seen to by the step before.
+        """Return the largest part of the velocity that leaves enough room to brake within the box,
+        else the velocity of braking: the step before ensured that braking stays within it.
         """
         if self.bounds.box is None or self._stops_within(velocity, joints, seconds):
             return velocity
@@ -168,7 +170,7 @@ class Guard:
         return braking
 
     def _stops_within(self, velocity: Floats, joints: Floats, seconds: float) -> bool:
-        """Whether the tip stays in the box for a step, and while it brakes from there on."""
+        """True if the tip stays in the box for a step, and while it brakes after that."""
         part = float((self.rises * seconds / np.maximum(np.abs(velocity), 1e-12)).min())
         n = np.floor(1.0 / part)
         whole = (n + 1.0 - part * n * (n + 1.0) / 2.0) * seconds * velocity
@@ -185,9 +187,10 @@ class Guard:
         return np.array((flange_of(self.robot, joints) @ self.tip).position)
 
     def _share(self) -> float:
-        """Part of the full speed at which no motion of all axes passes speed and turning.
+        """Return the share of the full speed at which no motion of all axes exceeds the limits of
+        speed and turning.
 
-        As the sum over the axes at the worst of many postures.
+        It uses the sum over the axes at the worst of many postures.
         """
         chance = np.random.default_rng(0)
         low, high = self.robot.limits.T

@@ -1,14 +1,14 @@
 """Control laws of visual servoing: image-based and position-based.
 
-A law gets what was seen and returns a `ServoTask`: the error, and its change by the twist of the
-flange. It has no part in how the arm is moved; the loop brings the error to 0.
+A law gets a sighting and returns a `ServoTask`: the error, and its change by the twist of the
+flange. It does not control the motion of the arm; the loop brings the error to 0.
 
-Image-based: pixels are brought to where they are when the tool is at its goal. Errors are of
+Image-based: the law moves pixels to their positions for the tool at its goal. Errors are of
 tangents (x / z, y / z of the camera), so lens distortion has no effect. Depths come from the
 estimated pose; a wrong depth lengthens the path and leaves the goal. The slopes are the mean of
-those here and at the goal (Malis, Improving vision-based control using efficient second-order
-minimization techniques, ICRA 2004), which stays well conditioned far away. Position-based: the
-seen pose is brought to the goal's.
+those at the present pose and at the goal (Malis, Improving vision-based control using efficient
+second-order minimization techniques, ICRA 2004), which stays well conditioned far away.
+Position-based: the law moves the seen pose to the goal's.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ ARM_LENGTH: Final = 100.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TargetSighting:
-    """What was seen at one moment. seconds: when the pictures were taken, of the clock of the loop;
-    those of several cameras have the time of the oldest. number: of the picture.
+    """Sighting at one moment. seconds: time of the pictures, by the clock of the loop; pictures of
+    several cameras have the time of the oldest. number: of the picture.
 
-    target, mark: camera → (n, 2) pixels of the points of the thing that is led to, and of what the
-    tool carries; NaN for what is not seen.
+    target, mark: camera → (n, 2) pixels of the points of the servoing target, and of the mark on
+    the tool; NaN for hidden points.
     """
 
     seconds: float
@@ -58,7 +58,7 @@ class TargetSighting:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ServoMoment:
-    """A sight, with the cameras where they stand in the base then, and the flange there."""
+    """A sighting, with the poses of the cameras in the base and of the flange at that moment."""
 
     cameras: Sequence[Camera]
     sight: TargetSighting
@@ -83,7 +83,9 @@ class ServoTask:
 
     @property
     def size(self) -> float:
-        """Of what is left, in a unit that stays the same for a law: to see whether it grows."""
+        """Remaining error, in a unit that stays the same for a law: it shows whether the error
+        grows.
+        """
         if np.isfinite(self.pixels):
             return self.pixels
         turn = 0.0 if np.isnan(self.turn) else np.radians(self.turn)
@@ -91,9 +93,9 @@ class ServoTask:
 
     @property
     def condition(self) -> float:
-        """How much worse the worst direction that it should tell is told than the best one.
+        """Condition number of the directions that the task determines.
 
-        Turns are weighed by `ARM_LENGTH`.
+        Turns are weighted by `ARM_LENGTH`.
         """
         scaled = self.slopes / np.array([1.0] * 3 + [ARM_LENGTH] * 3)
         values = np.linalg.svd(scaled, compute_uv=False)
@@ -106,10 +108,12 @@ class ControlLaw(Protocol):
     """Made for one servoing: it may remember what it saw before."""
 
     def task(self, moment: ServoMoment) -> ServoTask | str:
-        """What is to be done, or in words why that cannot be told: then it counts as not seen."""
+        """Return the task, or the reason in words why it is unknown: then the target counts as not
+        seen.
+        """
 
     def forget(self) -> None:
-        """What was seen before is of another time."""
+        """Forget earlier sightings: they are of another time."""
 
 
 TOOL_FREEDOMS: Final = 6
@@ -119,9 +123,11 @@ EDGE_ZONE: Final = 60.0
 LEAST_EDGE_DISTANCE: Final = 15.0
 """Pixels from the edge that it must keep."""
 LOOKED_AHEAD_SHARE: Final = 0.4
-"""Part of the error of whose way that is looked at."""
+"""Share of the error over which the path of the points is predicted."""
 SHRUNK_SHARE: Final = 0.8
-"""How far what is seen is from the middle, and how large, once it has gone towards that."""
+"""Predicted distance from the middle and size of the seen points, as a factor of the present
+ones.
+"""
 FEWEST_VISIBLE_POINTS: Final = 4
 """Points of which none may be hidden."""
 
@@ -151,10 +157,10 @@ class ImageInHand:
 def image_task(
     moment: ServoMoment, target: VisualTarget, goal: Pose, now: TargetPose | None
 ) -> ServoTask:
-    """What is wrong in the picture of a camera in the hand.
+    """Return the task for the error in the picture of a camera in the hand.
 
-    now: where the target is, None where its few points do not tell how far it is: about as far as
-    at the goal.
+    now: pose of the target, None if its few points do not determine its distance: the depths are
+    then those at the goal.
     """
     (camera,) = moment.cameras
     pixels = moment.sight.target[camera.name]
@@ -257,7 +263,7 @@ def _mean_slopes(tangents: Floats, depths: Floats, goals: Floats, goal_depths: F
 
 
 def _enough_points(good: Truths) -> bool:
-    """Of a few points all must be seen; of many, one may be hidden."""
+    """True if enough points are seen: all of a few points; of many points, one may be hidden."""
     return bool(good.all()) or (
         len(good) > FEWEST_VISIBLE_POINTS and int(good.sum()) >= FEWEST_VISIBLE_POINTS
     )
@@ -277,13 +283,13 @@ FEWEST_FOR_TURN: Final = 3
 
 @dataclass(slots=True)
 class PoseInHand:
-    """The camera is in the hand and sees the target.
+    """Position-based law for a camera in the hand that sees the target.
 
-    What is brought to its goal is the place of the target before the camera, and the turn of the
-    camera: so the middle of the target goes in a straight line through the picture, and stays in it
-    (Chaumette and Hutchinson, Visual servo control part I, 2006, "c* t o"). Its other points do
-    not: where one comes near to the edge, it goes on as image-based servoing does, which leads all
-    of them in lines. goal: the flange in the frame of the target.
+    The law brings the position of the target in front of the camera, and the turn of the camera, to
+    their goals: so the middle of the target moves in a straight line through the picture, and stays
+    in it (Chaumette and Hutchinson, Visual servo control part I, 2006, "c* t o"). Its other points
+    do not: if one approaches the edge, the law continues as image-based servoing, which moves all
+    of them in straight lines. goal: the flange in the frame of the target.
     """
 
     target: VisualTarget

@@ -1,4 +1,4 @@
-"""How what is seen changes by what moves: interaction matrices, twists, Jacobians of arms.
+"""Change of seen features by motion: interaction matrices, twists, Jacobians of arms.
 
 A twist is (vx, vy, vz, wx, wy, wz): mm/s of a point and rad/s, in the axes of a frame.
 """
@@ -35,9 +35,10 @@ def interaction_matrix(tangents: Floats, depths: Floats) -> Floats:
 
 
 def carried_twist(frame: Pose, flange: Pose) -> Floats:
-    """(6, 6) from the twist of a flange, of its point in the axes of the base, to that of a frame.
+    """Return (6, 6) from the twist of a flange, at its point in the axes of the base, to that of a
+    frame.
 
-    frame: in the base, fixed to the flange; its twist is of its own point in its own axes.
+    frame: in the base, fixed to the flange; its twist is at its origin in its axes.
     """
     turn = rotations.to_matrix(np.array(frame.quaternion)).T
     arm = np.array(frame.position) - np.array(flange.position)

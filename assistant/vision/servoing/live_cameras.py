@@ -22,7 +22,7 @@ from assistant.vision.servoing.visual_targets import VisualTarget
 
 @dataclass(frozen=True, slots=True)
 class SoughtTargets:
-    """What is looked for. target, mark: None for what is not."""
+    """Things to search for in pictures. target, mark: None if not searched."""
 
     target: VisualTarget | None = None
     mark: VisualTarget | None = None

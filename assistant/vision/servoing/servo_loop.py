@@ -67,12 +67,11 @@ class JointHistory:
 
 
 PICTURES_TO_LOSE: Final = 2
-"""Pictures in a row without a sight; at the first one the arm is brought to rest, at this one it is
-over."""
+"""Pictures in a row without a sighting: the first one stops the arm, this number ends servoing."""
 DAMPING: Final = 1e-3
 """Part of the best direction by which others are damped, so that none asks for endless speed."""
 GROWN_ERROR: Final = 2.0
-"""How many times its first value an error may have."""
+"""Largest ratio of an error to its first value."""
 GROWING_PICTURES: Final = 5
 """Pictures in a row with such an error."""
 BARRED_PICTURES: Final = 15
@@ -188,10 +187,10 @@ def servo(
     clock: Callable[[], float] = time.monotonic,
     progress: Callable[[float], None] | None = None,
 ) -> ServoResult:
-    """Leads the arm of a carrier, which is entered, until the law has nothing left to do.
+    """Servo the arm of a carrier, which is entered, until the law has reached its goal.
 
-    clock: that the eyes have, too. progress: is told what part of the first error is gone.
-    Raises Broken, and Refused of the eyes and the carrier; the arm is brought to rest by then.
+    clock: also used by the eyes. progress: called with the part of the first error that is removed.
+    Raises Broken, and Refused of the eyes and the carrier; the arm stops before that.
     """
     slowed = guard.slowed(carrier.speeds)
     loop = _Loop(eyes, law, carrier, slowed, settings or ServoSettings(), clock)
@@ -292,7 +291,9 @@ class _Loop:
         return max(self.task.size, 1e-6)
 
     def _look(self) -> tuple[TargetSighting | None, Floats, ServoTask | str]:
-        """What is seen, where the arm is, and what is to be done, or in words why nobody knows."""
+        """Return the sighting, the joints, and the task, or the reason in words why it is
+        unknown.
+        """
         if not self.carrier.waits:  # or it stands where it stood behind the last step
             self.past.add(self.clock(), self.carrier.joints())
         sight = self.eyes.look(self.after, self.settings.stale)
@@ -336,9 +337,9 @@ class _Loop:
         return speed <= BARRED_SHARE * float(np.abs(wanted).max())
 
     def _wanted(self, task: ServoTask, joints: Floats, seconds: float) -> Floats:
-        """(a,) velocities that take the error away; axes that are at their ends stay out of it.
+        """Return (a,) velocities that remove the error; axes at their ends are left out.
 
-        What the arm was told since the picture was taken has its part of the error already.
+        Motion commanded since the picture was taken is already subtracted from the error.
         """
         slopes = task.slopes @ jacobian(self.guard.robot, joints)
         error = task.error + slopes @ (joints - self.seen_at)
@@ -429,13 +430,14 @@ def lead_to(
     clock: Clock | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> ServoResult:
-    """Leads the tip of the guard to a pose in the base; joints and pose that it reached.
+    """Servo the tip of the guard to a pose in the base; return the joints and the pose that it
+    reached.
 
-    The way is a straight line, if nothing bars it; nobody looks whether something stands there.
-    carrier: is entered. eyes, mark: cameras that stand and see what the tool carries, with its
-    frame on the flange: then the tool is where they see it. None to believe the arm. An arm of five
-    axes comes as near as it can turn: allow it the turn by `Settings(turn=inf)`.
-    Raises Broken and Refused; the arm is brought to rest by then.
+    The path is a straight line unless a limit bars it; obstacles are not checked. carrier: is
+    entered. eyes, mark: stationary cameras that see the mark on the tool, with its frame on the
+    flange: the tool's pose is then the seen one. None to use the arm's position. An arm of five
+    axes gets as close as it can turn: allow it the turn by `Settings(turn=inf)`. Raises Broken and
+    Refused; the arm stops before that.
     """
     clock = clock or Clock()
     flange = goal @ guard.tip.inverse()
@@ -450,7 +452,7 @@ def lead_to(
 
 @dataclass(slots=True)
 class NoCameras:
-    """Eyes that see nothing, at moments in which the joints are looked at."""
+    """Eyes without cameras; they return moments at which the joints are read."""
 
     clock: Clock = field(default_factory=Clock)
     cameras: Sequence[Camera] = ()

@@ -68,7 +68,7 @@ from assistant.vision.servoing.visual_targets import VisualTarget as Sought
 
 DICTIONARY_SIZES: Final = (50, 100, 250, 1000)
 DICTIONARIES: Final = tuple(f"{n}X{n}_{count}" for n in (4, 5, 6, 7) for count in DICTIONARY_SIZES)
-"""Of markers, as OpenCV names them."""
+"""Dictionaries of markers, as OpenCV names them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ def _read_pose(said: Mapping[str, Any]) -> Pose:
 
 
 def _read_target(table: Table, said: Mapping[str, Any], folder: FilePath) -> VisualTarget | None:
-    """What is looked for, None if the table names nothing that is."""
+    """Return the target of a table, None if the table names no target."""
     if "marker" in said and "device" in said:
         what, cure = "has a marker and a device in one table", "keep one of them"
         table.say(rules.BAD_SERVO_FILE, what=what, cure=cure)
@@ -337,7 +337,7 @@ def _robot_in_cell(scene: Scene, robot: Robot, cell: FilePath) -> PlacedRobot:
 
 
 def _bodies_of_target(thing: Sought | None) -> Sequence[VisibleBody]:
-    """What stands for something that is looked for, in its own frame."""
+    """Return the bodies that represent a target in simulation, in its frame."""
     match thing:
         case Marker():
             picture = thing.picture()

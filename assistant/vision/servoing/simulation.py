@@ -43,10 +43,10 @@ class Clock:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ServoWorld:
-    """What is there.
+    """World of a simulation.
 
-    robot, joints: the arm, and where it is (a,) when it is asked. target: with its pose in the
-    base. mark: what the tool carries, with its frame on the flange.
+    robot, joints: the arm, and a function that returns its present joints (a,). target: with its
+    pose in the base. mark: the mark on the tool, with its frame on the flange.
     """
 
     robot: Robot
@@ -109,10 +109,10 @@ class ProjectedEyes:
 
 @dataclass(slots=True, eq=False)
 class DrawnEyes:
-    """Pictures that are drawn, in which things are looked for as in those of a real camera.
+    """Eyes with drawn pictures, in which targets are detected as in those of a real camera.
 
-    still: what is there beside the target. on_target, on_mark: what stands for them, in their own
-    frames. hidden: number of a picture → whether a hand is before the lens.
+    still: bodies besides the target. on_target, on_mark: bodies that represent them, in their
+    frames. hidden: number of a picture → True if a hand is in front of the lens.
     """
 
     cameras: Sequence[Camera]
@@ -143,7 +143,7 @@ class DrawnEyes:
         return TargetSighting(taken, self._number, target, mark)
 
     def pictures(self) -> list[Picture]:
-        """What each camera sees now."""
+        """Return the present picture of each camera."""
         placed, flange = self.world.placed(self.cameras)
         things = list(self.still(self.world.joints()))
         if self.world.target is not None:
@@ -189,10 +189,10 @@ class SteppedClock(Clock):
 
 
 class IdealArm:
-    """A `Carrier`. at: (a,) where it was told to be last. speeds: (a,) that steps may have. clock:
-    by which it gets there in the time of a step, None for at once.
+    """A `Carrier`. at: (a,) last commanded position. speeds: (a,) limits of steps. clock: by which
+    it gets there in the time of a step, None for at once.
 
-    rows: where it was told to be, one after the other. rested: how often it was brought to rest.
+    rows: the commanded positions, one after the other. rested: number of calls of `rest`.
     """
 
     waits = False
@@ -233,6 +233,6 @@ class IdealArm:
         self.rows.append(self.at)
 
     def rest(self) -> None:
-        """It stands where it is."""
+        """Stop at the present position."""
         self.at, self._takes = self.joints(), 0.0
         self.rested += 1

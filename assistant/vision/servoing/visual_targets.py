@@ -29,8 +29,8 @@ EDGE_MARGIN: Final = 2.0
 MARKER_BORDER: Final = 6
 """Part of its edge, 1 in so many, that a marker has white around it."""
 LEAST_SQUARE_DISTANCE: Final = 0.05
-"""Part of its outline by which two squares are apart at least: at more than this, the edge of the
-paper around a small marker is taken for the marker.
+"""Least distance of two squares, as a part of the outline: with a larger value, the edge of the
+paper around a small marker counts as the marker.
 """
 RIVAL_CONFIDENCE: Final = 0.9
 """Part of the confidence of the surest spot that another one must not have."""
@@ -60,7 +60,7 @@ class Marker:
 
     @property
     def points(self) -> Floats:
-        """Of its corners, from the upper left one on clockwise, as OpenCV finds them."""
+        """Positions of its corners, from the upper left one on clockwise, as OpenCV finds them."""
         signs = np.array([[-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [-1.0, -1.0, 0.0]])
         return np.asarray(signs * self.size / 2.0)
 
@@ -80,7 +80,7 @@ class Marker:
 
     @property
     def edge(self) -> float:
-        """Of `picture`, in mm."""
+        """Edge length of `picture`, in mm."""
         return self.size * (1.0 + 2.0 / MARKER_BORDER)
 
     def picture(self, dots: int = 240) -> Picture:
@@ -136,13 +136,14 @@ FEWEST_FOR_POSE: Final = 3
 FEWEST_FOR_ONE_CAMERA: Final = 4
 """Fewest points by which one camera alone tells a pose."""
 LEAST_RANK_SHARE: Final = 1e-4
-"""Part of the best told direction from which on another one is told at all."""
+"""Part of the best determined direction from which on another one counts as determined."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TargetPose:
-    """pose: of the thing in the base. residual: pixels, root mean square. other: a second pose that
-    a flat thing before one camera fits nearly as well, with its residual; None if there is none.
+    """Pose of a target. pose: in the base. residual: pixels, root mean square. other: a second pose
+    that a flat thing in front of one camera fits nearly as well, with its residual; None if it is
+    missing.
     """
 
     pose: Pose
@@ -265,7 +266,7 @@ AMBIGUOUS_ANGLE: Final = 10.0
 """Degrees between two poses from which on it matters which one is true."""
 BETTER_FIT_RATIO: Final = 1.5
 BETTER_FIT_PIXELS: Final = 0.15
-"""How much worse, and by how many pixels, the second pose must fit for the first to be taken."""
+"""Ratio, and pixels, by which the second pose must fit worse for the first to be taken."""
 
 
 LEAST_NEW_SHARE: Final = 0.2
@@ -305,9 +306,10 @@ class PoseTracker:
         points: Floats,
         guess: Pose | None = None,
     ) -> TargetPose | str | None:
-        """Where it is now; in words why that is doubtful; None if its points do not tell it.
+        """Return its present pose; in words the reason why that is doubtful; None if its points do
+        not determine it.
 
-        guess: where it should be, None for where it was.
+        guess: expected pose, None for the last one.
         """
         found = None
         if (near := guess or self.mean.pose) is not None:
