@@ -1,8 +1,8 @@
-"""Events: what a program does to the world while it runs, the same records for every language.
+"""Events: effects of a running program on the world, the same records for every language.
 
-Two programs do the same if their events agree: a translation is judged by its events, without the
-reader that it was made with. A `Branch` is a way on which a run can go on at a decision of a
-program; interpreters report those that are taken to `Kernel.branch`.
+Two programs are equivalent if their events agree: a translation is judged by its events, without
+the reader that produced it. A `Branch` is one outcome of a decision in a program; interpreters
+report the branches taken to `Kernel.branch`.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from assistant.program.geometry import Pose
 
 @dataclass(frozen=True, slots=True)
 class How:
-    """What a motion tells its controller beside where it leads; it is no part of what is compared.
+    """Further data of a motion for its controller, apart from its target; it is not compared.
 
     configuration: neutral columns as of a `Path`, None where any arm branch will do. rotation:
-    degrees/s of the tool. acceleration, deceleration: factors. behind: mm behind the target where
-    the corner ends, None for as many as before it. seconds: that the motion is to take, None
-    where its speed tells. mass: kg of the tool, None where it is not known.
+    degrees/s of the tool. acceleration, deceleration: factors. behind: mm after the target where
+    the corner ends, None for as many as before it. seconds: duration of the motion, None where its
+    speed sets it. mass: kg of the tool, None where it is unknown.
     """
 
     configuration: tuple[int, ...] | None = None
@@ -40,13 +40,13 @@ PLAIN: Final = How()
 class Moved:
     """A motion that was commanded.
 
-    flange: its pose in the robot's own base, mm and unit quaternions, where the motion ends.
-    tool: the tool on the flange. via: the flange on the way of an arc. joints: degrees, where
-    the motion names them. speed: of the tool in mm/s where the motion states one, percent of the
-    axes' own where it states that. blend: mm, 0 for a motion that ends at its target. frame: in the
-    base, what the target is told in: where a program says it does not change what the robot does,
-    but how far the place is off if the frame is rounded. external: where external axes stand at the
-    end, mm or degrees, None for those that the motion states no place of.
+    flange: its pose in the robot base, mm and unit quaternions, where the motion ends. tool: the
+    tool on the flange. via: the flange at the middle point of an arc. joints: degrees, if the
+    motion names them. speed: that of the tool in mm/s if the motion states one, percent of the
+    axes' maximum if it states that. blend: mm, 0 for a motion that ends at its target. frame: frame
+    of the target, in the base: its choice does not change the motion, but it determines how far the
+    position is off if the frame is rounded. external: positions of external axes at the end, mm or
+    degrees, None for those that the motion leaves open.
     """
 
     kind: Literal["joint", "linear", "circular"]
@@ -64,10 +64,10 @@ class Moved:
 
 @dataclass(frozen=True, slots=True)
 class OnWay:
-    """Where on the way of the motion before it something happens.
+    """Position on the path of the preceding motion at which something happens.
 
-    amount: mm before the end of the way or behind its start, seconds before its end, or percent of
-    it that is done. ahead: seconds earlier than there.
+    amount: mm before the end of the path or after its start, seconds before its end, or percent of
+    the path covered. ahead: seconds earlier than that.
     """
 
     measure: Literal["start", "end", "time", "share"]
@@ -77,10 +77,10 @@ class OnWay:
 
 @dataclass(frozen=True, slots=True)
 class Switched:
-    """A signal that was set. signal: its name or number, as the language says it, lower case.
+    """A signal that was set. signal: its name or number in the language, lower case.
 
-    at: None for where the robot is when the program gets there. after: seconds until it is set, as
-    at the end of a pulse, where that is told at once.
+    at: None for the robot's position when the program reaches the statement. after: seconds until
+    it is set, as at the end of a pulse that is reported at once.
     """
 
     signal: str
@@ -91,9 +91,9 @@ class Switched:
 
 @dataclass(frozen=True, slots=True)
 class Called(Switched):
-    """What a motion does on its way but setting an output: an interrupt. act: does it.
+    """Action of a motion on its path other than setting an output: an interrupt. act: performs it.
 
-    It is no event: what the interrupt does is told.
+    It is not an event: the effects of the interrupt are reported instead.
     """
 
     signal: str = ""
@@ -122,7 +122,7 @@ class Awaited:
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What shared data holds from now on. Proofs alone tell it."""
+    """New value of shared data. Only proofs report it."""
 
     name: str
     value: float | str
@@ -205,7 +205,7 @@ ended from outside."""
 
 @dataclass(slots=True)
 class Logged:
-    """What happened when: simulated seconds, the name of the task, a file's name and a line."""
+    """An event with its simulated seconds, the name of the task, and a file's name and line."""
 
     time: float
     task: str
@@ -215,27 +215,29 @@ class Logged:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What happened, in order. ended: why it is over. log: the events with their times.
+    """Events of a run, in order. ended: reason of its end. log: the events with their times.
 
-    task, place: where the task was that ended it, None if it was none of them. seconds: simulated,
-    when it was over. steps: statements that ran.
+    task, place: position of the task that ended the run, None if no task did. seconds: simulated,
+    at the end. steps: statements that ran.
     """
 
     events: tuple[Event, ...] = field(default=())
     ended: Why = "end"
     message: str = ""
-    """Of `error`: what the controller would say; of `unknown`: what is not simulated."""
+    """For `error`: the message of the controller; for `unknown`: the feature that is not
+    simulated.
+    """
     log: tuple[Logged, ...] = field(default=(), repr=False)
     task: str = field(default="", compare=False)
     place: Place | None = field(default=None, compare=False)
     seconds: float = field(default=0.0, compare=False)
     steps: int = field(default=0, compare=False)
     notes: tuple[str, ...] = field(default=(), compare=False)
-    """What the program asks for that the run takes without any effect, each once."""
+    """Requests of the program that have no effect on the run, each once."""
 
 
 BranchKey = tuple[str, int, int]
-"""A file, where a statement stands in it, and which way it goes on, as `Kernel.branch` is told."""
+"""File, position of a statement in it, and number of its branch, as `Kernel.branch` gets them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,4 +250,4 @@ class Branch:
 
 
 Branches = Mapping[BranchKey, Branch]
-"""Those that a run can go. Of a condition that is a constant there are none."""
+"""Branches that a run can take. A condition that is a constant has none."""

@@ -52,23 +52,23 @@ MOST_NAMED: Final = 8
 """Procedures that a cure names."""
 MOST_STEPS: Final = 1_000_000
 MOST_TIME: Final = 3600.0
-"""Simulated seconds after which a run is over, unless it is told otherwise."""
+"""Simulated seconds after which a run ends by default."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """How programs are run.
+    """Settings of a run.
 
-    robot: the arm, None for one of which nothing is known. motion: how it follows, None for the
-    timed model, or without a robot for motions that take no time. entry: the routine that the
-    first task begins with, None for its own. inputs: what each reads that nothing has set, by name
-    in lower case or number as text. most_steps: statements of all tasks. most_time: simulated
-    seconds. pace: simulated seconds for each real one, None for as fast as possible.
-    statement_time: seconds that a statement takes where the language states none. disk: the folder
-    whose files are those of the controller, which others may change meanwhile; None for an empty
-    one. hosts: real ones by the address that programs state; those of this computer need none.
-    lines: what communication lines lead to, by their names (see `melfa.lines`). options: what a
-    language leaves open, by name (see `melfa.options`).
+    robot: the arm, None for an unknown one. motion: how it follows, None for the timed model, or
+    without a robot for motions that take no time. entry: the routine that the first task begins
+    with, None for the default one. inputs: values of those that nothing has set, by name in lower
+    case or number as text. most_steps: statements of all tasks. most_time: simulated seconds. pace:
+    simulated seconds for each real one, None for as fast as possible. statement_time: seconds that
+    a statement takes if the language states none. disk: the folder whose files are those of the
+    controller, which others may change meanwhile; None for an empty one. hosts: real ones by the
+    address that programs state; those of this computer need no entry. lines: targets of
+    communication lines, by their names (see `melfa.lines`). options: choices that a language leaves
+    open, by name (see `melfa.options`).
     """
 
     robot: Robot | None = None

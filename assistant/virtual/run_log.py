@@ -69,7 +69,7 @@ ENDINGS: Final[dict[str, Rule]] = {
     "steps": STEPS,
     "time": TIME,
 }
-"""By why a run is over, where that is no good end."""
+"""Rules of failed runs, by the reason of their end."""
 KINDS: Final = {"joint": "joint move", "linear": "line", "circular": "arc"}
 
 
@@ -92,7 +92,7 @@ def event_words(event: object) -> str:
 
 
 def _motion_words(moved: Moved) -> str:
-    """Where the tool goes in the base, and how."""
+    """Return the text of a motion: its target in the base, speed and corner."""
     if moved.flange is not None:
         place = _number_row((moved.flange @ moved.tool).position)
     else:
@@ -125,7 +125,7 @@ def _trigger_words(at: OnWay | None) -> str:
 
 @dataclass(frozen=True, slots=True)
 class ColumnWidths:
-    """How wide the columns of the log are. task, place: characters; a task of 0 is left out."""
+    """Widths of the log's columns. task, place: characters; a task of 0 is left out."""
 
     task: int
     place: int
@@ -154,7 +154,7 @@ def short_place(place: Place | None) -> str:
 def log_rows(
     log: Sequence[Logged], given: Sequence[InputChange], first: int = 0
 ) -> Iterator[Logged | InputChange]:
-    """What happened, and the inputs that changed, in their order.
+    """Events and changes of inputs, in their order.
 
     first: number of the row that the log begins with.
     """

@@ -55,10 +55,10 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Programs:
-    """What runs together: parts in one language, or a pseudo-program.
+    """Programs that run together: parts in one language, or a pseudo-program.
 
-    title: as the user named it. language: None for the pseudo-program. text: of the pseudo-program,
-    None where it comes from another source. findings: about what was read.
+    title: its name from the user. language: None for the pseudo-program. text: that of the
+    pseudo-program, None if it comes from another source. findings: those of the reader.
     """
 
     title: str

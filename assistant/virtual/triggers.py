@@ -16,16 +16,17 @@ from assistant.virtual.events import Moved, OnWay, Switched
 from assistant.virtual.kernel.task import Task
 
 AT_END = 1e-3
-"""mm, or seconds, before the end that are none."""
+"""Distance in mm, or seconds, before the end that counts as zero."""
 
 
 def ordered_triggers(
     move: Moved, before: Pose | None, changes: Iterable[Switched]
 ) -> list[Switched]:
-    """What is set on the way of a motion. before: the flange where it began, None if unknown.
+    """Return the outputs set on the path of a motion, in order. before: the flange at its
+    beginning, None if unknown.
 
-    On a straight way every place but its start is told in mm before its end. What is set where
-    the robot comes to stand is told as if the program had set it then.
+    On a straight path every position but its start is given in mm before its end. An output set
+    where the robot comes to rest is reported as if the program had set it then.
     """
     length = None
     if move.kind == "linear" and before is not None and move.flange is not None:
@@ -66,7 +67,7 @@ LOOK_PERIOD: Final = 0.0071
 
 
 class _ConditionMet(Exception):
-    """What a motion is broken off for has come to hold."""
+    """The condition that ends a motion early has become true."""
 
 
 def move_until(

@@ -1,4 +1,4 @@
-"""What a command of the controller link is, and how arguments and listings are read."""
+"""Commands of the controller link, and functions that read arguments and listings."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def hexadecimal(text: str, digits: int) -> int:
 
 
 def parts(argument: str, count: int) -> list[str]:
-    """What stands between the semicolons of an argument; raises CrRefusal for another count."""
+    """Return the parts of an argument between semicolons; raises CrRefusal for another count."""
     found = argument.split(";", count - 1)
     if len(found) != count:
         raise CrRefusal(4460)

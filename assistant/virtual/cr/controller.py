@@ -169,13 +169,13 @@ class DataLines:
 
 
 FRAMINGS: Final = {"plain": "0", "procedural": "1", "data link": "2"}
-"""Of the serial line → the parameter CPRC232."""
+"""Framing of the serial line → the parameter CPRC232."""
 PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
     "0": "none",
     "1": "odd",
     "2": "even",
 }
-"""Of the parameter CPRTY232."""
+"""Values of the parameter CPRTY232 → parity."""
 MOST_CONNECTIONS: Final = 9
 """Lines OPT11 to OPT19 of a controller, one client each."""
 SPARE: Final = "OPT19"
@@ -191,19 +191,19 @@ class VirtualCr:
     """A controller of one robot on 127.0.0.1; a context manager, or `start` and `stop`.
 
     robot: name in the catalogue. language: version of MELFA-BASIC, None for the robot's first.
-    port: 0 for any free one. folder: where programs are kept, None for memory.
-    terminator: what ends an answer (CR, CR LF or nothing). quiet: seconds of silence that end
-    a command without end code. report: is told each command and its answer. serial: True for a
-    pseudo terminal, whose path `serial_path` tells, `pty:LINK` for one with a link to it, or the
-    path of a serial port. framing: of the serial line (CPRC232). faults: what goes wrong on
-    purpose. pace: simulated seconds for each real one. servo_time: seconds until the servos are on.
-    data_port: of the line OPT11, those behind it are those of OPT12 and so on; 0 for any that are
-    free (`data_ports`). mxt_port, monitor_port:
-    UDP, of real-time control and of the monitor (MONMODE), 0 for any that are free. lines: what
-    programs open beside the lines of the data link. commands: plug-ins of the interpreter.
-    lock_step: its time stands at 0 and passes only as far as `advance` lets it, with servos that
-    are on at once; packets of real-time control go by real time all the same. contact: an input
-    that is on while the arm touches something.
+    port: 0 for any free one. folder: directory of the stored programs, None for memory. terminator:
+    end of an answer (CR, CR LF or nothing). quiet: seconds of silence that end a command without
+    end code. report: is called with each command and its answer. serial: True for a pseudo
+    terminal, whose path is `serial_path`, `pty:LINK` for one with a link to it, or the path of a
+    serial port. framing: that of the serial line (CPRC232). faults: faults to inject on purpose.
+    pace: simulated seconds for each real one. servo_time: seconds until the servos are on.
+    data_port: port of the line OPT11, the next ones are those of OPT12 and so on; 0 for any that
+    are free (`data_ports`). mxt_port, monitor_port: UDP ports of real-time control and of the
+    monitor (MONMODE), 0 for any that are free. lines: further lines that programs open, beside
+    those of the data link. commands: plug-ins of the interpreter. lock_step: simulated time starts
+    at 0 and passes only as far as `advance` allows, with servos that are on at once; packets of
+    real-time control still follow real time. contact: an input that is on while the arm touches
+    something.
     """
 
     def __init__(
@@ -397,12 +397,12 @@ class VirtualCr:
 
     @property
     def executing(self) -> bool:
-        """Whether a single statement is under way, or waits for its turn."""
+        """True if a single statement is running or waits for its turn."""
         return self.state.machinery.executing
 
     @property
     def data_ports(self) -> dict[str, tuple[str, int]]:
-        """Where clients of the data link connect, by what programs open: `COM2:`."""
+        """Host and port of each line of the data link, by the name that programs open: `COM2:`."""
         return {} if self._data is None else dict(self._data.ports)
 
     @property
@@ -416,7 +416,7 @@ class VirtualCr:
         return self._real_time.monitor_port
 
     def text(self, name: str) -> str | None:
-        """The text of a stored program, None if there is none of that name."""
+        """Return the text of a stored program, None if no program has that name."""
         with self.state.lock:
             return self.state.store[name].text() if name in self.state.store else None
 
@@ -472,7 +472,7 @@ class VirtualCr:
             session.hang_up()
 
     def _serial_talk(self) -> Plain | Procedural:
-        """As the parameters CPRC232 and CTERM232 say."""
+        """Return the protocol that the parameters CPRC232 and CTERM232 select."""
         parameters = self.state.parameters
         if parameters["CPRC232"] == ("1",):
             return Procedural(self.faults)
@@ -489,7 +489,7 @@ class VirtualCr:
 
 
 def _rate(state: CrState) -> Rate:
-    """Of the serial line, as the parameters say."""
+    """Return the rate of the serial line from the parameters."""
     parameters = state.parameters
     parity = PARITIES.get(parameters["CPRTY232"][0], "even")
     stops: Literal[1, 2] = 1 if parameters["CSTOP232"] == ("1",) else 2

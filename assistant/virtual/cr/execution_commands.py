@@ -83,7 +83,7 @@ def _cycle_stop(session: CrSession) -> str:
 
 
 def _step_program(session: CrSession, argument: str) -> str:
-    """Of the program that the slot has; backwards it cannot go here."""
+    """Step the program of the slot; stepping backwards is refused."""
     state = session.state
     slot = _slot_number(session) if session.slot <= TASKMAX else 1
     if argument == STEP_STOP:
@@ -313,7 +313,7 @@ def _select_previous(session: CrSession) -> str:
 
 
 def _select_neighbour(session: CrSession, by: int) -> str:
-    """The next program in the order of their names; the first one behind the last."""
+    """Select the next program in the order of names; the first one follows the last."""
     _check_slot(session)
     names = list(session.state.store)
     if not names:
@@ -349,7 +349,7 @@ def _read_line(session: CrSession) -> str:
 
 
 def _read_lines_around(session: CrSession, argument: str) -> str:
-    """Whether more follow, how many, the lines about the one that runs, and its number."""
+    """Return whether more follow, the count, the lines around the current one, and its number."""
     going_on, before, behind = parts(argument, 3)
     whole(going_on, 0, 1)
     program, line = _required_program(session), session.state.machinery.slot_now(session.slot).line

@@ -1,7 +1,7 @@
 """Moving the arm by hand: jogging, aligning the hand, the safe position.
 
-How fast a controller jogs and how far it inches, parameters tell that no manual at hand gives
-values of: here 250 mm/s and a tenth of the joints' speed at an override of 100 %.
+Parameters set how fast a controller jogs and how far it inches; no manual at hand gives their
+values. Here they are 250 mm/s and a tenth of the joints' speed at an override of 100 %.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ NAME: Final = "jog"
 
 
 class Jogging:
-    """arm: of the interpreter, which is told where it stands. rate: simulated seconds for each real
-    one. Everything here runs in the thread of the kernel.
+    """Jogging of the arm. arm: that of the interpreter, which gets the new joints. rate: simulated
+    seconds for each real one. All of this runs in the thread of the kernel.
     """
 
     def __init__(self, kernel: Kernel, robot: Robot, motion: CrArm, arm: Arm, rate: float) -> None:
@@ -55,7 +55,7 @@ class Jogging:
         return self._task is not None
 
     def jog(self, mode: int, negative: int, positive: int, inch: int) -> None:
-        """Moves on as it was asked for, or begins to; raises CrRefusal where that cannot be."""
+        """Start the requested jog, or continue it; raises CrRefusal if it is impossible."""
         asked = (mode, negative, positive, inch)
         if self._task is not None and asked == self._asked and inch == 0:
             self._until = self._kernel.now + GRACE * self._rate
@@ -101,7 +101,7 @@ class Jogging:
         self.go_to(solved[-1])
 
     def stop(self) -> None:
-        """The arm stands where it is."""
+        """Stop the arm where it is."""
         task, self._task = self._task, None
         if task is not None and task.ended is None:
             self._motion.cut(task)
@@ -170,7 +170,9 @@ class Jogging:
         return made
 
     def _line_goal(self, signs: list[int], inch: int, mode: int) -> Floats:
-        """As far as the arm can go along the axes, or by an inch; where it is if it cannot."""
+        """Return the joints as far as the arm can move along the axes, or one inch on; its present
+        joints if it cannot move.
+        """
         mm, degrees = INCHES[inch] if inch else STEP
         away = np.array(signs[:3], dtype=np.float64) * mm
         turn = np.array(signs[3:6], dtype=np.float64) * degrees
@@ -205,7 +207,7 @@ def _moved(start: Pose, away: Floats, turn: Floats, mode: int) -> Pose:
 
 
 def _five_axes(tip: Pose) -> Pose:
-    """What an arm of five axes makes of a pose: it keeps A and B."""
+    """Return the pose that an arm of five axes reaches for a pose: it keeps A and B."""
     from assistant.robots.arms import closed_form
 
     p, q = np.array([tip.position]), np.array([tip.quaternion])

@@ -109,11 +109,12 @@ class Refusal(Exception):
 
 
 class MxtArm:
-    """Joints (a,) in degrees, of axes that slide in mm.
+    """Arm in real-time control: joints (a,) in degrees, those of sliding axes in mm.
 
-    places: (a,) where each axis stands in a packet: J5 of an arm without J4 is still the fifth.
-    joints: where it stands. cycle: seconds. filter_ms: time constant of the received command.
-    servo: part of the way to its command that it goes in a cycle, 0 for an arm that is stuck.
+    places: (a,) position of each axis in a packet: J5 of an arm without J4 is still the fifth.
+    joints: those of the arm at the start. cycle: seconds. filter_ms: time constant of the received
+    command. servo: part of the distance to its command that the arm moves in a cycle, 0 for an arm
+    that is stuck.
     """
 
     def __init__(
@@ -170,9 +171,10 @@ class MxtArm:
         return np.concatenate([place[0], np.radians(to_euler(turn[0], "ZYX")[::-1])])
 
     def joints_at(self, pose: Floats) -> Floats:
-        """The joints (a,) at a pose (6,), nearest to where it is; raises Refusal if there are none.
+        """Return the joints (a,) at a pose (6,), nearest to the commanded ones; raises Refusal if
+        no joints reach it.
 
-        The flags are not looked at: a step within a cycle leads to no other branch of the arm.
+        The flags are ignored: a step within a cycle leads to no other branch of the arm.
         """
         turn = from_euler(np.degrees(pose[3:6])[None, ::-1], "ZYX")
         found, valid = self.robot.ik(pose[None, :3], turn)
@@ -196,11 +198,12 @@ ILLEGAL: Final = 7840
 LATE: Final = 1.5
 """Cycles by which a reply is late that is made so."""
 STAMP: Final = 35
-"""SO_TIMESTAMPNS of Linux: when a packet arrived, not when it was looked for."""
+"""SO_TIMESTAMPNS of Linux: time of a packet's arrival, not of its reading."""
 
 Fault = Literal["lost", "twice", "garbled", "late", "silent", "stop"]
-"""What can befall a reply: `silent` is a controller that says and does no more, `stop` one whose
-operation is stopped: it holds, and says no more either."""
+"""Faults of a reply: `silent` is a controller that sends and does nothing more, `stop` one whose
+operation is stopped: it holds, and sends nothing more either.
+"""
 
 
 class Signals(Protocol):
@@ -215,7 +218,7 @@ class Signals(Protocol):
 
 @dataclass
 class Bits:
-    """Signals of a controller that stands alone."""
+    """Signals of a controller without programs around it."""
 
     outputs: dict[int, bool] = field(default_factory=dict)
     inputs: dict[int, bool] = field(default_factory=dict)
@@ -232,11 +235,12 @@ class Bits:
 
 @dataclass
 class MxtEnd:
-    """How it ended and what was seen. number: of an error, 0 for none. reason: end, error, stopped.
+    """End of real-time control and what was observed. number: that of an error, 0 for none. reason:
+    end, error, stopped.
 
     answers: seconds from the reply to a move to the arrival of the next one; a packet that arrived
-    before the reply answers none. late: of these, beyond half a cycle. overrun: cycles that this
-    controller itself was late for.
+    before the reply answers none. late: count of those later than half a cycle. overrun: cycles
+    that this controller itself was late for.
     """
 
     reason: Literal["end", "error", "stopped"] = "stopped"
@@ -466,7 +470,9 @@ class MxtControl:
             self._out(data, sender)
 
     def _data(self, kind: int) -> bytes:
-        """What a packet holds for a type of data; 7840 if there is no such type."""
+        """Return the contents of a packet for a type of data; raises Refusal 7840 for an unknown
+        type.
+        """
         if kind == 0:
             return bytes(40)
         if kind not in POSITION_KINDS:

@@ -1,10 +1,10 @@
-"""A controller in `Mxt`, in a process of its own: `python -m assistant.virtual.cr.mxt_process`.
+"""A controller in `Mxt`, in a separate process: `python -m assistant.virtual.cr.mxt_process`.
 
     with MxtProcess("rv-4frl", cycle=0.0035) as controller:
         Mxt("127.0.0.1", port=controller.port, ...)
     controller.result["answers"]
 
-The process prints its port, then, when `Mxt` or its input ends, what it saw, as JSON.
+The process prints its port, then, when `Mxt` or its input ends, its observations as JSON.
 """
 
 from __future__ import annotations
@@ -22,13 +22,15 @@ from typing import Any, Final, Self, get_args
 from assistant.virtual.cr.mxt import CYCLE, Fault, MxtArm, MxtControl
 
 PATIENCE: Final = 10.0
-"""Seconds for it to begin, and to end once it is asked to."""
+"""Seconds that the process may take to begin, and to end once asked to."""
 
 
 class MxtProcess:
-    """See `MxtControl` for what is given; a context manager. result: what it saw, once ended.
+    """Controller in a separate process, a context manager; for the arguments see `MxtControl`.
+    result: its observations, once it has ended.
 
-    priority: of SCHED_FIFO for a cycle that is kept well, where that is permitted; 0 for none.
+    priority: that of SCHED_FIFO, which keeps the cycle well where the system permits it; 0 for
+    none.
     """
 
     def __init__(

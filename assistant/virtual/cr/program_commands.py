@@ -39,9 +39,10 @@ from assistant.virtual.cr.store import (
 SYNTAX: Final = 4220
 CHARACTER: Final = 4310
 LINE_RULES: Final = {"MB106": 4300, "MB107": 4210, "MB109": 4420, "MB111": SYNTAX}
-"""Rules that one line alone can break → error number: long name, long step, step number out
-of range, a word that this version lacks. Labels, blocks and values are looked for when the
-program runs, so other rules keep no line out."""
+"""Rules that one line alone can break → error number: long name, long step, step number out of
+range, a word that this version lacks. Labels, blocks and values are checked when the program runs,
+so other rules reject no line.
+"""
 
 
 def check_line(language: str, line: str) -> None:
@@ -63,7 +64,7 @@ def check_line(language: str, line: str) -> None:
 DELETED_LINE: Final = re.compile(r"\s*\d*\s*", re.ASCII)
 """A number alone deletes its line, and is no line to parse."""
 FIRST_LINE: Final = 10
-"""The number of the first line, and from line to line, where RENUM is told 0."""
+"""Number of the first line and step between lines if RENUM gets 0."""
 
 
 def _new_program(session: CrSession) -> str:
@@ -106,7 +107,7 @@ def _put_lines(session: CrSession, argument: str) -> str:
 
 
 def _are_correct(language: str, lines: Sequence[str]) -> bool:
-    """Whether nothing is wrong with any line; looked at together they take the time of one."""
+    """True if no line has an error; one check of all lines takes the time of one line."""
     try:
         check_line(
             language, "\r\n".join(line for line in lines if not DELETED_LINE.fullmatch(line))
@@ -325,12 +326,12 @@ def assignment(text: str) -> tuple[str, str]:
 
 
 def shown_number(value: float) -> str:
-    """As a controller lists it: `+3`, `-0.25`."""
+    """Return a number in the form of the controller's listings: `+3`, `-0.25`."""
     return f"{value:+.10g}"
 
 
 def _variable_type(session: CrSession, argument: str) -> str:
-    """M, C, P or J of a variable that has a value or stands in a line of the program."""
+    """Return M, C, P or J for a variable that has a value or is used in a line of the program."""
     name = argument.strip().upper()
     program = session.edit
     lines = program.variables | program.values
@@ -365,8 +366,8 @@ def _read_shared_variables(session: CrSession, argument: str) -> str:
 def _requested_variables(
     session: CrSession, argument: str, *, shared: bool
 ) -> tuple[list[str], int, str]:
-    """The variables of the class that is asked for, the index of the first wanted, and the name
-    of the listing. `<` is the first, `>` the last; a class may miss behind a name.
+    """Return the variables of the requested class, the index of the first wanted, and the name of
+    the listing. `<` is the first, `>` the last; the class after a name is optional.
     """
     where, _, kind = argument.partition(";")
     kind = kind or VARIABLE_CLASSES
@@ -578,7 +579,7 @@ def _write_block(session: CrSession, argument: str) -> str:
 
 
 def _close_file(session: CrSession) -> str:
-    """What was written becomes a program; 4160 if it is none."""
+    """Store the written data as a program; raises CrRefusal 4160 if it is not a program."""
     block, session.block = session.block, None
     if block is None:
         raise CrRefusal(6050)

@@ -134,7 +134,9 @@ def _base_name(name: str) -> str:
 
 
 class Library:
-    """source: a stored program by its name, None if there is none."""
+    """Parsed programs of a controller. source: returns a stored program by its name, None if it is
+    missing.
+    """
 
     def __init__(self, language: str, source: Callable[[str], CrProgram | None]) -> None:
         self.source = source
@@ -196,7 +198,7 @@ NAME: Final = "direct "
 """Before the number of the slot, in the names of tasks."""
 MOST_WAITING: Final = 16
 AFTER_ERROR: Final = 5600
-"""Of commands behind one that ended with an error."""
+"""Error number of commands that follow one that ended with an error."""
 NUMBER: Final = re.compile(r"error (\d+)")
 
 
@@ -212,14 +214,14 @@ class Waiting:
 
     @property
     def names(self) -> frozenset[str]:
-        """Of the variables that it speaks of."""
+        """Names of the variables that the command uses."""
         found = (node for row in self.code.rows for node in nodes(row.statement))
         return frozenset(node.key for node in found if isinstance(node, s.Variable))
 
 
 @dataclass(slots=True)
 class Direct:
-    """What a slot keeps from command to command, and those that are still to run."""
+    """State of a slot from command to command, and the commands that are still to run."""
 
     settings: Settings = field(default_factory=Settings)
     memory: Memory = field(default_factory=lambda: Memory(Scope()))
@@ -251,7 +253,9 @@ def is_motion(code: Code) -> bool:
 
 
 class DirectCommands:
-    """Of all slots of a controller; everything here runs in the thread of its kernel."""
+    """Direct commands of all slots of a controller; all of this runs in the thread of its
+    kernel.
+    """
 
     def __init__(self, controller: Controller) -> None:
         self._controller = controller

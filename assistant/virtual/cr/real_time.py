@@ -36,7 +36,7 @@ MXT_PORT: Final = 10000
 LOOK_PERIOD: Final = 0.02
 """Seconds from look to look of the program at what its packets did."""
 HALT_SIGNAL: Final = 0.2
-"""Seconds without a look after which the program is taken to be stopped."""
+"""Seconds without a look after which the program counts as stopped."""
 ERROR_NUMBERS: Final = {
     7820: "no packet came in time (MXTTOUT)",
     7840: "the argument and the type of data do not match",
@@ -80,10 +80,10 @@ def mxt_commands(
     timeout: Callable[[], int] = lambda: -1,
     opened: Callable[[int], None] = lambda _: None,
 ) -> dict[str, Command]:
-    """The statement by its name, for `commands` of a run.
+    """Return the statement by its name, for `commands` of a run.
 
-    host, port: where packets are taken. timeout: gives MXTTOUT. opened: is told the port as soon as
-    packets are taken there.
+    host, port: address that receives packets. timeout: returns MXTTOUT. opened: is called with the
+    port as soon as it receives packets.
     """
 
     def mxt(given: Given) -> Value | None:
@@ -147,7 +147,9 @@ def mxt_commands(
 
 
 def _requested_kind(given: Given) -> tuple[int, float, str]:
-    """What the statement names: type of data, ms of the filter, and the address it hears."""
+    """Return the arguments of the statement: type of data, ms of the filter, and the partner's
+    address.
+    """
     file, kind, filter_ms = (*given.arguments, None, None)[:3]
     if not isinstance(file, int | float) or not isinstance(kind, int | float):
         raise Failed(3120, "Mxt takes a file and a type of data")
@@ -298,7 +300,9 @@ class MxtMonitor:
         return low | high << 16
 
     def _data(self, kind: int) -> bytes:
-        """40 bytes of a data type; zeros of those that a simulated arm has nothing to tell of."""
+        """Return 40 bytes of a data type; zeros for types that a simulated arm has no values
+        for.
+        """
         arm = self._arm()
         joints = arm.fed_back if kind in FEEDBACK else arm.commanded
         numbers = np.zeros(10, dtype="<f4")
@@ -356,7 +360,7 @@ class RealTime:
         return None if self._monitor is None else self._monitor.port
 
     def start(self) -> None:
-        """Begins to tell of the arm; raises OSError if the port is taken."""
+        """Begin to report the arm's state; raises OSError if the port is taken."""
         if self._state.parameters["MONMODE"] == ("1",):
             self._monitor = MxtMonitor(
                 self._arm, host=self._host, port=self._monitor_port, cycle=self.cycle

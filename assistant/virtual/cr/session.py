@@ -26,7 +26,9 @@ from typing import Final, Protocol
 from assistant.virtual.melfa.communication_lines import MADE, Rate, Terminal, set_rate
 
 MOST_BYTES: Final = 255
-"""Of one command; longer ones are cut to one byte more, so that they can be told."""
+"""Longest command in bytes; longer ones are cut to one byte more, so that they can be
+recognised.
+"""
 STX, ETX, EOT, ENQ, ACK, NAK = (bytes([code]) for code in (0x02, 0x03, 0x04, 0x05, 0x06, 0x15))
 FRAME: Final = re.compile(rb"\x02(D0([0-9A-Fa-f]{2})R(.*))([0-9A-Fa-f]{2})", re.DOTALL)
 MOST_FRAMED: Final = 0xFF - 1
@@ -49,7 +51,7 @@ class Framing:
 
     @property
     def ends_by_silence(self) -> bool:
-        """Whether there is a command that has come to its end if nothing follows soon."""
+        """True if a pending command ends once the line stays silent."""
         return bool(self._rest) and not self._ended_once
 
     def silence(self) -> list[bytes]:
@@ -81,8 +83,8 @@ class Port(Protocol):
     """One line to one client."""
 
     def receive(self, seconds: float | None) -> bytes:
-        """What has come; b"" once nobody is there any more. Raises OSError; TimeoutError if
-        nothing comes in time, None for waiting on.
+        """Return the received bytes; b"" once the client has gone. Raises OSError, and TimeoutError
+        if nothing arrives in time; None waits without limit.
         """
 
     def send(self, data: bytes) -> None:
@@ -162,14 +164,14 @@ SPOILED_ANSWERS: Final = 0x55
 
 @dataclass(eq=False)
 class Faults:
-    """What goes wrong with each answer, on every line. Fields may be changed at any time.
+    """Faults of each answer, on every line. Fields may be changed at any time.
 
     delay: seconds before an answer. drop_after: bytes that are sent, of all lines together, until
-    the controller hangs up; then it is None again. terminator: what ends answers instead of the
-    right code. garbage: what comes instead of an answer. twice: whether an answer comes again.
-    errors: beginnings of commands, without robot and slot, with the error number that they are
-    answered with. broken: one byte of so many comes broken, 0 for none. times: answers that are
-    spoilt by the delay, terminator, garbage or twice, None for all.
+    the controller hangs up, which resets it to None. terminator: end of answers instead of the
+    right code. garbage: bytes sent instead of an answer. twice: True to send an answer twice.
+    errors: beginnings of commands, without robot and slot, with the error number that answers them.
+    broken: one byte of so many arrives corrupted, 0 for none. times: number of answers that the
+    delay, terminator, garbage or twice spoil, None for all.
     """
 
     delay: float = 0.0
@@ -190,7 +192,7 @@ class Faults:
         return self.errors[max(found, key=len)] if found else None
 
     def answers(self, text: bytes, terminator: bytes) -> list[bytes]:
-        """What is sent instead of an answer."""
+        """Return the byte strings to send instead of an answer."""
         if self._over():
             return [text + terminator]
         if self.delay:
@@ -200,7 +202,7 @@ class Faults:
         return [sent] * (1 + self.twice)
 
     def spoilt(self, data: bytes) -> tuple[bytes, bool]:
-        """What arrives of some bytes, and whether the line goes on behind them."""
+        """Return the bytes that arrive after faults, and whether the line stays open after them."""
         with self._lock:
             if self.broken:
                 marks = enumerate(data, start=self._sent + 1)
@@ -215,7 +217,7 @@ class Faults:
             return data, False
 
     def _over(self) -> bool:
-        """Whether as many answers were spoilt as were to be; counts this one."""
+        """True if the requested number of answers has been spoilt; counts this one."""
         with self._lock:
             if self.times is None:
                 return False
@@ -228,7 +230,7 @@ class Faults:
 LOOK_PERIOD: Final = 1.0
 """Seconds for a step of the procedure; no manual at hand tells how long a controller waits."""
 MOST_TRIALS: Final = 4
-"""Of a step: the first one, and three more (projects of RT ToolBox)."""
+"""Trials of a step: the first one, and three more (projects of RT ToolBox)."""
 TOO_LONG: Final = b"QeR6080"
 
 Answer = Callable[[bytes], bytes]
@@ -284,7 +286,9 @@ class Procedural:
                 self._reply(port, piece if len(piece) <= MOST_FRAMED else TOO_LONG)
 
     def _command(self, port: Port) -> bytes | None:
-        """What a client that has asked for the line sends before its EOT; None for nothing."""
+        """Return the command that a client sends between its request for the line and its EOT; None
+        for nothing.
+        """
         found: bytes | None = None
         reply = ACK
         for _ in range(2 * MOST_TRIALS):
@@ -330,7 +334,9 @@ class Procedural:
                 return byte
 
     def _until(self, port: Port, code: bytes) -> bytes:
-        """What comes before a control code; of what never ends only enough to tell it is wrong."""
+        """Return the bytes before a control code; of an endless text only enough to show that it is
+        wrong.
+        """
         data, end = b"", time.monotonic() + LOOK_PERIOD
         while (byte := self._byte(port, end)) != code:
             if len(data) <= 2 * MOST_BYTES:

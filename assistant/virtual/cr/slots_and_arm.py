@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 
 
 class Stepping:
-    """breakpoints: program and line number → whether it goes once it was come to. Everything here
-    runs in the thread of the kernel.
+    """Single steps and breakpoints. breakpoints: program and line number → whether it is removed
+    once reached. All of this runs in the thread of the kernel.
     """
 
     def __init__(self, controller: Controller) -> None:
@@ -100,7 +100,7 @@ REFUSALS: Final[Mapping[int | None, int]] = {3360: 5120, 3310: 5640, 3320: 5100,
 
 
 class EventListener(Protocol):
-    """Who is told what happens, in the thread of the kernel."""
+    """Listener to events of the controller, called in the thread of the kernel."""
 
     def failed(self, number: int, program: str, line: int, text: str) -> None:
         """A program or a command of a slot ended with an error."""
@@ -126,8 +126,8 @@ class Contact:
 
 @dataclass(slots=True)
 class Equipment:
-    """What programs meet beside the controller itself. rate: simulated seconds for each real one.
-    lock_step: time passes only as far as it is let. lines, commands, options: see
+    """Surroundings of the programs beside the controller itself. rate: simulated seconds for each
+    real one. lock_step: time passes only as far as it is allowed. lines, commands, options: see
     `melfa.Controller`. contact: sets an input while the arm touches something.
     """
 
@@ -140,9 +140,10 @@ class Equipment:
 
 
 class Powered:
-    """joints: (a,) degrees, where the arm stands. slots: how many, that for editing counted.
+    """A controller that is switched on. joints: (a,) degrees, those of the arm. slots: their
+    number, including the one for editing.
 
-    source: a stored program by its name, None if there is none.
+    source: returns a stored program by its name, None if it is missing.
     """
 
     def __init__(
@@ -186,7 +187,7 @@ class Powered:
 
     @property
     def executing(self) -> bool:
-        """Whether a single statement is under way, or waits for its turn."""
+        """True if a single statement is running or waits for its turn."""
         return self.do(lambda: self.direct.running)
 
     def do(self, action: Callable[[], T]) -> T:
@@ -269,7 +270,9 @@ class Powered:
         return self.do(lambda: program_library.with_values(CrProgram(), self.controller.shared))
 
     def set_variable(self, program: str | None, name: str, value: str) -> None:
-        """Of a program that is ready to run, or None of all programs; raises CrRefusal."""
+        """Set a variable of a program that is ready to run, or of all programs if None; raises
+        CrRefusal.
+        """
 
         def act() -> None:
             memory = (
@@ -311,10 +314,10 @@ class Powered:
 
 @dataclass(frozen=True, slots=True)
 class SlotNow:
-    """line: number of the line that comes next. step: its place, from 1.
+    """Present state of a slot. line: number of the next line. step: its position, from 1.
 
-    runs, waits: neither where its program is reset. ends_cycle: whether it stops at the end of the
-    cycle. moves: whether it has the arm. is_task: whether it is none for editing.
+    runs, waits: both False if its program is reset. ends_cycle: True if it stops at the end of the
+    cycle. moves: True if it has the arm. is_task: False for the slot for editing.
     """
 
     program: str = ""
@@ -329,8 +332,8 @@ class SlotNow:
 
 
 class Standing(NamedTuple):
-    """now, joints: (a,) degrees, where the arm is, and those that are asked for. speed: of the tool
-    in mm/s. tool: on the flange. foot: what positions are counted in.
+    """Present state of the arm. now, joints: (a,) degrees, actual and commanded joints. speed: that
+    of the tool in mm/s. tool: pose on the flange. foot: frame of the positions.
     """
 
     now: tuple[float, ...]
@@ -617,7 +620,7 @@ class Machinery(Powered):
         self.do(lambda: self.stepping.no_break(program, line))
 
     def breakpoints(self) -> list[tuple[str, int, bool]]:
-        """Program, line, and whether it goes once it was come to."""
+        """Return program, line, and whether the breakpoint is removed once reached."""
         found = self.do(lambda: sorted(self.stepping.breakpoints.items()))
         return [(program, line, once) for (program, line), once in found]
 

@@ -52,7 +52,7 @@ class ErrorEntry:
 
     @property
     def fields(self) -> str:
-        """As ERRORLOG tells it."""
+        """Return the entry as ERRORLOG lists it."""
         when = f"{self.when:%y-%m-%d;%H:%M:%S}"
         text = error_message(self.number)
         return (
@@ -91,7 +91,7 @@ class ErrorLog:
 
 
 def error_message(number: int) -> str:
-    """What an error number means; never fails."""
+    """Return the text of an error number; never fails."""
     return error_table().get(number, ("", f"Error {number:04}"))[1]
 
 
@@ -143,7 +143,7 @@ class Parameters:
         return self._values.get(name, self._rows[name].values)
 
     def read(self, name: str, *, all_levels: bool) -> tuple[str, ...]:
-        """Raises CrRefusal 7080 where there is none, or it is protected."""
+        """Return a parameter's values; raises CrRefusal 7080 if it is missing or protected."""
         row = self._rows.get(name)
         if row is None or (row.protected and not all_levels):
             raise CrRefusal(7080)
@@ -163,7 +163,7 @@ class Parameters:
         self._values[name] = values
 
     def undo(self, name: str) -> None:
-        """What it was delivered with; raises CrRefusal 7080."""
+        """Restore a parameter to its delivered values; raises CrRefusal 7080."""
         if name not in self._rows:
             raise CrRefusal(7080)
         self._values.pop(name, None)
@@ -222,7 +222,7 @@ HANDS: Final = 4
 
 @dataclass(slots=True)
 class Cycles:
-    """What the runs of a program took. total, latest: milliseconds."""
+    """Durations of a program's runs. total, latest: milliseconds."""
 
     total: int = 0
     latest: int = 0
@@ -230,7 +230,7 @@ class Cycles:
 
     @property
     def fields(self) -> str:
-        """As PDIR and CYCLETIME tell them, with the average."""
+        """Return the durations as PDIR and CYCLETIME list them, with the average."""
         mean = self.total // self.count if self.count else 0
         return f"{self.total};{self.latest};{mean};{self.count}"
 
@@ -239,14 +239,13 @@ class Cycles:
 class CrState:
     """A controller that all its connections share; `lock` guards every access.
 
-    alarm: number and level (1 high, 2 low, 3 caution) of the present error.
-    right: the session that holds the operation right. edited: program → session.
-    hours: of the meters T (power), S (servos), D (programs), B (battery). cycles: program → what
-    its runs took. clock_off: seconds that the controller's clock was set ahead by. servo_time:
-    seconds until the servos are on. emergency: whether an emergency stop is pressed. stop_on:
-    STOPON is latched. may_start: AUEON. slow: SAFE=1. real_inputs: what the inputs were before
-    they were made pseudo inputs, None while they are real. report: is told in words of what
-    programs end with.
+    alarm: number and level (1 high, 2 low, 3 caution) of the present error. right: the session that
+    holds the operation right. edited: program → session. hours: meters T (power), S (servos), D
+    (programs), B (battery). cycles: program → durations of its runs. clock_off: seconds that the
+    controller's clock is ahead. servo_time: seconds until the servos are on. emergency: True while
+    an emergency stop is pressed. stop_on: STOPON is latched. may_start: AUEON. slow: SAFE=1.
+    real_inputs: the inputs before they became pseudo inputs, None while they are real. report: is
+    called with a text for the end of each program.
     """
 
     robot: Robot
@@ -285,7 +284,7 @@ class CrState:
 
     @property
     def machinery(self) -> Machinery:
-        """What runs programs; raises RuntimeError while the controller is off."""
+        """The machinery that runs programs; raises RuntimeError while the controller is off."""
         if self._machinery is None:
             raise RuntimeError("the controller is off")
         return self._machinery
@@ -318,7 +317,9 @@ class CrState:
                 self.machinery.set_up(slot, program, mode, condition, int(lines))
 
     def restart(self) -> None:
-        """As if the power was switched off and on: errors, switches and slots are forgotten."""
+        """Reset the state as after switching the power off and on: errors, switches and slots are
+        forgotten.
+        """
         self.machinery.switch_servo(False)
         self.machinery.clear_slots()
         self.reset_error()
@@ -347,9 +348,9 @@ class CrState:
     # ---------------------------------------------------------------------------- errors
 
     def alert(self, number: int, level: int = 2, program: str = "", line: int = 0) -> None:
-        """An error holds from now on, and stands in the history.
+        """Set the present error and add it to the history.
 
-        It stops the programs, unless it is a caution; a high one has the servos off.
+        An error stops the programs, unless it is a caution; a high one switches the servos off.
         """
         self.alarm = (number, level)
         self.log.add(self.now(), number, level, program, line)
@@ -374,7 +375,7 @@ class CrState:
 
     @property
     def servo(self) -> bool:
-        """Whether the servos are on."""
+        """True if the servos are on."""
         return self._machinery is not None and self._machinery.servo
 
     def switch_servo(self, on: bool) -> None:
@@ -416,7 +417,7 @@ class CrState:
             self._machinery.put(angles)
 
     def order_hand(self, hand: int, opens: bool) -> None:
-        """As a program orders it."""
+        """Open or close a hand as a program does."""
         board = self.board
         self.machinery.do(lambda: board.outputs.set(f"hand{hand}", float(opens)))
         self.hand_moved(hand, opens)
@@ -483,7 +484,7 @@ how long a controller waits."""
 
 @dataclass(slots=True)
 class BlockFile:
-    """A file that FOPEN opened. data: to be read from `at` on, or what was written so far."""
+    """A file that FOPEN opened. data: bytes to read from `at` on, or the bytes written so far."""
 
     name: str
     writes: bool
@@ -515,7 +516,7 @@ class CrSession:
 
     @property
     def silent(self) -> bool:
-        """True if it is taken for dead: a client may vanish without closing its connection."""
+        """True if the client counts as dead: it may vanish without closing its connection."""
         return time.monotonic() - self.heard > SILENT
 
     @property

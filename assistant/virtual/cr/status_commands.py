@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 AxisValues = list[tuple[str, str]]
 """Name and value of each axis."""
 MISSING_AXIS: Final = "****"
-"""Of an axis that the arm lacks."""
+"""Value of an axis that the arm lacks."""
 NEAR_LIMIT: Final = 0.005
-"""Degrees or mm from the limit of an axis that is told to be reached."""
+"""Degrees or mm from the limit of an axis within which it counts as reached."""
 
 
 def joint_values(robot: Robot, angles: Sequence[float]) -> AxisValues:
@@ -295,7 +295,7 @@ STATE_COMMANDS: Final = {
 WORD_BITS: Final = 16
 LAST_SIGNAL: Final = 32767
 REGISTERS: Final = range(6000, 6256)
-"""Of CC-Link."""
+"""Registers of CC-Link."""
 MOST_REGISTERS: Final = 16
 SHOWN_HANDS: Final = 8
 

@@ -216,8 +216,8 @@ def class_of(line: str) -> str:
 
 
 def program_of(text: str, *, strict: bool = False) -> CrProgram:
-    """A program by its text. strict: raises CrRefusal 4160 for lines that are none of a program;
-    else they are left out.
+    """Return a program from its text. strict: raises CrRefusal 4160 for lines that are not of a
+    program; otherwise they are left out.
     """
     program = CrProgram()
     for line in lines_of(text):

@@ -100,7 +100,9 @@ class View:
         }  # fmt: skip
 
     def set_variable(self, arguments: Object) -> Object:
-        """Of inputs only: what the program itself holds is not changed behind its back."""
+        """Set an input; raises LookupError for other variables, as the program's data is not
+        changed.
+        """
         if number(arguments, "variablesReference") not in self._inputs:
             raise LookupError("only inputs can be set")
         try:
@@ -399,7 +401,9 @@ class Adapter:
         return self.over or self.ended
 
     def _look(self, does: Callable[[View, Object], Object], arguments: Object) -> Object:
-        """What is asked of a program that is held."""
+        """Answer a request about a program that is held; raises LookupError if nothing was
+        launched.
+        """
         if self.view is None:
             raise LookupError("nothing was launched")
         return does(self.view, arguments)
@@ -439,4 +443,4 @@ REQUESTS: Final[Mapping[str, Callable[[Adapter, Object], Object | None]]] = {
     "setVariable": _view_request(View.set_variable),
     "evaluate": _view_request(View.evaluate),
 }
-"""What an editor may ask, by the names of the protocol."""
+"""Requests of an editor, by the names of the protocol."""

@@ -33,7 +33,7 @@ Reason = Literal["breakpoint", "step", "pause", "entry"]
 
 @cache
 def same_file(path: str) -> str:
-    """One spelling of a file's name, however it is said."""
+    """Return one spelling of a file's path for all its spellings."""
     return os.path.normcase(os.path.realpath(path))
 
 
@@ -137,9 +137,11 @@ def statement_lines(programs: Programs) -> Lines:
 
 
 def moved_to_statements(lines: Lines, path: str, asked: Iterable[int]) -> list[int]:
-    """Lines of a file, each moved to the next one with a statement; those after the last are gone.
+    """Lines of a file, each moved to the next one with a statement; those after the last are
+    dropped.
 
-    A file without lines is none of the programs, and its own are kept for when it is.
+    A file without known lines is not one of the programs yet, so its lines stay unchanged until it
+    is loaded.
     """
     known = lines.get(same_file(path))
     if known is None:

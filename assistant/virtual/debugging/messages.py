@@ -11,16 +11,16 @@ Object = dict[str, object]
 """A JSON object."""
 
 MOST_BYTES: Final = 10_000_000
-"""Of one message; a longer one is no message of an editor."""
+"""Longest message in bytes; a longer one does not come from an editor."""
 MOST_HEADER: Final = 4_096
 
 
 class NoMessage(ValueError):
-    """What was read is no message of the protocol."""
+    """Bytes that are not a message of the protocol."""
 
 
 def read(stream: RawIOBase | BinaryIO) -> Object | None:
-    """The next message, None at the end; raises NoMessage for what is none."""
+    """Return the next message, None at the end; raises NoMessage for invalid bytes."""
     length = _length(stream)
     if length is None:
         return None
@@ -64,19 +64,19 @@ def write(stream: BinaryIO, message: Mapping[str, object]) -> None:
 
 
 def text(message: Mapping[str, object], key: str) -> str:
-    """A text of a message, empty where there is none."""
+    """Return a text field of a message, empty if it is missing."""
     value = message.get(key)
     return value if isinstance(value, str) else ""
 
 
 def number(message: Mapping[str, object], key: str) -> int:
-    """A whole number of a message, 0 where there is none."""
+    """Return an integer field of a message, 0 if it is missing."""
     value = message.get(key)
     return value if isinstance(value, int) else 0
 
 
 def inner(message: Mapping[str, object], key: str) -> Object:
-    """An object inside of a message, empty where there is none."""
+    """Return an object inside a message, empty if it is missing."""
     value = message.get(key)
     return value if isinstance(value, dict) else {}
 

@@ -1,11 +1,11 @@
 """The cabinet of an IRC5: panel, event log, programs, signals, system parameters and backups.
 
-Handlers of requests act on it from threads of their own. Whatever belongs to the programs is only
-touched in the thread of the kernel, through `do`. System parameters are stored, read, saved and
-loaded; what is set after the start changes nothing else here, as a real controller takes most of it
-over at its next start. A backup has the layout that controllers write (reference, 4.3): `BACKINFO`,
-`HOME`, `RAPID/TASK1/PROGMOD` and `SYSMOD`, `SYSPAR`; a restore brings the files of HOME:, the
-modules and the system parameters back.
+Handlers of requests use it from their threads. All data of the programs is only touched in the
+thread of the kernel, through `do`. System parameters are stored, read, saved and loaded; changes
+after the start have no other effect here, as a real controller takes most of them over at its next
+start. A backup has the layout that controllers write (reference, 4.3): `BACKINFO`, `HOME`,
+`RAPID/TASK1/PROGMOD` and `SYSMOD`, `SYSPAR`; a restore brings the files of HOME:, the modules and
+the system parameters back.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Parameters:
         self.values["MOC"]["ROBOT"] = {"ROB_1": unit}
 
     def text(self, domain: str) -> str:
-        """As the file of a domain."""
+        """Return the parameters of a domain as its file."""
         said = [CFG_HEAD.format(domain=domain)]
         for type, instances in self.values[domain].items():
             said.append(f"#\n{type}:\n")
@@ -72,9 +72,10 @@ class Parameters:
         return "".join(said)
 
     def load(self, text: str, how: LoadMethod) -> None:
-        """Takes a file over; raises ValueError for what is none, or for an instance that is there.
+        """Load a file of parameters; raises ValueError for an invalid file or an instance that
+        exists.
 
-        how: `add` only what is new, `replace` what is there too, `add-with-reset` all of a type.
+        how: `add` only new instances, `replace` existing ones too, `add-with-reset` all of a type.
         """
         domain, types = parse_cfg(text)
         kept = self.values[domain]
@@ -116,8 +117,9 @@ OUTPUT_TYPES: Final = ("DO", "GO", "AO")
 MOST_STEPS: Final = 10**15
 MASTERSHIP_DOMAINS: Final = ("cfg", "motion", "rapid")
 NETWORK, DEVICE = "Local", "DRV_1"
-"""Where a signal is that nothing else is said of, as public clients expect it (rpiRobotics/
-abb_robot_client, rws.py)."""
+"""Network and device of a signal without stated ones, as public clients expect it
+(rpiRobotics/abb_robot_client, rws.py).
+"""
 SYSTEM_ID: Final = "{0D0C1A55-0000-4000-8000-000000000001}"
 VERSIONS: Final[Mapping[int, str]] = {1: "6.16.2027", 2: "7.21.0+229"}
 """RobotWare, of the controllers that the answers were captured from."""
@@ -158,7 +160,7 @@ class Mastership:
         self._lock = threading.Lock()
 
     def take(self, domains: tuple[str, ...], who: str) -> bool:
-        """Of all domains or of none."""
+        """Take mastership of all the domains or of none; True if it was taken."""
         with self._lock:
             if any(self.holders.get(domain, who) != who for domain in domains):
                 return False
@@ -203,7 +205,7 @@ class Cabinet:
         self.serial = ""
         """Number of the controller; virtual ones tell none, unless they have to."""
         self.grants = False
-        """Whether the pendant lets whoever asks modify in manual mode."""
+        """True if the pendant grants every request to modify in manual mode."""
         self.live = Live(self._kernel, rate=rate, ended=self._ended, name="virtual-irc5-kernel")
         self.board = Board()
         self.parameters = Parameters(self.given.values(), "" if robot is None else robot.title)

@@ -115,7 +115,7 @@ class FileServer:
 
 
 def _silence_log() -> None:
-    """Pyftpdlib writes to standard error where nobody has set up logging."""
+    """Silence pyftpdlib, which writes to standard error if logging is not set up."""
     logger = logging.getLogger("pyftpdlib")
     if not logger.handlers:
         logger.addHandler(logging.NullHandler())
@@ -131,14 +131,14 @@ SOMEBODY: Final = "somebody"
 class VirtualIrc5:
     """A controller on 127.0.0.1; a context manager, or `start` and `stop`.
 
-    folder: its HOME:, made if it is missing. port: of FTP, 0 for any free one. password: None for a
-    random one; it is never logged. quota: bytes that HOME: takes by FTP, None for no limit. report:
-    is told what arrives and what is refused. robot: of the catalogue, whose arm programs move;
-    None for a controller without one. rws, rwss: ports of Robot Web Services 1.0 and 2.0, 0 for any
-    free ones, None for none of it. signals: of the I/O configuration; what programs use is added
-    to them. devices: UdpUc devices that programs send EGM packets to, host and port by name. mode:
-    of operation. grants: whether the pendant confirms every request for the privilege to modify.
-    rate: simulated seconds for each real one.
+    folder: its HOME:, made if it is missing. port: that of FTP, 0 for any free one. password: None
+    for a random one; it is never logged. quota: bytes that HOME: accepts by FTP, None for no limit.
+    report: is called with each request and each refusal. robot: that of the catalogue whose arm
+    programs move; None for a controller without one. rws, rwss: ports of Robot Web Services 1.0 and
+    2.0, 0 for any free ones, None to leave them out. signals: those of the I/O configuration;
+    signals that programs use are added to them. devices: UdpUc devices that programs send EGM
+    packets to, host and port by name. mode: operating mode. grants: whether the pendant confirms
+    every request for the privilege to modify. rate: simulated seconds for each real one.
     """
 
     def __init__(
@@ -190,13 +190,13 @@ class VirtualIrc5:
 
     @property
     def port(self) -> int:
-        """Of FTP."""
+        """Port of FTP."""
         assert self._files is not None, "the controller is not started"
         return self._files.port
 
     @property
     def address(self) -> str:
-        """Of FTP."""
+        """Address of FTP."""
         return f"ftp://{self.user}@{self.host}:{self.port}"
 
     @property
@@ -223,13 +223,13 @@ class VirtualIrc5:
 
     @property
     def cabinet(self) -> Cabinet:
-        """What is inside: programs, panel, signals, event log."""
+        """The inside of the controller: programs, panel, signals, event log."""
         assert self._cabinet is not None, "the controller is not started"
         return self._cabinet
 
     @property
     def faults(self) -> Faults:
-        """What goes wrong on purpose with the answers of Robot Web Services."""
+        """Deliberate faults in the answers of Robot Web Services."""
         return self._faults
 
     @property
@@ -341,7 +341,7 @@ class VirtualIrc5:
         self.sessions.answer_requests("modify" if allowed else "denied")
 
     def hold_mastership(self, *domains: str) -> None:
-        """Somebody else holds these domains, or all, until `free_mastership`."""
+        """Let another client hold these domains, or all, until `free_mastership`."""
         self.cabinet.mastership.holders.update(
             dict.fromkeys(domains or ("cfg", "motion", "rapid"), SOMEBODY)
         )

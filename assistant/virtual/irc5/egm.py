@@ -58,7 +58,7 @@ class Guidance:
     _goal: tuple[float, ...] | None = None
 
     def hear(self, packet: bytes) -> None:
-        """What has come from the sensor; what makes no sense is passed over."""
+        """Receive a packet from the sensor; ignores packets that are invalid."""
         heard = packets.read_sensor_packet(packet, self.kind, len(self.values))
         if heard is None:
             self.ignored += 1
@@ -69,7 +69,7 @@ class Guidance:
             self._goal = heard.values
 
     def step(self, seconds: float) -> bytes:
-        """Time passes: the arm moves, and the packet tells of it."""
+        """Advance time: move the arm and return the packet that reports it."""
         self._clock += seconds
         if self.motors and self._running and self._goal is not None:
             self.values = self._moved(self._goal, seconds)
@@ -98,7 +98,7 @@ class Guidance:
         return math.inf if self._heard is None else 0.0
 
     def _look(self, seconds: float) -> None:
-        """Whether it is over."""
+        """Check whether the guidance is over."""
         if not self._running:
             self._near = 0.0
             return
@@ -130,7 +130,7 @@ class Guidance:
         return (*place, *turned.reshape(-1).tolist())
 
     def _way(self, away: float, speed: float, seconds: float) -> float:
-        """How far it comes in that time."""
+        """Return the distance covered in that time."""
         eager = 1.0 - math.exp(-seconds / self.lag) if self.lag > 0.0 else 1.0
         return min(away * eager, speed * seconds)
 
@@ -179,7 +179,7 @@ class VirtualEgm:
         self._socket.close()
 
     def wait(self, seconds: float) -> bool:
-        """Whether the guidance ends in that time."""
+        """True if the guidance ends in that time."""
         self._thread.join(seconds)
         return not self._thread.is_alive()
 

@@ -1,9 +1,9 @@
-r"""EGM in RAPID programs: instructions that a virtual controller adds to those of all.
+r"""EGM in RAPID programs: instructions that a virtual controller adds to the common ones.
 
 EGMReset, EGMGetId, EGMSetupUC, EGMActJoint, EGMActPose, EGMRunJoint, EGMRunPose and EGMStop (option
-689-1, manual 3HAC073318). What is not simulated ends the run as such: speed control
-(`\PosCorrGain:=0`), guidance beside the program (`\NoWaitCond`), ramping back at the end, frames
-other than the work object and tool.
+689-1, manual 3HAC073318). The run ends as not simulated at: speed control (`\PosCorrGain:=0`),
+guidance in parallel with the program (`\NoWaitCond`), ramping back at the end, frames other than
+the work object and tool.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ COMM_TIMEOUT: Final = 1.0
 NEAR: Final = 0.5
 """Degrees or mm that count as converged, where nothing states it."""
 TOOL_SPEEDS: Final = (1000.0, 180.0)
-"""Of a tool that is led: mm and degrees a second, assumed."""
+"""Speeds of a guided tool: mm and degrees a second, assumed."""
 HOLD: Final = "EGM_STOP_HOLD"
 AXES: Final = tuple(f"j{axis}" for axis in range(1, 7))
 FREEDOMS: Final = ("x", "y", "z", "rx", "ry", "rz")
@@ -44,7 +44,9 @@ FREEDOMS: Final = ("x", "y", "z", "rx", "ry", "rz")
 
 @dataclass(slots=True)
 class Prepared:
-    """What the instructions have set up by now. target: where packets go."""
+    """Settings that the instructions have made so far. target: address that receives the
+    packets.
+    """
 
     kind: Kind | None = None
     target: tuple[str, int] = ("", 0)
@@ -178,7 +180,7 @@ def _follow(machine: Machine, guidance: Guidance, egm: Prepared) -> None:
 
 
 def _hear(own: socket.socket, guidance: Guidance) -> None:
-    """What has come, but no more than fits between two cycles."""
+    """Receive the waiting packets, but no more than fit between two cycles."""
     with suppress(BlockingIOError, ConnectionRefusedError):
         for _ in range(64):
             guidance.hear(own.recv(2048))
@@ -223,7 +225,7 @@ def _pose(machine: Machine, egm: Prepared) -> tuple[float, ...]:
 
 
 def _speeds(machine: Machine, egm: Prepared) -> tuple[float, ...]:
-    """What the arm can, and is allowed to."""
+    """Return the speeds that the arm can reach and is allowed to use."""
     if egm.kind == "poses":
         return TOOL_SPEEDS
     assert machine.robot is not None

@@ -22,7 +22,7 @@ ROBOT_AXES: Final = 6
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """What a packet of a robot says. tm: ms. measured, planned: joints in degrees, or x y z in mm
+    """Contents of a robot's packet. tm: ms. measured, planned: joints in degrees, or x y z in mm
     with the quaternion.
     """
 
@@ -38,7 +38,7 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class SensorCommand:
-    """What a sensor asks for."""
+    """Command of a sensor."""
 
     seqno: int
     values: tuple[float, ...]
@@ -76,7 +76,9 @@ def _place_fields(values: Sequence[float], kind: Kind) -> bytes:
 
 
 def read_sensor_packet(packet: bytes, kind: Kind, count: int) -> SensorCommand | None:
-    """What an EgmSensor asks for; None for what is none, or asks for something else."""
+    """Return the command of an EgmSensor packet; None if it is invalid or requests something
+    else.
+    """
     try:
         top = _read_fields(packet)
         header = _read_fields(_only_field(top, 1))
@@ -119,7 +121,7 @@ Fields = dict[int, list[int | bytes]]
 
 
 class Damaged(ValueError):
-    """Bytes that are no message."""
+    """Bytes that do not form a message."""
 
 
 def _only_field(fields: Fields, number: int) -> bytes:

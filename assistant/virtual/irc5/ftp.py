@@ -51,7 +51,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         return re.sub(rf"^/{UNIT}(?=/|$)", "", path, flags=re.I) or "/"
 
     def validpath(self, path: str) -> bool:
-        """Whether it is inside the folder; no file has a NUL in its name."""
+        """True if a path is inside the folder; a NUL in its name is invalid."""
         return "\0" not in path and bool(super().validpath(path))
 
     def chdir(self, path: str) -> None:
@@ -70,7 +70,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         return Arrival(self, path)
 
     def rename(self, src: str, dst: str) -> None:
-        """A file that becomes a module by its new name is looked at then."""
+        """Rename a file; one that becomes a module by its new name is checked then."""
         source, target = FilePath(src), FilePath(dst)
         if source.is_file() and is_checked(target.name):
             self.look(target, read_file(source), leaving=source.name)

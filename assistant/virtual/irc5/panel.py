@@ -11,7 +11,7 @@ from typing import Final, Literal
 Mode = Literal["AUTO", "MANR", "MANF"]
 State = Literal["motoroff", "motoron", "guardstop", "emergencystop", "emergencystopreset"]
 Kind = Literal[1, 2, 3]
-"""Of an event: information, a warning, an error."""
+"""Kind of an event: information, a warning, an error."""
 MOST_EVENTS: Final = 1000
 DOMAIN: Final = 10_000
 """The number of an event is its domain times this, and its own number in the domain."""
@@ -35,8 +35,8 @@ TITLES: Final[dict[int, tuple[Kind, str]]] = {
     80002: (2, "User message: warning"),
     80003: (1, "User message: information"),
 }
-"""Events that this controller logs; the numbers are those of the reference, 4.2, but 10013, 10015,
-10017 and those of ErrWrite (80001 …), which are told from memory.
+"""Events that this controller logs; the numbers are those of the reference, 4.2, except 10013,
+10015, 10017 and those of ErrWrite (80001 …), which are from memory.
 """
 
 
@@ -79,7 +79,7 @@ class EventLog:
             del self.events[:-MOST_EVENTS]
 
     def of(self, domain: int) -> list[Event]:
-        """Of a domain, 0 for all."""
+        """Return the events of a domain, 0 for all."""
         with self._lock:
             return [one for one in self.events if domain in (0, one.domain)]
 

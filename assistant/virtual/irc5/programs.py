@@ -67,7 +67,7 @@ TASK: Final = "T_ROB1"
 MAIN: Final = "main"
 Cycle = Literal["once", "forever"]
 EVENT_NUMBERS: Final = {"error": 80001, "warning": 80002, "information": 80003}
-"""Of events that ErrWrite logs."""
+"""Numbers of the events that ErrWrite logs."""
 FAILURE_EVENTS: Final = (
     ("41822", 41822),
     ("reach", 50050),
@@ -75,11 +75,11 @@ FAILURE_EVENTS: Final = (
     ("limit", 50027),
     ("", 40228),
 )
-"""What the words of an error hold, and the number of its event; the first that fits."""
+"""Part of an error's text, and the number of its event; the first match counts."""
 
 
 class NotPossible(Exception):
-    """What the state of the controller, or the program, does not allow."""
+    """An action that the state of the controller or the program does not allow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +96,7 @@ class Module:
 
     @property
     def hidden(self) -> bool:
-        """Whether nobody is shown its text."""
+        """True if no one may see its text."""
         return "NOVIEW" in self._attributes
 
     @property
@@ -514,9 +514,9 @@ def _read_file(file: str, data: bytes) -> tuple[LoadedModule, Tree | None]:
 def _rule_findings(
     module: LoadedModule, tree: Tree, loaded: list[FilePath]
 ) -> tuple[Diagnostic, ...]:
-    """What the language's rules say of a module, but what the others beside it put right.
+    """Return the rule findings of a module, except those that the other modules resolve.
 
-    HOME: keeps files of many programs, so that two of them may well declare one name.
+    HOME: holds files of many programs, so two of them may well declare one name.
     """
     rapid = languages.get("rapid")
     alone = [

@@ -72,7 +72,7 @@ class Faults:
 
 
 GARBLED_ANSWER = b"\x00\xff\x7f not a protocol \r\n\x16\x03"
-"""What is sent instead of an answer."""
+"""Bytes that are sent instead of an answer."""
 
 
 NEEDS_PACKAGE = error(

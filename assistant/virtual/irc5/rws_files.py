@@ -45,7 +45,9 @@ def path_of(cabinet: Cabinet, path: str, dialect: int = 1) -> FilePath:
 
 
 def unit_path(path: str) -> str:
-    """What a form names, with or without `/fileservice/` in front, as `$HOME/x` or `HOME:/x`."""
+    """Return the path that a form names, with or without `/fileservice/` in front, as `$HOME/x` or
+    `HOME:/x`.
+    """
     return path.removeprefix("/fileservice/").lstrip("/")
 
 
@@ -115,7 +117,7 @@ def delete_path(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def act_on_path(cabinet: Cabinet, request: Request) -> Answer:
-    """RWS 1.0: what is to be done stands in the form."""
+    """Carry out the action that the form of RWS 1.0 names."""
     actions = {"create": create_folder, "copy": copy_path, "rename": rename_path}
     wanted = request.given("fs-action")
     if wanted not in actions:
@@ -174,7 +176,7 @@ LOAD_METHODS: Final[dict[str, LoadMethod]] = {one: one for one in get_args(LoadM
 INSTANCES_PAGE: Final = 70
 """Instances that are listed at once."""
 _BRACKETS: Final = re.compile(r"\[(.*),\s*\d+\]")
-"""How RWS 2.0 writes a value: the value, and which of several it is."""
+"""Form of a value in RWS 2.0: the value, and its number among several."""
 
 
 def parameter_domains(cabinet: Cabinet, request: Request) -> Answer:
@@ -258,7 +260,7 @@ def load_parameters(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def validate_parameters(cabinet: Cabinet, request: Request) -> Answer:
-    """Whether a file could be loaded."""
+    """Check that a file could be loaded."""
     try:
         parse_cfg(_parameter_file(cabinet, request))
     except ValueError as wrong:

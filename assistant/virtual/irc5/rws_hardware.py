@@ -56,7 +56,7 @@ def operating_mode(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def set_operating_mode(cabinet: Cabinet, request: Request) -> Answer:
-    """As virtual controllers let one do it; of a real one only its key does."""
+    """Set the operating mode, as virtual controllers allow; on a real one only its key does."""
     wanted = OPERATING_MODES.get(request.given("opmode").lower())
     if wanted is None:
         raise Rejected(rws_messages.BAD_ARGUMENT, "opmode")
@@ -157,7 +157,9 @@ def joint_target(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def robot_target(cabinet: Cabinet, request: Request) -> Answer:
-    """Of a tool in a work object, or in the base where `coordinate` says so."""
+    """Answer with the robtarget of a tool in a work object, or in the base if `coordinate` selects
+    it.
+    """
     _check_unit(request)
     tool = request.query.get("tool", "tool0")
     frame = request.query.get("wobj", "wobj0")
@@ -245,7 +247,9 @@ def _signal_page(cabinet: Cabinet, request: Request, found: list[Signal]) -> Ans
 
 
 def search_signals(cabinet: Cabinet, request: Request) -> Answer:
-    """What the form states has to hold; a name is part of one."""
+    """List the signals that match all fields of the form; a name matches any part of the signal's
+    name.
+    """
     found = []
     for one in sorted(cabinet.signals().values(), key=lambda s: s.title):
         facts = {"device": one.device, "network": one.network, "type": one.type}

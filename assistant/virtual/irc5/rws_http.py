@@ -35,20 +35,22 @@ FILE_TYPES: Final = ("text/plain;v=2.0", "application/octet-stream;v=2.0")
 
 
 class Service(Protocol):
-    """What answers requests; it raises Rejected for those that it does not carry out."""
+    """Handler of requests; it raises Rejected for those that it does not carry out."""
 
     def __call__(self, request: Request) -> Answer: ...
 
 
 class Sockets(Protocol):
-    """Takes a connection over that becomes a WebSocket; False if there is none at that path."""
+    """Take over a connection that becomes a WebSocket; False if no resource is at that path."""
 
     def __call__(self, path: str, connection: Connection, /) -> bool: ...
 
 
 @dataclass(slots=True, eq=False)
 class Site:
-    """What a server serves. dialect: 1 or 2. secure: what encrypts it, None for plain HTTP."""
+    """Contents of a server. dialect: 1 or 2. secure: context for encryption, None for plain
+    HTTP.
+    """
 
     dialect: int
     sessions: Sessions
@@ -59,7 +61,7 @@ class Site:
 
 
 class Server(ThreadingHTTPServer):
-    """Serves a site, each connection in a thread of its own, until `close`."""
+    """Server of a site, with one thread for each connection, until `close`."""
 
     daemon_threads = True
     block_on_close = False
@@ -102,7 +104,9 @@ class Server(ThreadingHTTPServer):
                     one.shutdown(socket.SHUT_RDWR)
 
     def finish_request(self, request: object, client_address: object) -> None:
-        """Encrypts in the thread of the connection, so that nobody who is silent stops others."""
+        """Encrypt in the thread of the connection, so that a silent client does not block
+        others.
+        """
         assert isinstance(request, socket.socket)
         with self._lock:
             self._open.add(request)
@@ -217,7 +221,7 @@ class Connection(BaseHTTPRequestHandler):
         return body
 
     def _session(self) -> Session | None:
-        """The session of the request, which is answered if there is none."""
+        """Return the session of the request; answers the request if it has no session."""
         sessions, dialect = self.site.sessions, self.site.dialect
         known = sessions.of(self.headers.get("Cookie", ""))
         if known is not None:
@@ -235,7 +239,9 @@ class Connection(BaseHTTPRequestHandler):
         return begun
 
     def _fields(self, body: bytes) -> dict[str, str]:
-        """Of a form; of several fields with one name all, with commas between."""
+        """Return the fields of a form; values of fields with the same name are joined with
+        commas.
+        """
         if not self.headers.get("Content-Type", FORM_TYPE).startswith(FORM_TYPE):
             return {}
         found: dict[str, str] = {}
@@ -249,7 +255,7 @@ class Connection(BaseHTTPRequestHandler):
         return rws_messages.XHTML_1 if self.site.dialect == 1 else rws_messages.XHTML_2
 
     def _form(self, query: dict[str, str], accept: str) -> Form | None:
-        """How the answer is written; None if the client takes none of the ways."""
+        """Return the format of the answer; None if the client accepts none of the formats."""
         if self.site.dialect == 1:
             return rws_messages.JSON_1 if query.get("json") == "1" else rws_messages.XHTML_1
         for form in (rws_messages.HAL_2, rws_messages.XHTML_2):

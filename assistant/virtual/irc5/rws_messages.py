@@ -62,7 +62,9 @@ class Session:
 
 @dataclass(eq=False)
 class Sessions:
-    """ended: is told of each session that is over. refuses: whether every login is refused."""
+    """Sessions of a server's clients. ended: are called with each session that has ended. refuses:
+    True to refuse every login.
+    """
 
     user: str
     password: str = field(repr=False)
@@ -138,7 +140,7 @@ class Sessions:
         )
 
     def admits(self, dialect: int, header: str, method: str, target: str) -> bool:
-        """Whether an `Authorization` header is right. target: as the request line states it."""
+        """True if an `Authorization` header is right. target: as the request line states it."""
         scheme, _, rest = header.partition(" ")
         if self.refuses:
             return False
@@ -154,7 +156,7 @@ class Sessions:
         return hmac.compare_digest(given, f"{self.user}:{self.password}".encode())
 
     def _is_digest(self, rest: str, method: str, target: str) -> bool:
-        """As RFC 2617 has it, with or without `qop`."""
+        """True if a digest matches RFC 2617, with or without `qop`."""
         given = {name.lower(): quoted or bare for name, quoted, bare in _DIGEST_FIELD.findall(rest)}
         nonce = given.get("nonce", "")
         if nonce not in self._nonces or given.get("username") != self.user:
@@ -181,10 +183,11 @@ HEAD: Final = '<?xml version="1.0" encoding="UTF-8"?><html xmlns="http://www.w3.
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """type: its class. href: of itself, empty if it states none. inside: items that it holds.
+    """An item of an answer. type: its class. href: its reference, empty if it states none. inside:
+    items that it holds.
 
     group: the name of the list of those in JSON. An item without a type is a `value` of some
-    `type`, which XHTML has as a span of its own.
+    `type`, for which XHTML has a separate span.
     """
 
     type: str
@@ -197,10 +200,12 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """items: what the resource is. listed: what it holds. data: of a file, instead of those.
+    """Answer to a request. items: the resource. listed: its contents. data: bytes of a file,
+    instead of those.
 
-    next: reference to the next page of a list. headers: beside those that every answer has. links:
-    what it refers to, and as what, instead of itself. only_xhtml: whatever form was asked for.
+    next: reference to the next page of a list. headers: in addition to those of every answer.
+    links: references and their relations, instead of the reference to itself. only_xhtml: True to
+    ignore the requested format.
     """
 
     status: int = 200
@@ -248,7 +253,7 @@ class Place:
 
 
 def _html(value: str) -> str:
-    """As XHTML writes it."""
+    """Return a text escaped as in XHTML."""
     return escaped(value).replace("&#x27;", "&#39;")
 
 
@@ -268,7 +273,7 @@ def xhtml(answer: Answer, place: Place) -> str:
 
 
 def event_message(group: int, items: Sequence[Item], place: Place) -> str:
-    """What a WebSocket is told."""
+    """Return the message of an event for a WebSocket."""
     rows = "".join(map(_xhtml_item, items))
     link = f'<a href="subscription/{group}" rel="group"></a>'
     return _xhtml_page(place, f'<div class="state">{link}<ul>{rows}</ul></div>', "Event")
@@ -378,7 +383,7 @@ BAD_ARGUMENT: Final = Reason(-1073445879, "Invalid action parameter value", 400,
 WRONG_STATE: Final = Reason(-1073442809, "Operation not allowed in the current state", 400, 403)
 """400 is what RWS 1.0 sends for a start that is not allowed; 403 is assumed of 2.0."""
 UNSPECIFIED: Final = Reason(-1073445885, "Unspecified Error", 400, 400)
-"""Of what failed without a number in any public source, as a load of a text with errors."""
+"""Reason of failures without a number in any public source, as a load of a text with errors."""
 NO_EVENTS: Final = Reason(-1073414146, "Resource does not exist on the controller", 400, 400)
 NO_METHOD: Final = Reason(-1073445879, "Method not allowed", 405, 405)
 UNACCEPTABLE: Final = Reason(-1073445879, "Not acceptable", 406, 406)
@@ -407,7 +412,7 @@ class Request:
     host: str = ""
 
     def either(self, one: str, two: str) -> str:
-        """What differs between the dialects."""
+        """Return the text for the dialect of the request."""
         return one if self.dialect == 1 else two
 
     def given(self, name: str, *others: str) -> str:
@@ -429,7 +434,7 @@ class Request:
 
 H = TypeVar("H")
 KEPT_CHARACTERS: Final = "/fileservice"
-"""Where a path is kept as it was sent: what it encodes may matter."""
+"""Beginning of paths that stay as sent: their encoding may matter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -460,7 +465,9 @@ def make_route(method: str, stated: str, handler: H, needs: str = "") -> Route[H
 def find_route(
     routes: Sequence[Route[H]], request: Request
 ) -> tuple[Route[H], dict[str, str]] | Rejected:
-    """The first that fits, with what its names stand for; else why there is none."""
+    """Return the first route that matches, with the values of its names; else the reason for the
+    refusal.
+    """
     raw = request.path.rstrip("/") or "/"
     path = raw if raw.startswith(KEPT_CHARACTERS) else unquote(raw)
     action = request.query.get("action", request.query.get("resource", ""))

@@ -492,7 +492,9 @@ def _unknown_symbol(request: Request) -> Reason:
 
 
 def symbol_value(machine: Machine, symbol: Symbol) -> str:
-    """As RAPID writes it; raises Rejected for data that has no such text."""
+    """Return the value of a symbol as RAPID writes it; raises Rejected for data without such a
+    text.
+    """
     value = symbol.cell.value
     try:
         if value is None:
@@ -585,7 +587,7 @@ def search_symbols(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def validate_value(cabinet: Cabinet, request: Request) -> Answer:
-    """Whether a text is a value of a type."""
+    """Check that a text is a value of a type."""
     text, type = request.given("value"), request.given("datatype", "dattyp")
 
     def check(programs: Programs) -> bool:

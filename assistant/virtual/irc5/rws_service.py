@@ -32,10 +32,10 @@ Handler = Callable[[Cabinet, Request], Answer]
 
 
 class Row(NamedTuple):
-    """one, two: the path of each dialect, empty where it has none.
+    """Row of a route. one, two: the path in each dialect, empty where it has none.
 
-    needs: the domain whose mastership it takes, with `?` behind it if it is enough that nobody else
-    holds that.
+    needs: the domain whose mastership it takes, followed by `?` if it is enough that no other
+    client holds that.
     """
 
     method: str
@@ -195,7 +195,7 @@ def serve_resource(cabinet: Cabinet, request: Request) -> Answer:
 
 
 class Service:
-    """Of one cabinet; both dialects share it."""
+    """Service of one cabinet; both dialects share it."""
 
     def __init__(self, cabinet: Cabinet, sessions: Sessions) -> None:
         self.cabinet, self.sessions = cabinet, sessions
@@ -213,7 +213,7 @@ class Service:
             raise Rejected(rws_messages.UNSPECIFIED, "the controller has no time") from None
 
     def _ended(self, session: Session) -> None:
-        """What it held is given back."""
+        """Release the masterships and subscriptions of a session."""
         self.cabinet.mastership.give_back(MASTERSHIP_DOMAINS, session.key)
         self.subscriptions.end_session(session.key)
 
@@ -248,7 +248,7 @@ OWN_ROUTES: Final = {
 
 
 def make_service(cabinet: Cabinet, user: str, password: str) -> Service:
-    """What both servers share."""
+    """Return the service that both servers share."""
     return Service(cabinet, Sessions(user, password))
 
 

@@ -46,9 +46,10 @@ ReadValue = Callable[[], str]
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """resource: as the client named it. read: its value now; an event is sent where it is another
-    one. events: of a value. signal: whose changes are told one by one, None if there is none.
-    first: whether the value at the beginning is told.
+    """A resource that a client watches. resource: as the client named it. read: returns its present
+    value; a changed value sends an event. events: returns the items of a value. signal: the signal
+    whose changes are reported one by one, None if the resource has none. first: whether the value
+    at the beginning is reported.
     """
 
     resource: str
@@ -169,7 +170,7 @@ TICK: Final = 0.02
 MOST_GROUPS: Final = 64
 MOST_WATCHED: Final = 1000
 GUID: Final = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
-"""Of the handshake (RFC 6455, 1.3)."""
+"""GUID of the handshake (RFC 6455, 1.3)."""
 POLICY_VIOLATION: Final = 1008
 GOING_AWAY: Final = 1001
 _POLL: Final = re.compile(r"/poll/(\d+)")
@@ -177,8 +178,8 @@ _POLL: Final = re.compile(r"/poll/(\d+)")
 
 @dataclass(slots=True, eq=False)
 class Group:
-    """session: its key. watches: by resource. known: values that were told. spent: whether its
-    WebSocket was opened once.
+    """A subscription group. session: its key. watches: by resource. known: reported values. spent:
+    whether its WebSocket was opened once.
     """
 
     number: int
@@ -193,7 +194,7 @@ class Group:
     over: threading.Event = field(default_factory=threading.Event)
 
     def news(self) -> list[Sequence[Item]]:
-        """What each event since the last look consists of."""
+        """Return the items of each event since the last look."""
         found: list[Sequence[Item]] = []
         while self.changes:
             one, value = self.changes.popleft()
@@ -211,7 +212,9 @@ class Group:
         return found
 
     def _told(self, one: Watch, value: str) -> list[Sequence[Item]]:
-        """Of the log one event for each number since the last one."""
+        """Return the events of a changed value; those of the log one for each number since the last
+        one.
+        """
         before, self.known[one.resource] = self.known[one.resource], value
         if one.first:
             return [one.events(value)]
@@ -326,7 +329,7 @@ class Subscriptions:
     # ------------------------------------------------------------------------ WebSockets
 
     def open(self, path: str, connection: Connection) -> bool:
-        """Serves a WebSocket until either side ends it; False if there is none at that path."""
+        """Serve a WebSocket until either side ends it; False if no group is at that path."""
         found = _POLL.fullmatch(path)
         group = None if found is None else self._groups.get(int(found[1][:9]))
         if group is None or (group.dialect == 2 and group.spent):

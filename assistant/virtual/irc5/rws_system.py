@@ -1,7 +1,8 @@
 """`/rw/system`, `/ctrl`, `/rw/elog`, `/rw/mastership`, `/users`: the controller and its users.
 
-Identity, clock, backup and restore; the event log, of which RWS 1.0 lists the newest event first
-and 2.0 the oldest unless the request says otherwise; who may change what, and who is logged in.
+Identity, clock, backup and restore; the event log, which RWS 1.0 lists from the newest event and
+2.0 from the oldest unless the request asks for the other order; who may change what, and who is
+logged in.
 """
 
 from __future__ import annotations
@@ -117,7 +118,7 @@ def backup_ready(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def read_progress(cabinet: Cabinet, request: Request) -> Answer:
-    """Of what a 202 was answered to."""
+    """Answer with the progress of a request that got a 202."""
     number = request.captures["number"]
     return Answer(items=[Item("progress", number, {"state": "ready", "code": "294912"})])
 
@@ -295,10 +296,10 @@ def release_mastership(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def check_mastership(cabinet: Cabinet, request: Request, needs: str) -> None:
-    """Raises Rejected if a session may not act. needs: a domain, with `?` behind it if it is enough
-    that nobody else holds it.
+    """Raises Rejected if a session may not act. needs: a domain, followed by `?` if it is enough
+    that no other session holds it.
 
-    RWS 1.0 takes a mastership that nobody holds for the one request.
+    RWS 1.0 takes a free mastership for the one request.
     """
     _check_manual(cabinet, request)
     domain = needs.rstrip("?")

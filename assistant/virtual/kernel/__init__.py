@@ -1,7 +1,7 @@
-"""What the interpreters of all languages run on: tasks on one simulated clock, signals, motions.
+"""Base of the interpreters of all languages: tasks on one simulated clock, signals, motions.
 
-It knows no language. A language runs each of its programs in a `Task`: it tells what happens,
-waits, and counts statements through it.
+It is independent of any language. A language runs each of its programs in a `Task`, through which
+it reports events, waits, and counts statements.
 """
 
 from assistant.virtual.kernel.kernel import MOST_STEPS, Board, Instant, Kernel, Motion, Signals

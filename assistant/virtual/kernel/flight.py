@@ -253,7 +253,7 @@ class _GoalRows:
 
 
 NO_TIME: Final = 1e-9
-"""Seconds that are none."""
+"""Seconds that count as zero."""
 
 
 @dataclass(slots=True, eq=False)
@@ -274,9 +274,10 @@ class Change:
 class Order:
     """A motion that was commanded.
 
-    place: of its statement. row: in the log, of the first event behind it. clock: of the kernel
-    when it was commanded. stops: whether the arm comes to rest at its end. release: when the
-    program goes on behind it. begin, end: where it lies on the way of its plan.
+    place: source location of its statement. row: index in the log of the first event after it.
+    clock: kernel time when it was commanded. stops: whether the arm comes to rest at its end.
+    release: time at which the program continues after it. begin, end: its section of the path of
+    its plan.
     """
 
     task: Task
@@ -291,7 +292,7 @@ class Order:
     end: float = 0.0
 
     def is_changed(self, release: float) -> bool:
-        """Whether the program goes on at another time than was thought."""
+        """True if the program continues at another time than expected."""
         return self.release != release
 
 
@@ -312,7 +313,9 @@ class Planned:
     guessed: tuple[int, ...] = ()
 
     def leg(self, until: float) -> Leg:
-        """What the arm goes through until so many seconds from the beginning."""
+        """Return the part of the plan that the arm covers until so many seconds from the
+        beginning.
+        """
         return Leg(self.began + self.first, self.plan, self.first, max(until, self.first))
 
 
@@ -334,9 +337,9 @@ class Leg:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """Where orders begin: at joints (a,), from rest at a time of the kernel. speed: None for that,
-    else in mm/s where they go on from others, so that the arm is in the middle of the first of them
-    at that time.
+    """Start of orders: at joints (a,), from rest at a time of the kernel. speed: None for a start
+    from rest; otherwise mm/s of a continued motion, so that the arm is in the middle of the first
+    order at that time.
     """
 
     joints: Floats
@@ -346,8 +349,8 @@ class Start:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """What moves. drive: None for the robot's own with the tools that it carries. strict: see
-    `goals_of`.
+    """Model of the moving arm. drive: None for the robot's default with the tools that it carries.
+    strict: see `goals_of`.
     """
 
     robot: Robot
@@ -421,7 +424,7 @@ class Flight:
             self._moves, self._last = self._moves.rest(rows), self._last[index:] - rows
 
     def leave_out(self, index: int) -> None:
-        """An order is refused and not made, nor are those behind it; what flies goes on."""
+        """Drop a refused order and those after it; the orders before it continue."""
         self.refusal = None
         del self.orders[index:]
 
@@ -459,7 +462,9 @@ def _corner_borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
 
 
 def trigger_time(planned: Planned, order: Order, at: OnWay) -> float:
-    """Seconds from the beginning of a plan, when something on the way of an order is come to."""
+    """Return the seconds from the beginning of a plan until a position on the path of an order is
+    reached.
+    """
     begin, end = order.begin, order.end
     first, last = (float(v) for v in planned.plan.passing(np.array([begin, end])))
     match at.measure:
@@ -475,7 +480,7 @@ def trigger_time(planned: Planned, order: Order, at: OnWay) -> float:
 
 
 def progress(planned: Planned, orders: Sequence[Order], gone: float) -> Progress:
-    """Of the order that is followed so many seconds from the beginning of a plan."""
+    """Return the progress of the order that runs so many seconds after the beginning of a plan."""
     at = min(int(np.searchsorted(planned.ends, gone, side="right")), len(orders) - 1)
     begin, end = orders[at].begin, orders[at].end
     place = min(max(planned.plan.place(gone)[0], begin), end)

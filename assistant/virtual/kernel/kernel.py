@@ -39,7 +39,9 @@ class Timer:
 
 
 class Timers:
-    """due: the time of the first one, infinite where there is none."""
+    """Timers in order of their times. due: the time of the first one, infinite if there are no
+    timers.
+    """
 
     def __init__(self) -> None:
         self.due = math.inf
@@ -62,9 +64,9 @@ class Timers:
 
 
 Source = Mapping[str, float] | Callable[[str], float]
-"""What each signal reads that nothing has set, by name in lower case. A table leaves out 0."""
+"""Values of the signals that nothing has set, by name in lower case. A table leaves out 0."""
 Listener = Callable[[str, float, float], None]
-"""Is told of a signal's name, and of its value before and now."""
+"""Function that gets a signal's name, and its value before and now."""
 
 NO_SIGNALS: Final[Mapping[str, float]] = {}
 
@@ -88,7 +90,7 @@ class Signals:
         return float(source(name) if callable(source) else source.get(name, 0.0))
 
     def set(self, name: str, value: float) -> None:
-        """Gives a signal a value; whoever listens is told if it is another one."""
+        """Set a signal; calls the listeners if its value changes."""
         before = self.read(name)
         self.values[name] = value
         if before != value:
@@ -105,7 +107,7 @@ class Board:
 
 
 class Progress(NamedTuple):
-    """Of a motion: mm that are left, the percent that is done, and mm/s of the tool."""
+    """Progress of a motion: mm that are left, the percent that is done, and mm/s of the tool."""
 
     left: float = 0.0
     done: float = 100.0
@@ -136,13 +138,15 @@ class Motion(Protocol):
         """Waits until the arm stands at its latest target, whatever corner the motion states."""
 
     def stands(self) -> bool:
-        """Whether the arm is where its latest motion leads."""
+        """True if the arm is at the end of its latest motion."""
 
     def where(self) -> Standing | None:
-        """Where the arm is now; None if only the motions tell, which take no time."""
+        """Return the arm's present position; None if it only follows from the motions, which take
+        no time.
+        """
 
     def progress(self) -> Progress | None:
-        """Of the motion that is made now, or was made last; None if only the motions tell."""
+        """Return the progress of the current or last motion; None if motions take no time."""
 
     def catch_up(self, kernel: Kernel) -> None:
         """Somebody asks for the time: it is as late as the program is."""
@@ -154,7 +158,7 @@ class Motion(Protocol):
         """Stops the arm, and keeps what it was to do until `restore`; other motions may come."""
 
     def restore(self, task: Task) -> None:
-        """What was kept is to be done again; the arm stays where it is until `resume`."""
+        """Restore the stored motions; the arm stays where it is until `resume`."""
 
     def cut(self, task: Task) -> Standing | None:
         """Ends all motions where the arm is, and tells where that is."""
@@ -237,24 +241,25 @@ class OutOfSteps(Exception):
 
 @dataclass(eq=False)
 class Kernel:
-    """most_steps: statements of all tasks. most_time: simulated seconds.
+    """Runs tasks on one simulated clock. most_steps: statements of all tasks. most_time: simulated
+    seconds.
 
-    statement_time: seconds that a statement takes. busy_time: of each behind many that took none,
-    so that a program that looks for an input again and again comes to see it. pace: simulated
-    seconds for each real one, None for as fast as possible. watch: is asked before each statement,
-    to trace it or to hold the run. limit: is asked at each statement, and at each check of a wait,
-    whether the run is over. branch: is told of each way that a statement goes on: its file, where
-    it stands there, and which way, counted from 0. stuck: is asked where a task waits, before its
-    time is over or the run ends; True if it has brought what is waited for. told: are told of each
-    event. met: is told of each wait that its condition ends, with that. kept: gives what shared
-    data holds, by its name, which is told before the next event. timed: is told when a program sets
-    a timer, as a wait of its own begins. looked: is called at each check of a wait for a timer,
-    with the start of the wait and whether it is over. clock: simulated seconds, but behind `now`
-    while a program runs ahead of its arm. person: answers what programs ask. peers: what the other
-    end of each line says, text by text, in a run that reaches nothing outside; None where lines
-    lead where they do. shared: whether several tasks run. reacts: whether a script reacts to
-    motions, so that no program runs ahead of its arm. live: what the run is part of that goes on
-    when all tasks have ended.
+    statement_time: seconds that a statement takes. busy_time: seconds of each statement after many
+    that took none, so that a program that polls an input comes to see it. pace: simulated seconds
+    for each real one, None for as fast as possible. watch: is called before each statement, to
+    trace it or to hold the run. limit: is called at each statement, and at each check of a wait;
+    returns how the run ends, or None. branch: is called for each branch that a statement takes: its
+    file, its position there, and which branch, counted from 0. stuck: is called where a task waits,
+    before its time is over or the run ends; True if it has caused the awaited change. told: are
+    called with each event. met: is called for each wait that its condition ends, with that
+    condition. kept: returns the values of shared data by name, which are reported before the next
+    event. timed: is called when a program sets a timer, which begins a separate wait. looked: is
+    called at each check of a wait for a timer, with the start of the wait and whether it is over.
+    clock: simulated seconds, but earlier than `now` while a program runs ahead of its arm. person:
+    answers questions of programs. peers: texts that the other end of each line sends in a run
+    without outside connections; None if lines lead to real ends. shared: whether several tasks run.
+    reacts: whether a script reacts to motions, so that no program runs ahead of its arm. live:
+    owner of a run that continues when all tasks have ended.
     """
 
     board: Board = field(default_factory=Board)
@@ -288,16 +293,16 @@ class Kernel:
         self.hub = getcurrent()
         self.ending: Ending | None = None
         self.stirred = False
-        """Whether a task has begun to wait, or an interrupt has run, since the round began."""
+        """True if a task has begun to wait, or an interrupt has run, since the round began."""
         self.clocked = 0
         """Statements that had run when the time was last read."""
         self.attached = 0
-        """How much there is outside of the run that may act on it at any time."""
+        """Number of things outside the run that may act on it at any time."""
         self.looking = False
-        """Whether what is read is for an interrupt, which asks whenever anything runs."""
+        """True while values are read for an interrupt, which checks whenever anything runs."""
         self.ended_in: tuple[str, Place | None] = "", None
         self.leaving: list[Callable[[], None]] = []
-        """What is done when the run is over."""
+        """Functions to call when the run is over."""
         self._held: dict[str, float | str] = {}
         self._timers = Timers()
         self._handed = 0
@@ -423,7 +428,7 @@ class Kernel:
             self.end(task.ended, task)
 
     def _helped(self) -> bool:
-        """Whether somebody brings what a task waits for whose time would be over some day."""
+        """True if `stuck` causes the change that a task with a limited wait needs."""
         if self.stuck is None:
             return False
         waiting = [task for task in self.tasks if task.waiting and task.wakes < math.inf]
@@ -441,7 +446,7 @@ class Kernel:
 
     @property
     def now(self) -> float:
-        """Simulated seconds, with those that the arm took for what it was told."""
+        """Simulated seconds, including those of the arm's commanded motions."""
         self.clocked = self.steps
         if self.motion.behind:
             self.catch_up()
@@ -454,7 +459,7 @@ class Kernel:
 
     @property
     def alone(self) -> bool:
-        """Whether nothing but the one program that runs can see or make any change."""
+        """True if nothing but the single running program can see or make a change."""
         board = self.board
         return not (
             self.shared
@@ -469,9 +474,9 @@ class Kernel:
         )
 
     def fail(self, task: Task, place: Place | None, ending: Ending) -> None:
-        """Ends the run, for what went wrong before anything else did; no task goes on.
+        """End the run for an error that came before anything else; no task continues.
 
-        Of one that lives on it ends the task alone, and raises Broken.
+        In a live run it ends the task alone, and raises Broken.
         """
         if self.live is not None:
             if task.coroutine is not getcurrent() and task in self.tasks:
@@ -608,7 +613,7 @@ class Kernel:
                 self.log.append(Logged(self.clock, task, place, Kept(name, value)))
 
     def change(self, task: Task, what: Switched, place: Place | None = None) -> None:
-        """What a motion does on its way: an output is set, or an interrupt raised."""
+        """Perform an action on the path of a motion: set an output, or raise an interrupt."""
         if isinstance(what, Called):
             what.act()
         else:
@@ -616,7 +621,7 @@ class Kernel:
             self.board.outputs.set(what.signal, what.value)
 
     def _hand_on(self) -> None:
-        """Tells of the events whose times are known by now."""
+        """Report the events whose times are known by now."""
         if not self.told or self._handing:
             return
         self._handing = True  # what a listener does may end here again: rows are told in order
@@ -630,7 +635,7 @@ class Kernel:
             self._handing = False
 
     def forget(self) -> None:
-        """Lets go of what has happened, while the arm stands; who is told of it has been."""
+        """Forget past events, while the arm is at rest; the listeners have received them."""
         self._hand_on()
         self.log.clear()
         self._handed = 0

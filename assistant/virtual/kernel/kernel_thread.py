@@ -31,14 +31,15 @@ if TYPE_CHECKING:
 PATIENCE: Final = 10.0
 """Seconds that a command waits for its turn; a turn takes as long as a motion's planning."""
 MOST_ROWS: Final = 10_000
-"""Of the log, after which what is over is forgotten."""
+"""Rows of the log, after which past events are forgotten."""
 
 T = TypeVar("T")
 
 
 class Live:
-    """make: builds the kernel, in the thread in which it then runs. rate: simulated seconds for
-    each real one. ended: is told of each task that has ended, and how; it may start others.
+    """A kernel in a thread, in real time. make: builds the kernel, in the thread in which it then
+    runs. rate: simulated seconds for each real one. ended: is called with each task that has ended
+    and its ending; it may start others.
     """
 
     def __init__(
@@ -168,7 +169,7 @@ class Stepped(Live):
         self._freed: float | None = None
         """Since when time passes as real time does, of the monotonic clock."""
         self._until: float | None = None
-        """What the kernel waits for, None while it is at work."""
+        """Simulated time that the kernel waits for, None while it is at work."""
 
     def free(self) -> None:
         """Time passes as real time does, until `advance` is called: for what waits by a clock."""
@@ -192,7 +193,9 @@ class Stepped(Live):
         return self._allowed + (0.0 if self._freed is None else time.monotonic() - self._freed)
 
     def reach(self, clock: float, moment: float) -> float:
-        """As of `Live`: the moment, or the one that is reached when another thread asks."""
+        """Wait for a moment, as `Live` does; return it, or the time reached when another thread
+        asks.
+        """
         asked = self._wait(moment)
         return max(clock, min(moment, self.now())) if asked else max(clock, moment)
 
@@ -220,7 +223,7 @@ class Stepped(Live):
         return False
 
     def _stands(self) -> bool:
-        """Whether all has happened that may, and was asked for."""
+        """True if all allowed events and all requests are done."""
         waits = self._until is not None and self._until > self._allowed
         return self._over or (waits and not self._bell.is_set() and not self._commands)
 

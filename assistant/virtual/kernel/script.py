@@ -50,12 +50,11 @@ class Visit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """An input that gets a value: at a time, each time that a signal gets another one, or with a
-    motion.
+    """An input that gets a value: at a time, each time that a signal changes, or with a motion.
 
-    name: in lower case, or a number as text. at, after: seconds, behind the start or behind
-    `when`. lasts: seconds after which it is what it was before; None to stay. every: seconds from
-    one time to the next; None for once.
+    name: in lower case, or a number as text. at, after: seconds, from the start or from `when`.
+    lasts: seconds after which it returns to its value before; None to stay. every: seconds from one
+    time to the next; None for once.
     """
 
     name: str
@@ -69,7 +68,7 @@ class Change:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """What a person answers to a question. to: a part of its text, in any case; empty for any.
+    """Answer of a person to a question. to: a part of its text, in any case; empty for any.
 
     after: seconds that it takes. always: to each such question, not only to the next one.
     """
@@ -91,10 +90,10 @@ class Script:
 
 @dataclass(slots=True, eq=False)
 class Person:
-    """Answers what programs ask. answers: those that are left, in their order.
+    """Answers questions of programs. answers: those that are left, in their order.
 
-    console: asks somebody who is there what none of them answers; None if nobody is. panel: inputs
-    that answer instead; None where there are none.
+    console: asks the user for answers that are missing; None without a user. panel: inputs that
+    answer instead; None without such inputs.
     """
 
     answers: list[Answer] = field(default_factory=list)
@@ -102,7 +101,7 @@ class Person:
     panel: Panel | None = None
 
     def find(self, question: str) -> Answer | None:
-        """What will be answered; None if nobody ever will."""
+        """Return the next answer to a question; None if it never gets one."""
         asked = question.casefold()
         found = next((one for one in self.answers if one.to.casefold() in asked), None)
         if found is None:

@@ -32,7 +32,7 @@ class Shown:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A call that runs. groups: data by where it is known, worked out when it is asked for."""
+    """A call that runs. groups: data by scope, evaluated on request."""
 
     name: str
     place: Place | None
@@ -41,7 +41,7 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How a task ended; see `Run`. place: where it was, None for where it is when it is asked."""
+    """End of a task; see `Run`. place: its source location, None for its present one."""
 
     ended: Why = "end"
     message: str = ""
@@ -49,7 +49,7 @@ class Ending:
 
 
 class Broken(Exception):
-    """A task is over for what is none of its program's doing, as a motion that cannot be made."""
+    """End of a task for a reason outside its program, as a motion that cannot be made."""
 
     def __init__(self, ending: Ending) -> None:
         super().__init__(ending.message)
@@ -60,13 +60,14 @@ Body = Callable[["Task"], Ending]
 
 
 class Task:
-    """name: as the log and messages say it. body: runs the program to its end.
+    """A task of a kernel. name: as in the log and in messages. body: runs the program to its end.
 
-    lines: statements until the next task has its turn. essential: whether the run goes on until it
-    ends; others end with the last of those. where: the place of the statement at hand. levels:
-    the calls that run, the innermost first. closed: interrupts wait while it is above 0. looks:
-    asks before each statement, and while one waits, whether an interrupt is due. sampling: seconds
-    from look to look of a wait, None if only what happens may bring one. ended: None while it runs.
+    lines: statements until the next task has its turn. essential: whether the run continues until
+    it ends; others end with the last of those. where: returns the source location of the current
+    statement. levels: returns the calls that run, the innermost first. closed: interrupts wait
+    while it is above 0. looks: checks before each statement, and while one waits, whether an
+    interrupt is due. sampling: seconds between checks of a wait, None if only an event may end it.
+    ended: None while it runs.
     """
 
     def __init__(
@@ -168,7 +169,9 @@ class Task:
     # ------------------------------------------------------------------------- interrupts
 
     def _sample(self, end: float) -> float:
-        """When a wait is looked at again that only time may interrupt; it counts as a statement."""
+        """Return when to check a wait again that only time may interrupt; it counts as a
+        statement.
+        """
         if self.wakes > self.kernel.now:
             return min(end, self.wakes)
         self.kernel.spend()

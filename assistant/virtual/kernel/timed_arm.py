@@ -55,7 +55,7 @@ MELFA_REFUSALS: Final[Mapping[Reason, str]] = {
 }
 """CR750/CR751 troubleshooting, BFP-A8871: 2602 `DSTN pos. exceeds the limit`."""
 CORNER_PATH_FAILURE: Final = "50024: corner path failure, the arm stops in the point"
-"""Of RAPID: the next motion comes too late for the corner."""
+"""Warning of RAPID: the next motion comes too late for the corner."""
 
 
 def refusal_message(refusal: Refusal, robot: Robot, place: Place | None) -> str:
@@ -159,7 +159,7 @@ class Timed:
         self._rest_from_end(kernel)
 
     def _is_far_ahead(self, kernel: Kernel) -> bool:
-        """Whether what waits to be planned must not become more."""
+        """True if the program must not queue more motions for planning."""
         orders = self._flight.orders
         late = not orders[-1].stops and kernel.clock - orders[-1].clock > NEVER_LATE
         return late or len(orders) >= MOST_AHEAD

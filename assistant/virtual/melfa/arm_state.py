@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 Both = TypeVar("Both", Position, Joints)
 
 SIX: Final = 6
-"""Elements that a pose has; behind them stand the additional axes."""
+"""Elements of a pose; the additional axes follow them."""
 
 
 def pose_of(value: Position, robot: Robot | None = None) -> Pose:
@@ -130,14 +130,14 @@ def _plain_numbers(value: Position, robot: Robot | None) -> Pose:
 
 
 def same_place(left: Pose | None, right: Pose, tolerance: float = 0.01) -> bool:
-    """Whether two poses are at one place, within mm."""
+    """True if two poses are at one position, within mm."""
     if left is None:
         return False
     return bool(np.linalg.norm(np.subtract(left.position, right.position)) <= tolerance)
 
 
 def flange_of(shown: Pose, base: Pose, tool: Pose) -> Pose:
-    """Where the flange is in the robot's own base: shown = base · flange · tool."""
+    """Return the flange in the robot base: shown = base · flange · tool."""
     return base.inverse() @ shown @ tool.inverse()
 
 
@@ -152,9 +152,9 @@ FULL: Final = 100.0
 
 @dataclass(slots=True)
 class Settings:
-    """What a slot sets for its moves. override, joint_override, acceleration: percent.
+    """Settings of a slot for its moves. override, joint_override, acceleration: percent.
 
-    speed: mm/s. corner: mm of `Cnt`, 0 for none, infinite for a size that the controller takes.
+    speed: mm/s. corner: mm of `Cnt`, 0 for none, infinite for a size that the controller chooses.
     """
 
     speed: float = OPTIMUM
@@ -164,18 +164,19 @@ class Settings:
     acceleration: tuple[float, float] = (FULL, FULL)
 
     def reset(self) -> None:
-        """What `End` sets back; tool and base stay (COSIROP: END)."""
+        """Reset the settings that `End` resets; tool and base stay (COSIROP: END)."""
         self.speed, self.override, self.joint_override = OPTIMUM, FULL, FULL
         self.corner, self.acceleration = 0.0, (FULL, FULL)
 
 
 @dataclass(slots=True)
 class Arm:
-    """flange: in the robot's own base, None where not known. flags: of the last position.
+    """State of the arm. flange: in the robot base, None if unknown. flags: those of the last
+    position.
 
-    joints: degrees, None where not known. tool, base: as set; shown are their positions.
-    tool_number, base_number: None where they were set by a position. hands: what each was told, 1
-    to open. soft: the kind of `Cmp` that holds, empty for none.
+    joints: degrees, None if unknown. tool, base: as set; shown are their positions. tool_number,
+    base_number: None if a position set them. hands: latest command of each, 1 to open. soft: the
+    active kind of `Cmp`, empty for none.
     """
 
     robot: Robot | None = None
@@ -252,7 +253,7 @@ class Arm:
 
 
 def arm_moves(world: World) -> bool:
-    """Whether the arm is on its way for this program."""
+    """True if the arm is moving for this program."""
     mine = world.slot is None or world.slot.controller.owner is world.slot
     return mine and not world.task.kernel.motion.stands()
 

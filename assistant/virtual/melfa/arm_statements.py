@@ -47,13 +47,15 @@ PATH_MEASURES: Final[Mapping[str, tuple[Literal["end", "share"], str]]] = {
     "M_RDST": ("end", "<"),
     "M_RATIO": ("share", ">"),
 }
-"""What tells how far a motion is, and how it is compared with a place that is reached later."""
+"""Variables that measure the progress of a motion, and the comparison with a later position on its
+path.
+"""
 PATH_START: Final = OnWay("start", 0.0)
 _MIRRORED: Final = {"<": ">", ">": "<"}
 
 
 def begin_wth(m: Machine, append: s.Append) -> list[Switched]:
-    """What is set on the way of the motion that begins; inputs are the same until it ends."""
+    """Return the outputs set on the path of the next motion; inputs stay the same until it ends."""
     from assistant.virtual.melfa.statements import execute
 
     condition = append.condition
@@ -75,7 +77,7 @@ class _Skipped(Exception):
 
 
 def is_watched_condition(m: Machine, append: s.Append) -> bool:
-    """Whether what is appended waits for its condition while the motion runs."""
+    """True if the appended statement waits for its condition while the motion runs."""
     condition = append.condition
     if not isinstance(append.statement, s.Assign):
         return True
@@ -155,7 +157,9 @@ def _reads_position(condition: s.Expression) -> bool:
 
 
 def _trigger_place(m: Machine, condition: s.Expression) -> OnWay:
-    """Where on the way a condition comes to hold; raises Unknown for all but plain comparisons."""
+    """Return the position on the path where a condition becomes true; raises Unknown for all but
+    plain comparisons.
+    """
     if isinstance(condition, s.Binary) and "<>" not in condition.operator:
         compared = condition.operator[:1]
         sides = (
@@ -171,7 +175,7 @@ def _trigger_place(m: Machine, condition: s.Expression) -> OnWay:
 
 
 AXES: Final = 6
-"""Places of the arm's own in a position or joint position; behind them additional axes stand."""
+"""Elements for the arm's axes in a position or joint position; additional axes follow them."""
 SAME_RADIUS: Final = 0.01
 """mm by which the two radii of Mvr3 may differ (COSIROP: MVR3)."""
 
@@ -236,12 +240,12 @@ def _linear(m: Machine, node: s.Motion) -> None:
 
 
 def _agree(m: Machine, node: s.Motion) -> bool:
-    """Whether the structure flags of both ends must be the same: not with `Type 0,1` or `0,2`."""
+    """True if the structure flags of both ends must be the same: not with `Type 0,1` or `0,2`."""
     return node.type is None or expressions.integer(m, node.type[1], "the type") == 0
 
 
 def _joints_position(m: Machine, joints: Joints) -> Position:
-    """Where the tip stands at joints, with the tool and the base that hold."""
+    """Return the position of the tip at joints, with the active tool and base."""
     arm = m.world.arm
     if arm.robot is None:
         raise Unknown("where the arm stands at joints")
@@ -264,7 +268,7 @@ def _same_posture(one: int | None, other: int | None) -> None:
 
 
 def _move_goal(m: Machine, node: s.Motion) -> Position | Joints:
-    """The target of Mov and Mvs, moved along the tool by the distance behind it."""
+    """Return the target of Mov and Mvs, moved along the tool by the distance that follows it."""
     target, *more = node.arguments
     goal = m.world.arm.shown() if target is None else _target_value(expressions.value(m, target))
     if not more or more[0] is None:
@@ -483,9 +487,9 @@ def choose_tool(m: Machine, number: int) -> None:
 
 
 def _parameter_position(m: Machine, parameter: str) -> Position | None:
-    """The value of a parameter that a program's list of positions holds for its cell.
+    """Return the value of a parameter from a program's list of positions for its cell.
 
-    As a position whose name is that of the parameter behind a P.
+    The list has it as a position whose name is P and the name of the parameter.
     """
     place = m.main.places.get(f"P{parameter}")
     value = place.get() if place is not None and place.is_set() else None
@@ -513,7 +517,9 @@ def _set_base(m: Machine, node: s.Expression) -> None:
 
 
 def _numbered_frame(frames: Mapping[int, Frame], number: int, what: str) -> Position:
-    """That of 0 is none unless somebody says otherwise (CR1D: Base, Tool)."""
+    """Return a numbered frame; number 0 is the origin unless the options set it (CR1D: Base,
+    Tool).
+    """
     if number == 0 and number not in frames:
         return ORIGIN
     if number not in frames:
@@ -562,7 +568,7 @@ def _change_turns(m: Machine, node: s.Expression, axis: s.Expression | None = No
 
 SIXTH_AXIS: Final = 6
 TURN_SHIFT: Final = 20
-"""Of the four bits of joint 6 in FL2."""
+"""Shift of the four bits of joint 6 in FL2."""
 
 # -------------------------------------------------------------------------------------- hands
 

@@ -40,9 +40,9 @@ class Row:
 
 @dataclass(slots=True)
 class Block:
-    """kind: `If`, `For`, `While`, `Select` or `Function`. parts: rows of `ElseIf`, `Else`,
-    `Case` and `Default`. end: the row that closes it. loops, branches: how deep it stands in
-    blocks of those kinds, itself counted.
+    """A block of statements. kind: `If`, `For`, `While`, `Select` or `Function`. parts: rows of
+    `ElseIf`, `Else`, `Case` and `Default`. end: the row that closes it. loops, branches: its
+    nesting depth in blocks of those kinds, itself counted.
     """
 
     kind: str
@@ -104,7 +104,7 @@ MISMATCH: Final = {"If": 3252, "For": 3230, "While": 3250, "Select": 3254, "Func
 
 
 def code_of(file: s.File) -> Code:
-    """The tables of a file; raises Failed where blocks do not close or a line is none."""
+    """Return the tables of a file; raises Failed for unclosed blocks or an invalid line."""
     rows = list(_rows(file))
     code = Code(rows, {}, {}, {}, {}, {}, [], {}, Scope(), {}, list(_position_data(file)), {}, {})
     code.path = (file.source.path or "") if file.source is not None else ""
@@ -146,7 +146,7 @@ def _rows(file: s.File) -> Iterator[Row]:
 
 
 def _code_line(file: s.File, span: Span | None) -> int:
-    """Of a span's beginning, from 1; 0 where that is not known."""
+    """Return the line of a span's beginning, from 1; 0 if it is unknown."""
     if file.source is None or span is None:
         return 0
     return file.source.line_column(span.start)[0]
@@ -160,7 +160,7 @@ def _move_row(rows: MoveRows, at: int) -> s.Motion:
 
 
 def _position_data(file: s.File) -> Iterator[tuple[str, tuple[int, ...], Value]]:
-    """Variables that stand in the file, with their values."""
+    """Variables that the file lists, with their values."""
     for item in file.items:
         match item:
             case PositionRows():

@@ -85,7 +85,7 @@ _POSITION_ITEM: Final = re.compile(r"\s*\(([^()]*)\)\s*(?:\(([^()]*)\))?\s*")
 
 
 def record_items(line: str) -> Iterator[str]:
-    """What stands between commas outside of brackets."""
+    """Items of a line, separated by commas outside brackets."""
     at = 0
     while True:
         found = _ITEM.match(line, at)
@@ -139,11 +139,11 @@ def _position_value(item: str, kind: Kind) -> Value:
 FILE_NUMBERS: Final = range(1, 9)
 RECORD_END: Final = "\r"
 PREFIX: Final = "PRN"
-"""Of data on a line that takes commands as well (protocol without procedure)."""
+"""Prefix of data on a line that takes commands as well (protocol without procedure)."""
 
 
 class Outside(Protocol):
-    """What `Open` leads to. stored: files by their names."""
+    """Files and lines that `Open` opens. stored: files by their names."""
 
     stored: dict[str, bytearray]
 
@@ -166,7 +166,7 @@ class Channel:
         self._items: deque[str] = deque()
 
     def pull(self) -> None:
-        """Takes what has come; a carriage return ends a line, a line feed behind it is nothing."""
+        """Read received data; a carriage return ends a line, a line feed after it is ignored."""
         self._buffer += self.line.receive().decode("latin-1")
         while RECORD_END in self._buffer:
             one, self._buffer = self._buffer.split(RECORD_END, 1)
@@ -179,7 +179,7 @@ class Channel:
             self.arrived += 1
 
     def has(self, count: int) -> bool:
-        """Whether so many items can be read."""
+        """True if so many items can be read."""
         self.pull()
         return len(self._items) >= count
 

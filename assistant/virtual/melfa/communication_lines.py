@@ -32,23 +32,25 @@ class Line(Protocol):
         """Raises OSError if there is no such line."""
 
     def connected(self) -> bool:
-        """Whether somebody is at the other end."""
+        """True if a client or server is at the other end."""
 
     def send(self, data: bytes) -> None:
-        """What nobody is there to take is lost."""
+        """Send data; it is lost if the other end is not connected."""
 
     def full(self) -> bool:
-        """Whether what was sent before has to go out first."""
+        """True if earlier data has to go out first."""
 
     def receive(self) -> bytes:
-        """What has come since the last time."""
+        """Return the data received since the last call."""
 
     def close(self) -> None: ...
 
 
 @dataclass(slots=True)
 class Wire:
-    """A line in memory. sent: all that programs have sent. heard: is told of what they send."""
+    """A line in memory. sent: all that programs have sent. heard: is called with the data that they
+    send.
+    """
 
     outside: bool = False
     sent: bytearray = field(default_factory=bytearray)
@@ -56,7 +58,7 @@ class Wire:
     _come: bytearray = field(default_factory=bytearray)
 
     def put(self, data: bytes) -> None:
-        """What comes from the other end."""
+        """Add data from the other end."""
         self._come += data
 
     def open(self) -> None:
@@ -79,7 +81,7 @@ class Wire:
         return data
 
     def close(self) -> None:
-        """What came before it is opened again is lost (COSIROP: INPUT)."""
+        """Close the line; data that arrives before it is opened again is lost (COSIROP: INPUT)."""
         self._come.clear()
 
 
@@ -233,7 +235,7 @@ class TcpServer(_Tcp):
         self._open = False
 
     def shut(self) -> None:
-        """Nobody can connect any more."""
+        """Close the line and its server, so that no client can connect any more."""
         self.close()
         self._server.close()
 
@@ -246,7 +248,7 @@ class TcpClient(_Tcp):
         self._target = host, port
 
     def open(self) -> None:
-        """Where nobody listens it is open without a connection, which M_Open tells."""
+        """Open a connection; without a server the line is open unconnected, as M_Open shows."""
         with suppress(OSError):
             self._peer = socket.create_connection(self._target, PATIENCE)
             self._peer.setblocking(False)
@@ -254,7 +256,9 @@ class TcpClient(_Tcp):
 
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """Of a serial port, as the maker sets it: 9600 bits/s, 8 bits, even parity, 2 stop bits."""
+    """Settings of a serial port, the maker's defaults: 9600 bits/s, 8 bits, even parity, 2 stop
+    bits.
+    """
 
     baud: int = 9600
     parity: Literal["even", "odd", "none"] = "even"
@@ -329,14 +333,14 @@ class Descriptor(Stream):
 
 
 MADE: Final = "pty"
-"""What stands for a pseudo terminal that is made, alone or before a `:` and the name of a link."""
+"""Name of a pseudo terminal that is created, alone or before a `:` and the name of a link."""
 
 
 class Terminal:
     """A pseudo terminal: the controller's end of a serial line, whose other end clients open.
 
-    descriptor: of the controller's end, which never blocks. path: what clients open, the same each
-    time if a link to the other end is asked for.
+    descriptor: that of the controller's end, which never blocks. path: file that clients open, the
+    same each time if a link to the other end is requested.
     """
 
     def __init__(self, link: str = "", rate: Rate | None = None) -> None:
@@ -438,7 +442,7 @@ def set_rate(port: int, rate: Rate) -> None:
 
 
 GREETING: Final = b"GATEWAY 1"
-"""What a program says first to a gateway, and a gateway to it."""
+"""First text that a program sends to a gateway, and a gateway to it."""
 MOST_SENT: Final = 50
 """Bytes that a gateway hands over at once."""
 ENDLESS: Final = 99_999_000
@@ -446,7 +450,9 @@ ENDLESS: Final = 99_999_000
 
 
 class SimulatedClient(Wire):
-    """Says its texts at once; to who greets a gateway they are bytes, which are asked for."""
+    """Sends its texts at once; to a program that greets a gateway it sends them as bytes, on
+    request.
+    """
 
     def __init__(self, texts: Iterable[str]) -> None:
         super().__init__()
@@ -477,7 +483,7 @@ class SimulatedClient(Wire):
         self.put(text + b"\r")
 
     def _asked(self, line: bytes) -> None:
-        """As a gateway answers whose other end says the texts and listens to everything."""
+        """Answer a request as a gateway whose other end sends the texts and accepts everything."""
         match line.split():
             case [b"S"]:
                 self._answer(b"K")

@@ -210,16 +210,16 @@ class Slot:
 
 
 DEFAULT_SLOTS: Final = 8
-"""As the parameter TASKMAX is set by the maker; 32 at most."""
+"""Value of the parameter TASKMAX as delivered; 32 at most."""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
     """A row of the slot table, the parameters SLT1 to SLT32, with the maker's settings.
 
-    mode: `REP` begins again behind the end of the program, `CYC` stops there. condition: `START`
-    programs begin with the start signal, `ALWAYS` programs with the power, `ERROR` programs when
-    an error stops the others. lines: that run until the next slot has its turn.
+    mode: `REP` begins again after the end of the program, `CYC` stops there. condition: `START`
+    programs begin with the start signal, `ALWAYS` programs with the power, `ERROR` programs when an
+    error stops the others. lines: number of lines that run until the next slot has its turn.
     """
 
     program: str = ""
@@ -229,14 +229,15 @@ class Entry:
 
 
 class Controller:
-    """programs: by their names. table: slots that are not set as the maker sets them.
+    """A controller with its slots. programs: by their names. table: slots that differ from the
+    maker's settings.
 
-    start: the flange in the robot's base before the first move. joints: of the arm then, degrees.
-    base: the user base program (PRGUSR), which declares further external variables. always_may:
-    whether programs that always run may start and stop others (ALWENA is 7). lines: by what `Open`
-    calls them, as `COM1:` and `ENET:`, with what they lead to. options, commands: see `run`.
-    library: further programs by their names, which may change until they are first run. made: is
-    told of each program that is made ready to run.
+    start: the flange in the robot base before the first move. joints: those of the arm then,
+    degrees. base: the user base program (PRGUSR), which declares further external variables.
+    always_may: whether programs that always run may start and stop others (ALWENA is 7). lines:
+    communication lines by the names that `Open` uses, as `COM1:` and `ENET:`. options, commands:
+    see `run`. library: further programs by their names, which may change until they are first run.
+    made: is called with each program that is made ready to run.
     """
 
     def __init__(
@@ -303,20 +304,22 @@ class Controller:
 
     @property
     def handles(self) -> bool:
-        """Whether a program that begins with an error still runs."""
+        """True if a program that begins with an error still runs."""
         return any(slot.condition == "ERROR" and slot.state == "runs" for slot in self.slots)
 
     # ----------------------------------------------------------------------------- lines
 
     def line(self, name: str) -> Line:
-        """A communication line by what `Open` calls it; what stands behind its colon may miss."""
+        """Return a communication line by its name in `Open`; the part after its colon is
+        optional.
+        """
         found = self.lines.get(name) or self.lines.get(name.partition(":")[0] + ":")
         if found is None:
             raise Failed(3140, f"nothing is connected to the line {name}")
         return found
 
     def uses(self, line: Line) -> bool:
-        """Whether a program has opened a line."""
+        """True if a program has opened a line."""
         worlds = [slot.world for slot in self.slots if slot.world is not None]
         return any(file.line is line for world in worlds for file in world.files.values())
 
@@ -382,7 +385,7 @@ class Controller:
             arm_state.cut_motion(slot.world)
 
     def release(self, slot: Slot) -> bool:
-        """Whether the slot had the mechanism."""
+        """Release the mechanism; True if the slot had it."""
         had = self.owner is slot
         if had:
             self.owner = None
@@ -390,7 +393,7 @@ class Controller:
 
 
 class _Programs(Mapping[str, Machine]):
-    """What `CallP` of one slot finds."""
+    """Programs that `CallP` of one slot finds."""
 
     def __init__(self, controller: Controller, world: World) -> None:
         self._controller, self._world = controller, world

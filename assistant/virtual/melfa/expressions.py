@@ -70,7 +70,9 @@ def binary(m: Machine, sign: str, left: Value, right: Value) -> Value:
 
 
 def _truth(m: Machine, met: bool) -> Value:
-    """What a comparison gives: 1 is a truth that `Not` turns as a whole, -1 has all bits on."""
+    """Return the value of a comparison: with 1, `Not` turns the truth as a whole; -1 has all bits
+    on.
+    """
     return met if m.world.options.truth == 1 else -int(met)
 
 
@@ -209,7 +211,7 @@ def _scale_factor(sign: str, given: float) -> float:
 
 
 def value(m: Machine, node: s.Expression | None) -> Value:
-    """What an expression comes to; raises Failed or Unknown."""
+    """Return the value of an expression; raises Failed or Unknown."""
     match node:
         case s.Number(value=given):
             return given
@@ -249,7 +251,7 @@ def _bits(m: Machine, node: s.Variable) -> int | None:
 
 
 def values(m: Machine, given: tuple[s.Expression | None, ...]) -> tuple[Value | None, ...]:
-    """What arguments come to, None for those that are left out."""
+    """Return the values of arguments, None for omitted ones."""
     return tuple(None if node is None else value(m, node) for node in given)
 
 
@@ -318,7 +320,7 @@ def store(m: Machine, node: s.Variable, given: Value) -> None:
 
 
 def plugin_value(m: Machine, node: s.Variable) -> Value:
-    """What a plug-in gives for a function or a status variable."""
+    """Return the value that a plug-in gives for a function or a status variable."""
     found = m.world.given(node.key, values(m, node.arguments or ()))
     if found is None:
         raise Unknown(f"the plug-in {node.name} gives no value")
@@ -326,7 +328,7 @@ def plugin_value(m: Machine, node: s.Variable) -> Value:
 
 
 def bare(node: s.Expression | None) -> str:
-    """The word that an argument is, capitalised; empty where it is none."""
+    """Return the bare word of an argument, capitalised; empty if it is not a word."""
     if isinstance(node, s.Word):
         return node.text.capitalize()
     if isinstance(node, s.Variable) and node.arguments is None and not node.component:
@@ -335,7 +337,7 @@ def bare(node: s.Expression | None) -> str:
 
 
 def _applied(m: Machine, node: s.Variable, arguments: tuple[s.Expression | None, ...]) -> Value:
-    """What a function of the language gives."""
+    """Return the value of a function of the language."""
     known, count = vocabulary.function(node.key), len(arguments)
     if known and not known.least <= count <= (count if known.most is None else known.most):
         raise Failed(3120, f"{node.name} with {count} arguments")
@@ -348,7 +350,7 @@ def _applied(m: Machine, node: s.Variable, arguments: tuple[s.Expression | None,
 
 
 def _calls(node: s.Expression | None) -> bool:
-    """Whether a function with an argument stands in an expression."""
+    """True if an expression contains a function with an argument."""
     return any(
         isinstance(part, s.Variable) and part.arguments and vocabulary.function(part.key)
         for part in nodes(node)
@@ -369,7 +371,9 @@ def _arc(m: Machine, arguments: tuple[s.Expression | None, ...]) -> int:
 
 @cache
 def is_status(key: str) -> bool:
-    """Whether a name is the controller's own, and none of its numbered ones, `M_00` or `P_100`."""
+    """True if a name is a status variable of the controller, and not a numbered one, `M_00` or
+    `P_100`.
+    """
     return vocabulary.status(key) is not None and not (is_external(key) and key[2:].isdigit())
 
 

@@ -248,7 +248,7 @@ def _power_of_e(x: float) -> float:
 
 
 LARGEST_POWER: Final = 709.0
-"""Of e in double precision."""
+"""Largest power of e in double precision."""
 
 
 def _logarithm(of: Callable[[float], float]) -> Callable[[float], float]:

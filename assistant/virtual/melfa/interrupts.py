@@ -1,8 +1,8 @@
 """Interrupts: Def Act, Act, On Com, Com and Return n (COSIROP: ACT, DEF ACT, ON COM, RETURN).
 
-They are looked for before each statement, and while one waits or moves. A subroutine runs inside of
-the statement that it comes in, so that `Return 0` goes on with that as if nothing had been; `Return
-1` and interrupts that jump leave it.
+They are checked before each statement, and while one waits or moves. A subroutine runs inside the
+statement that it interrupts, so that `Return 0` continues with that statement as if nothing had
+happened; `Return 1` and interrupts that jump leave it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ COM_FILES: Final = range(1, 4)
 COM: Final = 0
 """The rank of interrupts of lines, which come before those of `Def Act` 1 to 8."""
 ON_WAY: Final = frozenset(("P_CURR", "P_FBC", "J_CURR", "J_FBC", "M_RDST", "M_RATIO", "M_RSPD"))
-"""What changes while the arm is on its way."""
+"""Status variables that change while the arm is moving."""
 CYCLE: Final = 0.0071
 """Seconds from look to look at what changes while nothing happens: the cycle in which CRn-500
 controllers move (BFP-A3379, MXT).
@@ -36,8 +36,8 @@ LASTING: Final = ("WAIT", "DLY", "HLT")
 
 @dataclass(frozen=True, slots=True)
 class Act:
-    """What happens when. frame, nest, at: where the program was at its definition. condition: None
-    for that of a line.
+    """An interrupt and its condition. frame, nest, at: position of the program at its definition.
+    condition: None for that of a line.
     """
 
     rank: int
@@ -103,7 +103,7 @@ class Interrupts:
         return met
 
     def conditions(self) -> list[s.Expression | None]:
-        """Of the interrupts that may come."""
+        """Conditions of the interrupts that may come."""
         return [self.acts[number].condition for number in self.order] if self.all else []
 
     # ------------------------------------------------------------------------------- lines
@@ -181,7 +181,7 @@ def _moves(m: Machine) -> bool:
 
 
 def _lasts(m: Machine) -> bool:
-    """Whether the statement at hand takes time, so that an interrupt comes in it."""
+    """True if the current statement takes time, so that an interrupt can come during it."""
     statement = m.code.rows[m.here].statement
     if isinstance(statement, s.Command):
         return statement.keyword.upper() in LASTING

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 MOST_SUBROUTINES: Final = 800
 MOST_FUNCTIONS: Final = 16
 MOST_PROGRAMS: Final = {4: 7, 5: 8, 6: 8}
-"""How deep calls may go (CR1D 4-151, COSIROP: FPRM); of GoSub about 800."""
+"""Largest depth of calls (CR1D 4-151, COSIROP: FPRM); that of GoSub is about 800."""
 
 
 @dataclass(slots=True)
@@ -182,7 +182,9 @@ class Machine:
     # ------------------------------------------------------------------------------- memory
 
     def memory_of(self, name: str) -> Memory:
-        """Where a variable stands: shared by all programs, of the function, or of the program."""
+        """Return the memory of a variable: shared by all programs, of the function, or of the
+        program.
+        """
         if is_external(name):
             self._share(name)
             return self.world.shared
@@ -211,21 +213,21 @@ class Machine:
             places[name] = cell
 
     def is_own(self, name: str) -> bool:
-        """Whether the function that runs has a variable of that name itself."""
+        """True if the running function itself has a variable of that name."""
         return bool(self.frame.function) and (
             name in self.frame.memory.places
             or name in self.code.scopes[self.frame.function].declared
         )
 
     def is_result(self, node: s.Variable) -> bool:
-        """Whether a name stands for the result of the function that runs."""
+        """True if a name means the result of the running function."""
         return node.arguments is None and node.key == self.frame.function != ""
 
     def result(self) -> Value:
         return self._given(self.frame, f"the result of {self.frame.function} is not set")
 
     def _given(self, frame: Frame, otherwise: str) -> Value:
-        """What a function gave so far. otherwise: what is wrong if that is nothing."""
+        """Return the result of a function so far. otherwise: error message if it has no result."""
         if frame.result is not None:
             return frame.result
         kind = self._result_kind(frame.function)
@@ -243,7 +245,7 @@ class Machine:
         self.frame.result = converted(value, kind, function.name)
 
     def _result_kind(self, key: str) -> Kind | None:
-        """Of what a function gives; None for nothing."""
+        """Return the kind of a function's result; None if it returns nothing."""
         function = self.code.function_of(self.code.functions[key])
         name = function.result.upper()
         if name in ("", "V"):
@@ -254,7 +256,7 @@ class Machine:
     # ------------------------------------------------------------------------------ calling
 
     def called(self, node: s.Variable) -> Value:
-        """What a Function gives back."""
+        """Call a Function and return its result."""
         return self._given(self.call(node), f"{node.name} gives nothing back")
 
     def call(self, node: s.Variable) -> Frame:
@@ -313,7 +315,7 @@ class Machine:
         self.frame.left = True
 
     def defined(self, node: s.Variable) -> Value:
-        """What a function gives that `Def FN` defines."""
+        """Return the value of a function that `Def FN` defines."""
         definition = self.code.definitions[node.key]
         given = node.arguments or ()
         if len(given) != len(definition.parameters):
@@ -370,7 +372,7 @@ MAIN: Final = "MAIN"
 
 
 def statement_place(world: World) -> Place | None:
-    """Of the statement at hand."""
+    """Return the source location of the current statement."""
     if not world.running:
         return None
     machine = world.running[-1]

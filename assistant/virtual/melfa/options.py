@@ -22,17 +22,17 @@ Frame = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    r"""How a run takes what is unsure. None: such a run ends as `unknown` instead of guessing.
+    r"""Interpretation of behaviour that manuals leave open. None: such a run ends as `unknown`.
 
     Numbers.
-    truth: the number of a comparison that holds.
-    power: `^` with operands that are not whole: as they are (CR1D, table 4-11), or rounded first
-    (CR1D 4-151 says so, too).
-    quotients: where `\\` of opposite signs goes, and `Mod` with it: to 0, or downwards.
-    overflow: of a whole variable: an error, or its bits as far as they fit.
-    bits: the width of a whole number where its bits show: `<<`, `Hex$`, `Bin$`.
+    truth: the number of a comparison that is true.
+    power: `^` with operands that are not integers: as they are (CR1D, table 4-11), or rounded first
+    (CR1D 4-151 gives this, too).
+    quotients: rounding of `\` with opposite signs, and of `Mod` with it: to 0, or downwards.
+    overflow: that of an integer variable: an error, or its bits as far as they fit.
+    bits: the width of an integer where its bits show: `<<`, `Hex$`, `Bin$`.
     signed: whether 16 or 32 signals whose highest is on are a negative number.
-    digits: significant ones of a number that is not whole as text, in `Str$`.
+    digits: significant digits of a non-integer number as text, in `Str$`.
     degrees: components of angles in degrees instead of radian (parameter PRGMDEG).
     slides: whether additional axes slide: their components are mm then, else angles.
     longest_text: characters of a text that a variable takes.
@@ -44,36 +44,36 @@ class Options:
     `M_02=0` before anything sets it.
     parameters: how a Function takes those without ByVal and ByRef.
     resets: whether `Reset Err` is allowed (a program that always runs, parameter ALWENA).
-    nested: whether functions of several arguments take what other functions give (COSIROP: not).
+    nested: whether functions of several arguments take results of functions (COSIROP: not).
 
     Flow.
     breaks: whether `Break` leaves loops, too, or only the innermost If or Select.
-    bounds: whether the end and the step of `For` are worked out once, or at each turn.
-    calls: whether Spd and Accel hold in a program that CallP calls, and behind it (COSIROP: all
-    speeds are valid), or each has its own (CR1D 4-159: those two are invalid).
+    bounds: whether the end and the step of `For` are evaluated once, or at each turn.
+    calls: whether Spd and Accel apply in a program that CallP calls, and after it (COSIROP: all
+    speeds are valid), or each has separate ones (CR1D 4-159: those two are invalid).
 
     Positions.
-    over: what `P1/P2` is.
+    over: the value of `P1/P2`.
     pallets: the posture at a point of a pallet of direction 1 to 3: divided between its corners
     (CR1D 4-189), or that of its start.
-    conversions: what JtoP and PtoJ have to do with a tool and a base: nothing, or all.
+    conversions: effect of the tool and the base on JtoP and PtoJ: nothing, or all.
 
     Lines.
     printed: significant digits of a number that Print# writes.
     places: decimals of positions and joints there.
     columns: the width of the columns that a comma begins (COSIROP: 10).
-    early: whether a line interrupts for what came before `Com On` and was not read.
-    prefixed: whether `PRN` stands before data, which tells it from commands to the controller.
+    early: whether a line interrupts for data that came before `Com On` and was not read.
+    prefixed: whether `PRN` precedes data, which distinguishes it from commands to the controller.
 
     The arm.
     tools, bases: by the numbers of `Tool n` and `Base n` (parameters MEXTLn and WKnCORD).
     bases_are: whether those are seen from the robot's base, or the robot from them.
     joint_turns: whether JRC is enabled (parameter JRCEXE).
-    waits_end_corners: whether Dly, Hlt, Wait and Servo have the move before them end at its target.
-    pulses: whether the end of a pulse is told with its beginning, or when its time is over.
+    waits_end_corners: whether Dly, Hlt, Wait and Servo make the move before them end at its target.
+    pulses: whether the end of a pulse is reported with its beginning, or when its time is over.
 
     The clock.
-    began: when the simulated clock is at 0, as C_Date and C_Time tell it.
+    began: date of the simulated clock at 0, for C_Date and C_Time.
     timers: milliseconds that each `M_Timer` shows then; a controller counts from when it is
     switched on.
     """
@@ -185,6 +185,6 @@ def _is_frames(hint: object) -> bool:
 
 
 def _option_types(hint: object) -> tuple[object, ...]:
-    """The types that an option may have; that it may be left open is none of them."""
+    """Return the types that an option may have, without the None of an open one."""
     parts = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     return tuple(part for part in parts if part is not NoneType)

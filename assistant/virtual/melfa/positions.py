@@ -224,7 +224,7 @@ def _in_turned_box(_: World, value: Value, *rest: Value) -> int:
 
 
 def _arm_with_robot(world: World) -> Arm:
-    """The arm of its own for a conversion, with the tool and the base that it counts with."""
+    """Return a separate arm for a conversion, with the tool and the base that it applies."""
     given = world.arm
     if given.robot is None:
         raise Unknown("the arm")
@@ -284,7 +284,7 @@ def _robot_of(world: World) -> Robot:
 # -------------------------------------------------------------------------------------- flags
 
 POSTURE_LETTERS: Final = (("L", "R"), ("B", "A"), ("F", "N"))
-"""Of FL1 for 0 and 1: bits 2, 1 and 0."""
+"""Letters of FL1 for 0 and 1: bits 2, 1 and 0."""
 
 
 def _posture_letter(_: World, value: Value, which: Value) -> str:
@@ -364,7 +364,7 @@ def _centre(place: Floats) -> Position:
 
 
 def _constructor(kind: type[Position] | type[Joints], radian: range) -> Callable[..., Value]:
-    """Of SetPos and SetJnt: elements of which some are angles in radian."""
+    """Return the function SetPos or SetJnt: elements of which some are angles in radian."""
 
     def made(world: World, *given: Value | None) -> Value:
         values: list[float | None] = []

@@ -85,7 +85,7 @@ def skip_rest(m: Machine, _: Any) -> None:
 
 
 def leave_block(m: Machine, _: s.Command) -> None:
-    """`Break`: behind the innermost block, and M_BrkCq tells of it (CR1D 4-208)."""
+    """`Break`: continue after the innermost block and set M_BrkCq (CR1D 4-208)."""
     block = m.code.inside[m.here]
     if m.world.options.breaks == "If and Select":
         while block is not None and block.kind in LOOPS:
@@ -125,7 +125,7 @@ def _loop_bounds(m: Machine, node: s.For) -> tuple[float, float]:
 
 
 def next_turn(m: Machine, _: s.Next) -> None:
-    """Counts on and goes back to the first statement of the loop, or on behind it."""
+    """Count on and return to the first statement of the loop, or continue after it."""
     for closed in m.code.closed[m.here]:
         statement = m.code.rows[closed.start].statement
         assert isinstance(statement, s.For)
@@ -141,7 +141,9 @@ def next_turn(m: Machine, _: s.Next) -> None:
 
 
 def _follow_bounds(m: Machine, node: s.For, loop: Loop) -> None:
-    """Whether bounds that change while the loop runs still count is an option."""
+    """Update the bounds of a loop as the option `bounds` requires; raises Unknown if it is unset
+    and they change.
+    """
     way = m.world.options.bounds
     if isinstance(node.last, s.Number) and (node.step is None or isinstance(node.step, s.Number)):
         return
@@ -156,7 +158,7 @@ def _follow_bounds(m: Machine, node: s.For, loop: Loop) -> None:
 
 
 def _calls_function(m: Machine, node: s.For) -> bool:
-    """Whether a bound calls a function of the program, which is not worked out once more."""
+    """True if a bound calls a function of the program; it is not evaluated once more then."""
     return any(
         isinstance(part, s.Variable) and part.key in m.code.functions
         for part in nodes((node.last, node.step))
@@ -249,7 +251,7 @@ EXTERNAL_VARIABLES: Final = 3
 
 
 def _number_variables(m: Machine, external: bool) -> Iterator[Storage]:
-    """Numeric variables that stand in the program, or that all programs share."""
+    """Numeric variables that the program uses, or that all programs share."""
     machines = {id(x): x for x in (m, *m.programs.values())}.values() if external else (m,)
     for machine in machines:
         known = {*machine.code.signals, *machine.code.definitions, *machine.code.constants}
@@ -357,7 +359,7 @@ def _set_acceleration(m: Machine, *nodes: s.Expression | None) -> None:
 
 
 def _set_corner(m: Machine, switch: s.Expression, *sizes: s.Expression | None) -> None:
-    """`Cnt 1,a,b`: a corner from a before the place to b behind it; the smaller one limits."""
+    """`Cnt 1,a,b`: a corner from a before the target to b after it; the smaller one limits."""
     on = expressions.integer(m, switch, "the switch of Cnt")
     given = [float(expressions.plain(m, node, "a corner")) for node in sizes if node is not None]
     if on not in (0, 1) or any(size < 0 for size in given):
@@ -397,7 +399,7 @@ def _delay(m: Machine, node: s.Expression) -> None:
 
 
 def _wait(m: Machine, node: s.Expression) -> None:
-    """A timer goes on by itself, so that a condition with one is asked again and again."""
+    """Wait for a condition; one with a timer is evaluated again and again, as the timer runs on."""
     task = m.world.task
     m.world.stand()
     if any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):

@@ -33,7 +33,7 @@ def _slot_program(slot: Slot) -> Value:
 
 
 def _error_level(slot: Slot) -> Value:
-    """Of the error: 1 for a caution, 2 for a low one, 3 for a high one."""
+    """Return the level of the error: 1 for a caution, 2 for a low one, 3 for a high one."""
     error = slot.controller.error
     if error is None:
         return 0
@@ -60,14 +60,14 @@ SLOT_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
     "M_LINE": _slot_line,
     "C_PRG": _slot_program,
 }
-"""Of a slot, the own one where no index stands."""
+"""Status variables of a slot, by default of the program's slot."""
 
 ERROR_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
     "M_ERR": lambda slot: int(slot.controller.error is not None),
     "M_ERRLVL": _error_level,
     "M_ERRNO": _error_number,
 }
-"""Of the controller."""
+"""Status variables of the controller."""
 
 
 def read_slot_status(world: World, name: str, index: tuple[int, ...]) -> Value | None:
@@ -99,7 +99,7 @@ ARM_STATUS: Final[Mapping[str, Callable[[Arm], Value]]] = {
     ),
     "M_SVO": lambda arm: int(arm.servo),
 }
-"""Of the mechanism, which an index of 1 names too."""
+"""Status variables of the mechanism, with or without the index 1."""
 
 
 def _known_number(number: int | None, what: str) -> int:
@@ -120,10 +120,10 @@ SLOT_SETTINGS: Final[Mapping[str, Callable[[World], Value]]] = {
     "M_ERRLVL": lambda world: int(world.error != 0),
     "M_ERRNO": lambda world: world.error,
 }
-"""Of a slot, its own one where no index stands."""
+"""Settings of a slot, by default of the program's slot."""
 
 CLOCK_FORMATS: Final[Mapping[str, str]] = {"C_DATE": "%Y/%m/%d", "C_TIME": "%H:%M:%S"}
-"""How the date and the time of day are written: 2007/04/01, 13:01:30 (their manuals)."""
+"""Formats of the date and the time of day: 2007/04/01, 13:01:30 (their manuals)."""
 
 MOTION_STATUS: Final[Mapping[str, Callable[[Progress], float]]] = {
     "M_RDST": lambda progress: progress.left,
@@ -136,7 +136,7 @@ CONSTANTS: Final[Mapping[str, Value]] = {
     "M_OPOVRD": FULL, "M_PI": math.pi, "M_EXP": math.e, "M_G": STANDARD_GRAVITY,
     "M_ON": 1, "M_OFF": 0,
 }  # fmt: skip
-"""What does not change while a program runs here: nothing goes wrong and nobody interferes."""
+"""Status variables that never change in a run here: no fault occurs and no operator interferes."""
 
 SIGNAL_WIDTHS: Final[Mapping[str, tuple[bool, int]]] = {
     "M_IN": (False, 1), "M_INB": (False, 8), "M_IN8": (False, 8), "M_INW": (False, 16),
@@ -149,7 +149,7 @@ REGISTER_OUTPUTS: Final[Mapping[str, bool]] = {"M_DIN": False, "M_DOUT": True}
 """Registers of a field bus: whether it is an output."""
 
 IO_WIDTHS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
-"""Of `Def Io`."""
+"""Widths of `Def Io` in bits."""
 
 
 def _hand_state(world: World, hand: int) -> int:
@@ -170,7 +170,7 @@ HAND_STATUS: Final[Mapping[str, Callable[[World, int], Value]]] = {
     "M_HND": _hand_state,
     "M_HNDCQ": _hand_check,
 }
-"""Of hands, by their number."""
+"""Status variables of hands, by the number of the hand."""
 OWN_MECHANISM: Final = (1,)
 TIMER_NUMBERS: Final = range(1, 9)
 
@@ -211,7 +211,7 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
 
 
 def _motion_progress(world: World, name: str) -> float:
-    """Of the motion that is made, or was made last."""
+    """Return a status variable of the current or last motion."""
     progress = world.task.kernel.motion.progress()
     if progress is None:
         raise Unknown(f"the status variable {name}")
@@ -219,7 +219,7 @@ def _motion_progress(world: World, name: str) -> float:
 
 
 def _motion_speed(world: World, *slot: int) -> float:
-    """Of the motion that a slot has commanded, mm/s."""
+    """Return the speed of the motion that a slot has commanded, mm/s."""
     mine = world.slot
     if mine is None:
         world.of_slot(*slot)  # the one that there is
@@ -231,7 +231,7 @@ def _motion_speed(world: World, *slot: int) -> float:
 
 
 def _file_state(world: World, number: int) -> int:
-    """Whether somebody is at the other end of a file; -1 where it is not open."""
+    """Return 1 if the other end of a file is connected, else 0; -1 if the file is not open."""
     channel = world.files.get(number)
     return -1 if channel is None else int(channel.line.connected())
 

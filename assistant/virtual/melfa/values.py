@@ -27,7 +27,9 @@ class Failed(Exception):
 
 
 class Unknown(Exception):
-    """What nothing at hand tells, or what is not simulated: the run ends instead of guessing."""
+    """Behaviour that no source at hand defines, or that is not simulated: the run ends instead of
+    guessing.
+    """
 
 
 class Ended(Exception):
@@ -51,7 +53,9 @@ def out_of_range(what: str) -> Failed:
 
 
 def open_point(what: str, option: str) -> Unknown:
-    """What the manuals leave open, and an option of the run tells (see `Options`)."""
+    """Return an Unknown for a point that the manuals leave open, and an option of the run decides
+    (see `Options`).
+    """
     return Unknown(f"{what}: the option `{option}` tells")
 
 
@@ -61,7 +65,7 @@ Kind = Literal["number", "integer", "long", "text", "position", "joints"]
 Elements = tuple[float | None, ...]
 
 COMPONENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
-"""Of a position: mm and degrees as constants have them; None for what is not defined."""
+"""Components of a position: mm and degrees in constants; None for undefined ones."""
 FLAGS: Final = ("FL1", "FL2")
 JOINTS: Final = tuple(f"J{axis}" for axis in range(1, 9))
 
@@ -169,7 +173,7 @@ def kind_of(value: Value) -> Kind:
 
 
 def holds(value: Value) -> bool:
-    """Whether a condition is met: every number but 0 is true (COSIROP: WHILE)."""
+    """True if a condition is met: every number but 0 is true (COSIROP: WHILE)."""
     return number(value, "the condition") != 0
 
 
@@ -301,7 +305,7 @@ def kind_by_name(name: str) -> Kind:
 
 
 def is_external(name: str) -> bool:
-    """Whether all programs share it (CR1D 4.3.7)."""
+    """True if all programs share the variable (CR1D 4.3.7)."""
     return name[1:2] == "_"
 
 
@@ -346,7 +350,7 @@ class Cell:
 
 @dataclass(slots=True)
 class Element:
-    """One element of an array under a name of its own: a reference that a Function takes."""
+    """One element of an array under a separate name: a reference that a Function takes."""
 
     cell: Cell
     at: Index

@@ -39,11 +39,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """What a plug-in is called with.
+    """Call of a plug-in.
 
     name: upper case, without `$`. arguments: their values, None for one that is left out; a bare
-    word is a text. task: to tell events, to set outputs, to wait. arm: where it stands.
-    files: what is open, by its number, as `Open` named it.
+    word is a text. task: reports events, sets outputs, waits. arm: its present state. files: names
+    of the open files as in `Open`, by their numbers.
     """
 
     name: str
@@ -92,19 +92,19 @@ class World:
     running: list[Machine] = field(default_factory=list)
     shared: Memory = field(default_factory=lambda: Memory(Scope()))
     on_way: list[Switched] | None = None
-    """What is set on the way of the next motion, None where nothing is appended to it."""
+    """Outputs to set on the path of the next motion, None if nothing is appended to it."""
     appended: bool = False
-    """Whether that has gone to a motion."""
+    """True if the appended outputs have been added to a motion."""
     held: list[Switched] | None = None
-    """Where outputs go that are only worked out, to be set on the way of a motion."""
+    """List that collects outputs which are evaluated only, to be set on the path of a motion."""
     left: bool = False
-    """Whether the last block was left by `Break` (M_BrkCq)."""
+    """True if `Break` left the last block (M_BrkCq)."""
     skipped: bool = False
-    """Whether the last motion that may be skipped was (M_SkipCq)."""
+    """True if the last motion that may be skipped was (M_SkipCq)."""
     files: dict[int, Channel] = field(default_factory=dict)
     """Open files by their numbers."""
     paused: bool = False
-    """Whether an interrupt has the arm stand on its way."""
+    """True while an interrupt holds the arm on its path."""
     monitor: Callable[[], None] | None = None
     """Looks whether a condition of the motion at hand is met."""
     slot: Slot | None = None
@@ -163,7 +163,7 @@ class World:
         return 1000.0 * self.task.kernel.now
 
     def given(self, name: str, arguments: tuple[Value | None, ...]) -> Value | None:
-        """What the plug-in of a name gives; there must be one."""
+        """Return the value of the plug-in of a name, which must exist."""
         files = {number: channel.name for number, channel in self.files.items()}
         return self.commands[name](Given(name, arguments, self.task, self.arm, files))
 
@@ -263,7 +263,7 @@ class World:
         self.pulses.append(kernel.at(end, lambda: self.task.switch(str(number), float(back))))
 
     def end(self) -> None:
-        """What `End` of the main program does."""
+        """Carry out `End` of the main program."""
         self.settings.reset()
         self.close_files()
         for timer in self.pulses:
@@ -288,5 +288,5 @@ def inputs_of(given: Mapping[int, int] | Inputs | None) -> Source:
 
 
 def register(number: int) -> str:
-    """How the board calls a register of a field bus."""
+    """Return the board's name of a field bus register."""
     return f"register{number}"

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 PLAIN_START: Final = Pose((400.0, 0.0, 500.0), (0.0, 0.0, 1.0, 0.0))
-"""Where the flange is before the first motion of a program without a robot: the same in both."""
+"""Flange before the first motion of a program without a robot: the same in both."""
 PLAIN_JOINTS: Final = (0.0, 0.0, 90.0, 0.0, 90.0, 0.0)
 """Degrees of its joints there, on an arm of which nothing else is known."""
 PSEUDO: Final = "pseudo"
@@ -42,7 +42,7 @@ STATEMENT_TIME: Final = 0.002
 LONG_AGO: Final = 1_000_000
 """Milliseconds that timers show before a program sets them."""
 Held = dict[str, float | str]
-"""What shared data holds, by the names of the source."""
+"""Values of shared data, by the names of the source."""
 
 CYCLES: Final = 3
 """That are compared where one leaves values to the next: in many a number grows beyond bounds."""
@@ -50,16 +50,15 @@ CYCLES: Final = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Side:
-    """A program that is run. family: of its language, PSEUDO of a pseudo-program. trees: of its
-    files, the first one first, or the pseudo-program.
+    """A program that is run. family: that of its language, PSEUDO for a pseudo-program. trees:
+    those of its files, the first one first, or the pseudo-program.
 
-    start: of the flange. joints: degrees there, None where they are not known. entry: the routine
-    that it begins with. wiring: what it calls the inputs. outputs: what it calls outputs of a bit,
-    by what the other program calls them. shared: numbers, truths
-    and texts that outlive a run, as the source calls them, by their own names in lower case.
-    repeats: it begins again behind its end. lenient: numbers
-    that nothing was given are 0, where the manuals leave open whether a controller says so or ends:
-    the translation tells of each.
+    start: pose of the flange. joints: degrees there, None if unknown. entry: the routine that it
+    begins with. wiring: its names of the inputs. outputs: its names of one-bit outputs, by their
+    names in the other program. shared: names in the source of numbers, truths and texts that
+    outlive a run, by their names here in lower case. repeats: it begins again after its end.
+    lenient: unset numbers are 0, where the manuals leave open whether a controller reports them or
+    ends: the translation reports each.
     """
 
     family: str
@@ -76,7 +75,7 @@ class Side:
 
     @property
     def answers(self) -> bool:
-        """Whether inputs answer what it asks."""
+        """True if inputs answer the program's questions."""
         return any(map(is_operators, self.wiring.named))
 
     def begin(self, kernel: Kernel) -> None:
@@ -106,22 +105,22 @@ class Side:
         return _LANGUAGE_KINDS[self.family].constants(self.text())
 
     def sources(self) -> list[SourceText]:
-        """Of all files; a pseudo-program has none."""
+        """Return the sources of all files; a pseudo-program has none."""
         found = [getattr(tree, "source", None) for tree in self.trees]
         return [source for source in found if source is not None]
 
     def text(self) -> str:
-        """Of all files."""
+        """Return the text of all files."""
         return "\n".join(source.text for source in self.sources())
 
 
 def can_run(family: str) -> bool:
-    """Whether there is an interpreter of a family of languages."""
+    """True if a family of languages has an interpreter."""
     return family in _LANGUAGE_KINDS
 
 
 def counts_signals(family: str) -> bool:
-    """Whether programs of a family know signals by their numbers."""
+    """True if programs of a family use signals by their numbers."""
     return _LANGUAGE_KINDS[family].counts_signals
 
 
@@ -173,9 +172,10 @@ def _held_in_rapid(controller: RapidController, names: Mapping[str, str]) -> Hel
 
 
 def _separate_loaded(trees: Sequence[Any]) -> tuple[tuple[Any, ...], list[Any]]:
-    """The files that are there from the start, and those that a program loads while it runs.
+    """Return the files that are present from the start, and those that a program loads while it
+    runs.
 
-    What a list of modules names is there from the start.
+    Files named in a list of modules are present from the start.
     """
     rapid = languages.get("rapid")
     called = (name for tree in trees if tree.modules for name in rapid.called_files(tree))
@@ -353,7 +353,7 @@ def _number_text(value: float) -> str:
 
 
 TOOL_PARAMETER: Final = re.compile(r"wk\d+cord|mextl\d+", re.IGNORECASE)
-"""Names of parameters, whose values stand in positions with a P before the name."""
+"""Names of parameters whose values are in positions with a P before the name."""
 
 
 def _equip_melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set[str]]:  # noqa: ARG001

@@ -64,7 +64,7 @@ class Allowed:
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """What the text prints of one constant, if that is not what it prints of most.
+    """Rounding of one constant in the text, if it differs from that of most.
 
     value: mm, half of the last decimal of a coordinate. angle: degrees, of the orientation, whose
     three angles are off by half of their last decimal each.
@@ -76,10 +76,10 @@ class Printed:
 
 @dataclass(frozen=True, slots=True)
 class Rounding:
-    """What a text prints of any constant. joint: degrees, of a joint value.
+    """Rounding of any constant in a text. joint: degrees, of a joint value.
 
-    constants: what it prints of those that it holds, by their place. A frame may stand as its
-    inverse.
+    constants: rounding of the constants in the text, by their position. The text may contain a
+    frame as its inverse.
     """
 
     value: float
@@ -95,7 +95,9 @@ class Rounding:
         return Rounding(self.value, self.angle, self.joint, found)
 
     def allowed(self, move: Moved, reach: float) -> Allowed:
-        """How far a motion may be from what was meant. reach: mm, the farthest of all tips."""
+        """Return the tolerance of a motion around its intended target. reach: mm, the farthest of
+        all tips.
+        """
         far, turned, tip = CALCULATION_ERROR, CALCULATION_ERROR, tip_of(move)
         target = None if tip is None else move.frame.inverse() @ tip
         known = None if target is None else self.constants.get(_position_key(target))
@@ -145,7 +147,7 @@ def tip_of(move: Moved) -> Pose | None:
 
 
 def reach_of(moves: Sequence[Moved]) -> float:
-    """How far the farthest tip is from the base, in mm."""
+    """Return the distance of the farthest tip from the base, in mm."""
     tips = [tip for tip in map(tip_of, moves) if tip is not None]
     return max((float(np.linalg.norm(tip.position)) for tip in tips), default=0.0)
 
@@ -157,9 +159,11 @@ ANGLE: Final = 0.02
 """Degrees, for the same reason. Both where nothing tells what is printed, see `Rounding`."""
 JOINT: Final = 0.02
 SPEED: Final = 1e-3
-"""Of the speed itself."""
+"""Tolerance as a part of the speed."""
 SINGLE: Final = 2.0**-22
-"""Of the farthest place: what a few steps in single precision add, as RAPID works positions out."""
+"""Part of the farthest position: error of a few steps in single precision, as RAPID computes
+positions.
+"""
 BLEND: Final = 0.01
 TIME: Final = 1e-3
 SINGLE_TURN: Final = math.degrees(4.0 * 2.0**-24)
@@ -174,7 +178,7 @@ STATEMENTS: Final = 5.0
 SHARED: Final = 1e-5
 """Part of a value that shared data may be off: some controllers use single precision."""
 BROKEN_OFF: Final[Set[Why]] = frozenset({"steps", "unknown"})
-"""How runs end that would have gone on."""
+"""Endings of runs that were cut off."""
 
 Uncompared = Literal[
     "speeds of joint moves",
@@ -217,7 +221,7 @@ NOT_COMPARED: Final[Mapping[Uncompared, str]] = {
     "texts for people": "people read them, the cell does not",
     "texts over lines": "one language sends through a gateway what another sends itself",
 }
-"""What is left out, with the reason."""
+"""Effects that are not compared, with the reason."""
 
 Bits = Mapping[str, Sequence[int] | str]
 """Numbers of a signal's bits, the lowest first, or its other name, by its name in lower case."""
@@ -243,12 +247,13 @@ class Unlike:
 
 @dataclass(frozen=True, slots=True)
 class Likeness:
-    """What was compared of two runs. visits: motions. changes: signals that were set. waits: those
-    that inputs end. values: of shared data. left: kinds of effects that were not compared.
+    """Result of the comparison of two runs. visits: motions. changes: signals that were set. waits:
+    those that inputs end. values: those of shared data. left: kinds of effects that were not
+    compared.
 
-    apart: mm between the tips of the tools where motions end, the most. turned: degrees.
-    differences: none if both do the same; behind one that is no other value of the same effect
-    nothing was compared.
+    apart: largest distance in mm between the tips of the tools where motions end. turned: degrees.
+    differences: empty if both do the same; after one that is not just another value of the same
+    effect, nothing was compared.
     """
 
     visits: int = 0
@@ -269,7 +274,7 @@ class Likeness:
 def difference(
     first: Run, second: Run, signals: Bits | None = None, rounding: Rounding | None = None
 ) -> str | None:
-    """What the second run does that the first does not, or the other way; None if they agree."""
+    """Return the first difference between two runs; None if they agree."""
     unlike = likeness(first, second, signals, rounding).unlike
     return None if unlike is None else str(unlike)
 
@@ -282,18 +287,18 @@ def likeness(
     most: int = 1,
     measured: Set[str] = frozenset(),
 ) -> Likeness:
-    """What two runs have in common, as far as they agree.
+    """Compare two runs, as far as they agree.
 
-    most: differences that are told; behind them nothing is compared. signals: where a name of one
-    run is a number of the other. A signal that is set to what it is
-    anyway does nothing; nor do texts, and delays of no time. A corner of the second may be
-    narrower. Joints are compared where nothing tells which flange they give: two arms that stand
-    alike have other ones. Speeds of joint motions are not compared: they are percentages of an
-    arm's own. A run of the first that waits for ever, or ends for good, may be one without end in
-    the second. Where the first ends with an error, the second may stop. Of a run that was broken
-    off only what was told is compared, and the other one has to do as much. rounding: what one of
-    the texts prints; without it places may be apart by POSITION and ANGLE. measured: shared data
-    that hangs on how long statements take, which is not compared.
+    most: differences that are reported; after them nothing is compared. signals: numbers in one run
+    of names in the other. A signal that is set to its present value does nothing; nor do texts, and
+    delays of no time. A corner of the second may be narrower. Joints are compared where their
+    flange is unknown: two arms in the same pose have different joints. Speeds of joint motions are
+    not compared: they are percentages of an arm's limits. A run of the first that waits for ever,
+    or ends for good, may be one without end in the second. Where the first ends with an error, the
+    second may stop. Of a run that was cut off only the reported events are compared, and the other
+    one has to do as much. rounding: rounding in one of the texts; without it positions may be apart
+    by POSITION and ANGLE. measured: shared data that depends on how long statements take, which is
+    not compared.
     """
     ours = list(_compared_events(first, signals or {}, measured))
     others = list(_compared_events(second, signals or {}, measured))
@@ -345,7 +350,9 @@ def likeness(
 
 
 def _same_effect(one: Event, two: Event) -> bool:
-    """Whether two effects are the same one with other values: what follows can be compared."""
+    """True if two effects are the same one with different values: the comparison can continue after
+    it.
+    """
     match one, two:
         case (Moved(), Moved()) | (Waited(), Waited()):
             return True
@@ -357,8 +364,9 @@ def _same_effect(one: Event, two: Event) -> bool:
 
 
 _BY_SPEED: Final = {("time", "end"), ("end", "end")}
-"""What a place on the way is measured by, in the first run and in the second, where the speed tells
-that it is the same."""
+"""Measures of a position on the path, in the first run and in the second, that the speed converts
+into each other.
+"""
 
 
 _START: Final = OnWay("start", 0.0)
@@ -392,7 +400,9 @@ class _Limits:
     within: bool = False
 
     def unlike(self, first: Logged, second: Logged) -> str | None:
-        """What differs in how long both took from the events before, which are alike, to these."""
+        """Return the difference in the time that both took from the previous events, which agree,
+        to these.
+        """
         before, ends, within = self.since, (first.time, second.time), self.within
         self.since = _over(first), _over(second)
         self.within = isinstance(first.what, Awaited)
@@ -449,7 +459,7 @@ class _Comparing:
         self.differences.append(Unlike(event, what, one, two, (places[0], places[1])))
 
     def unlike(self, one: Event, two: Event) -> str | None:
-        """What differs of two events, None if they are the same."""
+        """Return the difference of two events, None if they are the same."""
         match one, two:
             case Moved(), Moved():
                 self.visits += 1
@@ -471,7 +481,7 @@ class _Comparing:
         return None if one == two else "another event"
 
     def _external(self, one: Moved, two: Moved) -> bool:
-        """Whether external axes stand alike that both motions state a place of."""
+        """True if the external axes whose positions both motions state agree."""
         most = JOINT if self.rounding is None else 2.0 * self.rounding.joint
         stated = (
             (a, b)
@@ -521,7 +531,9 @@ class _Comparing:
             self.left.add("narrower corners")
 
     def _tips(self, one: Moved, two: Moved, allowed: Allowed) -> str | None:
-        """The tips of the tools, and the flanges: a tool of its own may hide what differs."""
+        """Compare the tips of the tools, and the flanges: a different tool may hide a
+        difference.
+        """
         first, second = tip_of(one), tip_of(two)
         assert first is not None and second is not None
         assert one.flange is not None and two.flange is not None
@@ -547,9 +559,9 @@ class _Comparing:
         )
 
     def _same_place(self, one: OnWay | None, two: OnWay | None) -> bool:
-        """What is set at the very end of a move with a corner may be set behind it, what is set as
-        the move begins before it, and what is set by time at the place that the programmed speed
-        makes of it.
+        """True if two positions on the path are equivalent. An output at the very end of a move
+        with a corner may be set after it, one at its start before it, and one set by time at the
+        position that the programmed speed gives.
         """
         if one is None or two is None:
             return one is two or (two is None and one in _ENDS)
@@ -590,7 +602,7 @@ def _compared_events(run: Run, signals: Bits, measured: Set[str]) -> Iterator[Lo
 
 
 def _new_events(kept: dict[str, Logged], held: dict[str, Kept]) -> Iterator[Logged]:
-    """What shared data holds that held something else before."""
+    """Values of shared data that differ from those before."""
     for name in sorted(kept):
         row = kept.pop(name)
         assert isinstance(row.what, Kept)
@@ -621,7 +633,9 @@ def _effects(run: Run, signals: Bits) -> Iterator[Logged]:
 
 
 def _ordered_triggers(rows: Sequence[Logged]) -> Iterator[Logged]:
-    """What a move sets as it begins comes before it, whether or not a statement sets it there."""
+    """Yield the outputs set at the start of a move before it, whether or not a statement sets them
+    there.
+    """
     place = 0
     while place < len(rows):
         last = place + 1
@@ -666,7 +680,7 @@ def _is_near(one: Sequence[float], two: Sequence[float], most: float) -> bool:
 
 
 def _angle_between(one: Pose, two: Pose) -> tuple[float, float]:
-    """How far two poses are apart, in mm and degrees."""
+    """Return the distance and angle between two poses, in mm and degrees."""
     far = float(np.linalg.norm(np.subtract(one.position, two.position)))
     return far, float(rotations.angle_between(one.quaternion, two.quaternion))
 

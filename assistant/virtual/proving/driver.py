@@ -20,17 +20,17 @@ from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.kernel.kernel import NEVER
 
 Wires = tuple[str, ...]
-"""Bits of a signal, the lowest first; a signal without numbers is one wire of its own name."""
+"""Bits of a signal, the lowest first; a signal without numbers is one wire of the same name."""
 
 GROUP_BITS: Final = 16
-"""Of a group of signals whose width nothing tells: what a controller's word has."""
+"""Bits of a group of signals of unknown width: those of a controller's word."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """What a program reads by a name. named: wires by names in lower case.
+    """Wires of the names that a program reads. named: wires by names in lower case.
 
-    wide: names of wires that hold numbers of more than a bit. Any other name is a wire of its own.
+    wide: names of wires that hold numbers of more than a bit. Any other name is a wire itself.
     """
 
     named: Mapping[str, Wires] = field(default_factory=dict)
@@ -40,19 +40,19 @@ class Wiring:
         return self.named.get(name, (name,))
 
     def bits(self, name: str) -> int:
-        """How many a number has that a name reads."""
+        """Return the number of bits of the number that a name reads."""
         count = len(self.wires(name))
         return GROUP_BITS if count == 1 and name in self.wide else count
 
     def value(self, name: str, state: Mapping[str, float]) -> float:
-        """What a name reads, of wires of which those at 0 may be missing."""
+        """Return the value that a name reads from wires; missing ones are 0."""
         wires = self.wires(name)
         if len(wires) == 1:
             return state.get(wires[0], 0.0)
         return float(sum(int(state.get(wire, 0.0)) << at for at, wire in enumerate(wires)))
 
     def spread(self, name: str, value: float) -> dict[str, float]:
-        """What the wires of a name are where it reads a value."""
+        """Return the values of the wires of a name that reads a value."""
         wires = self.wires(name)
         if len(wires) == 1:
             return {wires[0]: value}
@@ -60,7 +60,7 @@ class Wiring:
 
 
 POLLS: Final = 50
-"""Readings at one beat and one place after which a program waits in a loop of its own."""
+"""Readings at one beat and one position after which a program counts as waiting in a loop."""
 MOST_ANSWERS: Final = 60
 """Waits that are answered in one run: a program of an endless cycle has seen enough by then."""
 MOST_SAID: Final = 5
@@ -99,12 +99,12 @@ State = tuple[tuple[str, float], ...]
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """What the inputs are over a run; those that are not named are 0."""
+    """Values of the inputs over a run; inputs without a name here are 0."""
 
     changes: tuple[tuple[Moment, State], ...] = ()
 
     def at(self, moment: Moment) -> State | None:
-        """What becomes of inputs at a moment: nothing if it is empty, nobody says if it is None."""
+        """Return the changes of inputs at a moment: empty for no change, None if not defined."""
         return next((state for when, state in self.changes if when == moment), None)
 
     def changed(self, moment: Moment, state: Mapping[str, float]) -> Scenario:
@@ -150,7 +150,7 @@ class Answering(Protocol):
     """Says what a wait is for."""
 
     def answer(self, driver: Driver, task: Task, read: tuple[str, ...]) -> Mapping[str, float]:
-        """What wires are to become so that a program goes on; empty for nothing.
+        """Return the new values of wires that let a program continue; empty for none.
 
         read: the names that it reads while it waits.
         """
@@ -160,16 +160,17 @@ class Answering(Protocol):
 class Driver(Mapping[str, float]):
     """Plays a scenario to a program: the inputs of its board, as a table by its names.
 
-    answering: who ends waits that the scenario does not end; None for nobody. played: the scenario
-    with these answers. taken: each way that was gone, by its first time. reads: names ever read.
-    ended: when a wait was answered that ends by itself, by its place. watched: beats at which an
-    input was looked at for an interrupt, by its name. met: what waits read that came to their end,
-    by their places and whether these had to wait. unanswered: that of the wait that the run ends
-    at, as no input ends it. iterations: the inputs that a condition read each time, at different
-    moments, by its place. last: the way that was gone last before so many events were told. timing:
-    conditions that may hang on a timer since the last event: when each was first evaluated, its
-    outcome, and how often it was that, by its place. ended_by_timer: whether such a condition has
-    ended a loop. behind_input: whether a timer has ended a wait that began with an input.
+    answering: ends waits that the scenario does not end; None to leave them. played: the scenario
+    with these answers. taken: each branch that was taken, by its first time. reads: names ever
+    read. ended: moment of the answer to a wait that may end without one, by its position. watched:
+    beats at which an input was checked for an interrupt, by its name. met: readings of waits that
+    came to their end, by their positions and whether these had to wait. unanswered: position of the
+    wait that the run ends at, as no input ends it. iterations: the inputs that a condition read
+    each time, at different moments, by its position. last: the branch that was taken last before so
+    many events. timing: conditions that may depend on a timer since the last event: when each was
+    first evaluated, its outcome, and how often it had that outcome, by its position.
+    ended_by_timer: whether such a condition has ended a loop. behind_input: whether a timer has
+    ended a wait that began with an input.
     """
 
     kernel: Kernel
@@ -218,7 +219,7 @@ class Driver(Mapping[str, float]):
         return tuple(self._recent)
 
     def __getitem__(self, name: str) -> float:
-        """What an input reads now, which counts as a reading."""
+        """Return the present value of an input, and count it as a reading."""
         self.reads.add(name)
         self._recent.append((name, Moment(self.beat, self.idles)))
         if self.kernel.steps != self._step:
@@ -372,7 +373,7 @@ class Driver(Mapping[str, float]):
         return answered
 
     def would(self, change: Mapping[str, float], until: Callable[[], bool]) -> bool:
-        """Whether a condition would hold with other inputs."""
+        """True if a condition would be met with other inputs."""
         before = dict(self.state)
         self.state.update(change)
         self._asking = True
@@ -385,11 +386,11 @@ class Driver(Mapping[str, float]):
     def _idle(
         self, task: Task, read: tuple[str, ...], ends: object, since: float | None = None
     ) -> bool:
-        """The program waits; whether an input has changed for it.
+        """Handle a wait of the program; True if an input has changed for it.
 
-        read: the names that it looks at. ends: the place of a wait that may have an end of its own,
-        None of another one. since: when a loop began to look; an input comes then, so that it takes
-        as little time as one that is waited for.
+        read: the names that it reads. ends: the position of a wait that may end without an input,
+        None for another one. since: when a loop began to read; an input comes then, so that it
+        takes as little time as an awaited one.
         """
         self.idles += 1
         moment = Moment(self.beat, self.idles)
@@ -420,7 +421,7 @@ class Driver(Mapping[str, float]):
         self._apply(self.wiring.spread(name, value))
 
     def _apply(self, change: Mapping[str, float]) -> None:
-        """Whoever listens to an input is told of its change."""
+        """Change inputs and call the listeners of each."""
         changed = {wire for wire, value in change.items() if self.state.get(wire, 0.0) != value}
         if not changed:
             return

@@ -57,11 +57,11 @@ _WHOLE: Final = re.compile(r"(?<![\w.#])[0-9]{1,4}(?![\w.])")
 
 
 def likely_messages(text: str) -> tuple[str, ...]:
-    """Messages for a program: how long one is, and words that are all one number of its text.
+    """Messages for a program: their length, and words that are all one number of its text.
 
-    A program goes on where it knows the kind of a message by its number; what it does not know may
-    end it. Most numbers have four bytes, with the lowest first unless the text says otherwise.
-    Characters stand for the bytes.
+    A program continues if it recognises the kind of a message by its number; an unknown message may
+    end it. Most numbers have four bytes, with the lowest first unless the text defines another
+    order. Characters represent the bytes.
     """
     if _BYTES.search(text) is None:
         return ()
@@ -78,10 +78,11 @@ def _built_message(numbers: list[int], orders: str) -> Iterator[str]:
 
 
 def sent_words(run: int, known: Sequence[str], texts: Sequence[str]) -> tuple[str, ...]:
-    """What the other ends of lines say in a run, by its number: a message of those that are known.
+    """Return the texts that the other ends of lines send in a run, by its number: one of the known
+    messages.
 
-    Else numbers first, which any variable takes, and in the runs behind that also texts that the
-    first program has, in turn.
+    Without known messages, numbers come first, which any variable takes; later runs also send the
+    texts of the first program in turn.
     """
     if known:
         return (known[run % len(known)],)
@@ -93,23 +94,27 @@ def sent_words(run: int, known: Sequence[str], texts: Sequence[str]) -> tuple[st
 LATER_SHARE: Final = 3
 """Times as long as the source the written program may take; it has to do as much by then."""
 LEAST_SECONDS: Final = 2.0
-"""Of the first run of the source."""
+"""Least seconds of the first run of the source."""
 LOOK_PERIOD: Final = 64
 """Statements between two looks at the clock."""
 MORE_EVENTS_THAN_SOURCE: Final = (1.25, 4)
-"""Of the written program, times and beside what the source has told, when that has no end."""
+"""Events of the written program, as a factor and a number added, relative to a source without
+end.
+"""
 MORE_EFFECTS_THAN_SOURCE: Final = 2
 """Times as many visits and changes as the source has told are far more."""
 OVER: Final = "time"
-"""How such a run has ended."""
+"""Ending of a run that took too long."""
 QUIET_STATEMENTS: Final = 250_000
 """Statements without an effect: taking a text apart, letter by letter, takes over 100,000."""
 RAN_ON: Final = "it runs on without any effect"
-"""What a run says that was broken off for this."""
+"""Message of a run that was cut off for this reason."""
 
 
 def first_run_seconds(seconds: float, source: bool) -> float:
-    """Seconds of the first run of the source, or of what was written, in a proof of so many."""
+    """Return the seconds for the first run of the source, or of the written program, in a proof of
+    so many.
+    """
     return max(seconds, LEAST_SECONDS) * (1 if source else LATER_SHARE)
 
 
@@ -170,7 +175,7 @@ SLOWER: Final = 2.0
 """Times as long a statement takes in a second run, which tells what timers end from what a program
 counts."""
 MORE_STEPS: Final = 20
-"""Of the written program: one statement may have become several."""
+"""Factor of the written program's statements: one statement may have become several."""
 LOOKS: Final = 2
 """Times as many statements as the time of a wait holds."""
 LEAST_STEPS: Final = 500
@@ -178,7 +183,9 @@ LEAST_STEPS: Final = 500
 MOST_IN_VAIN: Final = 10
 """Runs with inputs at random that take no new branch before the search gives up."""
 FEW_RUNS: Final = 2
-"""For so many runs one may be that nobody can judge, with inputs of which the manuals tell less."""
+"""For each such number of runs, one may be impossible to judge, with inputs that the manuals define
+less.
+"""
 MOST_SILENT: Final = 5
 """Times that a wait which is tried again and again gets no answer."""
 MOST_FOLLOWED: Final = 5
@@ -186,7 +193,7 @@ MOST_FOLLOWED: Final = 5
 TOGETHER: Final = 3
 """Scenarios in which all inputs that a branch may hang on are others, at random."""
 BELOW: Final = 12
-"""Lines below a choice that its cases may stand in."""
+"""Lines below a choice that may contain its cases."""
 FIRST_EVENTS: Final = 2000
 """Events that the first run may tell, beside four for each line of its text."""
 MORE_EVENTS: Final = 200
@@ -194,7 +201,7 @@ MORE_EVENTS: Final = 200
 COMBINED: Final = 3
 """Inputs of a statement that are tried in all combinations; of more they change one by one."""
 TRIED_VALUES: Final = 6
-"""Of numbers that a group of signals may have, for each branch that hangs on it."""
+"""Values tried for a group of signals, for each branch that depends on it."""
 SMALL: Final = (1, 2)
 """Numbers that places of pallets, elements of arrays and cases begin with: what a program may
 want of inputs that it ends in an error with."""
@@ -212,7 +219,7 @@ class Budget:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A run that nothing could be made of. side: 0 for the source, 1 for what was written."""
+    """A run without a usable result. side: 0 for the source, 1 for the written program."""
 
     side: int
     run: Run
@@ -221,9 +228,9 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """What two runs do otherwise, and the scenario that it shows in.
+    """A difference between two runs, and the scenario that shows it.
 
-    behind: the branches that either took last before that.
+    behind: the last branch that either took before that.
     """
 
     unlike: Unlike
@@ -233,15 +240,15 @@ class Difference:
 
 @dataclass(slots=True)
 class Found:
-    """What all runs together have shown.
+    """Result of all runs together.
 
     cut: runs of the source that were cut off because they did not end. failing: runs that end with
     an error of the program itself. idling: runs that wait for ever before anything is compared,
-    idle the first of them. stalled: runs that wait for ever behind what is compared, where the
-    script leaves them or no run comes further, one for each wait. stalling: how many do so without
-    a script. differences: those of other places each. unknown: what an interpreter could not run,
-    unjudged: so after runs that were compared. unfinished: a first run that took all the time.
-    never: branches of either program that no run took. total: how many there are.
+    idle the first of them. stalled: runs that wait for ever after the compared events, because the
+    script ends or no run continues, one for each wait. stalling: number of such runs without a
+    script. differences: one for each position. unknown: a statement that an interpreter could not
+    run, unjudged: the same after runs that were compared. unfinished: a first run that took all the
+    time. never: branches of either program that no run took. total: number of its branches.
     """
 
     runs: int = 0
@@ -358,15 +365,15 @@ class _Search:
         return self.found
 
     def _differ(self) -> bool:
-        """Whether as many differences are found as were asked for."""
+        """True if the requested number of differences is found."""
         return len(self.found.differences) >= self.budget.differences
 
     def _begins(self) -> bool:
-        """Whether all messages so far have ended the first program, and there are others."""
+        """True if all messages so far have ended the first program, and others are left."""
         return bool(self.found.failing == self.found.runs < len(self.messages))
 
     def _open(self) -> bool:
-        """Whether there is a branch that no run has taken."""
+        """True if a branch is left that no run has taken."""
         return any(
             any(way not in taken for way in known)
             for known, taken in zip(self.known, self.taken, strict=True)
@@ -390,7 +397,9 @@ class _Search:
     # --------------------------------------------------------------------------- one scenario
 
     def _both(self, scenario: Scenario) -> tuple[bool, Scenario]:
-        """Whether it took a new branch, and the scenario with the answers that it needed."""
+        """Run both programs; return whether they took a new branch, and the scenario with the
+        needed answers.
+        """
         one, ours = self._play(self.first, scenario, self.steps)
         if one.ended == OVER:
             if self.found.runs:
@@ -441,10 +450,11 @@ class _Search:
     def _silent(
         self, scenario: Scenario, driver: Driver
     ) -> Iterator[tuple[Scenario, tuple[object, Moment, int]]]:
-        """Scenarios in which a wait that may end by itself gets no answer, once for each place.
+        """Scenarios in which a wait that may end without an answer gets no answer, once for each
+        position.
 
-        One that is tried again gets none there either, up to `MOST_SILENT` times. With each: the
-        place, the moment, and how often there was none.
+        A wait that is tried again gets no answer either, up to `MOST_SILENT` times. With each: the
+        position, the moment, and how often it got no answer.
         """
         again, since, times = self.silent.get(scenario, (None, Moment(), 0))
         after = (
@@ -459,7 +469,9 @@ class _Search:
                 yield driver.played.silent(moment), (place, moment, now)
 
     def _not_judged(self, stop: Stop) -> None:
-        """What nobody knows ends the search in its first run; later it is one with other inputs."""
+        """Record a run that cannot be judged: it ends the search if nothing was compared yet; later
+        ones only count as missed.
+        """
         if self.found.runs > self.found.failing:
             self.found.unjudged = self.found.unjudged or stop
             self.missed += 1
@@ -477,7 +489,7 @@ class _Search:
         return MORE_STEPS * (max(one.steps, LEAST_STEPS) + waits) + looks
 
     def _as_much(self, one: Run, two: Run) -> bool:
-        """Whether a run that was broken off did all that the first one did."""
+        """True if a run that was cut off did all that the first one did."""
         runs = one, replace(two, ended="steps")
         done = [likeness(one, run, self.signals, self.rounding) for run in runs]
         return len({(like.visits, like.changes) for like in done}) == 1
@@ -485,7 +497,9 @@ class _Search:
     def _play(
         self, side: Side, scenario: Scenario, steps: int, after: Run | None = None
     ) -> tuple[Run, Driver]:
-        """after: the run of the source, for what was written; None for that of the source."""
+        """Run a program through a scenario. after: the run of the source, for the written program;
+        None for the source.
+        """
         run, driver = self._run_through(side, scenario, steps, after, STATEMENT_TIME)
         if driver.ended_by_timer:
             slower, _ = self._run_through(
@@ -781,7 +795,7 @@ def _kept_values(run: Run) -> Mapping[str, list[float | str]]:
 
 
 def _driver_state(scenario: Scenario) -> Iterator[tuple[str, float]]:
-    """What wires are at the end of a scenario."""
+    """Values of the wires at the end of a scenario."""
     for _, state in scenario.changes:
         yield from state
 

@@ -1,6 +1,6 @@
-"""An interpreter of pseudo-programs: what they do, told as that of the vendors' languages is.
+"""An interpreter of pseudo-programs, which reports events like those of the vendors' languages.
 
-It reads the statements of a program as they stand. Vendor text in it is not run.
+It runs the statements of a program as they are. It does not run vendor text in it.
 """
 
 from assistant.virtual.pseudo.statements import start_program

@@ -1,4 +1,4 @@
-"""What an expression of a pseudo-program is worth, and where a variable is stored."""
+"""Values of expressions in a pseudo-program, and storage of variables."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def condition(m: Machine, node: e.Expression) -> bool:
 
 
 def place(m: Machine, node: e.Expression) -> Place:
-    """Where a variable or a part of one is stored."""
+    """Return the storage of a variable or a part of one."""
     match node:
         case e.Name(name):
             found = m.place(name)
@@ -175,7 +175,7 @@ def _quotient(left: float, right: float) -> float:
 
 
 def _remainder(left: float, right: float) -> float:
-    """With the sign of what is divided, as both vendors' languages are taken to have it."""
+    """Return a remainder with the sign of the dividend, as assumed for both vendors' languages."""
     a, b = whole_of(left, "an operand of mod"), whole_of(right, "an operand of mod")
     if b == 0:
         raise ZeroDivisionError
@@ -269,7 +269,7 @@ def here(m: Machine, tool: str, frame: str) -> Target:
 
 
 def _flange_at(m: Machine, value: Value) -> Target:
-    """Where joints bring the flange, in their configuration."""
+    """Return the flange pose at joints, in their configuration."""
     if not isinstance(value, JointTarget):
         raise Fault(f"`flange_at` of {kind_of(value)}")
     if m.robot is None:
@@ -331,7 +331,7 @@ def _bits(function: Callable[[int, int], int]) -> Callable[..., Value]:
 
 
 def _rounded(value: Value, places: Value = 0.0) -> Value:
-    """Halves away from zero, as both vendors' languages are taken to have it."""
+    """Return a rounded number, halves away from zero, as assumed for both vendors' languages."""
     number, scale = number_of(value), 10.0 ** whole_of(places)
     return math.copysign(math.floor(abs(number) * scale + 0.5), number) / scale
 

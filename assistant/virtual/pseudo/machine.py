@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 
 class Fault(Exception):
-    """What no controller could do."""
+    """An action that no controller could carry out."""
 
 
 class NotRun(Exception):
-    """What this interpreter does not know; the text says what it is."""
+    """A feature that this interpreter does not support; the text names it."""
 
 
 class Over(Exception):
@@ -62,12 +62,12 @@ DEFAULTS: Final[dict[ValueType, Value]] = {
     "truth": False,
     "text": "",
 }
-"""Of variables that state no first value; positions have none."""
+"""Values of variables that state no first value; positions have none."""
 
 
 @dataclass(slots=True, eq=False)
 class Cell:
-    """Where a value is stored. constant: nothing may change it."""
+    """Storage of a value. constant: True if it must not change."""
 
     value: Value | None = None
     constant: bool = False
@@ -105,7 +105,7 @@ def place_of(cell: Cell, name: str) -> Place:
 
 
 def array_element(array: Place, indices: tuple[int, ...], name: str) -> Place:
-    """Of an array; indices from 1."""
+    """Return the storage of an array element; indices from 1."""
 
     def row() -> tuple[list[Value], int]:
         items, last = array.get(), 0
@@ -211,7 +211,7 @@ def _joint_index(name: str, count: int) -> int | None:
 
 
 def first_value(variable: Variable, initial: Value | None) -> Value | None:
-    """What a variable begins with; arrays without a first value are filled."""
+    """Return the first value of a variable; arrays without one are filled."""
     if initial is not None or not variable.size:
         return DEFAULTS.get(variable.type) if initial is None else copied(initial)
     return _filled_array(variable.size, DEFAULTS.get(variable.type, []))
@@ -289,12 +289,12 @@ T = TypeVar("T")
 
 @dataclass(slots=True, eq=False)
 class Machine:
-    """Everything that a running program can see or change.
+    """All state that a running program can see or change.
 
-    text: that the program was read from, None if there is none. shared: its variables, targets and
-    joint targets by name in lower case. set: signals that it sets. flange, joints: where the
-    latest motion leads, None while that is not known. override, acceleration, deceleration:
-    factors. interrupts: set once it runs. broken_off: whether the last move with an `until` was.
+    text: source that the program was read from, None if it has none. shared: its variables, targets
+    and joint targets by name in lower case. set: signals that it sets. flange, joints: those at the
+    end of the latest motion, None while unknown. override, acceleration, deceleration: factors.
+    interrupts: set once it runs. broken_off: whether the last move with an `until` was.
     """
 
     task: Task
@@ -338,7 +338,7 @@ class Machine:
     # ------------------------------------------------------------------------------- names
 
     def place(self, name: str) -> Place | None:
-        """Where a variable or constant is stored; None for a name that is none."""
+        """Return the storage of a variable or constant; None for an unknown name."""
         key = name.lower()
         found = self.call.names.get(key) if self.calls else None
         if found is None:
@@ -350,7 +350,7 @@ class Machine:
         return key in self.set or any(key == known.lower() for known in self.program.signals)
 
     def read(self, name: str) -> float:
-        """What a signal is now."""
+        """Return the present value of a signal."""
         key, board = name.lower(), self.task.kernel.board
         declared = next((s for n, s in self.program.signals.items() if n.lower() == key), None)
         out = key in self.set if declared is None else declared.direction == "output"
@@ -368,7 +368,7 @@ class Machine:
         return found if pose == found.pose else replace(found, user=pose, object=Pose())
 
     def _mounted(self, name: str, declared: Pose) -> Pose:
-        """What the pose of a tool or frame is now, which a program may change."""
+        """Return the present pose of a tool or frame, which a program may change."""
         cell = self.shared.get(name.lower())
         return cell.value if cell is not None and isinstance(cell.value, Pose) else declared
 

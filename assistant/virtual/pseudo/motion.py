@@ -94,7 +94,7 @@ def follow(m: Machine, path: Path) -> Iterator[None]:
 
 
 def flange_at(m: Machine, joints: tuple[float, ...]) -> Pose | None:
-    """Where joints bring the flange; None without a robot."""
+    """Return the flange pose at joints; None without a robot."""
     if m.robot is None:
         return None
     own = m.robot.own_joints((*joints, *(0.0,) * 6)[: max(6, len(joints))])

@@ -79,7 +79,7 @@ class Interrupts:
             kernel.looking = False
 
     def _within(self, frame: Call, does: Callable[[], Any]) -> Any:
-        """What something gives, in the call that an interrupt was defined in."""
+        """Evaluate a function in the call in which an interrupt was defined."""
         calls, self.busy = self.machine.calls, True
         calls.append(frame)
         try:
@@ -405,7 +405,7 @@ STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
 
 
 TASK_NAME: Final = "program"
-"""Of its task."""
+"""Name of the program's task."""
 
 
 def start_program(
@@ -417,11 +417,12 @@ def start_program(
     text: SourceText | None = None,
     cycles: int = 1,
 ) -> Task:
-    """A task that runs one cycle of a program, from the call of its first procedure to its end.
+    """Return a task that runs one cycle of a program, from the call of its first procedure to its
+    end.
 
-    robot: the arm, without which a motion to joints ends nowhere that is known. start: the flange
-    in the base before the first motion. text: that the program was read from, for places in it.
-    cycles: how often that procedure is called; if more than once, the run is over behind them.
+    robot: the arm; without it the end of a motion to joints is unknown. start: the flange in the
+    base before the first motion. text: source that the program was read from, for source locations.
+    cycles: number of calls of that procedure; if more than one, the run is over after them.
     """
 
     def body(task: Task) -> Ending:

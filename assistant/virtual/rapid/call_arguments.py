@@ -1,7 +1,7 @@
-"""Arguments of a call: of built-in instructions and functions, and of the program's own routines.
+"""Arguments of a call: of built-in instructions and functions, and of the program's routines.
 
-`Given` works the arguments of a built-in one out as they are asked for. A parameter of a routine is
-a copy of a value, or a reference to data.
+`Given` evaluates the arguments of a built-in one on request. A parameter of a routine is a copy of
+a value, or a reference to data.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def any_arguments(machine: Machine, arguments: Sequence[s.Argument]) -> Given:
 
 
 def is_present(machine: Machine, variable: s.Expression) -> bool:
-    """Whether an optional parameter was given."""
+    """True if an optional parameter was given."""
     if not isinstance(variable, s.NameRef):
         return True
     return not isinstance(machine.meaning(variable.name), Absent)
@@ -137,7 +137,9 @@ def table_row(
 
 
 Ability = Callable[[Given], Value | None]
-"""What a controller has beside what all of them have: it gets the arguments of its call."""
+"""Instruction or function of one controller beyond the common ones: it gets the arguments of its
+call.
+"""
 
 
 def as_function(does: Ability) -> Function:
@@ -152,13 +154,15 @@ REFERENCE_MODES: Final[Mapping[str, tuple[Storage, ...]]] = {
     "PERS": ("PERS",),
     "INOUT": ("VAR", "IN", "PERS"),
 }
-"""What data a parameter of each mode may refer to."""
+"""Storage classes that a parameter of each mode may refer to."""
 
 
 def bound_parameters(
     machine: Machine, routine: s.Routine, arguments: Sequence[s.Argument]
 ) -> dict[str, Meaning]:
-    """What the names of the parameters mean during a call; arguments are worked out in order."""
+    """Return the meanings of the parameters' names during a call; arguments are evaluated in
+    order.
+    """
     found: dict[str, Meaning] = {}
     required = iter(_parameter_argument(routine, optional=False))
     optional = {one.name.lower(): one for one in _parameter_argument(routine, optional=True)}
@@ -208,7 +212,7 @@ def _optional_parameter(
 
 
 def _bound_parameter(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -> Meaning:
-    """What one parameter means."""
+    """Return the meaning of one parameter."""
     shape = Shape(machine.types.name(one.type), (-1,) * max(one.dimensions, 0))
     if shape.type == "switch":
         return Cell(shape, "CONST", True)

@@ -41,12 +41,12 @@ UNSURE: Final = "unsure"
 
 
 class Fault(Exception):
-    """What a controller stops at with an error.
+    """An error that stops a controller.
 
-    number: of an error that the program can recover from, None for any other. unsure: whether it
-    has a number, so that nobody knows what a handler would do. at, row: the statement that it
-    happened in. leaves: the call that it was not recovered in. goal: the call whose handler it goes
-    to in one step, None for that of the next caller.
+    number: that of an error that the program can recover from, None for any other. unsure: True if
+    it is open whether the error has a number, so that the action of a handler is unknown. at, row:
+    the statement that raised it. leaves: the call that did not recover from it. goal: the call
+    whose handler it reaches in one step, None for that of the next caller.
     """
 
     def __init__(self, message: str, error: str = "", number: int | None = None) -> None:
@@ -62,7 +62,7 @@ class Fault(Exception):
 
 
 class NotSimulated(Exception):
-    """What this interpreter does not know; the text says what it is."""
+    """A feature that this interpreter does not support; the text names it."""
 
 
 class Over(Exception):

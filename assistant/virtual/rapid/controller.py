@@ -171,7 +171,7 @@ def _declared_cell(node: s.Data, unit: Unit) -> tuple[bool, str, Meaning]:
 
 
 def used_signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
-    """Names of outputs, and of all signals, that the modules use as such, in lower case."""
+    """Return the names of outputs, and of all signals, that the modules use, in lower case."""
     outputs: set[str] = set()
     known: set[str] = set()
     for node in nodes(tuple(file.parts for file in files)):
@@ -200,7 +200,7 @@ def used_signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str
 
 
 def works_signals_out(files: Iterable[s.File]) -> bool:
-    """Whether names of signals may come to be that stand nowhere in the modules."""
+    """True if signals may get names at run time that the modules do not contain."""
     calls = (n for n in nodes(tuple(file.parts for file in files)) if _is_alias(n))
     return any(
         isinstance(one, s.Positional) and not isinstance(one.value, s.StringLiteral)
@@ -216,21 +216,23 @@ def _is_alias(node: object) -> TypeGuard[s.ProcedureCall]:
 
 
 Kind = Literal["normal", "static", "semistatic"]
-"""Of a task: who starts it, and what becomes of it at power on (RAPID overview, Multitasking)."""
+"""Kind of a task: determines how it starts, and its state after power on (RAPID overview,
+Multitasking).
+"""
 RETRIES: Final = 4
 """The system parameter No Of Retry, as controllers are delivered (reference, 2.1)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What differs from controller to controller, or where its manuals leave more than one way.
+    """Differences between controllers, and points that their manuals leave open.
 
-    retries: of a statement, by RETRY. retries_raise: one more is the error ERR_EXCRTYMAX in that
-    statement; else it stops the program. propagates: an error in a routine without a handler
-    goes to that of its caller, as the kernel manual says; else it stops the program at once, as
-    the overview does. began: when the simulated clock is at 0, as CDate and CTime tell it.
-    addresses: real hosts by the address that programs state; others than this computer are not
-    reached without it. sockets: whether programs may reach anything outside of the run at all.
+    retries: those of a statement, by RETRY. retries_raise: one more is the error ERR_EXCRTYMAX in
+    that statement; else it stops the program. propagates: an error in a routine without a handler
+    passes to that of its caller, as in the kernel manual; else it stops the program at once, as in
+    the overview. began: date of the simulated clock at 0, for CDate and CTime. addresses: real
+    hosts by the address that programs state; without an entry only this computer is reached.
+    sockets: whether programs may reach anything outside the run at all.
     """
 
     retries: int = RETRIES

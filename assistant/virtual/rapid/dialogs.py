@@ -23,7 +23,7 @@ from assistant.virtual.rapid.values import Array, Record, Shape, Value
 
 T = TypeVar("T")
 Read = Callable[[str], T | None]
-"""What an answer means; None for what cannot be answered."""
+"""Function that returns the value of an answer; None for an invalid answer."""
 
 LONGEST: Final = 80
 PRESSED: Final = ("", "OK", "Abort", "Retry", "Ignore", "Cancel", "Yes", "No")
@@ -81,7 +81,7 @@ def _ask(
 def _at_panel(
     panel: Panel, task: Task, read: Read[T], choices: Sequence[str], numbers: bool
 ) -> T | None:
-    """What is answered by inputs, again while it is none that can be given."""
+    """Return the answer that inputs give; asks again while it is invalid."""
     keys = [place for place, name in enumerate(choices, 1) if name]
     if numbers:
         while (found := read(f"{panel.number(task):g}")) is None:
@@ -178,7 +178,7 @@ def _read_number(given: Given) -> None:
 
 
 def _press(given: Given, question: str) -> float | None:
-    """What is pressed: its place in an array of buttons, or its btnres."""
+    """Return the pressed button: its position in an array of buttons, or its btnres."""
     own = _texts(given, "btnarray")
     if own is not None:
         found = _ask(given, question, _choice(own), own)

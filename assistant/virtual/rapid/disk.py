@@ -24,14 +24,14 @@ MODES: Final[Mapping[Mode, Literal["rb", "wb", "ab"]]] = {
 CODES: Final = "latin-1"
 HOME: Final = "HOME"
 UNITS: Final = (HOME, "TEMP", "RAMDISK")
-"""What stands in front of a path; HOME where nothing does (reference, 4.3)."""
+"""Units in front of a path; HOME is the default (reference, 4.3)."""
 _UNIT: Final = re.compile(r"([^/\\]*):[/\\]?(.*)", re.DOTALL)
 
 
 class Disk:
-    """home: the folder that is `HOME:`; the other units, and `HOME:` if it is None, begin empty and
-    go away with the disk. outside: whether others may change its files while programs run, so that
-    who waits for a file waits in real time.
+    """Disk of a controller. home: the folder that is `HOME:`; the other units, and `HOME:` without
+    it, begin empty and vanish with the disk. outside: whether others may change its files while
+    programs run, so that a wait for a file takes real time.
     """
 
     def __init__(self, home: str | Path | None = None, outside: bool = False) -> None:
@@ -40,7 +40,8 @@ class Disk:
         self._own: Path | None = None
 
     def path(self, name: str, file: str = "") -> Path:
-        """Of a file by the name that a program has for it; raises Fault for one that is not there.
+        """Return the path of a file by its name in the program; raises Fault for one outside its
+        unit.
 
         file: in the folder `name`.
         """
@@ -57,7 +58,7 @@ class Disk:
         return path
 
     def folder(self, unit: str) -> Path:
-        """Of this computer, which is a unit of the disk."""
+        """Return the folder of this computer for a unit of the disk."""
         if unit == HOME and self.home is not None:
             return self.home
         if self._own is None:
@@ -72,7 +73,7 @@ class Disk:
 class Stream:
     """A file that a program opened. binary: for bytes, else for lines in Latin-1.
 
-    is_line: what is written goes out over a serial line.
+    is_line: True if written data goes out over a serial line.
     """
 
     is_line: ClassVar[bool] = False
@@ -139,7 +140,7 @@ class Stream:
 
 
 class _Both(Stream):
-    """What is written to it goes elsewhere."""
+    """A stream whose written data goes elsewhere."""
 
     __slots__ = ()
     is_line = True

@@ -177,7 +177,7 @@ NUMBER_OPERATORS: Final[Mapping[str, Callable[[float, float], Any]]] = {
     "=": operator.eq,
     "<>": operator.ne,
 }
-"""Of two numbers, a number or a truth."""
+"""Operators of two numbers that give a number or a truth."""
 VECTOR_OPERATORS: Final[Mapping[str, Callable[..., Floats]]] = {
     "+": np.add,
     "-": np.subtract,
@@ -216,7 +216,7 @@ def literal(text: str) -> float:
 
 
 def place(machine: Machine, node: s.Expression | s.Whole) -> Place:
-    """Where a variable or a part of one is stored; raises Fault where there is none."""
+    """Return the storage of a variable or a part of one; raises Fault if it is missing."""
     match node:
         case s.NameRef(name):
             return place_named(machine, name)
@@ -258,7 +258,7 @@ def _connected(handle: Handle) -> str:
 
 
 def settled(machine: Machine, cell: Cell) -> Cell:
-    """The cell with its first value, worked out now if nobody asked for it before."""
+    """Return the cell with its first value, which is evaluated now if it was not needed before."""
     pending = cell.pending
     if pending is None:
         return cell
@@ -292,7 +292,7 @@ def shape_of(machine: Machine, node: s.Data) -> Shape:
 
 
 def place_named(machine: Machine, name: str) -> Place:
-    """Where data of a name is stored; raises Fault where there is none."""
+    """Return the storage of the data of a name; raises Fault if it is missing."""
     match machine.meaning(name):
         case Cell() as cell:
             settled(machine, cell)
@@ -350,7 +350,7 @@ def _variable(machine: Machine, node: s.NameRef, _: Shape | None) -> Value:
 
 
 def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
-    """What functions put into a record may be more exact than a num."""
+    """Return a stored value; a record may hold more exact values of functions than a num."""
     if isinstance(node, s.Element) and isinstance(node.indices[0], s.Whole):
         return _column(machine, place(machine, node.value).get(), node.indices)
     found = place(machine, node).get()

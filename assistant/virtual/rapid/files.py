@@ -1,7 +1,7 @@
 """Instructions and functions for files on the controller's disk.
 
-Manual of instructions and functions, Open, Write, ReadStr and their kin. A file that is opened with
-the option `Bin` is for bytes, any other for lines; ReadBin reads both. What is written is on the
+Manual of instructions and functions, Open, Write, ReadStr and similar ones. A file that is opened
+with the option `Bin` is for bytes, any other for lines; ReadBin reads both. Written data is on the
 disk at once.
 """
 
@@ -26,7 +26,7 @@ from assistant.virtual.rapid.values import NUMBER, Array, Handle, single, text_o
 SERIAL: Final = re.compile(r"com\d:", re.IGNORECASE)
 LINE: Final = "\n"
 ENDS: Final = "\r\n"
-r"""What is always added to the characters of \Delim."""
+r"""Characters that are always added to those of \Delim."""
 
 
 def _path(given: Given, index: int) -> Path:
@@ -34,7 +34,7 @@ def _path(given: Given, index: int) -> Path:
 
 
 def _asks_outside(given: Given) -> None:
-    """What is waited for may come from outside of the run."""
+    """Note that an awaited change may come from outside the run."""
     if given.machine.controller.disk.outside:
         given.machine.hangs_on.add("outside")
 
@@ -176,7 +176,7 @@ def _size(given: Given) -> float:
 
 
 def _changes(act: Callable[[Given], object]) -> Callable[[Given], None]:
-    """What the computer does not allow is an error that the program can recover from."""
+    """Turn errors of the computer's file system into errors that the program can recover from."""
 
     def does(given: Given) -> None:
         try:

@@ -44,9 +44,9 @@ def run_with_recovery(
     execute: Execute,
     row: int = 0,
 ) -> None:
-    """Runs a statement. An error in it goes to the handler of the routine that it stands in.
+    """Run a statement. An error in it passes to the handler of its routine.
 
-    execute: what runs the statements of a handler. row: the line of it, from 0, in a run of moves.
+    execute: runs the statements of a handler. row: its line, from 0, in a run of moves.
     """
     frame = machine.frame
     left = machine.controller.options.retries
@@ -141,7 +141,7 @@ def _handler(frame: Frame, kind: str) -> s.Handler | None:
 
 
 def _is_point(machine: Machine, frame: Frame, number: int) -> bool:
-    """Whether the handler of a routine names an error in its list."""
+    """True if the handler of a routine names an error in its list."""
     handler = _handler(frame, "ERROR")
     return (
         handler is not None
@@ -152,7 +152,7 @@ def _is_point(machine: Machine, frame: Frame, number: int) -> bool:
 
 
 def _handles(machine: Machine, frame: Frame, handler: s.Handler, number: int) -> bool:
-    """Whether a handler is for an error: without a list for any."""
+    """True if a handler is for an error: without a list for any."""
     if not handler.numbers:
         return True
     machine.frames.append(frame)
@@ -164,12 +164,12 @@ def _handles(machine: Machine, frame: Frame, handler: s.Handler, number: int) ->
 
 
 def error_name(number: int) -> str:
-    """An error as a message says it."""
+    """Return the name of an error for messages."""
     return ERROR_NAMES.get(number, str(number))
 
 
 def _book_number(given: Given) -> None:
-    """BookErrNo: a number that nobody else has."""
+    """BookErrNo: book a free error number."""
     booked = given.machine.controller.booked
     number = next(n for n in count(FIRST_BOOKED) if n not in booked)
     given.place(0).set(float(number))
@@ -261,7 +261,7 @@ LEAST_CYCLE: Final = 0.1
 
 
 def analog_zones(value: float, high: float, low: float) -> Mapping[int, bool]:
-    """Whether a value meets each aiotrigg (manual, data type aiotrigg)."""
+    """Return for each aiotrigg whether a value meets it (manual, data type aiotrigg)."""
     return {
         1: value > high,
         2: value < high,

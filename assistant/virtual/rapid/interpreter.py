@@ -145,7 +145,7 @@ def _shown_value(name: str, value: Value | None, shape: Shape) -> Shown:
 
 
 def _value_text(value: Value) -> str:
-    """As ValToStr writes it; of what that cannot write, that it is one."""
+    """Return the text of a value as ValToStr writes it; a placeholder for other values."""
     try:
         return text_of(value)
     except ValueError:
@@ -169,14 +169,14 @@ def run(
 ) -> Run:
     """Runs one cycle of a program, from the call of its first routine to the end of that.
 
-    modules: parsed, of one task. inputs: what each input reads, by name in lower case; of a
-    table those that are not 0. They stay as they are: a wait for another value ends the run as
-    `stopped`. robot: the arm, without which a motion to joints ends nowhere that is known.
-    start: the flange in the base before the first motion, None where it is not known.
-    controller: what tasks share, and what differs between controllers; a new one if there is none.
-    abilities: instructions and functions of an option or an add-in, by name; see the package.
-    most_cycles: if more than one, as in continuous running, where the run is over behind them.
-    Motions take no time, and outputs are 0 before they are set.
+    modules: parsed, of one task. inputs: values of the inputs, by name in lower case; a table has
+    those that are not 0. They stay unchanged: a wait for another value ends the run as `stopped`.
+    robot: the arm; without it the end of a motion to joints is unknown. start: the flange in the
+    base before the first motion, None if unknown. controller: data that tasks share, and
+    differences between controllers; a new one by default. abilities: instructions and functions of
+    an option or an add-in, by name; see the package. most_cycles: if more than one, as in
+    continuous running, the run is over after them. Motions take no time, and outputs are 0 before
+    they are set.
     """
     files = (modules,) if isinstance(modules, s.File) else tuple(modules)
     board = Board(Signals({} if inputs is None else inputs))
@@ -299,7 +299,7 @@ def _initial_pose(entry: str, kind: Kind) -> Cycles:
 
 
 def _with_abilities(own: Mapping[str, Ability]) -> Abilities:
-    """What every controller can do, and what is its own."""
+    """Return the abilities of every controller, and those of this one."""
     if not own:
         return ABILITIES
     added = {name.lower(): as_function(does) for name, does in own.items()}

@@ -70,7 +70,7 @@ def _parsed_modules(path: Path) -> s.File:
 
 
 def _is_module(loaded: Loaded, name: str) -> bool:
-    """Whether a name is of a persistent that all modules share."""
+    """True if a name is that of a persistent that all modules share."""
     cell = loaded.named[name]
     return isinstance(cell, Cell) and cell.storage == "PERS"
 
@@ -90,7 +90,7 @@ def _unload_module(given: Given) -> None:
 
 
 def _erase_module(given: Given) -> None:
-    """A module of a file of its own."""
+    """Erase a module that was loaded as a separate file."""
     machine, name = given.machine, given.text(0)
     unit = machine.modules.get(name.lower())
     if unit is None:

@@ -31,13 +31,14 @@ from assistant.virtual.triggers import ordered_triggers
 
 @dataclass(slots=True)
 class Arm:
-    """flange: its pose in the robot's base; joints: degrees; each None while it is not known.
+    """State of the arm. flange: its pose in the robot's base; joints: degrees; each None while
+    unknown.
 
-    tool, frame: records of the latest motion, None before the first. configuration, external:
-    as the latest target says them. displacement: of all targets, by PDispSet. offsets: of the
+    tool, frame: records of the latest motion, None before the first. configuration, external: those
+    of the latest target. displacement: that of all targets, by PDispSet. offsets: those of the
     additional axes, by EOffsSet. override, most: percent and mm/s, by VelSet. acceleration:
-    percent, by AccSet. watches_joints, watches_lines: whether motions keep to the configurations
-    of their targets, by ConfJ and ConfL.
+    percent, by AccSet. watches_joints, watches_lines: whether motions keep to the configurations of
+    their targets, by ConfJ and ConfL.
     """
 
     flange: Pose | None = None
@@ -75,7 +76,7 @@ class Arm:
 
 
 def work_object(frame: Record, tool: Record) -> Pose:
-    """In the base where it stands there, else on the flange."""
+    """Return a work object in the base if it is fixed there, else on the flange."""
     return _object_frame(frame, _tool_frame(tool)[1])
 
 
@@ -100,9 +101,11 @@ def _object_frame(frame: Record, held: bool) -> Pose:
 
 @dataclass(slots=True)
 class Signals:
-    """outputs: names, in lower case, of the signals that programs set; the others are inputs.
+    """Signals of a program. outputs: names, in lower case, of the signals that programs set; the
+    others are inputs.
 
-    known: names of signals, whichever; what else has no meaning in the program is none of them.
+    known: names of signals of either direction; other names without a meaning in the program are
+    not signals.
     """
 
     task: Task
@@ -287,7 +290,7 @@ class Machine:
         return self.frames[-1]
 
     def meaning(self, name: str) -> Meaning | None:
-        """What a name stands for here; None if for nothing that is declared."""
+        """Return the meaning of a name here; None if it is not declared."""
         key, frame = name.lower(), self.frames[-1]
         for names in (frame.names, frame.unit.names, self.named, self.predefined):
             if key in names:

@@ -37,7 +37,7 @@ from assistant.virtual.rapid.statements import call_late
 from assistant.virtual.rapid.values import Record, Shape, Trigger, copied
 
 MOVE_OPTIONS = "conc id v t z inpos wobj tload noeoffs"
-"""What a move may say beside its target, speed, zone and tool, and is simulated here."""
+"""Options of a move, beside its target, speed, zone and tool, that are simulated here."""
 
 
 def move_joint(given: Given) -> None:
@@ -69,7 +69,7 @@ def move_absolute(given: Given) -> None:
 
 
 def flange_of(machine: Machine, joints: tuple[float, ...]) -> Pose | None:
-    """Where the flange is at joints in degrees, None without a robot."""
+    """Return the flange pose at joints in degrees, None without a robot."""
     if machine.robot is None:
         return None
     p, q = machine.robot.fk(np.array([machine.robot.own_joints(joints)]))
@@ -114,7 +114,7 @@ def _motion_style(given: Given, index: int) -> How:
 
 
 def _configuration(arm: Arm, kind: str) -> tuple[int, ...] | None:
-    """As the target states it, where ConfJ or ConfL has it looked at."""
+    """Return the configuration of the target if ConfJ or ConfL monitors it, else None."""
     watched = arm.watches_joints if kind == "joint" else arm.watches_lines
     if arm.configuration is None or not watched:
         return None
@@ -148,7 +148,9 @@ def _persistent_argument(place: Place, type: str) -> Record:
 
 
 def _speed(given: Given, index: int) -> float | None:
-    r"""Of the tool in mm/s; None where the motion states its time, or the fastest there is."""
+    r"""Return the speed of the tool in mm/s; None if the motion states its time, or the fastest
+    there is.
+    """
     stated = number(given.record(index, "speeddata").parts["v_tcp"])
     if given.has("t"):
         return None
@@ -282,7 +284,9 @@ def _stop_move(given: Given) -> None:
 
 
 def _no_effect(given: Given) -> None:
-    """What changes how the arm moves, and not where, or only what a person sees."""
+    """Ignore an instruction that changes the arm's motion, but not its targets, or only the
+    display.
+    """
 
 
 LEAST_ACCELERATION: Final = 20.0
@@ -294,7 +298,7 @@ ANY_OPTIONS: Final = "on off wrist lockaxis4 finepointramp tunevalue"
 
 
 def _tuning_row(name: str) -> Callable[[Given], None]:
-    """What changes how well an arm follows, not where it is told to go."""
+    """Return an instruction that tunes how well an arm follows, without effect on its targets."""
     return lambda given: given.machine.task.kernel.note(f"{name} has no effect on this run")
 
 
@@ -359,9 +363,9 @@ MOTION_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
 
 
 def _displace_on(given: Given) -> None:
-    r"""PDispOn: from a programmed position to the one of \ExeP, or to where the arm stands.
+    r"""PDispOn: displace from a programmed position to the one of \ExeP, or to the arm's position.
 
-    Both are told in the work object. Without \Rot the axes keep their directions.
+    Both positions are in the work object. Without \Rot the axes keep their directions.
     """
     arm = given.machine.arm
     programmed = pose_of(given.record(0, "robtarget"))

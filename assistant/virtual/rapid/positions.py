@@ -56,7 +56,9 @@ def _current_target(given: Given) -> Pose:
 
 
 def _arm_standing(given: Given) -> Standing | None:
-    """Where the arm is now, also on its way; None if only the motions tell."""
+    """Return the arm's present position, also during a motion; None if it only follows from the
+    motions.
+    """
     machine, motion = given.machine, given.machine.task.kernel.motion
     if machine.robot is None:
         return None
@@ -77,7 +79,7 @@ def present_target(given: Given) -> Record:
 
 
 def _current_joints(given: Given) -> Record:
-    """Where the arm was sent by a position, it stands as the configuration of that tells."""
+    """Return the present joints; after a motion to a position, those of its configuration."""
     arm, machine, standing = given.machine.arm, given.machine, _arm_standing(given)
     joints = arm.joints if standing is None else standing[1][:6]
     if joints is None and arm.watches_joints and arm.watches_lines and arm.flange is not None:
@@ -126,7 +128,7 @@ def _joint_rows(flange: Pose) -> tuple[Floats, Floats]:
 def _solved_joints(
     machine: Machine, flange: Pose, configuration: Record | None
 ) -> tuple[float, ...] | None:
-    """The six joints at a pose of the flange, None where there are none in this configuration."""
+    """Return the six joints at a flange pose, None if this configuration has none."""
     robot = machine.robot
     if robot is None or configuration is None or not robot.arm.named or len(robot.axes) > 6:
         return None
@@ -141,7 +143,7 @@ def _solved_joints(
 
 
 def _stated_configuration(machine: Machine, joints: tuple[float, ...]) -> Record | None:
-    """As confdata, None where the robot's arm has none."""
+    """Return the configuration as confdata, None if the robot's arm has none."""
     robot = machine.robot
     if robot is None or not robot.arm.named:
         return None
@@ -190,7 +192,7 @@ ARM_FUNCTIONS: Final[Mapping[str, Function]] = dict(
 
 ANGLE_SWITCHES: Final = ("z", "y", "x")
 MOST_REPAIRED: Final = 0.1
-"""How far the sum of squares may be from 1 for NOrient (manual, NOrient)."""
+"""Largest distance of the sum of squares from 1 for NOrient (manual, NOrient)."""
 
 
 def _offset_target(given: Given) -> Record:
@@ -306,7 +308,7 @@ def _mirrored_target(given: Given) -> Record:
 
 
 def _mirror_place(frame: Record) -> Pose:
-    """Of a work object in the world, or of one on the robot in the wrist."""
+    """Return the pose of a work object in the world, or of one on the robot in the wrist."""
     if not truth(frame.parts["ufprog"]):
         raise NotSimulated("a work object that a mechanical unit moves")
     return pose_of(frame.parts["uframe"]) @ pose_of(frame.parts["oframe"])

@@ -29,7 +29,7 @@ from assistant.virtual.rapid.values import (
 )
 
 MOST_OFF_UNIT: Final = 1e-3
-"""How far the sum of squares of an orientation may be from 1, and still be one."""
+"""Largest distance of an orientation's sum of squares from 1."""
 UNUSED: Final = 9e9
 """An external axis that is not there."""
 LEAST_UNUSED: Final = 8.9e9
@@ -66,7 +66,7 @@ def vector_of(value: Value) -> Vector:
 
 
 def quaternion_of(value: Value) -> Quaternion:
-    """Of unit length; raises Fault for what is no orientation."""
+    """Return a quaternion of unit length; raises Fault for an invalid orientation."""
     q = np.array([number(part) for part in record(value, "orient").parts.values()])
     if not abs(float(q @ q) - 1.0) <= MOST_OFF_UNIT:
         raise Fault("an orientation whose squares do not add up to 1", "ERR_ILLQUAT")
@@ -75,7 +75,7 @@ def quaternion_of(value: Value) -> Quaternion:
 
 
 def pose_of(value: Value) -> Pose:
-    """Of a pose or a robtarget."""
+    """Return the pose of a pose or a robtarget."""
     parts = record(value, "pose", "robtarget").parts
     return Pose(vector_of(parts["trans"]), quaternion_of(parts["rot"]))
 

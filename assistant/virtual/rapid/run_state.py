@@ -93,7 +93,7 @@ def _next_cycle(_: Given) -> None:
 
 
 def _no_effect(given: Given) -> None:
-    """What only a person at the teach pendant sees."""
+    """Ignore an instruction that only changes the display of the teach pendant."""
 
 
 RUN_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
@@ -131,7 +131,9 @@ def _dimension_size(given: Given) -> float:
 
 
 def _is_stored_as(*storages: Storage) -> Callable[[Given], bool]:
-    """Whether data is stored so; of a parameter that refers to data, how that is."""
+    """Return a function that checks the storage of data; for a parameter that refers to data, that
+    of the data.
+    """
     return lambda given: given.place(0).storage in storages
 
 
@@ -151,7 +153,7 @@ def _read_clock(given: Given) -> float:
 
 
 def _remaining_retries(given: Given) -> float:
-    """Of the statement whose error is handled."""
+    """Return the remaining retries of the statement whose error is handled."""
     frame = given.machine.frame
     if frame.handling is None:
         raise NotSimulated("RemainingRetries outside of an error handler")
@@ -170,7 +172,7 @@ CONTINUOUS_MODE: Final = 1.0
 UNIT_RUNNING: Final = 21.0
 """IOUNIT_PHYS_STATE_RUNNING: nothing is broken here."""
 FASTEST_SPEED: Final = 5000.0
-"""mm/s, of an arm that nobody named."""
+"""Highest speed of an unknown arm in mm/s."""
 READING_FUNCTIONS: Final = (
     *("DInput", "DOutput", "GInput", "GOutput", "AInput", "AOutput"),
     *("GInputDnum", "GOutputDnum"),
@@ -186,7 +188,7 @@ SYSTEM_INFO: Final = {
     "ctrllang": "en",
     "systemname": "MYSYSTEM",
 }
-"""What GetSysInfo tells of this controller, by its switch."""
+"""Values of GetSysInfo for this controller, by its switch."""
 
 
 def _system_info(given: Given) -> str:

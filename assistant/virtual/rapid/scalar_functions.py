@@ -194,7 +194,9 @@ def _text_part(given: Given) -> str:
 
 
 def _find_text(given: Given) -> float:
-    r"""The first character of a set, or with \NotInSet that is in none; else one behind the end."""
+    r"""Return the position of the first character of a set, or with \NotInSet of one outside it;
+    else one after the end.
+    """
     text, chosen = given.text(0), given.text(2)
     start, wanted = _text_position(given, text), not given.has("notinset")
     hits = (i for i in range(start, len(text)) if (text[i] in chosen) is wanted)
@@ -222,7 +224,7 @@ def _mapped_text(given: Given) -> str:
 
 
 def _text_order(given: Given) -> bool:
-    """Whether a string stands before another, or is the same; what has no order comes last."""
+    """True if a string precedes another, or is the same; characters without an order come last."""
     one, two, order = (given.text(i) for i in range(3))
 
     def ranks(text: str) -> list[int]:
@@ -269,7 +271,7 @@ BYTE_FORMATS: Final[Mapping[str, tuple[int, str]]] = {
     "okt": (8, "03o"),
     "bin": (2, "08b"),
 }
-"""How a byte is written: to what base, and in how many digits (manual, ByteToStr)."""
+"""Formats of a byte: its base, and its number of digits (manual, ByteToStr)."""
 
 
 def _byte_text(given: Given) -> str:
@@ -296,7 +298,7 @@ def _byte_of_text(given: Given) -> float:
 
 
 def _whole_digits(text: str, base: int) -> int:
-    """Of digits alone."""
+    """Return the integer of a text with digits alone."""
     try:
         return int(text if text.isalnum() else "x", base)
     except ValueError:

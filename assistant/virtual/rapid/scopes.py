@@ -36,9 +36,9 @@ READ_ONLY = ("CONST", "LOOP")
 
 @dataclass(slots=True)
 class Cell:
-    """Where a value is stored. pending: its declaration, as long as it was not looked at.
+    """Storage of a value. pending: its declaration, until it is evaluated.
 
-    first: of a persistent, the value of its declaration.
+    first: for a persistent, the value of its declaration.
     """
 
     shape: Shape
@@ -118,7 +118,7 @@ class Absent:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """A routine and the module that it stands in."""
+    """A routine and its module."""
 
     node: s.Routine
     unit: Unit
@@ -162,7 +162,9 @@ PLAIN_TYPES: Mapping[str, Value] = {
 }
 """First values of the types without components."""
 MOST_ELEMENTS: Final = 1_000_000
-"""Of one array or record, counted through those in it: beyond what a controller's memory holds."""
+"""Elements of one array or record, including those in its elements: more than a controller's memory
+holds.
+"""
 INPUT_TYPES: Final = ("signaldi", "signalgi", "signalai")
 OUTPUT_TYPES: Final = ("signaldo", "signalgo", "signalao")
 SIGNAL_TYPES: Final = (*INPUT_TYPES, *OUTPUT_TYPES)
@@ -170,7 +172,7 @@ SIGNAL_TYPES: Final = (*INPUT_TYPES, *OUTPUT_TYPES)
 
 
 FIRST_VALUES, ALL_TYPES = "<first>", "<all>"
-"""What is kept of a record whose components are not known: its first number, and all as text."""
+"""Keys of a record whose components are unknown: its first number, and all as text."""
 
 
 @dataclass(slots=True)
@@ -214,7 +216,7 @@ class Types:
         return {of.lower(): kind.lower() for of, kind in known.components.items()}
 
     def is_unlisted(self, type: str) -> bool:
-        """Whether it is a record of an option whose components are not known here."""
+        """True if a type is a record of an option whose components are unknown here."""
         known = predefined.types().get(type)
         unknown = known is not None and known.kind == "RECORD" and known.components is None
         return unknown and type not in self.records

@@ -42,10 +42,10 @@ def _invert_output(given: Given) -> None:
 
 
 def _pulse_output(given: Given) -> None:
-    r"""Without \High the pulse is the other value than that which the signal has.
+    r"""Pulse an output; without \High the pulse is the inverse of the signal's present value.
 
-    Where motions take no time, both of its ends come at once: the program does not wait for the
-    second. Else a new pulse of the same signal takes the place of one that lasts.
+    If motions take no time, both of its ends come at once: the program does not wait for the
+    second. Else a new pulse of the same signal replaces one that is still on.
     """
     signal, signals = given.signal(0), given.machine.signals
     value = 1.0 if given.has("high") else float(signals.read(signal) == 0.0)
@@ -81,7 +81,9 @@ def _delayed_output(value: Callable[[Given], float]) -> Callable[[Given], None]:
 
 
 def _alias_signal(given: Given) -> None:
-    """The name is text, or that of a signal itself; the configuration is taken to have it."""
+    """Connect an alias to a signal, given as a text or as a signal; its configuration is
+    assumed.
+    """
     target, source = given.place(1).get(), given.required[0]
     if not isinstance(target, Handle) or target.type not in SIGNAL_TYPES:
         raise Fault("an alias of what is no data of a signal", "ERR_ALIASIO_DEF")
@@ -129,12 +131,13 @@ SIGNAL_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
 LOOK_OPTIONS: Final = (
     "visualize header message msgarray wrap icon image visualizetime uiactivesignal"
 )
-"""What changes only what a person sees while the program waits."""
+"""Options that change only the display while the program waits."""
 COMPARISONS: Final = {"lt": operator.lt, "gt": operator.gt, "noteq": operator.ne}
 POLL_PERIOD: Final = 0.1
 LEAST_POLL_PERIOD: Final = 0.04
-"""Seconds after which a condition is looked at again: without `PollRate`, and at least (manual,
-WaitUntil). What only hangs on data and signals of this run is looked at whenever they can change.
+"""Seconds between checks of a condition: the first value without `PollRate`, the second at least
+(manual, WaitUntil). A condition that only depends on data and signals of this run is checked
+whenever they can change.
 """
 
 
@@ -188,9 +191,9 @@ def _wait_for_condition(given: Given, is_met: Callable[[], bool], what: str) -> 
 
 
 def _is_met_in_time(given: Given, asked: Callable[[], bool], longest: float, what: str) -> bool:
-    """Whether a condition that was asked comes to be met in time.
+    """True if a condition is met in time.
 
-    It is asked again and again as long as it hangs on time, or on what is outside of the run.
+    It is evaluated again and again as long as it depends on time, or on changes outside the run.
     """
     hangs_on, task = given.machine.hangs_on, given.machine.task
     poll = max(given.optional_number("pollrate") or POLL_PERIOD, LEAST_POLL_PERIOD)
@@ -221,7 +224,7 @@ def _wait_row(
 
 
 TIMEOUT_VALUES: Final = ("valueattimeout", "dvalueattimeout")
-"""Where the value goes that the signal has when the longest time is over."""
+"""Options that receive the value of the signal when the longest time is over."""
 WAITED_SIGNALS: Final = ("DI", "DO", "GI", "GO", "AI", "AO")
 
 WAIT_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(

@@ -176,14 +176,14 @@ class Link:
         return own
 
     def _filled(self, most: int) -> int:
-        """How many bytes there are, with what came by now."""
+        """Receive waiting bytes and return the number of bytes available."""
         with suppress(BlockingIOError, ConnectionError):
             if len(self.before) < most:
                 self.before += self.open().recv(most - len(self.before))
         return len(self.before)
 
     def _is_over(self) -> bool:
-        """Whether the other end sends no more."""
+        """True if the other end has stopped sending."""
         try:
             return not self.open().recv(1, socket.MSG_PEEK)
         except BlockingIOError:
@@ -332,7 +332,7 @@ def _first_byte(given: Given, index: int) -> int:
 
 
 def _byte_format(given: Given) -> str:
-    """Of `struct`, for a number."""
+    """Return the format of `struct` for a number."""
     order = ">" if given.has("network") else "<"
     if given.has("float4"):
         return order + "f"

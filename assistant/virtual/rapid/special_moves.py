@@ -238,7 +238,9 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
 
 
 def _search_condition(given: Given, node: s.Expression) -> Callable[[], bool]:
-    """Whether what is looked for is active now: a signal, or a persistent truth."""
+    """Return a function that checks whether the search condition is active: a signal, or a
+    persistent truth.
+    """
     machine = given.machine
     found = machine.meaning(node.name) if isinstance(node, s.NameRef) else None
     if found is not None and given.place(0).storage == "PERS":
@@ -309,7 +311,7 @@ def _clear_path(given: Given) -> None:
 
 
 def _store_path(given: Given) -> None:
-    """Stops the arm; the motions that follow are made on a path of their own."""
+    """Stop the arm; the motions that follow use a separate path."""
     kernel = given.machine.task.kernel
     kernel.motion.store(kernel)
 
@@ -321,7 +323,9 @@ def _restore_path(given: Given) -> None:
 
 
 def _is_stopped(given: Given) -> bool:
-    """Tasks are taken for those that move the arm, as the one that asks."""
+    """True if the motions are stopped; tasks count as those that move the arm, like the calling
+    one.
+    """
     held = given.machine.controller.held
     if held not in (None, given.machine.task):
         raise NotSimulated("whether another task moves an arm")

@@ -27,7 +27,7 @@ _WORD: Final = re.compile(
 
 
 def read_value(text: str, shape: Shape, types: Types) -> Value | None:
-    """The value that a text is, None if it is none of that type."""
+    """Return the value of a text, None if it is not a value of that type."""
     words: list[re.Match[str]] = []
     at = 0
     while at < len(text):
@@ -47,7 +47,9 @@ Words = list[re.Match[str]]
 
 
 def _read_words(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]:
-    """The value that the words begin with, and the words behind it; raises ValueError if none."""
+    """Return the value at the beginning of the words, and the words after it; raises ValueError if
+    there is no value.
+    """
     first, rest = words[0], words[1:]
     if shape.sizes:
         items: list[Value] = []
@@ -165,7 +167,7 @@ def saved(controller: Controller, file: s.File) -> str:
 def _value_changes(
     file: s.File, loaded: Loaded, types: Types, text: str
 ) -> Iterator[tuple[int, int, str]]:
-    """Where a new value stands in the place of the old one, from start to end."""
+    """Changes of a text: the start and end of an old value, and the new one."""
     for module in file.modules:
         unit = loaded.units[module.name.lower()]
         for node in module.items:

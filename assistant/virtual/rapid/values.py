@@ -14,7 +14,7 @@ from typing import Final
 from assistant.virtual.events import Switched
 
 LARGEST: Final = 3.40282347e38
-"""Of a num (manual, errnum, ERR_NUM_LIMIT)."""
+"""Largest value of a num (manual, errnum, ERR_NUM_LIMIT)."""
 
 
 class Double(float):
@@ -53,7 +53,7 @@ def paired(left: float, right: float) -> tuple[float, float, type[float]]:
 
 
 def as_kind(value: float, kind: type[float]) -> float:
-    """A result of what `paired` says it is."""
+    """Return a result as the kind that `paired` gives."""
     return single(value) if kind is float else kind(value)
 
 
@@ -87,14 +87,16 @@ class Clock:
 
 @dataclass(slots=True, eq=False)
 class Trigger:
-    """What a motion sets where on its way. change: None as long as nothing set it up."""
+    """Output that a motion sets on its path. change: None until an instruction sets it up."""
 
     change: Switched | None = None
 
 
 @dataclass(slots=True, eq=False)
 class Handle:
-    """What a program cannot look into, as a socket. type: in lower case. inside: what it is."""
+    """Data that a program cannot look into, as a socket. type: in lower case. inside: its
+    contents.
+    """
 
     type: str
     inside: object | None = None
@@ -105,9 +107,9 @@ Value = float | bool | str | Record | Array | Clock | Trigger | Handle
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What may be stored: the type in lower case, aliases undone, and the size of an array.
+    """Type of stored data: in lower case, aliases resolved, and the size of an array.
 
-    sizes: of each dimension, -1 for any.
+    sizes: size of each dimension, -1 for any.
     """
 
     type: str
@@ -144,7 +146,7 @@ def copied(value: Value) -> Value:
 
 
 def sizes(value: Value) -> tuple[int, ...]:
-    """Of each dimension of an array; none of any other value."""
+    """Return the size of each dimension of an array; none of any other value."""
     if not isinstance(value, Array):
         return ()
     return (len(value.items), *(sizes(value.items[0]) if value.items else ()))
@@ -176,7 +178,7 @@ def overwrite(old: Value, new: Value) -> bool:
 
 
 def is_like(value: Value, shape: Shape) -> bool:
-    """Whether a value may stand where one of that shape is wanted."""
+    """True if a value fits data of that shape."""
     if shape.sizes:
         return isinstance(value, Array) and shape.sizes[0] in (-1, len(value.items))
     match value:
@@ -213,7 +215,7 @@ def equal(left: Value, right: Value) -> bool:
 
 
 def same(left: Value, right: Value) -> bool:
-    """Whether a value is what it was, of whatever type."""
+    """True if two values of any type are equal."""
     match left, right:
         case Record(parts=parts), Record():
             return all(same(part, right.parts[name]) for name, part in parts.items())
@@ -223,7 +225,7 @@ def same(left: Value, right: Value) -> bool:
 
 
 def kind_of(value: Value) -> str:
-    """What a value is, as a message says it."""
+    """Return the type of a value for messages."""
     match value:
         case bool():
             return "bool"
