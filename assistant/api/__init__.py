@@ -1,1 +1,3 @@
-"""What Python offers beside the commands: arrays as programs, checks, times, pages of notebooks."""
+"""Python functions beside the commands: arrays as programs, checks, simulated times, notebook
+pages.
+"""

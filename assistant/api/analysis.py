@@ -30,10 +30,10 @@ Source = str | FilePath | Program | Loaded | Compiled
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Check:
-    """What a check found.
+    """Result of a check.
 
-    findings: as the settings of a project want them. ignored: by comments in programs. files: that
-    were looked at. unreadable: something could not be read.
+    findings: after the settings of the project are applied. ignored: findings suppressed by
+    comments in programs. files: the files checked. unreadable: something could not be read.
     """
 
     findings: tuple[Diagnostic, ...]
@@ -43,7 +43,7 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """Whether all was read, and neither an error nor a warning found."""
+        """True if everything was read and neither errors nor warnings were found."""
         return FailOn.WARNING.status(self.findings, unreadable=self.unreadable) == 0
 
     def __repr__(self) -> str:
@@ -63,13 +63,13 @@ def check(
     cell: str | FilePath | None = None,
     language: str | None = None,
 ) -> Check:
-    """Checks files, folders, and programs that are no files, as the command `check` does.
+    """Check files, folders and programs that are not files, as the command `check` does.
 
-    source: one or several; of a `Compiled` or a `Loaded`, its program. robot: reach, limits and
-    configurations are checked for it; without one for the robot that a program names. process:
-    process file of drawings and tables. unit: of length, that drawings are in. cell: file of the
-    cell that they run in. language: of robot programs, where neither suffix nor text tell.
-    Raises Refused for options that are wrong; what is wrong with a source is a finding.
+    source: one or several; of a `Compiled` or a `Loaded`, its program is checked. robot: reach,
+    limits and configurations are checked for it; default the robot that the program names. process:
+    process file of drawings and tables. unit: length unit of drawings. cell: file of the cell that
+    the programs run in. language: of robot programs, if neither suffix nor text identifies it.
+    Raises Refused for invalid options; faults of a source are findings.
     """
     several = isinstance(source, Sequence) and not isinstance(source, str | bytes)
     given: list[Source] = list(source) if several else [source]  # type: ignore[arg-type, list-item]
@@ -109,12 +109,12 @@ class Simulated:
 
     @property
     def seconds(self) -> float:
-        """How long the program takes, on the way through it that takes the longest."""
+        """Return the duration of the program on the path through it that takes the longest."""
         return self.simulation.seconds
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is touched."""
+        """True if there is no contact."""
         return not has_errors(self.findings)
 
     def __repr__(self) -> str:
@@ -143,13 +143,13 @@ def simulate(
     acceleration: float | None = None,
     period: float | None = None,
 ) -> Simulated:
-    """How long a program takes on a robot, and its motion over time.
+    """Simulate a program on a robot: its duration and its motion over time.
 
-    source: a file, or a program. robot: without one that of the program or its cell. acceleration:
-    mm/s² of the tool on lines and arcs, without one what the axes allow. period: seconds between
-    samples. process, unit, language: of the file; from_robot: the arm that it was written for.
-    entry: the procedure that it begins with. cell: file of the cell that it runs in.
-    Raises Refused with all findings if the robot cannot run it.
+    source: a file or a program. robot: default that of the program or its cell. acceleration: mm/s²
+    of the tool on lines and arcs, default what the axes allow. period: seconds between samples.
+    process, unit, language: of the file; from_robot: the arm that it was written for. entry: the
+    procedure that it starts with. cell: file of the cell that it runs in. Raises Refused with all
+    findings if the robot cannot run the program.
     """
     stands = open_cell(cell, robot)
     reader = robot_of(from_robot) or stands.robot
@@ -181,7 +181,7 @@ def simulate(
 
 
 MOST_PICTURE_ROWS: Final = 4000
-"""Of samples that are drawn; of more, every second, third …"""
+"""Most samples drawn; of more, only every second, third … is drawn."""
 
 
 def motion_png(simulation: Simulation) -> bytes | None:

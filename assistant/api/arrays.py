@@ -60,7 +60,7 @@ NO_PLACE = error(
 JointUnit = Literal["rad", "deg"]
 TOOL: Final = "tool"
 FRAME: Final = "frame"
-"""What a tool and a frame are called that are given by value."""
+"""Name for a tool or a frame given by value."""
 
 
 def from_poses(
@@ -75,19 +75,19 @@ def from_poses(
     robot: str | Robot | None = None,
     process: str | FilePath | Process | None = None,
 ) -> Program:
-    """The program that follows poses.
+    """Return a program that follows poses.
 
-    poses: one spatialmath SE3 of many poses (what roboticstoolbox's `ctraj` gives), a
-    sequence of SE3, or an array (n, 7) of x y z and a quaternion w x y z, or (n, 4, 4).
-    unit: of their positions, "mm" or "m"; it is not guessed, roboticstoolbox uses metres.
-    speed: mm/s of the tool, 100 if nothing says more. blend: mm at which a corner may be left,
-    "fine" to stop at each pose; without one corners are rounded within the tolerance.
-    tool: name of one of the process file, or by value: its tip in the flange as three numbers in
-    mm or a `Pose`, or a whole `Tool`. frame: what the poses are relative to, by the same forms, in
-    the robot's base. robot: the arm that is to run it. process: file with tools, frames, signals
-    and whatever is not said here.
+    poses: one spatialmath SE3 of many poses (the result of roboticstoolbox's `ctraj`), a sequence
+    of SE3, or an array (n, 7) of x y z and a quaternion w x y z, or (n, 4, 4). unit: of their
+    positions, "mm" or "m"; it is not guessed, roboticstoolbox uses metres. speed: mm/s of the tool,
+    100 if nothing else states it. blend: mm at which a corner may be rounded, "fine" to stop at
+    each pose; without one, corners are rounded within the tolerance. tool: name of a tool in the
+    process file, or a value: its tip in the flange as three numbers in mm or a `Pose`, or a
+    complete `Tool`. frame: the frame of the poses, in the same forms, in the robot's base. robot:
+    the arm that runs the program. process: file with tools, frames, signals and all that is not
+    stated here.
 
-    What should be looked at becomes a Python warning; raises Refused for what is wrong.
+    Warnings are issued as Python warnings; errors raise Refused.
     """
     stated = _process(process, speed, None, blend, tool, frame, robot)
     reading = read_poses(poses, replace(stated, merges=True), name, unit=unit)
@@ -109,19 +109,19 @@ def from_joints(
     tool: str | Tool | Pose | Sequence[float] | None = None,
     process: str | FilePath | Process | None = None,
 ) -> Program:
-    """The program of joint moves through rows of joints.
+    """Return a program of joint moves through rows of joints.
 
-    joints: array (n, a) for the a axes of the arm in their order, or what has one as `q`, as the
-    trajectory that roboticstoolbox's `jtraj` gives. unit: "rad", sliding axes in m, as
-    roboticstoolbox has it, or "deg", sliding axes in mm. robot: the arm that they are joints of.
-    speed: mm/s of the tool at most, 100 if nothing says more; percent: of the joints' greatest
-    speed, for languages that say joint moves so. When each row is passed is not kept: a program
-    states speeds, and the controller goes as fast as these allow. blend: mm at which the way may
-    leave a row for the next one, "fine" to stop at each; without one the arm stops only at the
-    ends and where the tip of the tool stays or turns back sharply, and keeps within the tolerance.
-    tool, process: as of `from_poses`.
+    joints: array (n, a) for the a axes of the arm in their order, or an object with such an array
+    as `q`, like the trajectory of roboticstoolbox's `jtraj`. unit: "rad", sliding axes in m, as in
+    roboticstoolbox, or "deg", sliding axes in mm. robot: the arm of the joints. speed: mm/s of the
+    tool at most, 100 if nothing else states it; percent: of the joints' greatest speed, for
+    languages that state joint moves so. The time of each row is lost: a program states speeds, and
+    the controller goes as fast as these allow. blend: mm at which the path may leave a row for the
+    next one, "fine" to stop at each; without one, the arm stops only at the ends and where the tool
+    tip stays or turns back sharply, and keeps within the tolerance. tool, process: as for
+    `from_poses`.
 
-    Raises Refused for what is wrong; limits of the joints are looked at by `check` and `compile`.
+    Raises Refused for errors; `check` and `compile` check the joint limits.
     """
     stated = _process(process, speed, percent, blend, tool, None, robot)
     arm = robot_of(stated.robot if robot is None else robot)
@@ -159,7 +159,7 @@ def _process(
     frame: str | Frame | Pose | Sequence[float] | None,
     robot: str | Robot | None,
 ) -> Process:
-    """A process file with what is said beside it; raises Refused."""
+    """Return a process file with the options given beside it; raise Refused."""
     if given is None:
         given = NO_PROCESS
     stated = given if isinstance(given, Process) else read_process(given)
@@ -203,7 +203,7 @@ def _blend(blend: float | Literal["fine"]) -> Blend:
 
 
 def _declared(given: Any, name: str, kind: type[Tool] | type[Frame], table: dict[str, Any]) -> str:
-    """The name of a tool or frame, which stands in the table if it was given by value."""
+    """Return the name of a tool or frame, and add it to the table if it is given by value."""
     if isinstance(given, str):
         return given
     if not isinstance(given, kind | Pose):
@@ -223,7 +223,7 @@ def _declared(given: Any, name: str, kind: type[Tool] | type[Frame], table: dict
 
 
 def _array_of(joints: Any, arm: Robot) -> Floats:
-    """Rows (n, a) of what was given; raises Refused."""
+    """Return the joints as rows (n, a); raise Refused."""
     given = getattr(joints, "q", joints)
     wrong = NO_JOINTS(place="joints", given=type(joints).__name__, axes=len(arm.axes))
     try:
@@ -254,7 +254,7 @@ def _in_degrees(values: Floats, unit: JointUnit, arm: Robot) -> Floats:
 
 
 def _tips(values: Floats, arm: Robot, process: Process) -> Floats:
-    """Where the tip of the tool is (n, 3), in mm."""
+    """Return the positions of the tool tip (n, 3), in mm."""
     positions, quaternions = arm.fk(values)
     named = rows.known_tool(process.defaults.tool, process)
     tool = Tool() if named in (None, FLANGE) else process.tools[str(named)]

@@ -73,14 +73,18 @@ def check_html(check: Check) -> str:
 
 
 def compiled_html(compiled: Compiled) -> str:
-    """What was compiled: its proof, the way of the tool, findings, the text of the files."""
+    """Return a compiled program as a page: its proof, the tool path, findings and the text of the
+    files.
+    """
     told = [repr(compiled)[1:-1], *compiled.proof_lines()]
     parts = [_path_picture(compiled.source), findings_html(compiled.findings)]
     return _html_page(told, parts, compiled.files.items())
 
 
 def translation_html(translation: Translation) -> str:
-    """What was translated: how much is said, the way of the tool, findings, the files."""
+    """Return a translation as a page: how much is translated, the tool path, findings and the
+    files.
+    """
     totals = ", ".join(f"{count} {level}" for level, count in translation.totals.items() if count)
     told = [repr(translation)[1:-1], totals]
     source = translation.compiled.source
@@ -263,7 +267,7 @@ def recording_html(recording: RecordedColumns) -> str:
 
 
 def _links_at_home(robot: Robot) -> str:
-    """The links at home in the plane that the arm stands in, as a line."""
+    """Draw the links at home as a line, in the vertical plane of the arm."""
     points = robot.chain(robot.home[None])[0]
     out = np.hypot(points[-1, 0], points[-1, 1])
     way = points[-1, :2] / out if out > 1.0 else np.array([1.0, 0.0])

@@ -21,14 +21,14 @@ NOT_PRINTED = error(
     "make room, or name another place; what was printed may be cut off",
 )
 INTERRUPTED: Final = 130
-"""What shells expect of a program that Ctrl-C ended."""
+"""Exit status that shells expect of a program ended by Ctrl-C."""
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Runs one command; exits 0 clean, 1 with findings, 2 for wrong usage or unreadable input.
+    """Run one command; exit 0 clean, 1 with findings, 2 for wrong usage or unreadable input.
 
-    What ends it from outside is told, and gives 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP,
-    unless the command was over by then, or is one that Ctrl-C ends as it should.
+    A signal that ends the command is reported and exits with 130 for Ctrl-C, 143 for SIGTERM, 129
+    for SIGHUP, unless the command was over by then, or is one that Ctrl-C ends normally.
     """
     if arguments is None:
         _settle_in()
@@ -59,7 +59,7 @@ NEW_OBJECTS: Final = 100_000
 
 
 def _settle_in() -> None:
-    """What a process does that is there for one command, which starts and ends faster by it."""
+    """Set up a process that runs a single command, so that it starts and ends faster."""
     gc.set_threshold(NEW_OBJECTS)
     atexit.register(_discard_leaks)  # what is registered first is called last
     atexit.register(gc.freeze)  # what ends with the process is not looked through before
@@ -111,5 +111,5 @@ def _run(arguments: list[str] | None) -> None:
 
 
 def _discard_output() -> None:
-    """What is still buffered must not fail again when the interpreter ends."""
+    """Discard buffered output, which must not fail again when the interpreter ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

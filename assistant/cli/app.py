@@ -1,8 +1,8 @@
-"""The commands of `robot-assistant`, and what is refused before one of them runs.
+"""Commands of `robot-assistant`, and arguments refused before any of them runs.
 
-`COMMANDS` names the module of each command, which is imported when the command is asked for. An
-argument that looks like an address with a password in it is refused before anything can repeat it:
-passwords come from the environment, the keyring or a question.
+`COMMANDS` names the module of each command, which is imported when the command is used. An argument
+that looks like an address with a password in it is refused before anything can repeat it: passwords
+come from the environment, the keyring or a prompt.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from assistant import __version__
 from assistant.base.diagnostics import Refused
 
 NOT_AN_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
-"""What gives something a value, `text="a:b@c"`, and what stands on a drive of Windows."""
+"""Assignments, `text="a:b@c"`, and paths on a Windows drive."""
 
 
 def refuse_passwords(words: Sequence[str]) -> None:
@@ -42,7 +42,7 @@ def refuse_passwords(words: Sequence[str]) -> None:
 
 
 def _path_exists(word: str) -> bool:
-    """Whether it is the name of a file or a folder."""
+    """True if the word names a file or a folder."""
     try:
         return Path(word).exists()
     except (OSError, ValueError):
@@ -50,7 +50,7 @@ def _path_exists(word: str) -> bool:
 
 
 def _adopt_format(words: Sequence[str]) -> None:
-    """What reads the options has not been there yet."""
+    """Adopt the answer format from the arguments, as the options are not parsed yet."""
     from assistant.cli.presentation import FindingFormat, PlanFormat, answer_as
 
     text = " ".join(words)
@@ -98,8 +98,8 @@ NEGATIVE_ARGUMENTS: Final = frozenset({"jog"})
 
 
 class _Commands(MutableMapping[str, Any]):
-    """Commands by their names. Each is imported and built when it is asked for: all of them
-    together take a fifth of the time that `check` takes for a small program.
+    """Commands by name. Each is imported and built on first use: all of them together take a fifth
+    of the time that `check` takes for a small program.
     """
 
     def __init__(self) -> None:

@@ -61,9 +61,9 @@ START_TIME: Final = 0.5
 
 @dataclass(slots=True)
 class Moving:
-    """A controller whose arm may move. began: whether anything was asked for that moves it.
+    """A controller whose arm may move. began: a request that moves it was made.
 
-    caught: what broke the motion off.
+    caught: the exception that interrupted the motion.
     """
 
     cell: Session
@@ -71,7 +71,7 @@ class Moving:
     caught: BaseException | None = None
 
     def is_given_up(self, caught: BaseException) -> bool:
-        """Whether that is a second Ctrl-C, or the first one while an error was seen to."""
+        """True for a second Ctrl-C, or the first one while an error was being handled."""
         return isinstance(caught, KeyboardInterrupt) and caught is not self.caught
 
 
@@ -132,7 +132,7 @@ def _stop_on_exit(motion: Moving) -> Iterator[None]:
 
 
 def _nothing_began(caught: BaseException) -> bool:
-    """Whether it is known that nothing was begun: this controller cannot do it at all."""
+    """True if certainly no motion began, because this controller cannot do it at all."""
     from assistant.controllers import rules
 
     codes = {f.code for f in caught.findings} if isinstance(caught, Refused) else set()

@@ -127,8 +127,8 @@ OPTION_OF_OTHER_KIND: Final = error(
 
 @dataclass(frozen=True, slots=True)
 class FmuOptions:
-    """Of `fmu`. kind: None for what the source tells. everywhere: for every platform there is a
-    compiler for. options: of the simulation of a program; its robot also counts for an arm.
+    """Options of `fmu`. kind: None to derive it from the source. everywhere: for every platform
+    that has a compiler. options: for the simulation of a program; its robot also applies to an arm.
     """
 
     source: str
@@ -216,7 +216,7 @@ def _check_options(wanted: FmuOptions, kind: str) -> None:
 
 
 def _fmu_kind(wanted: FmuOptions) -> str:
-    """What a source is of which nobody says it: the name or file of a robot is an arm."""
+    """Return the kind of a source if no option states it: the name or file of a robot is an arm."""
     from assistant import robots
     from assistant.compiler.arms import ROBOT_FILES
 

@@ -44,14 +44,14 @@ BoardOption = Annotated[
 
 
 class MountingChoice(StrEnum):
-    """Where a camera is that an arm calibrates."""
+    """Mounting of a camera that an arm calibrates."""
 
     HAND = "hand"
     STAND = "stand"
 
 
 class DrawnThing(StrEnum):
-    """What is shown to drawn cameras."""
+    """Thing shown to drawn cameras."""
 
     BALL = "ball"
     WAND = "wand"
@@ -93,7 +93,7 @@ def view(
     ] = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
-    """Write what a camera sees, with the axes of the frame that it stands in drawn over it."""
+    """Write a camera's picture with the axes of the camera's parent frame drawn over it."""
     raise typer.Exit(run_view(cameras, name, output, source, format))
 
 
@@ -278,7 +278,7 @@ def _picture_folders(given: Sequence[str]) -> dict[str, str]:
 
 
 def _relative_folder(folder: str, file: Path) -> str:
-    """A folder as a file that stands in another one names it; a number would be a device."""
+    """Return a folder as named in a file, relative to it; a bare number would be a device."""
     if Path(folder).is_absolute():
         return folder
     found = Path(os.path.relpath(folder, file)).as_posix()
@@ -394,7 +394,7 @@ def _camera_agreements(
 
 
 def write_png(file: Path, picture: object) -> None:
-    """As PNG, whole or not at all."""
+    """Write the complete PNG, or nothing."""
     from assistant.base.file_sets import write_files
     from assistant.vision.opencv import opencv
 
@@ -412,7 +412,7 @@ UNEQUAL_ROWS: Final = error(
     "write as many in both, or a single one in one of them",
 )
 DrawnScene = tuple[str, Path, str]
-"""What is shown, the table of where, and the board that it may be."""
+"""Thing to draw, table of its poses, and the board if it is one."""
 
 
 def run_draw(
@@ -453,7 +453,9 @@ def run_draw(
 def _drawn_moments(
     shown: DrawnScene | None, poses: Path | None
 ) -> Sequence[tuple[Pose | None, Pose | None]]:
-    """Of each picture where something is shown and where the flange is, None for neither."""
+    """Return the pose of the drawn thing and of the flange for each picture, None for a missing
+    one.
+    """
     at: list[Pose | None] = [None] if shown is None else [*read_poses(shown[1])]
     flanges: list[Pose | None] = [None] if poses is None else [*read_poses(poses)]
     count = max(len(at), len(flanges))

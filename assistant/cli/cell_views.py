@@ -170,7 +170,7 @@ def scene(
     unit: UnitOption = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
-    """Tell what stands in a cell, body by body, or write it as another file."""
+    """List the contents of a cell, body by body, or write it as another file."""
     raise typer.Exit(run_scene(file, unit, output, format))
 
 
@@ -229,7 +229,7 @@ def run_view(
 
 
 def view_contents(source: str, options: SimulationOptions, ready: Solved) -> Shown:
-    """What a page shows of a program that has no errors, with what is found on its way.
+    """Return the page contents of a program without errors, with the findings about its motion.
 
     Raises Refused for a cell without its robot.
     """
@@ -285,16 +285,17 @@ NOT_SERVED: Final = error(
 LIVE_PERIOD: Final = 0.1
 """Seconds between two looks at the controller."""
 ARM_AXES: Final = 6
-"""Axes that a controller counts to the arm; those behind them are additional ones."""
+"""Axes that a controller assigns to the arm; later ones are additional axes."""
 
 
 def run_live(
     address: str, robot: Robot, page: Callable[[str], str], answer: dict[str, Any], format: Format
 ) -> None:
-    """Serves a page until Ctrl-C or until the controller is lost, and tells it where the arm is.
+    """Serve a page until Ctrl-C or until the controller is lost, and send it the positions of the
+    arm.
 
-    page: its text, of the name of the controller. answer: what `--format json` tells of the
-    program. Raises Refused for a controller that is not reached, or that moves another robot.
+    page: its text, from the name of the controller. answer: the program's part of `--format json`.
+    Raises Refused for a controller that cannot be reached or moves another robot.
     """
     from assistant.view.live_page import LivePage
 
@@ -473,9 +474,9 @@ def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format)
 def _read_scene(
     cell: Path, unit: str | None, as_text: bool
 ) -> tuple[Scene, tuple[Diagnostic, ...], tuple[str, ...]]:
-    """The scene of a cell file or of a drawing, what is said of it, and its other tables.
+    """Return the scene of a cell file or of a drawing, its findings, and its other tables.
 
-    as_text: without what charts of explored space add, which the text names.
+    as_text: without the explored space of charts, which the text only names.
     """
     from assistant.base.budgets import SETTINGS_FILE
     from assistant.base.length_units import known_unit, unit_stated

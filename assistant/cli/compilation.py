@@ -32,8 +32,9 @@ if TYPE_CHECKING:
     DrawPage = Callable[
         [InCell, Sequence[tuple[str, Compiled]], list[Diagnostic], Sequence[str]], Sequence[Path]
     ]
-    """Writes the page of what was compiled, adds what is to be said of it to the findings, and
-    tells its file; of some sources other files are on disk."""
+    """Write the page of compiled programs, add its findings to the list, and return its file; the
+    strings are sources whose files on disk differ.
+    """
     from assistant.base.source_text import SourceText
     from assistant.project.source_options import SourceOptions
     from assistant.robots import Robot

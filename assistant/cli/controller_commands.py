@@ -177,7 +177,7 @@ def outputs(
     yes: YesOption = False,
     format: FormatOption = Format.TEXT,
 ) -> None:
-    """Print outputs, or set them; what hangs on them may move, so setting is asked for."""
+    """Print outputs, or set them; connected equipment may move, so setting asks first."""
     raise typer.Exit(run_outputs(cell, names, yes, format))
 
 
@@ -376,7 +376,7 @@ def run_inputs(cell: str, names: Sequence[str], format: Format) -> int:
 
 
 def run_outputs(cell: str, given: Sequence[str], yes: bool, format: Format) -> int:
-    """Outputs that are set may move what hangs on them, so that is asked for."""
+    """Print outputs, or set them after confirmation, as connected equipment may move."""
     names, written = assignments(given)
     values = {name: output_value(name, value) for name, value in written.items()}
     with connected(cell, "outputs") as there:
@@ -415,7 +415,7 @@ def run_variables(
 
 
 def _ask_if_running(there: Session, written: Mapping[str, str], yes: bool) -> None:
-    """What a program that runs meets may send its arm elsewhere."""
+    """Ask for confirmation if a program runs, as the change may send its arm elsewhere."""
     if written and there.controller.state().running:
         names = ", ".join(f"`{name}`" for name in written)
         confirm(there.one, f"changes {names} under a program that runs", yes)

@@ -96,7 +96,9 @@ def _local_file_name(name: str) -> str:
 
 
 def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> int:
-    """Files as programs; what is there is looked at before the first one is written."""
+    """Send files as programs; the existing programs are checked before the first file is
+    written.
+    """
     from assistant.base.source_text import read_bytes
 
     data = {file: read_bytes(file) for file in files}

@@ -1,7 +1,7 @@
 """A session with a controller: found by name or address, connected to, confirmed and described.
 
-A password is asked for where the user is at a terminal. A connection without encryption is noted
-once. What may move an arm is confirmed by `--yes`, or by typing the controller's name.
+The user at a terminal is prompted for a password. A connection without encryption is noted once.
+Commands that may move an arm are confirmed by `--yes`, or by typing the controller's name.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def named_by(text: str) -> Named:
 
 
 def new_client(one: Named, timeout: float | None = None) -> Programs:
-    """A client that is not connected yet; asks for a password where somebody can answer."""
+    """Return a client that is not connected yet; it asks for a password if a user can answer."""
     from assistant.controllers import connect
 
     _note_clear_text(one)
@@ -143,7 +143,7 @@ def assignments(given: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 
 def output_value(name: str, value: str) -> float:
-    """What an output is set to; `on` and `off` are numbers, too."""
+    """Return the value to set an output to; `on` and `off` count as numbers."""
     words = {"on": 1.0, "off": 0.0}
     try:
         found = float(words.get(value.lower(), value))
@@ -171,7 +171,7 @@ def pose_line(position: Position) -> str:
 
 
 def state_lines(state: State) -> Iterator[str]:
-    """What a controller is doing, a line a task and a fault."""
+    """Return the state of a controller, one line per task and per fault."""
     words = [
         state.mode or "mode unknown",
         "motors on" if state.motors else "motors off",

@@ -162,7 +162,7 @@ POSES: Final = 35
 TOOL: Final = "GRIPPER"
 ROBOTS: Final = (ABB, MITSUBISHI)
 SHOWN_IN_CELL: Final = (DRAWING, ABB)
-"""What is shown in the cell of `CELL`."""
+"""Drawing and robot shown in the cell of `CELL`."""
 CELL: Final = "stand.toml"
 REPORT: Final = "report.html"
 

@@ -1,8 +1,8 @@
-"""Deployments: plan, install, bring changes home, finish, take back, list and verify.
+"""Deployments: plan, install, import changes, finish, roll back, list and verify.
 
-What is meant is files for a controller, or targets of the project. `deploy` reads everything back
-and never starts a program. Exit status 1 stands for conflicts or errors. `rollout` carries out a
-deployment to several controllers.
+The arguments are files for a controller, or targets of the project. `deploy` reads everything back
+and never starts a program. Exit status 1 means conflicts or errors. `rollout` deploys to several
+controllers.
 """
 
 from __future__ import annotations
@@ -205,7 +205,7 @@ SEVERAL: Final = error(
 
 @dataclass(frozen=True, slots=True)
 class DeploymentOptions:
-    """What was asked for beside the files; see `deploy.plan` and `deploy.deploy`."""
+    """Options given beside the files; see `deploy.plan` and `deploy.deploy`."""
 
     task: str = ""
     load: bool = False
@@ -274,7 +274,9 @@ class DeploymentJob:
 def jobs_of(
     files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: DeploymentOptions
 ) -> list[DeploymentJob]:
-    """What is meant for which controllers; raises Refused. targets: all of the project if empty."""
+    """Return the deployments to each controller; raise Refused. targets: if empty, all of the
+    project.
+    """
     if to is not None and targets:
         raise Refused(NOT_BOTH(one="--to", other="--target"), exit_status=2)
     named = tuple(map(str, files))
@@ -302,7 +304,7 @@ def controllers_of_jobs(
 def named_controllers(
     to: str | None, targets: Sequence[str], wishes: DeploymentOptions
 ) -> list[DeploymentJob]:
-    """Each controller once; raises Refused for several that nobody has named."""
+    """Return each controller once; raise Refused for several that the user has not named."""
     jobs = controllers_of_jobs(to, targets, wishes)
     apart = {str(job.one.address) + job.one.address.name: job for job in reversed(jobs)}
     if len(apart) > 1 and not targets:
@@ -368,7 +370,9 @@ def print_plan(plan: Plan) -> None:
 def plan_markdown(
     name: str, plan: Plan, done: Deployment | None, findings: Sequence[Diagnostic]
 ) -> str:
-    """A comment. What a controller or a program says stands in code, which it cannot leave."""
+    """Return a plan as a Markdown comment. Text of a controller or a program is code, which it
+    cannot escape.
+    """
     lines = [f"### {code(name)} ({code(str(plan.address))})", ""]
     lines += [
         "| program | change |" + (" state |" if done else ""),
@@ -392,7 +396,7 @@ def plan_markdown(
 
 
 def _what_differs(file: PlannedFile) -> dict[str, str]:
-    """What differs, by what it tells; the taught points are told only once."""
+    """Return the differences by title; taught points are listed only once."""
     found = {
         "changed on the controller since the last deployment": file.since,
         "otherwise in memory than in the file": "" if file.since else file.taught,
@@ -559,9 +563,9 @@ def run_rollback(
 
 
 def report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
-    """Tells what became of a deployment that was finished or taken back; its exit status.
+    """Report the result of a deployment that was finished or rolled back; return its exit status.
 
-    back: what is installed then is what was there before.
+    back: the programs installed are then the earlier ones.
     """
     from assistant.project.deployment import deployment_record, states_of
 
@@ -708,7 +712,7 @@ def run_pull(
 
 
 def _sources_by_path(job: DeploymentJob, source: Path | None) -> dict[Path, Path]:
-    """What each program was made of, by its absolute path."""
+    """Return the source of each program by the program's absolute path."""
     if source is not None:
         return {Path(file).absolute(): source for file in job.files}
     if job.target is None or job.files:

@@ -132,7 +132,9 @@ def run_program(
 
 
 def prepare_chart(asked: ExplorationRequest, read: Sequence[str]) -> ExplorationStart:
-    """Raises Refused for a chart that would not be one, or would be written over what is read."""
+    """Start an exploration; raise Refused for an invalid chart name or one that would overwrite an
+    input.
+    """
     from assistant.compiler.exploration import start_exploration
 
     _check_chart_name(asked.chart)
@@ -298,7 +300,7 @@ def run_charts_compared(old: Path, new: Path, format: Format) -> int:
 
 @contextmanager
 def _at_chart(path: Path) -> Iterator[None]:
-    """What is refused of a chart is told at its file."""
+    """Attach the chart's path to the findings of Refused."""
     try:
         yield
     except Refused as refused:
@@ -369,7 +371,9 @@ class ContactOptions:
 
 @dataclass(frozen=True, slots=True)
 class WatchOptions:
-    """How an arm is watched and recorded. seconds: None for no limit. yes: without a question."""
+    """Options for watching and recording an arm. seconds: None for no limit. yes: without a
+    question.
+    """
 
     contact: ContactOptions
     seconds: float | None

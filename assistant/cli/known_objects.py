@@ -158,7 +158,7 @@ DRAWING_SUFFIX: Final = ".dxf"
 
 @dataclass(frozen=True, slots=True)
 class AddOptions:
-    """As `objects add` was asked."""
+    """Options of `objects add`."""
 
     library: Path
     name: str
@@ -302,7 +302,7 @@ def _object_line(one: KnownObject) -> str:
 
 @dataclass(frozen=True, slots=True)
 class SeeOptions:
-    """As `see` was asked."""
+    """Options of `see`."""
 
     cameras: Path
     library: Path
@@ -365,7 +365,7 @@ def _plane_at(height: float, sigma: float = 0.05) -> Plane:
 
 
 def _robot_in_cell(asked: SeeOptions) -> PlacedRobot | None:
-    """The robot of the cell whose base poses are told in."""
+    """Return the robot of the cell in whose base poses are given."""
     if asked.cell is None:
         return None
     from assistant.cell.cell_file import read_scene
@@ -421,7 +421,7 @@ def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
 
 
 def _doubtful_findings(asked: SeeOptions, sight: Recognition) -> list[Diagnostic]:
-    """What is missing, and what is not known well enough."""
+    """Return findings for expected objects not seen and for poses that are too uncertain."""
     from assistant.vision import rules
 
     findings = []

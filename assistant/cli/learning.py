@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class ToolHold(StrEnum):
-    """How the tool is held in a box; `free` leaves its orientation open."""
+    """Orientation of the tool in a box; `free` leaves it open."""
 
     DOWN = "down"
     FORWARD = "forward"
@@ -584,7 +584,7 @@ def _output_data(
     tests: Goals,
     outputs: LearnOutputs,
 ) -> dict[Path, bytes]:
-    """What is wanted beside the map."""
+    """Return the files requested beside the map: a picture of the lattice and the error curve."""
     import numpy as np
 
     from assistant.base.arrays import evenly_spaced

@@ -202,7 +202,7 @@ DropEditOption = Annotated[
 
 
 def placement_of(place: str | None, marks: Sequence[str] | None) -> DrawingPlacement | None:
-    """What --place or --mark say, None for neither; raises Refused."""
+    """Return the placement given by --place or --mark, None for neither; raise Refused."""
     if place is None and not marks:
         return None
     from assistant.sources.process.placement import placement_of_options
@@ -216,7 +216,7 @@ SIGNALS_WITHOUT_PROOF = error(
 
 
 def proof_settings(wanted: bool, signals: Path | None, seed: int) -> Proving | None:
-    """How a proof by motion is sought, None for none; raises Refused (exit status 2)."""
+    """Return the settings of a motion proof, None for no proof; raise Refused (exit status 2)."""
     from assistant.compiler.motion_proof import Proving
 
     if not wanted:

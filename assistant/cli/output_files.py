@@ -38,7 +38,7 @@ class Outcomes:
 
     @contextmanager
     def of(self, program: str) -> Iterator[None]:
-        """What is refused, or fails, inside is the finding of one program; the others go on."""
+        """Turn refusals and failures inside into findings of one program; the others continue."""
         try:
             yield
         except Refused as refused:
@@ -57,9 +57,9 @@ Files = Mapping[str, bytes]
 
 
 def output_folders(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Diagnostic]]:
-    """The folder of each source that writes a file which another one writes as well.
+    """Return a folder for each source that writes a file which another source writes too.
 
-    files: by source, then by name. Folders are named as the sources are told apart.
+    files: by source, then by name. Folder names keep the sources distinct.
     """
     from assistant.program.program import identifier
 
@@ -86,10 +86,10 @@ def write_outputs(
     output: str | Path,
     paths: Mapping[str, str],
 ) -> tuple[list[str], list[Diagnostic]]:
-    """Writes the files of all sources, and of those that have a folder of their own there.
+    """Write the files of all sources; a source that has its own folder is written there.
 
-    paths: file that each source is, or begins with. Gives the files, and a finding for each that
-    was written from another source: of such a source nothing is written.
+    paths: file that each source is, or begins with. Return the files, and a finding for each that
+    was written from another source: nothing of such a source is written.
     """
     from assistant.compiler.merge_edits import replaced, with_sources, written_in
 
@@ -125,7 +125,7 @@ def files_by_path(
 def output_paths(
     files: Mapping[str, Files], folders: Mapping[str, str], output: str | Path
 ) -> Sequence[Path]:
-    """Where the files of all sources are written."""
+    """Return the paths that the files of all sources are written to."""
     return [
         Path(output) / folders.get(source, "") / name
         for source, made in files.items()

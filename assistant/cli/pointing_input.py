@@ -76,7 +76,7 @@ class PointingOptions:
 
 @dataclass(slots=True)
 class ShownPlaces:
-    """Places that come from cameras, and what was told of them meanwhile."""
+    """Positions shown to cameras, and the counts and reasons collected meanwhile."""
 
     rig: Rig
     cameras: tuple[Camera, ...]
@@ -133,7 +133,7 @@ class ShownPlaces:
         print_findings([finding])
 
     def ended(self, name: str) -> Refused:
-        """What to say when the pictures ended before something was shown."""
+        """Return the refusal for pictures that ended before anything was shown."""
         from assistant.vision.rules import POSITION_NOT_SHOWN
 
         most = self.reasons.most_common(1)

@@ -194,7 +194,7 @@ ONLY_PLAIN: Final = error(
 
 @dataclass(frozen=True, slots=True)
 class FollowOptions:
-    """Of `exchange follow`."""
+    """Options of `exchange follow`."""
 
     prefix: str
     timeout: float
@@ -454,7 +454,7 @@ def _single_pose(target: Target, motion: Motion) -> Poses:
 
 
 def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
-    """As the controller writes them, if every pose states one."""
+    """Return the configurations in the controller's notation, if every pose states one."""
     from assistant.program.motion import UNSTATED
     from assistant.robots.configurations import to_confdata
 
@@ -489,7 +489,7 @@ def _write_answers(exchange: PoseSender, options: FollowOptions, name: str) -> N
 
 
 def _print_round_trips(exchange: PoseSender, place: str, options: FollowOptions) -> None:
-    """How long the round trips took, and what of them was whose."""
+    """Print the duration of the round trips, split into their parts."""
     parts = ["round_trip", "hand_over", "waiting", "fetching"]
     if options.plain is None:  # whose files do not tell how long a motion took
         parts.append("motion")

@@ -1,6 +1,6 @@
 """Present findings and results: for people, with colours on a terminal, and as JSON.
 
-What a command answers goes to standard output; findings and progress go to standard error.
+The answer of a command goes to standard output; findings and progress go to standard error.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Format(enum.StrEnum):
-    """How a command answers."""
+    """Answer format of a command."""
 
     TEXT = "text"
     JSON = "json"
@@ -37,7 +37,7 @@ class LengthUnit(enum.StrEnum):
 
 
 class FindingFormat(enum.StrEnum):
-    """How a command that finds things answers."""
+    """Answer format of a command that reports findings."""
 
     TEXT = "text"
     JSON = "json"
@@ -48,7 +48,7 @@ class FindingFormat(enum.StrEnum):
 
 
 class TranslationFormat(enum.StrEnum):
-    """How a command that translates answers."""
+    """Answer format of a command that translates."""
 
     TEXT = "text"
     JSON = "json"
@@ -60,7 +60,7 @@ class TranslationFormat(enum.StrEnum):
 
 
 class PlanFormat(enum.StrEnum):
-    """How a command that plans answers."""
+    """Answer format of a command that plans."""
 
     TEXT = "text"
     JSON = "json"
@@ -71,7 +71,7 @@ Answer = TypeVar("Answer", Format, FindingFormat, PlanFormat)
 
 
 def answer_as(format: Answer) -> Answer:
-    """Remembers how the command is asked to answer, for what it refuses as well."""
+    """Set the answer format of the command, which applies to its refusals as well."""
     _answer_format.set(format)
     return format
 
@@ -82,7 +82,7 @@ _answer_format: Final[ContextVar[Format | FindingFormat | PlanFormat]] = Context
 
 
 class FramesAs(enum.StrEnum):
-    """How work objects are written where a language has none."""
+    """Form of work objects in a language that lacks them."""
 
     BASE = "base"
     PRODUCT = "product"
@@ -108,9 +108,9 @@ def console() -> Console:
 
 
 def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -> None:
-    """Each finding on standard error: code, place, sentence, source line with a caret, cure.
+    """Print each finding on standard error: code, place, sentence, source line with a caret, cure.
 
-    explained: a last line tells where more is said about them.
+    explained: a last line says where the findings are explained.
     """
     listed = list(findings)
     if not listed:
@@ -196,7 +196,7 @@ def print_for_programs(
 
 
 def print_refused(findings: Sequence[Diagnostic]) -> None:
-    """What keeps a command from answering, in the form that the answer was asked for."""
+    """Print the findings that keep a command from answering, in the requested format."""
     from assistant.findings.formats import finding_record
 
     asked = _answer_format.get()
@@ -218,7 +218,7 @@ _NO_CHARACTER: Final = re.compile(f"[{STEERING}]")
 
 
 _notes: Final[ContextVar[tuple[tuple[str, Diagnostic], ...]]] = ContextVar("noted", default=())
-"""Addresses of controllers, each with what is said of the way there."""
+"""Addresses of controllers, each with a finding about the connection."""
 
 
 def note(address: str, finding: Diagnostic) -> None:

@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
 
 CHECKED_AS_STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
-"""Sources of which a project says how they are made; programs are checked for what is given."""
+"""Sources whose production a project describes; programs are checked with the given options."""
 
 
 @dataclass(frozen=True, slots=True)
 class CheckOptions:
-    """What all sources of one command are checked with."""
+    """Options for checking all sources of one command."""
 
     robot: str | None
     process: Path | None
@@ -147,7 +147,7 @@ def _write_check_page(
     findings: list[Diagnostic],
     asked: PageRequest,
 ) -> Sequence[Path]:
-    """Writes the page; what is to be said of it is added to the findings."""
+    """Write the page and add its findings to the list."""
     from assistant.cli.report_pages import checked_sheet, drawing_lines, refused_sheets
 
     def lines(source: str) -> Sequence[DrawnLine]:

@@ -169,7 +169,7 @@ def translate(
     seed: SeedOption = 0,
     format: TranslationFormatOption = TranslationFormat.TEXT,
 ) -> None:
-    """Write robot programs in another language; tell of every statement what becomes of it."""
+    """Write robot programs in another language, and report the result for every statement."""
     from assistant.cli.options import proof_settings
     from assistant.cli.translation import TranslateOptions, run_translate
     from assistant.sources.sights import seeing
@@ -371,7 +371,9 @@ def fmt(
     ] = None,
     from_language: FromLanguage = None,
 ) -> None:
-    """Lay robot programs out: indentation, blanks, case of keywords. What they say stays."""
+    """Lay robot programs out: indentation, blanks, case of keywords. Their meaning stays the
+    same.
+    """
     from assistant.cli.program_text import run_fmt
 
     raise typer.Exit(run_fmt(files, check, diff, from_language, renumber))

@@ -44,7 +44,9 @@ NO_LANGUAGE: Final = error(
 
 @dataclass(frozen=True, slots=True)
 class ShowOptions:
-    """What of a source is shown. to, after: as a language says it, after one of its passes."""
+    """Options for showing a source. to, after: the language it is shown in, and the pass it is
+    shown after.
+    """
 
     robot: str | None
     process: Path | None
@@ -86,7 +88,9 @@ def run_show(source: str, wanted: ShowOptions, output: Path | None) -> int:
 
 
 def _pseudo_text(program: Program, source: str, side_tables_above: int | None) -> Printed:
-    """The text of the program; what it cannot say is told at its line of the source."""
+    """Return the text of the program; report parts it cannot express at their lines of the
+    source.
+    """
     from assistant.compiler.source_map import Places
     from assistant.program import pseudo
 
@@ -186,7 +190,7 @@ def _numbering(text: str) -> tuple[int, int]:
 
 
 def _files_to_format(path: str, language: str | None) -> Iterator[str | Refused]:
-    """The files that a path stands for, and why there is none or no more."""
+    """Yield the files of a path, and the reason if it has no file or no more."""
     from assistant.compiler.program_files import programs_in
 
     if path == STANDARD:

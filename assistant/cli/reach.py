@@ -271,9 +271,9 @@ def print_reach(
 
 
 def placed_arm(tool: ReachTool, known: Robot | None = None) -> PlacedArm:
-    """The arm, alone in the world if no cell is told. known: that of a program.
+    """Return the arm, alone in the world if no cell is given. known: that of a program.
 
-    Raises Refused if no arm is named, or none that stands in the cell.
+    Raises Refused if no arm is named, or it is not in the cell.
     """
     from assistant.cell import link_bodies
     from assistant.cell.clearances import robot_of
@@ -322,7 +322,7 @@ def _tip_pose(given: str | None) -> Pose:
 
 
 def _axis_range(there: PlacedArm, axis: str, text: str | None) -> NumberRange:
-    """What is stated, or all that the arm could reach."""
+    """Return the stated range, or all that the arm could reach."""
     import numpy as np
 
     from assistant.cell.reach_map import NumberRange, parse_range
@@ -338,7 +338,7 @@ def _axis_range(there: PlacedArm, axis: str, text: str | None) -> NumberRange:
 
 
 def _likely_obstacles(there: PlacedArm, found: ReachMap) -> str:
-    """What keeps an arm from everything, as far as it is plain."""
+    """Return a likely reason why an arm reaches nothing, as far as it is plain."""
     from assistant.base import rotations
 
     if found.touching.any():
@@ -408,7 +408,7 @@ UNKNOWN_TARGETS = info(
     "nothing; look at these places by themselves",
 )
 DEFAULT_PLACE_RANGE: Final = "-200:200:50"
-"""Of x and y if nothing is stated."""
+"""Default range of x and y."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -514,7 +514,9 @@ def _place_targets(
 def _program_targets(
     body: str | None, tool: ReachTool, goals: PlaceGoals, program: str
 ) -> tuple[PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
-    """What its arm cannot reach now is no finding here."""
+    """Return the arm and the targets of a program; targets out of its present reach are not
+    findings here.
+    """
     from assistant.cell.placement import targets_of
     from assistant.cli.simulation import SimulationOptions, solved_source
 

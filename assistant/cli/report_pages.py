@@ -1,7 +1,7 @@
-"""Pages that report what a command did: `--report`, `--open` and `--plot`.
+"""Pages that report the result of a command: `--report`, `--open` and `--plot`.
 
 A page is one HTML file with a sheet for each program, at most `MOST_PROGRAMS`. `compiled_page`,
-`simulated_page` and `compared_page` are called by their commands if a page is asked for.
+`simulated_page` and `compared_page` are called by their commands if a page is requested.
 """
 
 from __future__ import annotations
@@ -52,14 +52,16 @@ SUFFIXES: Final = (".html", ".htm")
 
 @dataclass(frozen=True, slots=True)
 class PageRequest:
-    """The page that is asked for: a file for it, and whether it is opened; a file for a picture."""
+    """Requested page: a file for it, and whether it is opened; a file for a picture."""
 
     report: Path | None = None
     opened: bool = False
     plot: Path | None = None
 
     def __post_init__(self) -> None:
-        """Raises Refused (exit status 2) for a name that is no page's or no picture's."""
+        """Check the file names; raise Refused (exit status 2) for one that is not of a page or a
+        picture.
+        """
         if self.plot is not None:
             from assistant.report.figures import format_of
 
@@ -72,31 +74,33 @@ class PageRequest:
 
     @property
     def html(self) -> bool:
-        """Whether the report is a page."""
+        """True if the report is a page."""
         return self.report is not None and self.report.suffix.lower() in SUFFIXES
 
     def page(self) -> PageRequest:
-        """The same without a report that is no page."""
+        """Return the same request without a report that is not a page."""
         return self if self.html else PageRequest(None, self.opened, self.plot)
 
     def only_page(self) -> PageRequest:
-        """The same; raises Refused (exit status 2) for a report that is no page."""
+        """Return the same request; raise Refused (exit status 2) for a report that is not a
+        page.
+        """
         if self.report is not None and not self.html:
             raise Refused(NO_PAGE(name=self.report), exit_status=2)
         return self
 
 
 NO_PAGE_WANTED: Final = PageRequest()
-"""No page is asked for."""
+"""Request for no page."""
 
 
 def write_page(
     asked: PageRequest, sheets: Sequence[Sheet], sources: Iterable[str], stem: str
 ) -> tuple[list[Path], list[Diagnostic]]:
-    """Writes page and picture, opens the page if that is asked for; tells files and findings.
+    """Write page and picture, open the page if requested; return files and findings.
 
-    stem: of the name that it has in the folder for temporary files, if no file is named.
-    Raises Refused (exit status 2) if it would be written over a source.
+    stem: of the name in the folder for temporary files, if no file is named. Raises Refused (exit
+    status 2) if it would overwrite a source.
     """
     from assistant.base.file_sets import write_all, write_files
     from assistant.view.page import page
@@ -130,7 +134,7 @@ def _write_plot(sheets: Sequence[Sheet], file: Path) -> bytes:
 
 
 def page_name(source: str) -> str:
-    """What a page is called that nobody gave a name to."""
+    """Return the name of a page that the user has not named."""
     return "program" if source == STANDARD else Path(source).stem or "program"
 
 
@@ -148,7 +152,9 @@ def compiled_sheet(
     robot: Robot | None,
     drawn: Sequence[DrawnLine] = (),
 ) -> Sheet:
-    """A compiled program as it is written; one that is not written as it was to be said."""
+    """Return the sheet of a compiled program as written; if it is not written, as it would have
+    been.
+    """
     from assistant.compiler.source_map import Places
     from assistant.findings.severities import apply_severities
 
@@ -231,9 +237,9 @@ def compiled_page(
     unit: str | None,
     placement: DrawingPlacement | None = None,
 ) -> DrawPage | None:
-    """Writes the page of a compilation, if one is asked for; see `run_compile`.
+    """Return the writer of a compilation's page, if one is requested; see `run_compile`.
 
-    Raises Refused (exit status 2) for a report that is no page.
+    Raises Refused (exit status 2) for a report that is not a page.
     """
     asked.only_page()
 
@@ -267,9 +273,9 @@ def compiled_page(
 def simulated_page(
     asked: PageRequest,
 ) -> Callable[[str, SimulationOptions, Solved, list[Diagnostic]], Sequence[Path]] | None:
-    """Writes the page of a simulation, if one is asked for; see `run_simulate`.
+    """Return the writer of a simulation's page, if one is requested; see `run_simulate`.
 
-    Raises Refused (exit status 2) for a report that is no page.
+    Raises Refused (exit status 2) for a report that is not a page.
     """
     asked.only_page()
 
@@ -320,7 +326,9 @@ def _robot_in_cell(name: str | None, scene: Scene | None) -> Robot | None:
 def refused_sheets(
     findings: Iterable[Diagnostic], lines: Callable[[str], Sequence[DrawnLine]] = lambda _: ()
 ) -> list[Sheet]:
-    """What could not be read at all, a file each, with why. lines: of a drawing, by its path."""
+    """Return a sheet for each file that could not be read, with the reasons. lines: of a drawing,
+    by its path.
+    """
     by_file: dict[str, list[Diagnostic]] = {}
     for finding in findings:
         by_file.setdefault(finding.path or "findings", []).append(finding)
@@ -343,5 +351,5 @@ def drawing_lines(
 
 
 def source_name(source: str) -> str:
-    """What a source is called on a page."""
+    """Return the name of a source on a page."""
     return "standard input" if source == STANDARD else Path(source).name

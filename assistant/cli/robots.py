@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Estimated(enum.StrEnum):
-    """What of an arm is estimated."""
+    """Parameters of an arm that are estimated."""
 
     ZEROS = "zeros"
     LENGTHS = "lengths"
@@ -172,7 +172,7 @@ def list_robots(format: Format) -> int:
 
 
 def show_robot(name: str, draw: Path | None, format: Format) -> int:
-    """draw: the picture that is written before anything is said; None for none."""
+    """Show a robot. draw: the picture that is written before any output; None for none."""
     from assistant.compiler.arms import robot_of
     from assistant.report import robots as report
 

@@ -43,7 +43,7 @@ STATE_STYLES: Final = {"done": "green", "failed": "bold red", "not begun": "yell
 
 @dataclass(frozen=True, slots=True)
 class RolloutOptions:
-    """How many are deployed to; see `deploy.deploy_to_all`.
+    """Options for the order and number of deployments; see `deploy.deploy_to_all`.
 
     parallel: None for its default. junit: file of the report.
     """
@@ -160,7 +160,7 @@ def print_rollout(rollout: Rollout) -> None:
 
 
 def _outcome_row(one: Outcome) -> tuple[str, str, str, str]:
-    """Name, address, state, and what is there of its programs."""
+    """Return name, address, state, and the state of its programs."""
     if one.deployment is None:
         what = "nothing was changed"
     else:

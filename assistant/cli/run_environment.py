@@ -49,7 +49,9 @@ def hosts_of(given: Sequence[str]) -> dict[str, str]:
 
 
 def line_targets(given: Sequence[str]) -> dict[str, str]:
-    """What lines lead to by their names; raises Refused for what names none."""
+    """Return the endpoint of each line by its name; raise Refused for an argument without a
+    name.
+    """
     return _named_values(given, NOT_A_LINE)
 
 

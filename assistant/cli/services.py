@@ -255,7 +255,7 @@ class AnswerOptions:
     patience: float
 
     def look(self, name: str) -> Sight | None:
-        """As the file says it now."""
+        """Return the sight that the file holds now."""
         from assistant.sources.sights import read_sights
 
         sights = {key.casefold(): one for key, one in read_sights(self.seen).items()}
@@ -265,7 +265,7 @@ class AnswerOptions:
 def run_answer(
     given: AnswerOptions, process: Path | None, robot: str | None, cell: Path | None
 ) -> int:
-    """0 if all that was asked for was found, else 1."""
+    """Run the answering service; return 0 if everything requested was found, else 1."""
     from assistant.sources.process import DEFAULT_TRUST
     from assistant.sources.process.file import read_process
     from assistant.sources.sights import read_sights
@@ -309,7 +309,7 @@ def _print_answer(told: Answer) -> int:
 
 
 def _robot_base(robot: str | None, cell: Path | None) -> Pose | None:
-    """Where the robot stands in the world of a cell; None if that is not known."""
+    """Return the pose of the robot in the world of a cell; None if unknown."""
     if cell is None:
         return None
     from assistant.cell.clearances import robot_of as robot_in

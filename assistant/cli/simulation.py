@@ -31,12 +31,12 @@ NO_RESULT = error(
     "end the name in .csv, .npz, .png or .svg, or name a folder",
 )
 FILE_SUFFIXES: Final = (".motion.csv", ".moves.csv", ".motion.npz", ".motion.png", ".motion.svg")
-"""How the names of all files of a simulation end, behind the name of the program."""
+"""Suffixes of all files of a simulation, appended to the name of the program."""
 
 
 @dataclass(frozen=True, slots=True)
 class SimulationOptions:
-    """What is simulated, and how. acceleration: mm/s² of the tool. period: seconds."""
+    """Source and options of a simulation. acceleration: mm/s² of the tool. period: seconds."""
 
     robot: str | None
     process: Path | None
@@ -59,9 +59,10 @@ def run_simulate(
     page: Callable[[str, SimulationOptions, Solved, list[Diagnostic]], Sequence[Path]]
     | None = None,
 ) -> int:
-    """0 if the program could be simulated, 1 if the robot cannot run it, or not without contact.
+    """Run a simulation; return 0 if it succeeds, 1 if the robot cannot run the program, or not
+    without contact.
 
-    page: writes a page of what is simulated, and adds what is to be said of it.
+    page: writes a page of the simulation, and adds its findings to the list.
     """
     from assistant.checks.clearances import clearances
     from assistant.report import timing as report

@@ -134,7 +134,9 @@ def _full_command(word: str) -> str | None:
 
 
 def _visible_variables(task: Task, wanted: set[str]) -> Iterator[str]:
-    """Of the innermost call: its own data, then those of its module and of all."""
+    """Yield the variables of the innermost call: its local data, then those of its module and of
+    all.
+    """
     levels = task.levels()
     shown = False
     for title, data in levels[0].groups.items() if levels else ():

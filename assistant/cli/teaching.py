@@ -117,7 +117,7 @@ def free_names(file: Path) -> Iterator[str]:
 def _store_triggers(
     controller: Controller, address: str, options: TeachOptions
 ) -> Iterator[Callable[[], bool]]:
-    """What waits for the moment to store: False when there is none any more."""
+    """Yield a function that waits for the moment to store: False when there are no more."""
     if options.now:
         yield lambda: True
         return
@@ -131,9 +131,9 @@ def _store_triggers(
 def _wait_for_rise(
     controller: Controller, address: str, signal: str, pressed: Callable[[float | None], bytes]
 ) -> Callable[[], bool]:
-    """Waits until an input that was off is on; q ends it, where there are keys.
+    """Return a function that waits until an input that was off is on; q ends it, if there are keys.
 
-    It is looked at before anybody is asked for it, so that one that comes at once counts.
+    The input is read once before the user is prompted, so that an immediate change counts.
     """
 
     def is_on() -> bool:
@@ -175,9 +175,11 @@ def _store_key(pressed: Callable[[float | None], bytes], seconds: float | None) 
 
 @contextmanager
 def terminal_keys() -> Iterator[Callable[[float | None], bytes]]:
-    """Single keys of the terminal, or characters of an input that is none; Ctrl-C stays Ctrl-C.
+    """Yield a reader of single keys of the terminal, or of characters of another input; Ctrl-C
+    stays Ctrl-C.
 
-    They are waited for so many seconds, b"" if none came. The end of the input is a key, too.
+    It waits for the given seconds, and returns b"" if none came. The end of the input is a key,
+    too.
     """
     try:
         import termios

@@ -59,7 +59,7 @@ LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold r
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TranslateOptions:
-    """What all programs of one command are translated with."""
+    """Options for translating all programs of one command."""
 
     to: str
     robot: str | None
@@ -99,11 +99,11 @@ def run_translate(
     every: bool = False,
     opened: bool = False,
 ) -> int:
-    """0 if everything is said, 1 if something is not, 2 if a program cannot be read.
+    """Translate programs; return 0 if everything is translated, 1 if something is not, 2 if a
+    program cannot be read.
 
-    names: file for the table of old and new names. every: the text answer tells of each
-    statement, not only of what most have in common. opened: the report as a page is shown in the
-    browser.
+    names: file for the table of old and new names. every: the text answer lists each statement, not
+    only the most frequent results. opened: the report as a page is shown in the browser.
     """
     from assistant.compiler.loader import language_of
     from assistant.findings.formats import finding_record
@@ -190,7 +190,7 @@ def _write_translation_page(
     options: TranslateOptions,
     sources: Sequence[str],
 ) -> tuple[list[Path], list[Diagnostic]]:
-    """The page of all programs; its file, and what is to be said of it."""
+    """Write the page of all programs; return its file and the findings about it."""
     from assistant.cli.report_pages import refused_sheets, translated_sheet
     from assistant.compiler.arms import open_cell
 
@@ -203,7 +203,7 @@ def _write_translation_page(
 def _translation_tasks(
     programs: Sequence[str], options: TranslateOptions, output: str, answers: Outcomes
 ) -> tuple[Task, ...]:
-    """What of the files, and of those in folders, is one program each."""
+    """Return the files, and those in folders, as tasks of one program each."""
     from assistant.compiler.program_files import OutputFolder, programs_in, tasks_of
 
     found: dict[str, None] = {}
@@ -276,10 +276,10 @@ def _translate_all(
 
 
 def _ask_missing_values(path: Path, done: Sequence[Translated]) -> bool:
-    """Asks for what programs lack and writes the answers; whether there was any.
+    """Ask for the values that programs lack and write the answers; return True if there was any.
 
-    An empty answer leaves a value open, the end of input all that follow. An answer that cannot be
-    is asked for once more.
+    An empty answer leaves a value open, the end of input all that follow. The question is repeated
+    after an invalid answer.
     """
     from assistant.base.file_sets import write_all
     from assistant.base.source_text import SourceText
@@ -332,7 +332,9 @@ def _cell_file_with_blanks(path: Path, done: Sequence[Translated]) -> list[str]:
 
 
 def _print_translation(one: Translated, every: bool) -> None:
-    """How much is said, or every statement; findings on the whole program first."""
+    """Print how much is translated, or every statement; findings on the complete program come
+    first.
+    """
     from assistant.report.translation import level_totals, reason_lines, report_lines, summary
 
     translation = one.translation
@@ -355,7 +357,7 @@ def _print_translation(one: Translated, every: bool) -> None:
 
 
 MOST_OF_ONE_CODE: Final = 3
-"""Findings of one code on a whole program that are shown, unless each is asked for."""
+"""Most findings of one code on a complete program that are shown, unless each is requested."""
 
 
 def _first_of_each_code(findings: Sequence[Diagnostic]) -> list[Diagnostic]:

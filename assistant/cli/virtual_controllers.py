@@ -1,7 +1,7 @@
 """Serve a virtual controller until Ctrl-C: `virtual irc5` and `virtual cr`.
 
-A password that was made up is printed, as nobody else knows it. Lines of a program can lead to
-files, sockets or serial lines of this computer.
+A generated password is printed, as the user has no other way to learn it. Lines of a program can
+lead to files, sockets or serial lines of this computer.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ virtual: Final = typer.Typer(
 
 
 class Framing(StrEnum):
-    """Of a serial line."""
+    """Framing of a serial line."""
 
     PLAIN = "plain"
     PROCEDURAL = "procedural"
@@ -403,9 +403,9 @@ C = TypeVar("C", "VirtualIrc5", "VirtualCr")
 def _serve_until_end(
     controller: C, about: str, password: str | None, tell: Callable[[C], None] | None = None
 ) -> None:
-    """Runs until Ctrl-C. A password that was made up is told, as nobody else knows it.
+    """Run until Ctrl-C. A generated password is printed, as the user has no other way to learn it.
 
-    tell: says more about it when it runs.
+    tell: prints more about the controller once it runs.
     """
     try:
         controller.start()

@@ -197,7 +197,7 @@ NOT_USED: Final = warning("CL026", "no program uses the signal `{name}` of the s
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """How programs are run. until, breaks: times and places as they are written."""
+    """Options for running programs. until, breaks: times and places as they are written."""
 
     robot: str | None
     process: Path | None
@@ -341,7 +341,7 @@ class _PrintedRun:
 
     @property
     def live(self) -> bool:
-        """Whether what happens is printed while it does."""
+        """True if events are printed while they happen."""
         one = self.options
         lasts = one.real_time or one.ask or one.disk is not None or bool(one.lines)
         return lasts and self.format is Format.TEXT
@@ -375,9 +375,9 @@ class _PrintedRun:
 
     @contextmanager
     def _ended_by_hand(self) -> Iterator[None]:
-        """Ctrl-C ends the run before its next statement; what it did until then is told.
+        """End the run before its next statement on Ctrl-C; its events until then are reported.
 
-        So do SIGTERM and SIGHUP; a second one ends the command at once.
+        SIGTERM and SIGHUP do the same; a second signal ends the command at once.
         """
         from assistant.base.termination import ORDINARY_SIGNALS, Terminated, signals_handled
         from assistant.virtual.kernel import Ending
@@ -541,9 +541,9 @@ LAUNCH_KEYS: Final[Mapping[str, type]] = {
     "maxSteps": int,
     "stopOnEntry": bool,
 }
-"""What a configuration may say; `program` may be a list of texts too."""
+"""Keys of a launch configuration; `program` may be a list of texts too."""
 EDITOR_KEY_PREFIX: Final = frozenset({"type", "request", "name", "cwd", "noDebug", "presentation"})
-"""What editors add, with names that begin with two underscores."""
+"""Keys that editors add, besides names that begin with two underscores."""
 
 
 def run_debug() -> int:

@@ -36,7 +36,7 @@ SERVO_WITHOUT_ROBOT: Final = error(
     "write robot = NAME into its table in assistant.toml",
 )
 ENDS_BEFORE_MOTION: Final = frozenset({"VS201", "VS208"})
-"""What servoing ends with before the first step."""
+"""Codes of servoing that ends before the first step."""
 
 
 @dataclass(frozen=True, slots=True)

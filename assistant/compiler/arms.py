@@ -37,17 +37,19 @@ WHICH_ARM = error(
     "name it with --robot",
 )
 ROBOT_FILES: Final = (".toml", ".urdf")
-"""How the file of a user's own robot ends."""
+"""File suffixes of a user's robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Arms:
-    """robot: the arm that was named to run a program. written_for: where the program does not
-    say it, the one that it was written for; each None if nobody has named it. joint_speed: mm/s
-    of joint moves that state a percentage which nothing else makes a speed of, None for none.
-    joint_percent: of those that state mm/s, for a controller that takes percents.
-    same: joint angles count for the arm that runs the program, whichever it is. scene: the cell
-    that it stands in, None if none is told. seeing: where frames that are seen are taken from.
+    """Arms that a program is for, and their cell.
+
+    robot: the arm named to run a program. written_for: if the program does not state it, the one
+    that it was written for; each None if not named. joint_speed: mm/s of joint moves that state a
+    percentage with no other conversion to a speed, None for none. joint_percent: of joint moves
+    that state mm/s, for a controller that takes percents. same: joint angles are those of the arm
+    that runs the program, whichever it is. scene: the cell of the arm, None without one. seeing:
+    source of frames located by cameras.
     """
 
     robot: Robot | None = None
@@ -134,9 +136,8 @@ SCENE_TABLES: Final = ("bodies", "robots")
 
 @dataclass(frozen=True, slots=True)
 class InCell:
-    """A cell that was asked for. scene: None without one. robot: whose arm runs programs, None
-    if it is not said. findings: about the cell file, at it. seeing: where frames that are seen are
-    taken from.
+    """An opened cell. scene: None without one. robot: whose arm runs programs, None if not stated.
+    findings: about the cell file, at it. seeing: source of frames located by cameras.
     """
 
     scene: Scene | None = None
@@ -149,9 +150,9 @@ class InCell:
         return replace(self, seeing=self.seeing.beside(stated))
 
     def around(self, named: str | None) -> Surroundings | None:
-        """What stands around the robot that runs a program, None where that is not known.
+        """Return the surroundings of the robot that runs a program, None if unknown.
 
-        named: the robot that the program names, if it names one.
+        named: the robot that the program names, if any.
         """
         if self.scene is None:
             return None

@@ -1,8 +1,8 @@
-"""Declarations for what a program uses and does not declare: from a cell file, or stand-ins.
+"""Declarations for names that a program uses and does not declare: from a cell file, or stand-ins.
 
-Each missing name becomes a declaration in a file of its own, beside those that were read: with the
-cell file's value, or with a stand-in. So everything that reads the program, the motion proof
-included, finds it where the program itself would have it.
+Each missing name becomes a declaration in a separate file, next to those read: with the cell file's
+value, or with a stand-in. So everything that reads the program, the motion proof included, finds it
+at the same place as a declaration of the program.
 """
 
 from __future__ import annotations
@@ -79,9 +79,9 @@ UNPROVEN: Final = warning(
     "write them in the cell file, then prove it",
 )
 GROUP_BITS: Final = {"input": 15, "output": 16}
-"""Of a group of signals whose width nobody states; an input of 16 may be read as negative."""
+"""Bits of a group of signals without a stated width; an input of 16 may be read as negative."""
 GROUP_WIDTHS: Final = (8, 16, 32)
-"""Of groups that controllers read at once: the rest of one stays free."""
+"""Widths of groups that controllers read at once: the rest of one stays free."""
 FIRST_ANALOG: Final = 6000
 """Number of the first analog signal: the first register that CR controllers have for such."""
 
@@ -195,7 +195,7 @@ def _has_percent_joints(program: Program) -> bool:
 
 
 _STATED_TABLES: Final = ("frames", "tools", "speeds", "blends", "signals")
-"""What a process file may have said of a program."""
+"""Tables of a program that a process file may have stated."""
 
 
 def _with_stated_tables(program: Program, before: Program, lifted: Program) -> Program:
@@ -216,7 +216,7 @@ def _with_stated_tables(program: Program, before: Program, lifted: Program) -> P
 
 
 def _lowered_for_export(program: Program, language: Language[Any]) -> Program:
-    """The program as a language of another family is told it, which may ask for more signals."""
+    """Lower the program for a language of another family, which may ask for more signals."""
     others = map(language_of, languages.names())
     other = next(one for one in others if one.family != language.family)
     return language.exported(program, other, None).program
@@ -257,9 +257,10 @@ def cell_text(cell: Cell, wanting: Iterable[Wanted]) -> str:
 
 
 def marked_as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
-    """A program that lacks values, with a head that says so, and a stop before anything else.
+    """Return a program that lacks values, with a heading that lists them and a stop before all
+    else.
 
-    An output or a frame that only stands for another one is none to begin to move with.
+    A stand-in for an output or a frame must not start a motion.
     """
     if not wanting:
         return program
@@ -315,7 +316,7 @@ def _with_extents(one: Wanted, value: SuppliedValue | None) -> Wanted:
 
 
 def _is_like(value: Any, other: Any) -> bool:
-    """Whether two values of data have the same form; of an array with any number of elements."""
+    """True if two values of data have the same form; arrays may have any number of elements."""
     if isinstance(value, tuple) and isinstance(other, tuple):
         alike = len({type(part) for part in other}) == 1 and len(other) > 0
         if len(value) != len(other) and not alike:

@@ -48,7 +48,7 @@ PROGRAM_KEYS: Final = (
     *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
     *("seen", "findings"),
 )
-"""What a process file says that a program takes from it."""
+"""Keys of a process file that a program takes from it."""
 KEY_WORDS: Final = {"defaults": "motion"}
 """Keys of a process file that have other names here."""
 
@@ -203,7 +203,7 @@ CALLED_BY_CONTROLLER: Final = warning(
     "have the other controller call it then, or call it where the program begins",
 )
 STATED_TEXT_NAME: Final = "cell values"
-"""Of the text of declarations that is made of what a cell states."""
+"""Name of the text of declarations made from a cell's values."""
 WHOLE_TEXT: Final = "the text"
 MOST_NAMED: Final = 5
 CONFIGURATION_ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
@@ -212,7 +212,9 @@ CONFIGURATION_ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
 def controller_configuration(
     language: Language[Any], file: str | FilePath
 ) -> tuple[ControllerConfiguration, tuple[Diagnostic, ...]]:
-    """What the files beside one of a program state; a file that cannot be read is a finding."""
+    """Return the configuration stated by the files beside a program; an unreadable file is a
+    finding.
+    """
     if language.surroundings is None:
         return ControllerConfiguration(), ()
     unread = list[Diagnostic]()
@@ -292,7 +294,7 @@ def with_controller_configuration(
 def _values_held(
     program: Program, language: Language[Any], given: ControllerConfiguration
 ) -> Supplied:
-    """What nobody declares and the controller holds a value of."""
+    """Return the undeclared names that the controller holds a value of."""
     if program.origin is None or not given.values:
         return ()
     wanted = language.wanted_of(program.origin.trees, given.values)

@@ -59,15 +59,15 @@ LEFT_OUT: Final = info(
 )
 PSEUDO_MARK: Final = "#"
 FOLDER_SUFFIXES: Final = (pseudo.SUFFIX, ".dxf")
-"""What is looked for in a folder beside programs; any folder may hold tables of other things."""
+"""Files searched for in a folder beside programs; any folder may hold tables of other things."""
 
 
 @dataclass(frozen=True, slots=True)
 class CheckedText:
     """A text that was checked.
 
-    mark: begins a comment in it. complete: all that can be found was looked for, which is not
-    so where something could not be read.
+    mark: begins a comment in it. complete: the search for findings was complete, which is false if
+    something could not be read.
     """
 
     source: SourceText
@@ -79,7 +79,8 @@ class CheckedText:
 class CheckedProgram:
     """A program that was checked.
 
-    files: that it stands in. arm: that runs it, with scene and solution, as far as they are known.
+    files: the files of the program. arm: that runs it, with scene and solution, as far as they are
+    known.
     """
 
     files: Sequence[str]
@@ -92,12 +93,12 @@ class CheckedProgram:
 
 @dataclass(slots=True)
 class Checked:
-    """What was found.
+    """Results of a check.
 
-    findings: in the order of the sources, those of rows and targets one by one. files: how many
-    were looked at. texts: of programs, by path. unreadable: something could not be read at all.
-    paths: of the files, in their order. looked: the programs as they were looked at, None where
-    nobody wants them.
+    findings: in the order of the sources, those of rows and targets one by one. files: number of
+    files checked. texts: of programs, by path. unreadable: something could not be read at all.
+    paths: of the files, in their order. looked: the programs as checked, None if they are not
+    requested.
     """
 
     findings: list[Diagnostic] = field(default_factory=list)
@@ -119,15 +120,15 @@ def check_files(
     cell: str | FilePath | InCell | None = None,
     keep: bool = False,
 ) -> Checked:
-    """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
+    """Check files and the contents of folders: robot programs, pseudo-programs and drawings.
 
-    Modules that a controller loads together, as those of a folder in RAPID, are one program.
-    robot: reach, limits and configurations are checked for it. process: process file, see `load`.
-    language: of robot programs, where neither suffix nor text tell.
-    unit: of length, that drawings are in. placement: where they stand. cell: file of the cell that
-    they run in, so that contacts with its bodies are looked for; or what was read of it, whose
-    findings the caller tells. keep: the programs are in `looked` then.
-    Raises Refused if there is no such robot or language, or for a cell file that is wrong.
+    Modules that a controller loads together, as those of a folder in RAPID, are one program. robot:
+    reach, limits and configurations are checked for it. process: process file, see `load`.
+    language: of robot programs, if neither suffix nor text identifies it. unit: length unit of
+    drawings. placement: of the drawings. cell: file of the cell that they run in, so that contacts
+    with its bodies are checked; or the cell read from it, whose findings the caller reports. keep:
+    store the programs in `looked`. Raises Refused for an unknown robot or language, or for an
+    invalid cell file.
     """
     named = None if language is None else language_of(language)
     stands = _opened_cell(cell, robot)
@@ -176,7 +177,7 @@ def check_text(
     beside: FilePath | None = None,
     keep: bool = False,
 ) -> Checked:
-    """The same for a text that is no file: a robot language's if named, else pseudo text.
+    """Check a text that is not a file: in a robot language if named, else pseudo text.
 
     others: of the same program. beside: folder of files that they call.
     """
@@ -217,7 +218,7 @@ def _folder_of(files: Sequence[str]) -> str:
 
 @dataclass(slots=True)
 class _collecting:  # noqa: N801 (used as a `with` word)
-    """What is refused inside, or fails, becomes findings; other programs are looked at as well."""
+    """Turn refusals and failures inside into findings; other programs are checked as well."""
 
     checked: Checked
     path: str | None = None

@@ -51,9 +51,9 @@ NAME_OF_MAIN = error(
 )
 
 MAIN_PROCEDURE: Final = "main"
-"""What runs all of them, and where a controller begins."""
+"""Procedure that runs all of them, and where a controller begins."""
 SHARED_TABLES: Final = ("tools", "frames", "signals")
-"""What all drawings of a cell have in common."""
+"""Tables that all drawings of a cell share."""
 SEPARATE_TABLES: Final = tuple(table for table in NAMED_TABLES if table not in SHARED_TABLES)
 
 
@@ -85,7 +85,7 @@ def combine_sources(
 
 
 def _with_own_names(source: FilePath, program: Program) -> Program:
-    """A program under names of its own, so that it can stand beside the others."""
+    """Return a program with unique names, so that it can be combined with the others."""
     stands = program.interface or STANDALONE
     called = stands.called or identifier(source.stem)
     common = (*program.tools, *program.frames)
@@ -146,7 +146,9 @@ def _combined_interface(programs: Iterable[Program]) -> Interface | None:
 
 
 def _common_entries(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
-    """What all say of the same names, each of which is said only once."""
+    """Return the entries that programs share; all must state the same for a name, which is listed
+    once.
+    """
     found: dict[str, tuple[str, str, Any]] = {}
     for source, program in parts:
         stands = program.interface or STANDALONE
@@ -165,7 +167,7 @@ def _spelling_of(there: Mapping[str, int | None], name: str) -> tuple[bool, int 
 
 
 def _separate_entries(parts: Sequence[tuple[str, Program]], table: str) -> dict[str, Any]:
-    """What each has for itself; two of them must not have the same name."""
+    """Return the separate entries of each program; two of them must not have the same name."""
     found: dict[str, tuple[str, str, Any]] = {}
     for source, program in parts:
         given = getattr(program, table)

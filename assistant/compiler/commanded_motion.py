@@ -59,13 +59,13 @@ TURNING_AXES: Final = ("A", "B", "C")
 """Turns about X, Y and Z of the frame."""
 JOINT_AXES: Final = tuple(f"J{i}" for i in range(1, 9))
 MOST_JOG_STEP: Final = 1.0
-"""Degrees or mm between two poses of a straight way that are looked at."""
+"""Most degrees or mm between two checked poses of a straight path."""
 
 
 def check_jog(jog: Jog, position: Position, robot: Robot | None) -> tuple[Diagnostic, ...]:
-    """What is to be said before a motion by hand; raises Refused if it must not be made.
+    """Return the findings before a jog; raise Refused if it must not be made.
 
-    The base of the robot is taken for the controller's, and the tool for what lies between the
+    The robot's base is assumed to be the controller's, and the tool to be the offset between the
     flange and the pose that the controller shows.
     """
     turns = TURNING_AXES[:2] if robot is not None and robot.five_axis else TURNING_AXES
@@ -85,7 +85,9 @@ def check_jog(jog: Jog, position: Position, robot: Robot | None) -> tuple[Diagno
 
 
 def check_position(position: Position, robot: Robot | None) -> tuple[Diagnostic, ...]:
-    """Whether the arm is where the robot of the project can be; raises Refused if it is not."""
+    """Check that the arm's position is possible for the project's robot; raise Refused
+    otherwise.
+    """
     if robot is None:
         return (JOG_NOT_CHECKED(),)
     joints = own_joints(position, robot)
@@ -179,12 +181,13 @@ MOTION_UNKNOWN: Final = error(
 def trajectory_of_source(
     source: str, robot: Robot, position: Position | None, period: float, speed: float
 ) -> TimedMotion:
-    """The motion of a trajectory, or of a program that only moves, from where the arm is now.
+    """Return the motion of a trajectory, or of a program that only moves, from the present
+    position.
 
-    It begins with the way to the first target, as the source says to go there (a joint move, if
-    it says nothing). position: None where nobody tells, to begin at the first target. period:
-    seconds between moments, at most. speed: percent of what the source says.
-    Raises Refused for what cannot be reached, and for what is more than motion.
+    It begins with the move to the first target, as the source states it (a joint move by default).
+    position: None if unknown, to begin at the first target. period: seconds between moments, at
+    most. speed: percent of the source's speed. Raises Refused for targets out of reach, and for
+    statements other than motion.
     """
     loaded = load(source, robot=robot)
     return trajectory_of_program(

@@ -199,7 +199,7 @@ class StatementRow:
 
 
 PrintedStatement = tuple[str, Any]
-"""A statement without names of its own, and its span."""
+"""A statement with its local names replaced, and its span."""
 
 
 def statement_rows(pair: ProgramPair, first: Places, second: Places) -> Iterator[StatementRow]:
@@ -236,7 +236,7 @@ def _statement_place(told: PrintedStatement | None, places: Places) -> Place | N
 
 
 def _are_alike(one: str, other: str) -> bool:
-    """Whether two statements have the same words, and numbers that are close."""
+    """True if two statements have the same words, and numbers that are close."""
     if NUMBER_TEXT.sub("#", one) != NUMBER_TEXT.sub("#", other):
         return False
     numbers = zip(NUMBER_TEXT.findall(one), NUMBER_TEXT.findall(other), strict=True)
@@ -351,7 +351,7 @@ class _NamelessPrinter:
 
 
 NO_SPEED: Final = e.Name("speed")
-"""Of joint moves, which are percentages of an arm's own."""
+"""Speed of joint moves, which are percentages of the arm's speed."""
 
 
 def _pose_name(word: str, pose: Pose) -> str:

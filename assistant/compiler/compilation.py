@@ -212,7 +212,7 @@ def _meets_bound(first: float | None, last: float | None, step: float) -> bool:
 
 
 def _operations_used(program: Program) -> Iterator[tuple[str, Any]]:
-    """What matters in each statement, with its span."""
+    """Yield the operations of each statement that depend on the controller, with its span."""
     numbers: NumberFacts | None = None
     for procedure in program.procedures:
         for statement, parts in statements_with(procedure, e.Binary, e.Apply):
@@ -232,7 +232,9 @@ def _depends_on_controller(part: Any) -> bool:
 
 
 def _arithmetic_key(part: Any, procedure: Procedure, numbers: NumberFacts) -> str | None:
-    """What of ARITHMETIC a division or rounding depends on, None if its operands rule it out."""
+    """Return the part of ARITHMETIC that a division or rounding depends on, None if its operands
+    rule it out.
+    """
     match part:
         case e.Apply("round", (value,)):
             return None if numbers.of(value, procedure).whole else "halves"
@@ -272,13 +274,13 @@ LEAST_TARGETS: Final = 10
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """The outcome of a compilation.
+    """Outcome of a compilation.
 
-    files: bytes by file name, empty if anything forbids writing them. program: the
-    pseudo-program as the language says it. source: the one that it was made of. found: every
-    finding, the worst of them may be errors; those of the source have its spans alone.
-    wanting: errors that follow from these, see `Adapted`. motion: the proof by motion, None where
-    it was not asked for. path: file of the source, None if it is none.
+    files: bytes by file name, empty if any error forbids writing them. program: the pseudo-program
+    as the language expresses it. source: the program that it was compiled from. found: every
+    finding, which may include errors; those of the source have its spans alone. wanting: errors
+    that follow from these, see `Adapted`. motion: the motion proof, None if not requested. path:
+    file of the source, None if it has none.
     """
 
     program: Program
@@ -298,7 +300,7 @@ class Compiled:
         return fold(map(self.places.finding, self.found))
 
     def proof_lines(self) -> Iterator[str]:
-        """What was proven, a line each."""
+        """Yield the results of the proofs, one line each."""
         yield f"text read back: {self.proof.line()}"
         if self.motion is not None:
             yield f"motion compared: {self.motion.line()}"
@@ -348,24 +350,23 @@ def compile(
     seeing: Seeing = NOTHING_SEEN,
     style: Style | None = None,
 ) -> Compiled:
-    """The source as a program of the language, read back and compared before it is given out.
+    """Compile the source to a program of the language; read it back and compare it before
+    returning.
 
-    robot: whose arm runs it; chooses configurations and checks reach and limits. Without one
-    the program's own, or the only one of its cell. cell: file of the cell that it stands in:
-    nothing is written that touches anything there; or what was read of it, whose findings the
-    caller tells. process: process file of a drawing or table. unit: of length, that a
-    drawing is in, whatever it says itself. placement: where a drawing stands. from_robot: the
-    arm that a vendor program was written for. most_targets: of one unit, for controllers that take
-    less.
-    frames: how a language without work objects says them, see `Language.with_frames`.
-    grammar: `full` has the proof parse programs of more than 20,000 lines completely with lark.
-    entry: the procedure that the program begins with, where it is not the one that its source
-    says. called: the name that others call the program by; main: False for none that runs all of
-    it; instead of what the process file says of them. proving: how a proof by motion is sought,
-    None for none; nothing is given out that lacks one that was asked for. seeing: where frames that
-    are seen are taken from, if `cell` does not say it. style: of the written files, None for the
-    style of the project that contains the source. Raises Unreadable or Refused for input that
-    cannot be used at all.
+    robot: whose arm runs it; chooses configurations and checks reach and limits. Default the
+    program's robot, or the only one of its cell. cell: file of the cell: a program that touches
+    anything there is not written; or the cell read from it, whose findings the caller reports.
+    process: process file of a drawing or table. unit: length unit of a drawing, overriding its own.
+    placement: of a drawing. from_robot: the arm that a vendor program was written for.
+    most_targets: of one unit, for controllers that take less. frames: how a language without work
+    objects expresses them, see `Language.with_frames`. grammar: `full` has the proof parse programs
+    of more than 20,000 lines completely with lark. entry: the procedure that the program begins
+    with, if not the one that its source states. called: the name that others call the program by;
+    main: False for no procedure that runs all of it; both override the process file. proving:
+    settings of a motion proof, None for none; without a requested proof no files are returned.
+    seeing: source of frames located by cameras, if `cell` does not state it. style: of the written
+    files, None for the style of the project that contains the source. Raises Unreadable or Refused
+    for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames).with_sampling(grammar)
     if most_targets is not None and most_targets < LEAST_TARGETS:
@@ -406,7 +407,7 @@ def compile(
 
 
 def lowered_for_language(program: Program, target: Language[Any]) -> Program:
-    """A program with the data that another language than its own is told of it."""
+    """Lower a program's data for another language than its own."""
     origin = program.origin
     return program if origin is None else language_of(origin.language).told(program, target)
 
@@ -414,7 +415,7 @@ def lowered_for_language(program: Program, target: Language[Any]) -> Program:
 def proven_by_motion(
     compiled: Compiled, arms: Arms, proving: Proving | None, entry: str | None
 ) -> Compiled:
-    """A program with its proof by motion, if one is asked for; without files if that fails."""
+    """Return a program with its motion proof, if one is requested; without files if that fails."""
     if proving is None or not compiled.ok:
         return compiled
     pair = written_pair(compiled.source, compiled.program, compiled.language, compiled.files)
@@ -591,10 +592,10 @@ def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
 
 
 def _explained_proof(proof: Proof, program: Program) -> Iterator[Diagnostic]:
-    """What is not read back as it was written, with the text that is kept there as the cause.
+    """Yield the differences of the read-back proof, with a vendor statement as the cause.
 
-    Settings that are read back as texts of their own were written for moves, but hold for kept
-    ones as well.
+    Settings that are read back as separate texts were written for moves, but also apply to vendor
+    statements.
     """
     kept = {
         node.span: part.text
@@ -626,7 +627,7 @@ def _explained_proof(proof: Proof, program: Program) -> Iterator[Diagnostic]:
 def _first_vendor_statement(
     program: Program, *, moving: bool = False
 ) -> tuple[Span | None, str] | None:
-    """Return the first statement that keeps its text, with its place.
+    """Return the text and span of the first vendor statement.
 
     moving: only one that may move the robot.
     """

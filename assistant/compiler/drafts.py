@@ -49,7 +49,7 @@ NOT_TRANSLATED: Final = "not translated"
 QUOTE_PREFIX: Final = "| "
 """Before each line of source text in a comment: it can be mistaken for nothing else there."""
 MOST_ROUNDS: Final = 8
-"""What is left out may be missed elsewhere (a label, a variable), but not for ever."""
+"""Most rounds: a part left out may be missed elsewhere (a label, a variable), but not for ever."""
 POSITION_TYPES: Final = ("position", "pose", "joints")
 """Types of variables that say where something is."""
 DeclaredNames: TypeAlias = Collection[tuple[str, str]]
@@ -63,9 +63,10 @@ def draft_program(
     most_targets: int | None = None,
     style: Style = PLAIN_STYLE,
 ) -> tuple[Compiled, tuple[Diagnostic, ...]]:
-    """The program without what it cannot say there, and what only then is found of the source.
+    """Return the program without the parts that the target cannot express, and the findings on the
+    source that appear only then.
 
-    Nothing comes of it if the result is not `ok`.
+    The result counts only if it is `ok`.
     """
     places, program = compiled.places, lowered_for_language(compiled.source, target)
     program = replace(program, comments=(*DRAFT_HEADING, *program.comments))
@@ -122,7 +123,7 @@ def _declared_names(program: Program) -> set[str]:
 
 
 def _is_about_missing(finding: Diagnostic, missing: Collection[str]) -> Diagnostic:
-    """What is found of a name that a draft lacks is for want of its declaration."""
+    """Attribute a finding about a name that a draft lacks to its missing declaration."""
     name = finding.missing
     if name is None or name.lower() not in missing:
         return finding
@@ -252,7 +253,7 @@ def _vendor_text(record: Any) -> bool:
 
 
 def _serves_vendor_text(record: Any) -> bool:
-    """Whether it is there for other vendor text only, as a setting of moves that stay text."""
+    """True if it only serves other vendor text, as a setting of moves that stay vendor text."""
     return isinstance(record, p.Opaque) and record.reason is not None and record.reason.serves
 
 

@@ -45,10 +45,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ExplorationRequest:
-    """What is explored. cell: file of the cell; robot: its name there, None for the only one.
+    """Request for an exploration. cell: file of the cell; robot: its name there, None for the only
+    one.
 
-    chart: file of the chart, gone on with if it is there. size: mm of a cell, None for that of the
-    chart or the usual one. thinner: mm that the bodies of the robot are rounder than it, at most.
+    chart: file of the chart, continued if it exists. size: mm of a cell, None for that of the chart
+    or the usual one. thinner: mm that the bodies of the robot are rounder than it, at most.
     """
 
     cell: FilePath
@@ -60,9 +61,9 @@ class ExplorationRequest:
 
 @dataclass(frozen=True, slots=True)
 class ExplorationResult:
-    """What came of it. runs: rows of (runs so far, cells new in them, litres free).
+    """Result of an exploration. runs: rows of (runs so far, cells new in them, litres free).
 
-    contacts: that were met, and how many of these told no place.
+    contacts: number of contacts, and how many of these gave no place.
     """
 
     occupancy: Occupancy
@@ -74,7 +75,7 @@ class ExplorationResult:
 
 @dataclass(frozen=True, slots=True)
 class ExplorationStart:
-    """Who explores, with what he knows; findings of the cell file and of bodies that are no use."""
+    """Explorer with its present knowledge; findings of the cell file and of unusable bodies."""
 
     asked: ExplorationRequest
     explorer: Explorer
@@ -82,8 +83,10 @@ class ExplorationStart:
 
 
 def start_exploration(asked: ExplorationRequest) -> ExplorationStart:
-    """Raises Unreadable or Refused for files that are none, a robot that the cell has not, a chart
-    of another robot or of other cells.
+    """Start an exploration.
+
+    Raises Unreadable or Refused for invalid files, a robot that the cell lacks, a chart of another
+    robot or of other cells.
     """
     from assistant.cell.cell_file import read_scene
     from assistant.cell.exploration.explorer import CELL_SIZE, Explorer
@@ -104,9 +107,10 @@ def start_exploration(asked: ExplorationRequest) -> ExplorationStart:
 
 
 def hidden_scene(begun: ExplorationStart, hidden: FilePath | None) -> Scene:
-    """The scene that tells of contacts: of another cell file, else what is known of the cell.
+    """Return the scene that provides contacts: of another cell file, else what is known of the
+    cell.
 
-    Raises Refused where the robot is another one there, or stands elsewhere.
+    Raises Refused if the robot there is another one, or has another base.
     """
     from assistant.cell.cell_file import read_scene
     from assistant.cell.exploration.filled_cells import robot_named
@@ -160,9 +164,9 @@ def contact_test(cell: FilePath, robot: str) -> Callable[[Floats], bool]:
 def explore_by_random_moves(
     begun: ExplorationStart, hidden: FilePath | None, moves: int, seed: int | None
 ) -> ExplorationResult:
-    """Random moves, each up to the first contact that the hidden scene tells of.
+    """Explore by random moves, each up to the first contact in the hidden scene.
 
-    seed: None for another one with each run that the chart knows of.
+    seed: None for a different one with each run recorded in the chart.
     """
     from assistant.cell.exploration.explorer import in_scene, wander
 
@@ -182,14 +186,16 @@ def explore_by_random_moves(
 
 
 def _reporting_steps(moves: int) -> Iterator[int]:
-    """After how many moves it is told what is known: an eighth, a quarter, the half, all."""
+    """Yield the numbers of moves after which progress is reported: an eighth, a quarter, the half,
+    all.
+    """
     yield from sorted({max(moves * part // 8, 1) for part in (1, 2, 4, 8)})
 
 
 def explore_by_recordings(
     begun: ExplorationStart, recordings: Sequence[FilePath], contact: str | None
 ) -> ExplorationResult:
-    """What recordings of joints tell; contact: the input among them that is not 0 in contact."""
+    """Explore by recordings of joints; contact: the input among them that is not 0 in contact."""
     from assistant.cell.exploration.recordings import read_recording
 
     explorer, found = begun.explorer, list(begun.findings)
@@ -238,7 +244,7 @@ def check_single_course(program: Program, simulation: Simulation) -> None:
 
 
 def _course_doubts(program: Program) -> Iterator[object]:
-    """What makes a program go one way now and another way then, or where its scene says."""
+    """Yield the records that make the course of a program, or its targets, vary between runs."""
     yield from records_in_procedures(program, If, Switch, While, Goto, Interrupt, Travel)
     for loop in records_in_procedures(program, For):
         step = () if loop.step is None else (loop.step,)
@@ -270,9 +276,9 @@ def explore_by_program(
     until: float | None,
     hidden: FilePath | None,
 ) -> ExplorationResult:
-    """What a program that ran tells, to its end, up to a time, or as a hidden scene lets it.
+    """Explore by a program that ran: to its end, up to a time, or as a hidden scene lets it.
 
-    program: as it was read. Raises Refused if it is for another robot, or may have gone otherwise.
+    program: as it was read. Raises Refused if it is for another robot, or may have run differently.
     """
     from assistant.cell.findings import NO_EXPLORING_ROBOT
 

@@ -36,9 +36,9 @@ StepNumbering = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Formatted:
-    """What was read, and its text in the layout of its language.
+    """A source, and its text in the layout of its language.
 
-    text: that of the source if it cannot be laid out; an error among the findings says why.
+    text: that of the source if it cannot be laid out; an error among the findings gives the reason.
     """
 
     source: SourceText
@@ -93,7 +93,9 @@ def format_text(
 def _is_same_tree(
     language: Language[Any], tree: Any, again: Any, numbering: StepNumbering | None
 ) -> bool:
-    """Whether two trees that were read say the same. numbering: that the second is to have."""
+    """True if two parsed trees are equivalent. numbering: the step numbering expected of the
+    second.
+    """
     if numbering is None:
         return language.same(tree, again)
     plain, kept = language.renumber(again, 1, 1), language.renumber(again, *numbering)
@@ -125,7 +127,7 @@ def read_program(
 def format_bytes(
     data: bytes, name: str, language: str | None = None, numbering: StepNumbering | None = None
 ) -> Formatted:
-    """The same for bytes that are no file."""
+    """Format bytes that are not a file."""
     named = [language_of(language)] if language else map(languages.get, languages.names())
     spoken = next((one for one in named if language or one.recognises(data)), None)
     if spoken is None:

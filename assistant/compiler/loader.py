@@ -50,12 +50,12 @@ LISTED_FILE_MISSING: Final = warning(
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A pseudo-program, what it was written in (None: no robot language), and the findings.
+    """A pseudo-program, the language it was written in (None: no robot language), and the findings.
 
-    joint_speed, joint_percent, seen: see `Process`. wanting: what the program uses and neither it
-    nor a cell file says; something that only stands for it is there. arm: that joint angles were
-    taught on, by its name, or SAME_ARM; None if a cell file does not say it. signals: that files of
-    its controller state. text: of a pseudo-program.
+    joint_speed, joint_percent, seen: see `Process`. wanting: names that the program uses and
+    neither it nor a cell file states; each has a stand-in. arm: name of the arm that joint angles
+    were taught on, or SAME_ARM; None if a cell file does not state it. signals: stated by files of
+    its controller. text: of a pseudo-program.
     """
 
     program: Program
@@ -114,7 +114,7 @@ def load(
 
 
 def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -> Loaded:
-    """A program with what files of its controller state, which stand beside one of its own."""
+    """Return a program with the values that files of its controller beside it state."""
     from assistant.compiler.cell_equipment import (
         controller_configuration,
         with_controller_configuration,
@@ -138,7 +138,7 @@ def load_text(
     robot: Robot | None = None,
     language: str | None = None,
 ) -> Loaded:
-    """The same for a text that is no file: a robot language's if named, else pseudo text."""
+    """Load a text that is not a file: in a robot language if named, else pseudo text."""
     if language is None:
         loaded = Loaded(parse_pseudo(text), text=text)
     else:
@@ -170,10 +170,10 @@ def read_pseudo(path: str | FilePath) -> SourceText:
 
 
 def parse_pseudo(text: SourceText, side_tables: FilePath | None = None) -> Program:
-    """The program of pseudo text, with what its vendor text does; raises Refused.
+    """Parse pseudo text into a program with the effects of its vendor text; raise Refused.
 
-    The reader of pseudo text knows no vendor's language. side_tables: folder of tables that are
-    files of their own.
+    The reader of pseudo text supports no vendor language. side_tables: folder of tables in separate
+    files.
     """
     return with_effects(pseudo.parse(text, side_tables=side_tables), languages.effect)
 
@@ -192,12 +192,12 @@ def files_in(folder: str, suffixes: Collection[str]) -> Iterator[str]:
 
 
 def _is_pipe(path: str) -> bool:
-    """Whether reading would wait for another program: a pipe or a device, no file."""
+    """True if reading would wait for another program: a pipe or a device, not a file."""
     return FilePath(path).exists() and not FilePath(path).is_file()
 
 
 def language_of(name: str) -> Language[Any]:
-    """A language by name; raises Refused if there is none."""
+    """Return a language by name; raise Refused for an unknown one."""
     try:
         return languages.get(name)
     except KeyError:
@@ -219,9 +219,9 @@ def lift_texts(
 
 
 def lift_trees(language: Language[Any], trees: Sequence[Any], robot: Robot | None = None) -> Loaded:
-    """The pseudo-program of the trees of one program; raises Refused if one of them is broken.
+    """Lift the trees of one program to a pseudo-program; raise Refused if one of them is invalid.
 
-    What is broken so that nobody can doubt its meaning is read as it is meant, with warnings.
+    Errors with only one possible meaning are corrected, with warnings.
     """
     trees = [(has_errors(tree.findings) and language.mended(tree)) or tree for tree in trees]
     findings = [finding for tree in trees for finding in tree.findings]
@@ -266,10 +266,10 @@ def _file_name_of(name: str) -> str:
 
 
 def whole_programs(files: Sequence[str], language: str | None = None) -> list[str]:
-    """Those of the files that no other one in their folder calls or lists.
+    """Return the files that no other file in their folder calls or lists.
 
-    What others call is read with them. Of files that call each other the first one stays. A file
-    that cannot be read stays as well, to be refused by itself.
+    Called files are read with their callers. Of files that call each other the first one stays. An
+    unreadable file stays as well, to be refused separately.
     """
     calls: dict[str, list[str]] = {}
     folders: dict[FilePath, dict[str, str]] = {}
@@ -347,9 +347,10 @@ def _named_trees(
 
 
 def _files_by_name(folder: FilePath) -> dict[str, FilePath] | Refused:
-    """The files in a folder, by their names in lower case, or why it may not be read.
+    """Return the files in a folder, by their names in lower case, or the reason why it may not be
+    read.
 
-    It is looked at even if nothing in it is named: a build is made anew when its files change.
+    The folder is read even if nothing in it is named: a build is renewed when its files change.
     """
     try:
         _, _, names = next(folders_of(folder))

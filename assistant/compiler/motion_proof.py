@@ -60,7 +60,7 @@ class ProgramPair:
 
     @property
     def signals(self) -> dict[str, Signal]:
-        """Of both programs by their names, with numbers where either has them."""
+        """Return the signals of both programs by their names, with numbers if either has them."""
         found: dict[str, tuple[str, Signal]] = {}
         for program in (self.first, self.second):
             for name, signal in program.signals.items():
@@ -81,14 +81,14 @@ class ProgramPair:
         return dict(found.values())
 
     def others_name(self, name: str) -> str:
-        """What the second program calls what has a name in the first one."""
+        """Return the second program's name for a name of the first one."""
         return self.names.get(name.lower(), name)
 
 
 def written_pair(
     source: Program, program: Program, language: str, files: Mapping[str, bytes]
 ) -> ProgramPair:
-    """A source, and the program that was made of it as its files say it."""
+    """Return a source with the program compiled from it, as parsed from its files."""
     spoken = language_of(language)
     trees = [spoken.parse(spoken.decode(data, name)) for name, data in files.items()]
     return ProgramPair(source, program, language, trees)
@@ -189,9 +189,9 @@ def _joined_text(files: Sequence[Any]) -> str:
 
 
 def stand_in_sides(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]]:
-    """Both programs on arms that nobody has named: where only an arm tells what they read of it.
+    """Yield both programs on stand-in arms, if their positions depend on an arm and none is named.
 
-    A small, a middling and a large one of the catalogue, as a program may be for any of them.
+    A small, a medium and a large one of the catalogue, as a program may be for any of them.
     """
     from assistant import robots
     from assistant.virtual.program_run import home
@@ -239,7 +239,7 @@ def trees_in_cell(program: Program) -> tuple[list[Any], list[str]]:
 
 
 def wire_names(pair: ProgramPair) -> dict[str, str]:
-    """What people call the wires of inputs, where that is one each: as the first program does."""
+    """Return the names of inputs with a single wire, as the first program names them."""
     found: dict[str, str] = {}
     for name, signal in pair.signals.items():
         if signal.direction == "input" and signal.number is not None and signal.bits == 1:
@@ -249,7 +249,7 @@ def wire_names(pair: ProgramPair) -> dict[str, str]:
 
 
 def _wiring(signals: Mapping[str, Signal], family: str) -> Wiring:
-    """What a program of a family calls the inputs: by their numbers where it counts them."""
+    """Return a family's names of the inputs: their numbers if it counts them."""
     from assistant.virtual.proving.compared_programs import counts_signals
     from assistant.virtual.proving.driver import Wiring
 
@@ -268,7 +268,7 @@ def _wiring(signals: Mapping[str, Signal], family: str) -> Wiring:
 
 
 def _bit_numbers(signal: Signal) -> range:
-    """Of its bits; none of an analog one."""
+    """Return the numbers of the signal's bits; an analog signal has none."""
     first = signal.number
     if first is None or signal.kind == "analog":
         return range(0)
@@ -276,7 +276,7 @@ def _bit_numbers(signal: Signal) -> range:
 
 
 def _analog_register(signal: Signal) -> str | None:
-    """What programs that count signals have for an analog one."""
+    """Return the register of an analog signal in programs that count signals."""
     from assistant.virtual.melfa.world import register
 
     return None if signal.number is None else register(signal.number)
@@ -305,7 +305,7 @@ def output_numbers(pair: ProgramPair, families: Sequence[str]) -> Bits:
 
 
 def _other_names(signals: Mapping[str, Signal], family: str) -> dict[str, str]:
-    """What a program calls outputs of one bit, by their names or else by their numbers."""
+    """Return a program's outputs of one bit, by their names or else by their numbers."""
     from assistant.virtual.proving.compared_programs import counts_signals
 
     found: dict[str, str] = {}
@@ -363,8 +363,8 @@ RUN_ON_STAND_IN = info(
 
 @dataclass(frozen=True, slots=True)
 class Proving:
-    """How a proof by motion is sought. script: file of what becomes of the signals, None for a
-    search. seed: of what it draws. runs, seconds: after which it is over.
+    """Settings of a motion proof. script: file of signal changes, None for a search. seed: of its
+    random choices. runs, seconds: limits of the search.
     """
 
     script: str | FilePath | None = None
@@ -375,7 +375,7 @@ class Proving:
 
 @dataclass(frozen=True, slots=True)
 class MotionProof:
-    """What was compared, and the findings; `found` is None where nothing could be run."""
+    """Result of the comparison, and its findings. found: None if nothing could be run."""
 
     found: Found | None
     findings: tuple[Diagnostic, ...] = ()
@@ -387,7 +387,7 @@ class MotionProof:
 
     @property
     def empty(self) -> bool:
-        """Whether no run did anything that could be compared."""
+        """True if no run did anything that could be compared."""
         found = self.found
         return found is None or not (found.visits or found.changes or found.waits or found.values)
 
@@ -399,7 +399,7 @@ class MotionProof:
         return f"{self.compared()}: {'nothing to compare' if self.empty else word}{self.left_out()}"
 
     def compared(self) -> str:
-        """What was run and compared."""
+        """Return a summary of the runs and comparisons."""
         found = self.found
         assert found is not None
         taken = [f"{t - len(n)} of {t} in {name}" for t, n, name in self._branches(found)]
@@ -414,7 +414,7 @@ class MotionProof:
         )
 
     def left_out(self) -> str:
-        """What both programs do that was not compared."""
+        """Return the actions of both programs that were not compared."""
         left = sorted(self.found.left) if self.found is not None else []
         return f"; not compared: {', '.join(left)}" if left else ""
 
@@ -450,10 +450,10 @@ def _count_text(count: int, word: str, several: str = "s") -> str:
 
 @dataclass(frozen=True, slots=True)
 class ComparisonTerms:
-    """How two programs are compared. differs, not_run: the rules that tell of it.
+    """Terms for comparing two programs. differs, not_run: the rules that report it.
 
-    differences: after which the search is over. typed: both were typed by people, so that the
-    decimals of either count, and two of them at most. warnings: codes of those of the translation.
+    differences: number that ends the search. typed: both were typed by people, so that the decimals
+    of either count, and two of them at most. warnings: codes of the translation's warnings.
     """
 
     differs: Rule = MOVES_OTHERWISE
@@ -537,8 +537,8 @@ def prove_motion(
 def _rounding_of(
     sides: Sequence[Side], languages: Sequence[Language[Any]], terms: ComparisonTerms
 ) -> Rounding:
-    """What the texts leave open of the places in them; only the second one, if it was made of the
-    first.
+    """Return the rounding of the positions in the texts; only of the second one, if it was made
+    from the first.
     """
     from assistant.virtual.proving.comparison import Rounding
 
@@ -642,7 +642,7 @@ def _only_waits(found: Found) -> bool:
 
 
 def _message(run: Run) -> str:
-    """What it says, without the place that the finding has."""
+    """Return the message of a run, without the position that the finding already has."""
     place = "" if run.place is None else f"{run.place[0]}:{run.place[1]}: ".lstrip(":")
     return run.message.removeprefix(place) or run.ended
 

@@ -1,4 +1,4 @@
-"""Programs in files and folders: which files are one program, and which are none, and why.
+"""Programs in files and folders: which files make up one program, and which do not, and why.
 
 A task is the set of files that a controller loads as one program; it is found by folders, lists of
 tasks, data and calls. `load` returns the pseudo-program of a path, be it a file or a folder that
@@ -79,11 +79,11 @@ class Task:
 
 
 def tasks_of(files: Sequence[str], language: str | None = None) -> tuple[Task, ...]:
-    """The programs that files are, in the order of their first files.
+    """Return the programs that files make up, in the order of their first files.
 
-    A file that is named twice, or beside one that loads it, is no program once more. A file that
-    cannot be read is a task by itself, to be refused when its turn comes.
-    language: of the files, if neither suffix nor text tell.
+    A file that is named twice, or beside one that loads it, is not another program. An unreadable
+    file becomes a separate task, to be refused in its turn. language: of the files, if neither
+    suffix nor text identifies it.
     """
     once: dict[FilePath, str] = {}
     for file in files:
@@ -131,12 +131,12 @@ CONTENTS_WITHOUT_CODE: Final = frozenset(("type", "shared data", "data"))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Unit:
-    """A file that is a part of programs. room: the folder that its task has.
+    """A file that is a part of programs. room: the folder of its task.
 
-    listed: the files that a list names, None for what is none. declares: for the whole task.
-    routines: those of its names that are no data of a task alone. mentions: names of others, in
-    lower case. inert: it has no routines.
-    broken: it cannot be read whole; only a list or its own `main` makes it a part of a program.
+    listed: the files that a list names, None if it is not a list. declares: for the complete task.
+    routines: those of its names that are not data local to a task. mentions: names of others, in
+    lower case. inert: it has no routines. broken: it cannot be parsed completely; only a list or
+    its own `main` makes it a part of a program.
     """
 
     path: str
@@ -194,7 +194,7 @@ class _Group:
         self.declared |= unit.declares
 
     def takes(self, unit: _Unit) -> bool:
-        """Whether a controller could load the file as well: no name of it is taken."""
+        """True if a controller could load the file as well: none of its names is declared yet."""
         if unit.broken or unit in self.units:
             return False
         return self.declared.isdisjoint(unit.declares)
@@ -235,7 +235,7 @@ class _Grouping:
             yield Task(group.name, files, self.language, begins, said, known.trees)
 
     def _shared(self, groups: Sequence[_Group]) -> dict[int, SharedData]:
-        """What tasks of one controller have in common, by the identity of the task."""
+        """Return the data that tasks of one controller share, by the identity of the task."""
         beside: dict[FilePath, list[_Group]] = {}
         for group in groups:
             rooms = {one.room for one in group.units if not self.loading.shared(one.room)}
@@ -380,7 +380,7 @@ class _Grouping:
 
 
 def _folder_distance(unit: _Unit, other: _Unit) -> int:
-    """How many folders lie between two files."""
+    """Return the number of folders between two files."""
     one, two = (FilePath(u.path).absolute().parent.parts for u in (unit, other))
     shared = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, two, strict=False)))
     return len(one) + len(two) - 2 * shared
@@ -393,13 +393,15 @@ def _group_of_unit(name: str, unit: _Unit) -> _Group:
 
 
 def _folder_text(unit: _Unit, room: FilePath) -> str:
-    """A folder that a file stands in, as the user wrote it."""
+    """Return a folder of a file, as the user wrote it."""
     path = FilePath(unit.path)
     return next((str(p) for p in path.parents if p.absolute() == room), str(room))
 
 
 def _likeness(unit: _Unit, group: _Group, mentions: frozenset[str]) -> tuple[int, float]:
-    """How well a file fits: names of it that are mentioned, and how like the first's its name."""
+    """Return how well a file fits: its names that are mentioned, and the similarity of the first
+    file name.
+    """
     first = SequenceMatcher(None, group.units[0].file, unit.file)
     return len(mentions & unit.declares), first.ratio()
 
@@ -436,13 +438,15 @@ Report = Callable[[Diagnostic], None]
 
 @dataclass(frozen=True, slots=True)
 class OutputFolder:
-    """Where programs of a language are written to: what a run before has left there."""
+    """Output folder of programs in a language, with the files of an earlier run."""
 
     folder: str
     language: str
 
     def holds(self, file: str, language: Language[Any], searched: str) -> bool:
-        """Whether a file of any version of it is in this folder, inside the searched one."""
+        """True if a file of any version of the language is in this folder, inside the searched
+        one.
+        """
         here, whole = FilePath(self.folder).resolve(), FilePath(searched).resolve()
         inside = whole in here.parents and here in FilePath(file).resolve().parents
         suffixes = languages.get(self.language).suffixes
@@ -455,11 +459,11 @@ def programs_in(
     told: Report | None = None,
     output: OutputFolder | None = None,
 ) -> Iterator[str]:
-    """The file itself, or the robot programs of a folder and the folders in it.
+    """Yield the file itself, or the robot programs of a folder and its subfolders.
 
-    Hidden folders are left aside, files that do not look like a program, and in a folder with
-    texts of programs copies of them; told: is given a finding for each reason. output: what is
-    no source as it was written there. Raises Refused if there is none.
+    Hidden folders are skipped, and so are files that do not look like a program, and copies of
+    texts in a folder that has them; told: receives a finding for each reason. output: its files are
+    not sources, as they were written there. Raises Refused if no program is found.
     """
     if not is_folder(path):
         yield path
@@ -527,10 +531,11 @@ def load(
     around: SurroundingsByRobot | None = None,
     placement: DrawingPlacement | None = None,
 ) -> Loaded:
-    """The pseudo-program of a file, see `loader.load`, or of a folder with one robot program.
+    """Return the pseudo-program of a file, see `loader.load`, or of a folder with one robot
+    program.
 
-    A folder may be a controller's backup or a project; of several programs with one that begins
-    by itself that is the one, the others being what nothing uses. Raises Unreadable or Refused.
+    A folder may be a controller's backup or a project; if only one of several programs can start
+    alone, it is used, as the others are unused. Raises Unreadable or Refused.
     """
     path_of(path)
     if not is_folder(path) or FilePath(path).suffix.lower() in sources.READERS:

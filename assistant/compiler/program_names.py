@@ -92,11 +92,11 @@ NAMED_TABLES: Final = (
     "speeds",
     "blends",
 )
-"""What a program declares by name, but for signals, which the controller has."""
+"""Tables of named declarations, except signals, which belong to the controller."""
 
 
 def stated_interface(given: Interface | None, called: str | None, main: bool | None) -> Interface:
-    """What is asked of the names of a program, of which a run may say other things."""
+    """Return the requested interface of a program; arguments override the stated one."""
     stated = given or STANDALONE
     if called is not None:
         stated = replace(stated, called=called)
@@ -104,9 +104,9 @@ def stated_interface(given: Interface | None, called: str | None, main: bool | N
 
 
 def without_names(loaded: Loaded, process: object) -> Loaded:
-    """A robot program that keeps its own names, whatever a process file says of them.
+    """Return a robot program that keeps its names, ignoring those of a process file.
 
-    What the controller has is named and not written all the same.
+    Names that the controller declares are still used and not written.
     """
     stands = loaded.program.interface
     if stands is None or replace(stands, there={}) == STANDALONE:
@@ -197,7 +197,7 @@ def with_entry_name(program: Program, name: str) -> Program:
 
 
 def _declared_kinds(program: Program) -> Iterator[tuple[str, str]]:
-    """What has a name that others see, with its kind."""
+    """Yield each name that others see, with its kind."""
     yield from (("procedure", one.name) for one in program.procedures)
     yield from (("signal", name) for name in program.signals)
     for table in NAMED_TABLES:
@@ -330,4 +330,4 @@ def _renamed(value: Any, names: _NewNames, prefix: str, hidden: frozenset[str]) 
 
 
 _WITH_SETTING_NAMES: Final = (Path, p.Motion)
-"""What has names of settings, which are no expressions."""
+"""Records with names of settings, which are not expressions."""

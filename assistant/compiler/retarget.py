@@ -135,9 +135,9 @@ def for_arm(
 def without_unused_joint_targets(
     program: Program, language: Language[Any], source: Robot | None, arm: Robot | None
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
-    """A program without the joint targets that `unsaid` refuses and that no statement uses.
+    """Return a program without the joint targets that `unsaid` refuses and no statement uses.
 
-    In another dialect of its own family, and in a mere list of targets, all of them stay.
+    In another dialect of the same family, and in a mere list of targets, all of them stay.
     """
     if _is_of_family(program, language) or not program.procedures:
         return program, ()
@@ -156,7 +156,7 @@ def without_unused_joint_targets(
 
 
 def has_joint_angles(program: Program) -> bool:
-    """Whether a program states joint angles, or works with them."""
+    """True if a program states joint angles, or computes with them."""
     return any(True for _ in _stated_joints(program)) or any(
         True for _ in _computed_joints(program)
     )
@@ -176,7 +176,7 @@ def _used_names(program: Program) -> set[str]:
 
 
 def _is_of_family(program: Program, language: Language[Any]) -> bool:
-    """Whether a program was written in a language of the same family."""
+    """True if a program was written in a language of the same family."""
     from assistant.compiler.loader import language_of
 
     origin = program.origin
@@ -186,7 +186,9 @@ def _is_of_family(program: Program, language: Language[Any]) -> bool:
 def _refusal_rule(
     program: Program, language: Language[Any], source: Robot | None, arm: Robot | None
 ) -> Rule | None:
-    """Why joint angles cannot be said in a language on an arm, None if they can."""
+    """Return the rule that forbids joint angles in a language on an arm, None if they are
+    allowed.
+    """
     own = _is_of_family(program, language)
     if source is None:
         return JOINTS_OF_UNKNOWN_ARM if arm is not None or not own else None
@@ -200,10 +202,10 @@ def joint_angle_errors(
     source: Robot | None,
     arm: Robot | None,
 ) -> Iterator[Diagnostic]:
-    """Errors for joint angles of which nobody can say what they are in a language on an arm.
+    """Yield errors for joint angles whose meaning is unknown in a language on an arm.
 
-    arm: that was named to run it. In a language of its own family a program for no named arm
-    stays one for the arm that it has.
+    arm: named to run it. In a language of the same family a program without a named arm stays with
+    the arm that it has.
     """
     from assistant.compiler.loader import language_of
 
@@ -250,7 +252,7 @@ class _StatedJoints:
     seen: frozenset[str] = frozenset()
 
     def wherever(self, uses: NameUses) -> Iterator[Mapping[str, Any]]:
-        """Where it stands, and every statement that names it."""
+        """Yield its position, and every statement that names it."""
         yield self.where
         for procedure in sorted(self.seen) if self.name else ():
             yield from ({"span": span} for span in uses.get((procedure, self.name), ()))
@@ -305,7 +307,9 @@ def _joints_of_variable(
 
 
 def _computed_joints(program: Program) -> Iterator[tuple[str, Any]]:
-    """What is called by a finding, and the span, of each statement that works with the angles."""
+    """Yield the name for a finding, and the span, of each statement that computes with the
+    angles.
+    """
     for statement, parts in statements_with(program, e.Member):
         for part in parts:
             if JOINT_COMPONENT.fullmatch(part.field.lower()):
@@ -317,7 +321,7 @@ def _computed_joints(program: Program) -> Iterator[tuple[str, Any]]:
 
 @dataclass(frozen=True, slots=True)
 class _ConvertedJoints:
-    """A joint target on the other arm, None where it cannot take it, and how that is said."""
+    """A joint target on the other arm, None if it cannot reach it, and its description."""
 
     target: JointTarget | None
     said: Mapping[str, str]
@@ -326,7 +330,7 @@ class _ConvertedJoints:
 def _converted_joints(
     targets: list[JointTarget], source: Robot, arm: Robot
 ) -> dict[JointTarget, _ConvertedJoints]:
-    """Where the targets of one arm put its flange, and the joints that another one takes there."""
+    """Return the joints that another arm takes at the flange poses of one arm's targets."""
     from assistant.robots.retargeting import joints_on_other_arm
 
     own = {target: source.own_joints(target.joints) for target in targets}
@@ -459,9 +463,9 @@ def _is_computed(part: Any) -> bool:
 
 
 def with_joint_percent(program: Program, percent: float) -> tuple[Program, tuple[Diagnostic, ...]]:
-    """A program whose joint moves are at that percentage where they state none.
+    """Return a program whose joint moves without a percentage get the given one.
 
-    Other moves keep their mm/s, as both stand in a speed.
+    Other moves keep their mm/s, as a speed holds both.
     """
     given = False
 
@@ -479,7 +483,7 @@ def with_joint_percent(program: Program, percent: float) -> tuple[Program, tuple
 
 
 def has_free_turns(program: Program) -> bool:
-    """Whether the turn of any of its tools is free."""
+    """True if any tool of the program has a free turn."""
     return any(tool.free_turn for tool in program.tools.values())
 
 
@@ -501,7 +505,9 @@ def with_chosen_turns(
 
 
 def _clear_of_scene(scene: Scene, arm: Robot) -> tuple[ClearTest, ...]:
-    """What keeps the margins of a scene, and what touches nothing in it, while all else stands."""
+    """Return a test of the margins of a scene, and one of contacts only, with everything else at
+    rest.
+    """
     from assistant.cell.clearances import robot_of
     from assistant.cell.planning.space import Space
 
@@ -536,9 +542,9 @@ class Solved:
 def solve(
     loaded: Loaded, stands: InCell, source: str | None, from_robot: str | Robot | None = None
 ) -> Solved:
-    """A program for the arm that runs it. Raises Refused if nobody names one.
+    """Solve a program for the arm that runs it. Raises Refused if no arm is named.
 
-    stands: the cell, and the robot that was asked for. source: what findings are placed in.
+    stands: the cell, and the requested robot. source: the file of the findings.
     """
     arms = stands.beside(loaded.seen).arms(robot_of(from_robot))
     program: Program = loaded.program

@@ -3,10 +3,10 @@
 A program with such a frame is written with the pose of a sight, or with a procedure at its
 beginning that asks for it. The usual pose that the program declares is never written instead.
 
-The question is made of statements that every language with channels can express: the program sends
-`see NAME` and takes seven numbers, each a line of its own: 1 if the object is found (0 if it is
-not, 2 if that is doubtful), x, y, z in mm, and the degrees about x, y and z of R = Rz·Ry·Rx, all
-in the robot's base. Only then is the frame set; otherwise the program ends.
+The question consists of statements that every language with channels can express: the program sends
+`see NAME` and takes seven numbers, each on a separate line: 1 if the object is found (0 if it is
+not, 2 if that is doubtful), x, y, z in mm, and the degrees about x, y and z of R = Rz·Ry·Rx, all in
+the robot's base. Only then is the frame set; otherwise the program ends.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from assistant.sources.sights import FOUND, QUESTION, Sight, doubts
 
 POSITION_NAMES: Final = ("x", "y", "z")
 ANSWER_NAMES: Final = ("state", *POSITION_NAMES, *e.ANGLES)
-"""What is answered, in this order."""
+"""Values of an answer, in this order."""
 
 
 def with_vision_query(
@@ -237,7 +237,7 @@ def _not_seeable_findings(seen: Mapping[str, Frame]) -> Iterator[Diagnostic]:
 def _seen_pose(
     name: str, frame: Frame, program: Program, arms: Arms, found: Findings
 ) -> Pose | None:
-    """Where a frame was seen, in the robot's base; None with findings where that is not known."""
+    """Return the pose of a frame as seen, in the robot's base; None with findings if unknown."""
     sights = {key.casefold(): sight for key, sight in (arms.seeing.found or {}).items()}
     sight = sights.get(frame.seen.casefold())
     if sight is None:

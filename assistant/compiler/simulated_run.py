@@ -98,13 +98,12 @@ def programs(
     placement: DrawingPlacement | None = None,
     seeing: Seeing = NOTHING_SEEN,
 ) -> Programs:
-    """What files and folders hold that run together on one controller.
+    """Return the programs of files and folders that run together on one controller.
 
     named: a drawing, table or pseudo-program; or robot programs of one language, or a folder with
-    them. language: of robot programs, where neither suffix nor text tell. robot, process, unit,
-    placement: see `load`, of other sources. entry: the procedure that a pseudo-program begins with.
-    seeing: where its frames that are seen are taken from.
-    Raises Unreadable or Refused.
+    them. language: of robot programs, if neither suffix nor text identifies it. robot, process,
+    unit, placement: see `load`, for other sources. entry: the procedure that a pseudo-program
+    begins with. seeing: source of its frames located by cameras. Raises Unreadable or Refused.
     """
     title = ", ".join(named)
     folder = named[0] if is_folder(named[0]) else None
@@ -142,7 +141,9 @@ def programs_of_text(
     entry: str | None = None,
     seeing: Seeing = NOTHING_SEEN,
 ) -> Programs:
-    """The same for a text that is no file: a robot language's if named, else pseudo text."""
+    """Return the programs of a text that is not a file: in a robot language if named, else pseudo
+    text.
+    """
     title = text.path or "standard input"
     if language is None:
         program = with_entry(load_text(text).program, entry)
@@ -362,12 +363,12 @@ def unknown_visits(script: Script, sources: Sequence[SourceText]) -> Iterator[Di
 
 
 def read_script(path: str | FilePath) -> Script:
-    """What a script says; raises Unreadable if it is no TOML, Refused for what is wrong in it."""
+    """Read a script; raise Unreadable if it is not TOML, Refused for errors in it."""
     return parse_script(decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS))
 
 
 def parse_script(source: SourceText) -> Script:
-    """As `read_script`, from a text."""
+    """Parse the text of a script, like `read_script`."""
     top = read_toml(source)
     options = top.read(SCRIPT_KEYS).get("options", {})
     changes = [_change_of(row) for row in _script_rows(top, "set")]

@@ -77,11 +77,11 @@ class Places:
 
     @property
     def several(self) -> bool:
-        """Whether it is more than one text."""
+        """True if there is more than one text."""
         return len(self._texts) > 1
 
     def parts(self) -> Iterator[Part]:
-        """What the trees hold beside their statements, in order of text."""
+        """Yield the parts of the trees other than statements, in order of text."""
         origin = self._origin
         if origin is None:
             return
@@ -163,7 +163,7 @@ class Places:
         return found
 
     def span(self, finding: Diagnostic) -> Span | None:
-        """The span of a finding that names the file of a text of its own."""
+        """Return the span of a finding that names the file of one of the texts."""
         if finding.span is None:
             return None
         for start, source in zip(self._starts, self._texts, strict=True):
@@ -244,10 +244,10 @@ def _move_to(goal: object, name: str, program: Program) -> Span | None:
 
 
 class Trace:
-    """Where statements of the source went in the text that was read back.
+    """Positions of the source's statements in the text that was read back.
 
-    adapted: the program as the target language says it, its statements with the spans of
-    their source. written: as it was read back, None if it could not be.
+    adapted: the program as the target language expresses it, its statements with the spans of their
+    source. written: as it was read back, None if it could not be.
     """
 
     def __init__(self, adapted: Program, written: Program | None) -> None:
@@ -268,7 +268,7 @@ class Trace:
                     self._paths[mine] = self._paths[its] = one, other
 
     def written(self, span: Span) -> list[Place]:
-        """Where a statement of the source went, in order; none if that is not known."""
+        """Return the written positions of a statement of the source, in order; empty if unknown."""
         assert self._there is not None or not self._went
         places = [self._there.of(s) for s in self._went.get(span, ())] if self._there else []
         return [place for place in places if place is not None]
@@ -325,7 +325,7 @@ def _pairs(one: Body, two: Body) -> Iterator[tuple[p.Statement, p.Statement]]:
 
 
 def at_its_line(finding: Diagnostic, text: SourceText) -> Diagnostic:
-    """A finding about a statement of a pseudo-program, at the lines that it stands in."""
+    """Return a finding about a statement of a pseudo-program, with the lines of the statement."""
     if finding.span is None or finding.line is not None:
         return finding
     line, column = text.line_column(finding.span.start)

@@ -73,11 +73,11 @@ MOST_ARM_JOINTS: Final = 6
 
 @dataclass(frozen=True, slots=True)
 class TargetOptions:
-    """How targets are stored.
+    """Options for storing targets.
 
-    joints: as joint angles, not as a pose. tool, frame: that the controller shows the pose of
-    and in, by their names in the file; None for what the file's [motion] says. again: a target
-    of the same name is taught anew.
+    joints: as joint angles, not as a pose. tool, frame: the controller's pose is of this tool and
+    in this frame, by their names in the file; None for those of the file's [motion]. again: replace
+    a target of the same name.
     """
 
     joints: bool = False
@@ -167,14 +167,14 @@ def branch_at(robot: Robot, joints: Sequence[float]) -> Configuration:
 
 
 def branch_words(branch: Configuration) -> str:
-    """As the TOML of a file of targets."""
+    """Return a configuration as TOML for a file of targets."""
     words = {"back": branch.back, "down": branch.down, "flip": branch.flip}
     said = ", ".join(f"{word} = {'true' if on else 'false'}" for word, on in words.items())
     return f"{{{said}, quadrants = {list(branch.quadrants)}}}"
 
 
 def joints_without_end(joints: list[float]) -> list[float]:
-    """Joints without those behind the last axis of the arm."""
+    """Return the joints without unused values after the last axis of the arm."""
     while joints and math.isnan(joints[-1]):
         joints.pop()
     return joints
@@ -187,7 +187,7 @@ def more_keys(wanted: TargetOptions) -> dict[str, str]:
 
 
 def number_list(values: Sequence[float], digits: int) -> str:
-    """As the TOML of a file of targets."""
+    """Return numbers as TOML for a file of targets."""
     return "[" + ", ".join(_number_text(value, digits) for value in values) + "]"
 
 
@@ -207,7 +207,9 @@ def _check_pose(
     reading: Reading,
     name: str,
 ) -> None:
-    """Raises Refused if the pose is not of the tool and frame that the file says it is of."""
+    """Check that the pose is of the tool and frame that the file states; raise Refused
+    otherwise.
+    """
     program = reading.program
     motion = motion_to(program, name)
     tool_name, frame_name = str(motion.tool), str(motion.frame)
@@ -272,7 +274,7 @@ ARM_RESTS_ELSEWHERE: Final = error(
 MOST_DEVICE_TILT: Final = 15.0
 """Degrees, of an arm of five axes."""
 REPORTED_TILT: Final = 1.0
-"""Degrees from which on it is said."""
+"""Degrees of tilt from which it is reported."""
 MOST_PLANE_ROUNDS: Final = 30
 MOST_REST_OFFSET: Final = 1.0
 """mm that an arm may come to rest from where it was sent."""
@@ -297,7 +299,7 @@ class ShownTarget:
 
     @property
     def program(self) -> Program:
-        """What the file says with the target in it."""
+        """Program of the file with the target in it."""
         return self.reading.program
 
 
@@ -402,9 +404,9 @@ def program_to_target(place: ShownTarget, above: float, *, to_its_end: bool = Tr
 
 
 def check_reached(place: ShownTarget, reached: Pose) -> tuple[float, float]:
-    """How many mm and degrees an arm is from where it was sent, by its joints.
+    """Return the distance in mm and degrees between an arm's pose, from its joints, and its goal.
 
-    Raises Refused if the arm is elsewhere: then what it reached is not what was shown.
+    Raises Refused if the arm is elsewhere: then it has not reached the shown target.
     """
     distance = float(np.linalg.norm(np.subtract(place.tip.position, reached.position)))
     angle = float(rotations.angle_between(place.tip.quaternion, reached.quaternion))

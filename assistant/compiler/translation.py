@@ -85,9 +85,10 @@ CALLS_NOT_TRANSLATED = error(
 
 
 def add_losses(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None:
-    """Adds to what is found about the parts of a program, by their spans, what they lose by others.
+    """Add the losses caused by other parts to the findings about a program's parts, by their spans.
 
-    What stands in what is not said is not said for the same reasons; calls of it are told of.
+    Parts inside an untranslated part are untranslated for the same reasons; calls of it are
+    reported.
     """
     wrong: set[Span | None] = {span for span, told in found.items() if has_errors(told)}
     if not wrong:
@@ -102,9 +103,9 @@ def add_losses(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None
 
 
 def _losses_inside(program: Program, wrong: Set[Span | None]) -> dict[Span, Span]:
-    """What stands in procedures and statements that are not said, each with the one it stands in.
+    """Map spans inside untranslated procedures and statements to the span that contains them.
 
-    wrong: the spans of what is not said.
+    wrong: the spans of untranslated parts.
     """
     found: dict[Span, Span] = {}
     for procedure in program.procedures:
@@ -123,9 +124,10 @@ def _losses_inside(program: Program, wrong: Set[Span | None]) -> dict[Span, Span
 def _losses_by_calls(
     program: Program, wrong: Set[Span | None]
 ) -> Iterator[tuple[Span, Diagnostic]]:
-    """Calls of what is not said, or not in full: spans of their statements, and what is found.
+    """Yield calls of untranslated or partly translated procedures: spans of their statements, and
+    findings.
 
-    wrong: the spans of what is not said, and of what stands in it.
+    wrong: the spans of untranslated parts, and of the parts inside them.
     """
     named = {q.name.lower(): q for q in program.procedures}
     gone = {key for key, q in named.items() if q.span in wrong}
@@ -167,10 +169,10 @@ LONGEST_TEXT: Final = 100
 
 @dataclass(frozen=True, slots=True)
 class ReportRow:
-    """What becomes of one statement or declaration of the source.
+    """Translation result of one statement or declaration of the source.
 
-    text: its first line. count: how many of them it is.
-    reasons: why it is not said as it stands, errors first. went: where it is in the written files.
+    text: its first line. count: number of statements that it represents. reasons: why it is not
+    translated unchanged, errors first. went: its positions in the written files.
     """
 
     place: Place
@@ -183,12 +185,12 @@ class ReportRow:
 
 @dataclass(frozen=True, slots=True)
 class Translation:
-    """A translated program. files: as they are to be written, none if something is not said.
+    """A translated program. files: to write, empty if a statement is not translated.
 
-    compiled: all of it. written: what the files are made of, all of it or a draft, with stops
-    for what is not said. rows: in order of the source. whole: findings on no statement. wanting:
-    what nobody declares, neither the program nor the cell file; the files are a draft then, in
-    which something only stands for it.
+    compiled: the complete program. written: the program in the files, complete or a draft, with
+    stops for untranslated statements. rows: in order of the source. whole: findings on no
+    statement. wanting: names declared neither in the program nor in the cell file; the files are
+    then a draft with stand-ins for them.
     """
 
     compiled: Compiled
@@ -205,7 +207,7 @@ class Translation:
 
     @property
     def ok(self) -> bool:
-        """Whether everything is said and proven, and all of its values are known."""
+        """True if everything is translated and proven, and all of its values are known."""
         return self.compiled.ok and not self.wanting
 
     @property
@@ -222,7 +224,7 @@ class Translation:
         return self.written.motion
 
     def write(self, folder: str | FilePath, *, overwrite: bool = False) -> tuple[FilePath, ...]:
-        """Writes the files as `Compiled.write` does; a draft where one was asked for."""
+        """Write the files as `Compiled.write` does, also those of a requested draft."""
         if not self.files:
             raise Refused(*self.findings)
         texts = self.compiled.places.texts
@@ -240,7 +242,7 @@ class Translation:
 
     @property
     def totals(self) -> dict[Level, int]:
-        """How many statements there are at each level; rows of a table count one by one."""
+        """Number of statements at each level; rows of a table count one by one."""
         return self.rows.totals
 
 
@@ -262,21 +264,19 @@ def translate(
     proving: Proving | None = None,
     seeing: Seeing = NOTHING_SEEN,
 ) -> Translation:
-    """A vendor program in another language, for another arm if one is named.
+    """Translate a vendor program to another language, for another arm if one is named.
 
-    from_robot: the arm that it was written for. process: file with tools, frames and signals
-    of the other cell. cell: file of what programs use and do not declare, which need not be there
-    yet: what it does not say is in `wanting` of the answer; nothing is given out that touches its
-    bodies, if it has any. language: of the source, if neither
-    suffix nor text tell.
-    frames: how a language without work objects says them, see `Language.with_frames`.
-    grammar: `full` has the proof parse programs of more than 20,000 lines completely with lark.
-    draft: gives files also if some statements cannot be said: each stands as a comment behind a
-    stop.
-    entry: the procedure that the program begins with, where the source has no `main`. proving: how
-    a proof by motion is sought, None for none; nothing is given out that lacks one then. seeing:
-    where frames that are seen are taken from.
-    Raises Unreadable or Refused for what cannot be read at all.
+    from_robot: the arm that it was written for. process: file with tools, frames and signals of the
+    other cell. cell: file of names that programs use and do not declare, which may be missing yet:
+    values that it lacks are in `wanting` of the result; no files are returned for a program that
+    touches its bodies, if it has any. language: of the source, if neither suffix nor text
+    identifies it. frames: how a language without work objects expresses them, see
+    `Language.with_frames`. grammar: `full` has the proof parse programs of more than 20,000 lines
+    completely with lark. draft: returns files also if some statements cannot be expressed: each
+    becomes a comment after a stop. entry: the procedure that the program begins with, if the source
+    has no `main`. proving: settings of a motion proof, None for none; without the requested proof
+    no files are returned. seeing: source of frames located by cameras. Raises Unreadable or Refused
+    for input that cannot be read at all.
     """
     target, stands = (
         language_of(to).with_frames(frames).with_sampling(grammar),
@@ -329,12 +329,11 @@ known; and a name, both in lower case."""
 
 @dataclass(slots=True)
 class _Part:
-    """What a row is made of: a part of the source, and what is found about it.
+    """Part of the source that a row is made of, with its findings.
 
-    names: that findings know it by. head: whether its first line stands for it. silent: left
-    out of the report unless something is found about it. within: the part that it is said with.
-    lines: (n, 2) where each line of many that are alike begins and ends, None for any other part;
-    at: what is found about some of them.
+    names: used for it in findings. head: its first line represents it. silent: left out of the
+    report unless it has findings. within: the part that it is translated with. lines: (n, 2) start
+    and end of each of many like lines, None for any other part; at: findings about some of them.
     """
 
     span: Span
@@ -365,7 +364,7 @@ class _Part:
 
 
 class SourceRows(Sequence[ReportRow]):
-    """The rows of a report; those of many lines that are alike are made when they are asked for."""
+    """Rows of a report; those of many like lines are made on request."""
 
     def __init__(
         self,
@@ -434,7 +433,7 @@ class SourceRows(Sequence[ReportRow]):
 
 
 def _is_stated(place: Place | None) -> bool:
-    """Whether it is in no file that was read, but in what a cell file says."""
+    """True if it comes from a cell file's values, not from a file that was read."""
     return place is not None and (place.path or "").startswith(STATED_TEXT_NAME)
 
 
@@ -533,7 +532,7 @@ class _PartFinder:
 
 
 def _pass_on_findings(parts: Mapping[Span, _Part]) -> None:
-    """What is found about a part is found about those that are said with it."""
+    """Copy the findings about a part to those that are translated with it."""
     for part in parts.values():
         holder = None if part.within is None else parts.get(part.within)
         if holder is not None:
@@ -542,9 +541,7 @@ def _pass_on_findings(parts: Mapping[Span, _Part]) -> None:
 
 
 def _pass_down_findings(parts: Mapping[Span, _Part], left_out: Iterable[Diagnostic]) -> None:
-    """What is found about a routine that is left out is found about each statement and each
-    declaration in it.
-    """
+    """Copy the findings about an omitted routine to each statement and each declaration in it."""
     about = {f.span: f for f in left_out if f.span is not None}
     outer: list[Span] = []
     for span in sorted(about, key=lambda one: (one.start, -one.end)):
@@ -560,9 +557,10 @@ def _pass_down_findings(parts: Mapping[Span, _Part], left_out: Iterable[Diagnost
 def _parts_of_source(
     program: Program, places: Places, lifted: Container[Span | None]
 ) -> Iterator[_Part]:
-    """Each part of the source once or twice: as it is lifted, then as it stands in the tree.
+    """Yield each part of the source once or twice: as lifted, then as it is in the tree.
 
-    lifted: procedures whose statements are parts by themselves; of others each is what its text is.
+    lifted: procedures whose statements are separate parts; the others are represented by their
+    text.
     """
     yield from _lifted_parts(program)
     for part in places.parts():
@@ -574,7 +572,7 @@ def _parts_of_source(
 
 
 def _lowered_parts(program: Program) -> Iterator[_Part]:
-    """The same of a source with the data that other languages are told of it."""
+    """Yield the parts of a source after it is lowered for other languages."""
     yield from _lifted_parts(program)
     owners = (("", program.variables), *((q.name.lower(), q.variables) for q in program.procedures))
     for owner, variables in owners:
@@ -610,7 +608,9 @@ def _part_names(table: ProgramTable, name: str) -> tuple[_Name, ...]:
 
 
 def _name_of_finding(about: Subject | str | None) -> tuple[_Name, ...]:
-    """What the part is known by that a finding is about, the surest first; not if of several."""
+    """Return the names of the part that a finding is about, the surest first; empty if it is about
+    several.
+    """
     match about:
         case Declared(name=name, table="procedures" | "paths" as table):
             return ((table, "", name.lower()),)
@@ -622,7 +622,7 @@ def _name_of_finding(about: Subject | str | None) -> tuple[_Name, ...]:
 
 
 def _advice_test(compiled: Compiled) -> Callable[[Diagnostic], bool]:
-    """Whether a finding is a remark of a rule on the program, not on its translation."""
+    """Return a test for remarks of a rule on the program, not on its translation."""
     origin = compiled.source.origin
     names = {compiled.language} if origin is None else {compiled.language, origin.language}
     languages = [language_of(name) for name in names]

@@ -107,19 +107,19 @@ class _PlannedPath:
 
 
 def has_travels(program: Program) -> bool:
-    """Whether ways have to be planned for it."""
+    """True if the program has travels, which need planning."""
     return any(isinstance(statement, Travel) for statement in program.statements())
 
 
 def with_planned_travels(
     program: Program, robot: Robot | None, scene: Scene | None, places: Places
 ) -> PlannedTravels:
-    """The program with planned joint moves in place of each `travel to`, behind a comment.
+    """Return the program with planned joint moves, after a comment, in place of each `travel to`.
 
-    robot: that runs it. scene: its cell, None if none is told. places: of its statements. The same
-    program in the same cell gives the same moves. A travel that stands in a procedure which is
-    called twice, or in a loop, has one way, so it has to begin and end at the same places each
-    time, with the same bodies held. Findings with an error mean that not all ways are planned.
+    robot: that runs it. scene: its cell, None without one. places: of its statements. The same
+    program in the same cell gives the same moves. A travel in a loop, or in a procedure that is
+    called twice, has one planned motion, so it must begin and end at the same positions each time,
+    with the same bodies held. Findings with an error mean that some travels are not planned.
     """
     if not has_travels(program):
         return PlannedTravels(program)
@@ -139,7 +139,7 @@ def with_planned_travels(
 
 @dataclass(frozen=True, slots=True)
 class _TravelGoal:
-    """A way that is asked for. tip: in the flange. tilt: degrees. seconds: of the search."""
+    """Goal of a motion to plan. tip: in the flange. tilt: degrees. seconds: of the search."""
 
     arrival: Arrival
     tip: Pose
@@ -147,7 +147,7 @@ class _TravelGoal:
     seconds: float
 
     def same(self, other: _TravelGoal) -> bool:
-        """Whether one way does for both."""
+        """True if one planned motion serves both."""
         return replace(self, arrival=other.arrival) == other and (
             replace(self.arrival, number=0, first=False)
             == replace(other.arrival, number=0, first=False)
@@ -164,10 +164,10 @@ class _TravelPlanner:
         self.planned_ways: list[tuple[_TravelGoal, Planned]] = []
 
     def ways(self) -> dict[int, _PlannedPath]:
-        """A way for each travel, by its number. Raises Refused.
+        """Return a planned motion for each travel, by its number. Raises Refused.
 
-        What was planned stands in the program, what was not as a move, whose end the branches
-        behind it are chosen with; so often until every travel begins where its way does.
+        Planned travels are in the program; the others are moves whose end determines the later
+        configurations. Planning repeats until every travel begins where its motion does.
         """
         ways: dict[int, _PlannedPath] = {}
         plans = Counter[int]()
@@ -233,7 +233,7 @@ class _TravelPlanner:
         return Move("joint", one.target, one.motion, span=one.span)
 
     def open(self, number: int) -> bool:
-        """Whether the arm may come to a travel's target in another branch than it came in."""
+        """True if the arm may reach a travel's target in a different configuration."""
         at = 0
         for procedure in self.program.procedures:
             at += sum(isinstance(one, Travel) for one in walk(procedure.body))
@@ -299,7 +299,7 @@ class _TravelPlanner:
             raise Refused(_travel_finding(START_UNKNOWN, statement, why=why, cure=cure))
 
     def nowhere(self, name: str) -> bool:
-        """Whether nothing of a name is declared in the program."""
+        """True if no data of that name are declared in the program."""
         program = self.program
         tables: list[Mapping[str, object]] = [
             program.targets,
@@ -363,7 +363,7 @@ class _TravelPlanner:
         return found(pose)
 
     def value(self, statement: Travel, word: str, said: Expression | None) -> float | None:
-        """What a travel says behind a word."""
+        """Return the number that a travel states after a word."""
         if said is None:
             return None
         number = self.names.number(said)
@@ -410,10 +410,10 @@ def _located_finding(statement: Travel, finding: Diagnostic) -> Diagnostic:
 
 
 def _with_moves(program: Program, made: Callable[[int, Travel], Body]) -> Program:
-    """The program with what is made of each travel, which are counted in order of text.
+    """Return the program with each travel replaced; travels are counted in order of text.
 
-    A travel that stands in it again is another object there, as those that walk through a program
-    know its statements by what they are.
+    A travel that is part of its replacement becomes a new object, as program walks identify
+    statements by object.
     """
     count = iter(range(program.size() + 1))
 

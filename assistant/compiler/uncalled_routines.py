@@ -205,9 +205,9 @@ def _names_in(one: Procedure | Declaration) -> frozenset[str]:
 def _routines_reached(
     called: Set[str], program: Program, named: Mapping[str, Set[str]]
 ) -> set[str]:
-    """Routines that run as the program does, or as what it declares does.
+    """Return the routines that run with the program, or through its declarations.
 
-    called: by the controller; names that are no routines do not matter.
+    called: by the controller; names that are not routines do not matter.
     """
     routines = {id(one) for one in _kept_routines(program)}
     begun = called & named.keys()

@@ -149,7 +149,7 @@ def _location_fault(
     program: Program,
     standing: bool,
 ) -> Diagnostic | None:
-    """Why a location is no target, if it is none."""
+    """Return a finding if a location cannot be a target."""
     if len(places) > 1:
         bodies = ", ".join(f"`{place.body.name}`" for place in places)
         long = " or ".join(f"`{place.long}`" for place in places)
@@ -202,7 +202,7 @@ UNPLACED: Final = error(
     "CO340", "nothing places the work, so it stands at the base of {arm}{codes}", "{cure}"
 )
 REACH_CODES: Final = ("RB", "CK3", "CK42")
-"""Of the findings that tell what an arm cannot do somewhere."""
+"""Code prefixes of findings about an arm's limits at a position."""
 NEAR_AXIS_PART: Final = 0.15
 """Part of an arm's reach from its axis 1 in which nobody puts a work piece."""
 
@@ -210,7 +210,7 @@ NEAR_AXIS_PART: Final = 0.15
 def fold_unplaced_work(
     program: Program, arm: Robot, found: Iterable[Diagnostic]
 ) -> tuple[Diagnostic, ...]:
-    """What was found of a program for an arm; of work that was never placed, in one finding.
+    """Return the findings of a program for an arm; those of unplaced work become a single finding.
 
     A drawing is drawn about its own origin, and without a frame that is the robot's: it is refused.
     Findings on reach, limits, singularities and speeds there have the same cause.
@@ -247,7 +247,7 @@ def _is_in_base(program: Program) -> bool:
 
 
 def _is_at_base(program: Program, arm: Robot) -> bool:
-    """Whether all of it is in the robot's base, and the axis that the arm turns about close by."""
+    """True if all of it is in the robot's base and close to the arm's axis 1."""
     points = [target.pose.position for target in program.targets.values()]
     rows: list[Floats] = [np.reshape(points, (-1, 3))]
     for procedure in program.procedures:

@@ -49,9 +49,11 @@ the names of its files but for reports; None for one that is not there.
 """
 
 PROGRAM_FOLDERS: Final = (".py", ".pyc", ".so", ".pyd", ".dll")
-"""Of this program itself, where its environment is in the project's folder."""
+"""Folders and files of this program, if its environment is in the project's folder."""
 REPORT_FILES: Final = (".html", ".log", ".md", ".sarif", ".xml")
-"""Of what pipelines write beside the sources, such as a plan: no program is looked for in them."""
+"""Files that pipelines write beside the sources, such as a plan: they are not searched for
+programs.
+"""
 WRITE_FLAGS: Final = os.O_WRONLY | os.O_RDWR
 
 
@@ -76,12 +78,12 @@ def recorded_inputs(folder: FilePath) -> Iterator[set[str]]:
 
 
 def digests(folder: FilePath, names: set[str]) -> dict[str, str | None]:
-    """Of files and folders as they are now, sorted by name."""
+    """Return the present digests of files and folders, sorted by name."""
     return {name: _digest(folder, name) for name in sorted(names)}
 
 
 def all_unchanged(folder: FilePath, known: Digests) -> bool:
-    """Whether all of them are as they were."""
+    """True if no digest has changed."""
     return all(_digest(folder, name) == digest for name, digest in known.items())
 
 
@@ -151,9 +153,10 @@ ENDED: Final = 5.0
 def at_once(
     function: Callable[[A], B], arguments: Sequence[A], count: int, lost: Callable[[A], B]
 ) -> list[B]:
-    """What it gives for each, in as many processes. function: of a module, found by its name.
+    """Return the function's result for each argument, computed in `count` processes. function: of a
+    module, found by its name.
 
-    lost: answers in place of a process that died; only the argument that it was at is lost.
+    lost: answers in place of a process that died; only its current argument is lost.
     """
     workers: queue.SimpleQueue[_Worker[A, B]] = queue.SimpleQueue()
     there = [_Worker(function, lost) for _ in range(count)]
@@ -240,7 +243,7 @@ class _Worker(Generic[A, B]):
 
 
 def serve() -> None:
-    """Answers what comes on standard input until it ends."""
+    """Answer requests on standard input until it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asked ends this process
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
@@ -367,12 +370,12 @@ def _source_language(recipe: Recipe) -> str | None:
 
 
 def chosen_language(order: BuildOrder) -> str:
-    """What a program is made in; raises Refused if nobody says it."""
+    """Return the output language of a program; raise Refused if it is not stated."""
     return _output_language(order, _source_language(order.recipe))
 
 
 def _output_language(order: BuildOrder, spoken: str | None) -> str:
-    """What the program is to be in; raises Refused if nobody says it."""
+    """Return the language to write the program in; raise Refused if it is not stated."""
     if order.recipe.language is not None:
         return order.recipe.language
     arm = robot_of(order.arm)

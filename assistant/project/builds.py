@@ -53,7 +53,8 @@ BUILD_FILE: Final = "build.json"
 
 @dataclass(frozen=True, slots=True)
 class BuildEntry:
-    """A program of a target. wanted: digest of its options. files: of what was written, by name.
+    """A program of a target in the build file. wanted: digest of its options. files: digests of the
+    written files, by name.
 
     inputs: see `inputs`; empty if it could not be built, so that it is tried again. origins: see
     `Made`.
@@ -152,11 +153,11 @@ def write_build(project: Project, entries: BuildEntries) -> None:
 
 
 Progress = Callable[[int], contextlib.AbstractContextManager[None]]
-"""What is around the making of so many programs."""
+"""Context manager around the build of the given number of programs."""
 
 
 class State(enum.StrEnum):
-    """What a build did with a program."""
+    """Result of a build for a program."""
 
     BUILT = "built"
     UNCHANGED = "unchanged"
@@ -180,7 +181,7 @@ class Built:
 
 @dataclass(frozen=True, slots=True)
 class Build:
-    """What a build did. status: 0, 1 if something is wrong, 2 if it cannot be read or written."""
+    """Result of a build. status: 0, 1 for errors, 2 if it cannot be read or written."""
 
     programs: tuple[Built, ...]
     findings: tuple[Diagnostic, ...]
@@ -192,7 +193,9 @@ class Build:
 
 
 def build_record(done: Build, named: Callable[[FilePath], str]) -> dict[str, Any]:
-    """Of a build; keys are added, never renamed. named: a file as whoever asks calls it."""
+    """Return a build as plain data; keys are added, never renamed. named: gives a file's name as
+    the caller writes it.
+    """
     return {
         "ok": done.ok,
         "programs": [
@@ -231,7 +234,9 @@ def build(
 
 
 def chosen_orders(project: Project, names: Sequence[str]) -> list[tuple[Place, Recipe]]:
-    """What targets want, of these names of programs and targets; all without one."""
+    """Return the recipes of targets chosen by these names of programs and targets; all without a
+    name.
+    """
     pairs = [(place, recipe) for place in project.places for recipe in place.recipes]
     known = {name for place, recipe in pairs for name in (place.name, recipe.name)}
     unwanted = set(project.programs) - known
@@ -330,7 +335,9 @@ class _BuildRun:
         return Built(target, program, State.BUILT, tuple(names), made.proof, edited.diffs)
 
     def _with_edits(self, target: str, order: BuildOrder, made: MadeProgram) -> Kept:
-        """What was made, with what was edited in the files that are there; none if that fails."""
+        """Return a built program with the edits of its existing files; without files if that
+        fails.
+        """
         files = {
             file_in_folder(n, self.project.folder / BUILD_FOLDER / target): d
             for n, d in made.files.items()
@@ -395,7 +402,7 @@ def name_clashes(target: str, files: Mapping[str, Mapping[str, str]]) -> list[Di
 
 
 def _remove_built(folder: FilePath, files: Mapping[str, str]) -> None:
-    """Files of an earlier build by their digests; not if somebody has put others there since."""
+    """Remove files of an earlier build by their digests; changed files stay."""
     for name, digest in files.items():
         with contextlib.suppress(OSError):
             if digest_of(read_file(folder / name)) == digest:
@@ -404,7 +411,8 @@ def _remove_built(folder: FilePath, files: Mapping[str, str]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class ProjectCheck:
-    """What was found. programs: how many, of all targets. ignored: by comments in programs.
+    """Result of a project check. programs: number of them, of all targets. ignored: by comments in
+    programs.
 
     sources: the files that the programs are made of.
     """
@@ -521,10 +529,10 @@ def _is_new_finding(
     origins: Mapping[str, str],
     told: Sequence[Diagnostic],
 ) -> bool:
-    """Whether a finding tells what the making of a program has not told.
+    """True if the build of a program has not reported the finding.
 
-    Notes about texts that we wrote are of no interest to those who cannot change them. Beside files
-    that somebody else wrote, what is found may be about any of them: only the same is told already.
+    Notes about generated texts do not matter to users, who cannot change them. Beside files written
+    by others, a finding may be about any of them: only an identical one is already reported.
     """
     if paths.get(finding.path or "") in origins:
         return True

@@ -53,7 +53,7 @@ class Target:
 
     @property
     def serial(self) -> str | None:
-        """The number that the controller must tell of itself, None for any."""
+        """Serial number that the controller must report, None for any."""
         return self.controller.serial
 
     @property
@@ -87,7 +87,7 @@ class Target:
         return tuple(found[name] for name in sorted(found))
 
     def sources(self) -> dict[FilePath, FilePath]:
-        """What each built file was made of: its own source where it was taken as it is."""
+        """Return the source of each built file; for a file copied unchanged, the original file."""
         entries = builds.read_build(self.project)
         found: dict[FilePath, FilePath] = {}
         for recipe in self.place.recipes:
@@ -104,7 +104,7 @@ class Target:
     def opened(
         self, ask: Question | None = None, *, timeout: float | None = None
     ) -> Iterator[Programs]:
-        """A client of its controller, which connects in a `with` of its own.
+        """Yield a client of its controller, which connects in a separate `with`.
 
         A virtual controller of the project runs as long as the context. Raises Refused.
         """
@@ -171,7 +171,7 @@ def _robot_findings(files: Sequence[str], one: Named) -> tuple[Diagnostic, ...]:
 def plan_record(
     plan: Plan, done: Deployment | None, findings: Sequence[Diagnostic]
 ) -> dict[str, Any]:
-    """Of a plan; keys are added, never renamed. done: what became of it."""
+    """Return a plan as plain data; keys are added, never renamed. done: its deployment."""
     record = plan.record
     known = None
     if record is not None:
@@ -202,7 +202,7 @@ def plan_record(
 
 
 def states_of(done: Deployment, *, back: bool) -> dict[str, str]:
-    """State of each program. back: what is installed now is what was there before."""
+    """Return the state of each program. back: the programs installed now are the earlier ones."""
     taken_back = back and done.ok
     return {
         name: str(FileState.PUT_BACK if taken_back and state is FileState.INSTALLED else state)
@@ -211,7 +211,7 @@ def states_of(done: Deployment, *, back: bool) -> dict[str, str]:
 
 
 def deployment_record(done: Deployment, *, back: bool = False) -> dict[str, Any]:
-    """Of a deployment that was finished or taken back."""
+    """Return a finished or rolled-back deployment as plain data."""
     return {
         "address": str(done.address),
         "ok": done.ok,
@@ -224,7 +224,7 @@ def deployment_record(done: Deployment, *, back: bool = False) -> dict[str, Any]
 
 
 def verified_record(seen: Verified) -> dict[str, Any]:
-    """Of what is on a controller beside what was left there."""
+    """Return a comparison of a controller with its last deployment as plain data."""
     return {
         "address": str(seen.address),
         "ok": seen.ok,

@@ -32,7 +32,7 @@ from assistant.sources.process import NO_PROCESS
 COMMENT_COLUMN: Final = 30
 """Columns before a comment."""
 BLANK_KEYS: Final = ("`tip` of [tools.tool]", "`position` of [frames.work]")
-"""What has to be filled in before anything moves."""
+"""Keys that must be filled in before anything moves."""
 
 TOP_ROWS: Final = (
     ("# home = [0, 0, 0, 0, 30, 0]", "of the axes: there the program begins and ends, with"),
@@ -109,7 +109,7 @@ CHOICE_KEYS: Final = (
     ("# travel_blend = 10", 'mm at the places above the work; "fine" without it'),
     ('# travel_kind = "linear"', "or joint; without it joint where the tool would wind up"),
 )
-"""Keys of a layer that are told once."""
+"""Keys of a layer that are listed once."""
 
 KeyRow = tuple[str, str]
 
@@ -174,7 +174,7 @@ def _left_out_row(idle: Sequence[SurveyedLayer]) -> KeyRow:
 
 
 def _layer_content(layer: SurveyedLayer) -> str:
-    """What is on a layer, for a comment."""
+    """Return a description of a layer's contents, for a comment."""
     contours = [f"{n} {what}" for n, what in ((layer.closed, "closed"), (layer.open, "open")) if n]
     said = [f"contours: {', '.join(contours)}, {layer.length:.1f} mm in all"]
     if layer.extents is not None:
@@ -231,7 +231,7 @@ EXAMPLE_PROGRAM: Final = """\
 source = "drawings/plate.dxf"     # with drawings/plate.process.toml beside it
 """
 EXAMPLE_NAMES: Final = '["plate"]'
-"""What the example's project says of its program."""
+"""Program names in the example's project."""
 DRAWINGS_FOLDER: Final = "drawings"
 """Folder of drawings that are copied into a project."""
 REPOSITORY_FILES: Final[Mapping[str, str]] = {
@@ -240,7 +240,7 @@ REPOSITORY_FILES: Final[Mapping[str, str]] = {
     ".github/workflows/robot.yml": "github.yml",
     ".gitlab-ci.yml": "gitlab-ci.yml",
 }
-"""What a repository needs; each written unless it is there."""
+"""Files that a repository needs; each is written unless it exists."""
 IGNORED_FOLDERS: Final = "/build/ and .robot-assistant/"
 VERSION_MARK: Final = "{{ version }}"
 NAMES_WIDTH: Final = 22
@@ -250,8 +250,10 @@ LONGEST_NAME: Final = 60
 
 @dataclass(frozen=True, slots=True)
 class StartedProject:
-    """written, in their order. findings: what was there already, and what drawings have. blank:
-    process files in which something has to be filled in.
+    """Result of starting a project.
+
+    written: files written, in their order. findings: files that existed already, and contents of
+    drawings. blank: process files with values to fill in.
     """
 
     folder: FilePath
@@ -342,14 +344,16 @@ def _program_names(sources: Sequence[str]) -> dict[str, str]:
 
 
 def _project_text(programs: str, names: Iterable[str]) -> bytes:
-    """The example's, with these programs instead of its own."""
+    """Return the example's project file, with these programs instead of the example's."""
     listed = "[" + ", ".join(f'"{name}"' for name in names) + "]"
     text = _template_bytes(PROJECT_FILE).decode().replace(EXAMPLE_PROGRAM, programs)
     return text.replace(f"{EXAMPLE_NAMES:{NAMES_WIDTH}}", f"{listed:{NAMES_WIDTH}}").encode()
 
 
 def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[Diagnostic]:
-    """What a project that is there has to say of the drawings. Raises Unreadable or Refused."""
+    """Yield findings for drawings that an existing project does not list. Raises Unreadable or
+    Refused.
+    """
     known = {recipe.source.resolve() for recipe in project_of(folder).programs.values()}
     for name, source in programs.items():
         if (folder / source).resolve() not in known:
@@ -358,7 +362,7 @@ def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[
 
 
 def _has_project_table(folder: FilePath) -> bool:
-    """Whether the folder itself has a file with a table of ours; raises Unreadable."""
+    """True if the folder itself has a file with a project table; raise Unreadable."""
     file = folder / PROJECT_FILE
     python = folder / "pyproject.toml"
     of_python = python.is_file() and read_project(python, ("tool", "robot-assistant")) is not None

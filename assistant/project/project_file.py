@@ -38,7 +38,7 @@ from assistant.program.settings_tables import Page, Read, Table, Wrong, listed, 
 from assistant.project import rules
 
 PROJECT_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
-"""Of programs and targets: they become names of folders."""
+"""Pattern of program and target names, which become names of folders."""
 TASK_NAME: Final = re.compile(r"[A-Za-z]\w{0,31}", re.ASCII)
 MOST_TARGETS: Final = 10_000_000
 MOST_AT_ONCE: Final = 256
@@ -48,7 +48,7 @@ TEXT_FORM: Final[Mapping[str, object]] = {"type": "string", "pattern": r"\S"}
 
 @dataclass(frozen=True, slots=True)
 class ProjectKey:
-    """A key of a table. form: JSON schema of its values. about: what it says, for editors."""
+    """A key of a table. form: JSON schema of its values. about: its description, for editors."""
 
     read: Read
     form: Mapping[str, object]
@@ -178,9 +178,9 @@ def readers_of(keys: Mapping[str, ProjectKey]) -> dict[str, Read]:
 
 
 def refuse_links(folder: FilePath, written: Sequence[FilePath]) -> None:
-    """Raises Refused (exit status 2) if a link stands in one of these, from the folder.
+    """Raise Refused (exit status 2) if one of these paths, relative to the folder, contains a link.
 
-    Only commands write there: a link was put there by somebody else, and leads anywhere.
+    Only commands write there: another program or user made the link, and it may lead anywhere.
     """
     for one in written:
         link = next(_links_below(folder / one), None)
@@ -206,9 +206,9 @@ BUILD_FOLDER: Final = FilePath("build")
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """How a program is made; see `compile` for its options.
+    """Recipe for a program; see `compile` for its options.
 
-    name: in [programs], or the file from the project's folder of one that stands there ready.
+    name: in [programs], or the path relative to the project's folder for a file used as it is.
     Files are absolute, robots names of the catalogue or absolute files.
     """
 
@@ -244,7 +244,7 @@ class Place:
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """What some controller behind that address takes."""
+        """Languages that controllers at that kind of address accept."""
         return LANGUAGES[self.controller.address.scheme]
 
 
@@ -291,7 +291,7 @@ def project_of(folder: FilePath | None = None) -> Project:
 
 
 def _without_password_line(finding: Diagnostic) -> Diagnostic:
-    """Without its line, if a password may stand in it."""
+    """Return the finding without its source line if that may contain a password."""
     secret = finding.excerpt is not None and SECRET.search(finding.excerpt)
     return replace(finding, excerpt=None) if secret else finding
 
@@ -403,7 +403,7 @@ class _Reader:
         )
 
     def _file(self, table: Table, key: str, text: str) -> FilePath | None:
-        """A file of the project, None with a finding if it is none."""
+        """Return a file of the project, None with a finding if it is invalid."""
         file = path_inside(self.folder, text)
         if file is None:
             table.say(rules.OUTSIDE, key, file=shown(text))
@@ -537,7 +537,7 @@ Schema = dict[str, object]
 
 
 def project_schema() -> Schema:
-    """Of a whole file."""
+    """Return the JSON schema of a complete project file."""
     controller = _table_schema(CONTROLLER_KEYS, "address")
     of_languages = {}
     for language in map(languages.get, languages.names()):

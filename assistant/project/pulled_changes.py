@@ -50,9 +50,9 @@ TAUGHT_SUFFIX: Final = ".toml"
 SOURCES_WITH_NAMES: Final = (TAUGHT_SUFFIX, pseudo.SUFFIX)
 """Sources in which targets have their names."""
 LENGTH_DIGITS: Final = 4
-"""Of millimetres and degrees, as many as controllers tell."""
+"""Digits of millimetres and degrees, as many as controllers report."""
 TURN_DIGITS: Final = 9
-"""Of the parts of a quaternion."""
+"""Digits of the parts of a quaternion."""
 AnyTarget = Target | JointTarget
 
 
@@ -140,7 +140,7 @@ def _target_of(program: Program, name: str) -> AnyTarget | None:
 
 
 def _same_target(one: AnyTarget, other: AnyTarget, precision: Precision) -> bool:
-    """Whether two are one place, as exactly as the controller's language writes it."""
+    """True if both are the same position, at the precision of the controller's language."""
     if isinstance(one, Target) and isinstance(other, Target):
         apart = np.abs(np.subtract(one.pose.position, other.pose.position)).max()
         turned = rotations.angle_between(one.pose.quaternion, other.pose.quaternion)
@@ -211,7 +211,7 @@ def _taught_values(change: ChangedTarget, as_it_is: dict[str, str]) -> Iterator[
 def _with_pseudo_target(
     source: FilePath, text: SourceText, program: Program, change: ChangedTarget, place: AnyTarget
 ) -> SourceText:
-    """The line of one target is printed anew, with the comment behind it."""
+    """Return the source with the line of one target reprinted; the comment after it stays."""
     key = next(
         key
         for key in (*program.targets, *program.joint_targets)
@@ -259,7 +259,7 @@ SAVED_SUFFIX: Final = ".orig"
 
 @dataclass(frozen=True, slots=True)
 class Pulled:
-    """What was brought home. sources: what was changed in each file, one after another."""
+    """Result of a pull. sources: changes to each file, in order."""
 
     sources: Mapping[FilePath, tuple[str, ...]] = field(default_factory=dict)
     findings: tuple[Diagnostic, ...] = ()
@@ -334,7 +334,7 @@ class _Pull:
         self.told.setdefault(source, []).extend(f"target `{one.name}`" for one in changes)
 
     def _sides(self, file: PlannedFile) -> tuple[bytes | None, bytes, StoredForm]:
-        """What was left, what is there now, and how the two are compared."""
+        """Return the deployed and the present contents, and the form in which they are compared."""
         left, now = file.left, file.before
         stored, in_memory = self.site.controller.stored, self.site.in_memory
         one = None if left is None else self.site.forms(left)
@@ -350,7 +350,7 @@ class _Pull:
         return (None if left is None else left.file), now.file, stored
 
     def _are_one(self, now: Held) -> bool:
-        """Whether a module in memory says what its file says."""
+        """True if a module in memory matches its file."""
         return self.site.forms(Held(None, now.file)) == self.site.forms(Held(None, now.loaded))
 
     def _as_text(
@@ -368,13 +368,16 @@ class _Pull:
         return text if self._are_same(text, there, file) else there
 
     def _are_same(self, one: bytes, other: bytes, file: PlannedFile) -> bool:
-        """Whether the controller would take two texts for the same, where the change is."""
+        """True if the controller would treat two texts as the same, in the place that changed."""
         if other == file.before.loaded:
             return self.site.same(Held(None, one), Held(None, other))
         return self.site.same(Held(one), Held(other))
 
     def check_committed(self) -> None:
-        """What a repository does not know yet would be lost, so it is said and nothing written."""
+        """Add an error for each file with uncommitted changes, so that nothing is written.
+
+        A file outside of a git repository is copied first, with a note.
+        """
         for path in list(self.wanted):
             known = is_committed(path)
             if known is False:

@@ -18,12 +18,12 @@ SEVERAL_WAYS: Final = error(
     "name {options}, or build one of them",
 )
 TARGET_OPTIONS: Final = ("language", "robot")
-"""What the controller of a target may say as well."""
+"""Options that the controller of a target may state as well."""
 
 
 @dataclass(frozen=True, slots=True)
 class SourceOptions:
-    """Options of commands, see `compile`; None for what is not said."""
+    """Options of commands, see `compile`; None if not stated."""
 
     language: str | None = None
     robot: str | None = None
@@ -46,10 +46,10 @@ OPTIONS: Final[Mapping[str, str]] = {
 def completed_options(
     source: str, given: SourceOptions, wanted: Collection[str] = tuple(OPTIONS)
 ) -> SourceOptions:
-    """What is given, and for what is not the word of the project that the source is a program of.
+    """Return the given options, completed from the project that the source is a program of.
 
-    wanted: fields that count. Raises Refused (exit status 2) where programs or targets of the
-    project differ in one that is not given, and for a project that is wrong.
+    wanted: fields that count. Raises Refused (exit status 2) if programs or targets of the project
+    differ in an option that is not given, and for an invalid project.
     """
     file = FilePath(source).absolute()
     project = _project_of_source(file)
@@ -105,7 +105,7 @@ def _project_of_source(file: FilePath) -> Project | None:
 
 
 def _ways_of_source(project: Project, file: FilePath) -> Iterator[tuple[str, SourceOptions]]:
-    """How a file is made: by each program for each target, with names for people."""
+    """Yield the options of a file by each program for each target, with readable names."""
     for recipe in project.programs.values():
         if recipe.source.resolve() != file.resolve():
             continue

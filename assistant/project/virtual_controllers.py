@@ -51,10 +51,10 @@ def running_client(
 def running_clients(
     controller: Named, kept: FilePath, *, timeout: float | None = None
 ) -> Iterator[Clients]:
-    """As many clients as are wanted of a virtual controller that runs inside.
+    """Yield a factory of clients for a virtual controller that runs inside the context.
 
-    kept: `.robot-assistant` of the project. timeout: of each client. Raises Refused. It ends in
-    the thread in which it began.
+    kept: `.robot-assistant` of the project. timeout: of each client. Raises Refused. It ends in the
+    thread in which it began.
     """
     from filelock import FileLock, Timeout
 
@@ -121,7 +121,7 @@ STARTERS: Final[dict[str, Starter]] = {"irc5": _start_irc5, "cr": _start_cr}
 
 
 def _robot_of(controller: Named) -> str | None:
-    """The robot that the controller moves, None for the one that it has by itself."""
+    """Return the robot that the controller moves, None for its default robot."""
     known = {name.lower(): name for name in robots.names()}
     if controller.robot is None or controller.robot.lower() in known:
         return None if controller.robot is None else known[controller.robot.lower()]
@@ -161,7 +161,7 @@ def _save_memory(memory: Memory, file: FilePath) -> None:
 
 
 def _load_memory(memory: Memory, file: FilePath) -> None:
-    """What was in memory when it last ended, or died; nothing of a file that is damaged."""
+    """Load the memory contents of the last run, even if it crashed; ignore a damaged file."""
     from assistant.virtual.irc5.programs import NotPossible, read_module
 
     with suppress(OSError, ValueError, KeyError, TypeError, NotPossible):

@@ -155,7 +155,7 @@ def _draw_arrow(axes: Axes, points: Floats) -> None:
 
 
 def _mark_findings(axes: Axes, drawing: Drawing, back: Pose) -> None:
-    """Codes of findings beside the entities that they tell of."""
+    """Write the codes of findings next to the entities that they are about."""
     lines = {line.handle: line for line in drawing.drawn if line.handle}
     for one in drawing.found:
         colour = SEVERITY_COLOURS.get(one.severity)

@@ -18,13 +18,13 @@ LAYERS: Final = ("layer", "state", "colour", "entities", "contours", "length mm"
 BLOCKS: Final = ("block", "inserts", "is", "attributes")
 LOCATIONS: Final = ("location", "layer", "at mm")
 MOST: Final = 20
-"""Locations that are told one by one."""
+"""Most locations listed one by one."""
 MOST_VALUES: Final = 3
-"""Values of an attribute that are told."""
+"""Most values of an attribute that are listed."""
 
 
 def record(survey: Survey) -> dict[str, Any]:
-    """What the tables say, as plain data: mm."""
+    """Return the contents of the tables as plain data: mm."""
     return {
         "unit": {
             "name": survey.unit,

@@ -37,7 +37,7 @@ NO_PICTURE: Final = error(
     "CL009", "`{name}` is no picture that can be drawn", "end its name in .png or .svg"
 )
 FORMATS: Final = {".png": "png", ".svg": "svg"}
-"""How the name of a picture ends → its format."""
+"""Picture format by file suffix."""
 
 
 def format_of(name: str) -> str:
@@ -175,9 +175,9 @@ class Poses:
 def passed_poses(points: Poses, seen: Poses) -> Poses:
     """Return the poses at which a motion passes points, in the order of the points.
 
-    points: n of them. seen: the motion, one or more samples of it in the order of time; between
-    two samples it goes straight and turns evenly. Each point is looked for after the one before
-    it, up to the end of the motion, where the motion is nearest to it.
+    points: n of them. seen: the motion, one or more samples of it in the order of time; between two
+    samples it goes straight and turns evenly. The search for each point starts after the one before
+    it and runs to the end of the motion; the pose is the one nearest to the point.
     """
     if len(seen) == 1:
         seen = Poses(np.repeat(seen.positions, 2, 0), np.repeat(seen.quaternions, 2, 0))
@@ -272,7 +272,7 @@ def motion_plot(simulation: Simulation, title: str, format: str = "png") -> byte
 
 
 SIGNAL_SPACING: Final = 1.5
-"""Of the curves of signals, each between 0 and 1 of its largest value."""
+"""Spacing of the signal curves, each between 0 and 1 of its largest value."""
 
 
 def run_plot(
@@ -316,7 +316,7 @@ def run_plot(
 
 
 LINK_COLOURS: Final = ("#20639b", "#c0392b", "#3c8d5a")
-"""Of links along the first three axes of a lattice."""
+"""Colours of links along the first three axes of a lattice."""
 GOAL_COLOUR: Final = "#c9ced3"
 
 
@@ -338,9 +338,9 @@ def lattice_picture(
     cameras: Sequence[str],
     format: str = "png",
 ) -> bytes:
-    """A row a camera, a column a stage; goals (m, d) pixels lie behind as dots.
+    """Draw a row per camera, a column per stage; goals (m, d) pixels are dots in the background.
 
-    Of a lattice of more than three axes the middle of the others is drawn. Raises Refused, naming
+    For a lattice of more than three axes, the middle of the others is drawn. Raises Refused, naming
     the extra, without matplotlib.
     """
     from matplotlib.collections import LineCollection
@@ -389,7 +389,7 @@ def curve_csv(steps: Sequence[int], mm: Floats, degrees: Floats) -> bytes:
 
 
 def _picture_limits(axes: Axes, goals: Floats, name: str) -> None:
-    """As far as the goals go, v downwards as in a picture."""
+    """Limit the axes to the goals, v downwards as in a picture."""
     low, high = goals.min(axis=0), goals.max(axis=0)
     more = 0.1 * (high - low)
     axes.set_xlim(low[0] - more[0], high[0] + more[0])
@@ -398,7 +398,7 @@ def _picture_limits(axes: Axes, goals: Floats, name: str) -> None:
 
 
 def _lattice_links(shape: tuple[int, ...]) -> list[Rows]:
-    """Of up to three axes (m, 2) neighbours along each, in the middle of all others."""
+    """Return neighbours (m, 2) along each of up to three axes, in the middle of all others."""
     numbers = np.arange(int(np.prod(shape))).reshape(shape)
     middle = (slice(None),) * 3 + tuple(count // 2 for count in shape[3:])
     there = numbers[middle[: len(shape)]]

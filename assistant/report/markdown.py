@@ -1,4 +1,4 @@
-"""Markdown for pull requests: what comes from outside stands in code, which it cannot leave."""
+"""Markdown for pull requests: external text is code, which it cannot escape."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _told(finding: Diagnostic) -> str:
 
 
 def _longest(text: str) -> int:
-    """Of the runs of backticks in a text."""
+    """Return the length of the longest run of backticks in a text."""
     return max(map(len, re.findall(r"`+", text)), default=0)
 
 

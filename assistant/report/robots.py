@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 HEADINGS: Final = ("name", "title", "axes", "payload", "reach", "controller", "languages")
 DOUBT: Final = "?"
-"""Stands behind a figure that no source confirms."""
+"""Mark after a figure that no source confirms."""
 DOUBTED: Final = f"{DOUBT} no source at hand confirms it"
 COUNTS: Final = {
     "quadrants": "quadrants of axes 1, 4 and 6 (confdata)",
@@ -55,7 +55,7 @@ def _robot_row(robot: Robot) -> tuple[str, ...]:
 
 
 def brief_record(robot: Robot) -> dict[str, Any]:
-    """What the table says, as plain data."""
+    """Return the contents of the table as plain data."""
     return {
         "name": robot.name,
         "title": robot.title,
@@ -197,12 +197,12 @@ SAME_POINT: Final = 1e-3
 ARM_VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
 AXIS_COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
 WRIST_POINT: Final = 4
-"""Of the points of a vertical arm."""
+"""Index of the wrist among the points of a vertical arm."""
 SIDE_COLUMNS: Final = [AXIS_COLUMNS["x"], AXIS_COLUMNS["z"]]
 SHORTEST_SEEN: Final = 0.1
 """Length in a view below which a unit vector points at the reader."""
 CROWDED_SHARE: Final = 0.05
-"""Of the reach, between axes whose names would be printed over each other."""
+"""Share of the reach between axes at which their names would overlap."""
 NAME_OFFSET: Final = 11.0
 """Points from an axis to its name."""
 ARM_COLOUR, AREA_COLOUR, AXIS_COLOUR, REACH_COLOUR = "#1f3b57", "#dbe7f2", "#b3261e", "#6b8e23"
@@ -236,7 +236,7 @@ def arm_drawing(robot: Robot, format: str = "png") -> bytes:
 
 
 def joint_axes(robot: Robot) -> tuple[JointAxis, ...]:
-    """Where the axis of each joint is at home, found by moving the joints one by one."""
+    """Return the axis of each joint at home, found by moving the joints one by one."""
     home = np.asarray(robot.home, dtype=np.float64)
     moved = home + PROBE_MOTION * np.eye(len(home))
     p, q = robot.fk(np.vstack([home, moved]))
@@ -268,7 +268,7 @@ def _axis_point(point: Floats, direction: Floats, chain: Floats) -> Floats:
 
 
 def _reached_area(view: Axes, robot: Robot, seen: list[int]) -> None:
-    """What the wrist gets to, and from above the circle of the stretched arm."""
+    """Draw the area that the wrist reaches, and from above the circle of the stretched arm."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Circle
 

@@ -17,7 +17,7 @@ HEADINGS: Final = ("body", "stands in", "shape", "from", "to", "margin")
 
 
 def record(scene: Scene) -> dict[str, Any]:
-    """What the table says, as plain data: mm."""
+    """Return the contents of the table as plain data: mm."""
     return {
         "robots": {placed.name: placed.robot.name for placed in scene.robots},
         "margin": scene.margin,

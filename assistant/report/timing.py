@@ -1,4 +1,4 @@
-"""What a simulation says: times for people and as plain data, the motion as tables."""
+"""Results of a simulation: times for people and as plain data, the motion as tables."""
 
 from __future__ import annotations
 

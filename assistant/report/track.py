@@ -30,7 +30,7 @@ from assistant.robots.motion.interpolation import DrawingSampling, circles
 from assistant.robots.program_values import Names
 
 STARTS: Final = "_start"
-"""How the name of the target ends at which the following of a contour begins."""
+"""Suffix of the target name at which the following of a contour begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ class Stop:
 
 
 def stops(program: Program) -> Iterator[Stop]:
-    """What each procedure moves to, in order of text, without what only running it tells."""
+    """Yield the stops of each procedure, in order of text, without those known only at run time."""
     names = Names(program)
     for procedure in program.procedures:
         names.enter(procedure)
@@ -99,7 +99,7 @@ def stops(program: Program) -> Iterator[Stop]:
 
 
 def track(program: Program) -> Track:
-    """What the entry procedure and those that it calls move through, conditions left aside."""
+    """Return the motion of the entry procedure and those that it calls, ignoring conditions."""
     pieces = list(_pieces(program, Names(program), program.entry, ()))
     if not pieces:
         return Track(np.empty((0, 3)), np.empty((0, 4)), np.empty(0, np.uint8), {})

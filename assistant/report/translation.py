@@ -25,16 +25,16 @@ from assistant.program.statements import Follow, Label
 from assistant.report.markdown import cell, code, findings_markdown
 
 MOST_COSTS: Final = 10
-"""Reasons that a report tells of a program."""
+"""Most reasons in a program's report."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cost:
     """A reason that statements have in common.
 
-    count: of the statements that are not said, or only with a change, for this one first.
-    cure: what to do about it. message: of the first of them, which stands at `place`. rows: of
-    all of them, in their order.
+    count: of the statements with this as their first reason not to be translated, or only with a
+    change. cure: its fix. message: of the first of them, which is at `place`. rows: of all of them,
+    in their order.
     """
 
     code: str
@@ -58,7 +58,7 @@ class Cost:
 
 
 def costs(rows: Iterable[ReportRow], most: int = MOST_COSTS) -> list[Cost]:
-    """The reasons of the most statements, of those that are not said before the others."""
+    """Return the reasons of the most statements; those of untranslated statements come first."""
     found: dict[tuple[Level, str, str], list[ReportRow]] = {}
     for row in rows:
         if row.level != "supported" and row.reasons:
@@ -115,12 +115,14 @@ def report_lines(one: Translated) -> Iterator[str]:
 
 
 MOST_PLACES: Final = {"not": 5, "partial": 2}
-"""Of one reason, that a summary shows."""
+"""Most positions of one reason in a summary."""
 _LEVEL_WORDS: Final = {"not": "not said", "partial": "said with a change"}
 
 
 def summary(one: Translated) -> Iterator[str]:
-    """How much is said, then what is not and what is changed, by reasons, with first places."""
+    """Yield how much is translated, then the untranslated and the changed statements by reason,
+    with first positions.
+    """
     translation = one.translation
     yield f"{one.source}: {translated_share(translation):.1f} % said: {level_totals(translation)}"
     for level in ("not", "partial"):
@@ -142,7 +144,9 @@ def summary(one: Translated) -> Iterator[str]:
 
 
 def reason_lines(one: Translated) -> Iterator[str]:
-    """What most statements are not said for, a line each; none of a program that is whole."""
+    """Yield the main reasons for untranslated statements, one line each; empty for a completely
+    translated program.
+    """
     for cost in costs(row for row in one.translation.rows.noted if row.level == "not"):
         cure = f"; {cost.cure}" if cost.cure else ""
         statements = "statement" if cost.count == 1 else "statements"
@@ -153,7 +157,9 @@ def reason_lines(one: Translated) -> Iterator[str]:
 
 
 def report_markdown(done: Sequence[Translated]) -> str:
-    """For a pull request: of each program how much is said, and what costs most."""
+    """Return a report for a pull request: how much of each program is translated, and the main
+    losses.
+    """
     told = ["| program | supported | partial | not | said |", "|---|---:|---:|---:|---:|"]
     for one in done:
         counts = " | ".join(f"{count:,}" for count in one.translation.totals.values())
@@ -188,13 +194,13 @@ def _program_markdown(one: Translated) -> Iterator[str]:
 
 
 def translated_share(translation: Translation) -> float:
-    """Percent of the statements that are said, some with a change."""
+    """Return the percentage of translated statements, including those with a change."""
     totals = translation.totals
     return 100 * (1 - totals["not"] / max(1, sum(totals.values())))
 
 
 def level_totals(translation: Translation) -> str:
-    """How many statements there are at each level, in words."""
+    """Return the number of statements at each level, in words."""
     return ", ".join(f"{count:,} {level}" for level, count in translation.totals.items())
 
 
@@ -253,7 +259,7 @@ REPORT_WRITERS: Final[dict[str, Callable[[Sequence[Translated]], str]]] = {
     ".json": _report_json,
     ".txt": report_text,
 }
-"""What a report file is written as, by its suffix."""
+"""Writer of a report file, by its suffix."""
 
 
 def report_bytes(
@@ -375,7 +381,9 @@ def _renamed_rows(
 
 
 def _converted_names(translation: Translation) -> Iterator[tuple[NamedItem, str, Place | None]]:
-    """The same of a program in another dialect, whose data stand in the order of the source."""
+    """Yield the names of a program in another dialect, whose data are in the order of the
+    source.
+    """
     places, back = translation.compiled.places, translation.written.proof.lifted
     old = [part for part in places.parts() if part.name]
     new = [part.name for part in Places(back).parts() if part.name] if back else []

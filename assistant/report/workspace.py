@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 MOST_MAP_SLICES: Final = 9
 MOST_NEAR_PAIRS: Final = 5
-"""Pairs of bodies that are told to be too near."""
+"""Most pairs of bodies reported as too near."""
 NOT_REACHED_COLOUR, TOUCHING_COLOUR = "#e4e7ea", "#d9776c"
 
 
@@ -181,7 +181,7 @@ NO_PLACE_COLOUR: Final = "#e4e7ea"
 
 
 def place_text(place: Place) -> str:
-    """Where a place is, from where the thing stands now."""
+    """Return the position of a place relative to the present one."""
     said = [
         f"{name} {value:+g}"
         for name, value in zip(PLACE_AXES, place.offset.tolist(), strict=True)
@@ -389,7 +389,7 @@ def swept_surface(found: SweptSpace) -> Mesh:
 
 
 def swept_picture(found: SweptSpace, title: str, format: str = "png") -> bytes:
-    """How many mm are swept above each other, from above and from both sides.
+    """Draw the swept depth in mm, from above and from both sides.
 
     Raises Refused, naming the extra, without matplotlib.
     """

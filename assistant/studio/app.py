@@ -35,13 +35,13 @@ from assistant.studio.route_answers import NOT_FOUND, Answering, Question, asks,
 from assistant.studio.studio import Studio
 
 MOST_BYTES: Final = 64_000_000
-"""Of what is sent to the studio at once."""
+"""Most bytes of a request to the studio."""
 PAGE_POLICY: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'nonce-{nonce}'; "
     "img-src 'self' data:; connect-src 'self'; frame-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'"
 )
-"""Of the page; nothing comes from outside, and nothing that a file says is ever run."""
+"""Content policy of the page; nothing comes from outside, and no text of a file is ever run."""
 FORBIDDEN: Final = 403
 CONTENT_TOO_LARGE: Final = 413
 POLICY_VIOLATION: Final = 1008
@@ -110,7 +110,7 @@ async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
 
 
 def _limited_body(receive: Receive) -> Receive:
-    """What comes without its length, ended where it is too long."""
+    """Limit a body without a stated length: end it if it is too long."""
     total = 0
 
     async def counted() -> Message:
@@ -123,7 +123,9 @@ def _limited_body(receive: Receive) -> Receive:
 
 
 def _with_headers(send: Send, nonce: str) -> Send:
-    """Each answer says that it is kept nowhere and what it may load; one may say so by itself."""
+    """Add headers to each answer: no caching, and what it may load; an answer's existing headers
+    stay.
+    """
 
     async def sent(message: Message) -> None:
         if message["type"] == "http.response.start":
@@ -161,7 +163,7 @@ async def page(request: Request) -> Response:
 
 
 async def page_part(request: Request) -> Response:
-    """One of our own files, by a name that is listed; nothing else of the disk is asked for."""
+    """Return one of the page's files, by a listed name; no other file can be requested."""
     found = _part_bytes().get(request.path_params["name"])
     if found is None:
         return PlainTextResponse("not here", NOT_FOUND)
@@ -238,7 +240,7 @@ async def window(line: WebSocket) -> None:
 
 
 async def _hear_window(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
-    """What a window says, until it is gone or says what no page of ours says."""
+    """Yield the messages of a window, until it closes or sends an invalid one."""
     while True:
         try:
             message = json.loads(await line.receive_text())
@@ -251,7 +253,7 @@ async def _hear_window(line: WebSocket) -> AsyncIterator[Mapping[str, Any]]:
 
 
 def _hear_beat(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
-    """A beat of a held key goes to what moves; nothing else is said here."""
+    """Pass the beat of a held key to the arm's control; ignore all other messages."""
     control = studio.live.get("control")
     beat = getattr(control, "beat", None)
     if beat is not None and message.get("kind") == "beat":
@@ -259,7 +261,7 @@ def _hear_beat(studio: Studio, name: str, message: Mapping[str, Any]) -> None:
 
 
 def _release_window(studio: Studio, name: str, wrote: bool) -> Sequence[object]:
-    """What a window had under control, connected or started, which is to be ended."""
+    """Return what a window controlled, connected or started, to be ended."""
     mine = getattr(studio.live.get("control"), "window", None) == name
     own = ("control",) if mine or wrote else ()
     return studio.taken_off(*own, *(("connection", "run") if wrote else ()))
@@ -271,7 +273,7 @@ async def _send_events(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) 
 
 
 async def _watch_files(studio: Studio, tell: Any) -> None:
-    """Tells of files that came, went or changed."""
+    """Report files that were added, removed or changed."""
     from assistant.studio.studio import (
         file_stamps,  # readers and languages, after the page is there
     )

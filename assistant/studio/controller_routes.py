@@ -32,7 +32,7 @@ BACKUP_FOLDER: Final = "backups"
 
 
 def connection_of(studio: Studio) -> Connection:
-    """The controller that is connected to; raises Refused if there is none."""
+    """Return the connected controller; raise Refused if not connected."""
     found = studio.live.get("connection")
     if not isinstance(found, Connection):
         raise Refused(rules.NOT_CONNECTED())
@@ -53,7 +53,7 @@ def refuse_unconfirmed(one: Named, asked: Question, what: str) -> None:
 
 
 def controller(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
-    """What is connected to, and whether somebody has control of it."""
+    """Return the connected controller, and whether it is under a user's control."""
     from assistant.controllers.states import record
     from assistant.studio.controller_session import Control
 
@@ -128,7 +128,7 @@ def _kept_name(studio: Studio) -> FilePath:
 
 
 def _is_clear_text(studio: Studio, one: Named) -> Iterator[Diagnostic]:
-    """Whether what is sent can be read on the way, unless the project has accepted that."""
+    """Yield a finding if the connection is not encrypted, unless the project has accepted that."""
     from assistant.controllers.address import clear_text_finding
     from assistant.findings.severities import severities_for
 
@@ -183,7 +183,7 @@ def set_parameter(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def _controller_targets(studio: Studio, one: Named) -> list[Target]:
-    """Of the project, for a controller; raises Refused if there are none."""
+    """Return the project's targets for a controller; raise Refused if it has no targets."""
     from assistant.project import targets_of
 
     found = [target for target in targets_of(studio.folder) if target.controller.name == one.name]
@@ -193,7 +193,9 @@ def _controller_targets(studio: Studio, one: Named) -> list[Target]:
 
 
 def plan(studio: Studio, asked: Question) -> dict[str, Any]:
-    """What a deployment would change, with the differences; `plan` names it for `deploy`."""
+    """Return the changes that a deployment would make, with the differences; `plan` names it for
+    `deploy`.
+    """
     from assistant.project.deployment import plan_record
 
     found = connection_of(studio)
@@ -237,7 +239,9 @@ def deploy(studio: Studio, asked: Question) -> dict[str, Any]:
 def _plan_each(
     studio: Studio, one: Named, session: Programs, asked: Question
 ) -> list[tuple[Target, Plan]]:
-    """Of each target. replace: programs that go there though no deployment left them like that."""
+    """Return the plan of each target. replace: programs to overwrite although no deployment left
+    them so.
+    """
     from assistant.project.deployment import checked_plan
 
     replace = asked.texts("replace")
@@ -259,7 +263,9 @@ def _plan_each(
 
 
 def _plan_name(plans: Sequence[tuple[Target, Plan]]) -> str:
-    """A digest of what is there and what would be sent; what may be replaced is no part of it."""
+    """Return a digest of the present and the new programs; permission to replace is not part of
+    it.
+    """
     told = hashlib.sha256()
     for target, made in plans:
         told.update(repr((target.name, target.task, target.load, str(made.address))).encode())
@@ -270,7 +276,7 @@ def _plan_name(plans: Sequence[tuple[Target, Plan]]) -> str:
 
 
 def verify(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
-    """Whether everything is as it was left, and what was changed there since."""
+    """Return the comparison with the last deployment, and later changes on the controller."""
     from assistant import deploy as deploying
     from assistant.project.deployment import verified_record
 
@@ -288,7 +294,7 @@ def verify(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
 
 
 def roll_back(studio: Studio, asked: Question) -> dict[str, Any]:
-    """What was there before the last deployment is there again."""
+    """Restore the programs from before the last deployment."""
     from assistant import deploy as deploying
     from assistant.project.deployment import deployment_record
 
@@ -301,7 +307,9 @@ def roll_back(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def _joined_records(answers: list[dict[str, Any]]) -> dict[str, Any]:
-    """Of all targets of a controller; their findings stand together, as of other answers."""
+    """Join the records of all targets of a controller; their findings are listed together, as in
+    other answers.
+    """
     told = [finding for answer in answers for finding in answer.pop("findings")]
     return {
         "ok": all(answer["ok"] for answer in answers),
@@ -333,7 +341,7 @@ def backups(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
 
 
 def restore(studio: Studio, asked: Question) -> dict[str, Any]:
-    """What differs from a backup; with `apply`, and confirmed, it is brought back."""
+    """Return the differences from a backup; with `apply`, and confirmed, restore it."""
     found, only = connection_of(studio), asked.texts("only")
     name, wanted = asked.text("folder"), asked.truth("apply")
     folder = studio.place(name)

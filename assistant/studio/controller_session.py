@@ -101,7 +101,7 @@ class Connection:
 
     @property
     def operates(self) -> bool:
-        """Whether it can be looked at and operated, beside the programs that it keeps."""
+        """True if it can be monitored and operated, and not only stores programs."""
         return isinstance(self.session, Controller)
 
     def quick(self) -> Programs:
@@ -109,7 +109,7 @@ class Connection:
         return self._quick()
 
     def do(self, does: Callable[[Controller], T]) -> T:
-        """What is done with the session, after all that was asked before; raises Refused."""
+        """Run a function with the session, after all earlier requests; raise Refused."""
         if not isinstance(self.session, Controller):
             raise Refused(self._only_keeps())
         return self.kept(lambda session: does(session))  # type: ignore[arg-type]
@@ -133,7 +133,9 @@ class Connection:
             raise
 
     def apart(self, does: Callable[[Programs], T]) -> T:
-        """What opens a session by itself, with ours: many controllers have no line for another."""
+        """Run a function that opens a separate session, with this one closed: many controllers
+        accept no second connection.
+        """
 
         def done(session: Programs) -> T:
             self._end_looks()
@@ -146,7 +148,7 @@ class Connection:
         return self.kept(done)
 
     def stop(self) -> Rest:
-        """Stops the arm and all programs; where no line is free for that, after what goes on."""
+        """Stop the arm and all programs; without a free connection, after the current request."""
         done = threading.Event()
 
         def in_turn() -> None:
@@ -162,7 +164,7 @@ class Connection:
         return self.kept(stopped)
 
     def look_at(self, signals: Sequence[str]) -> None:
-        """Signals whose values are told from now on; raises Refused if there are none such."""
+        """Set the signals whose values are reported from now on; raise Refused for unknown ones."""
         wanted = tuple(signals)
 
         def look(controller: Controller) -> None:
@@ -237,7 +239,7 @@ class Connection:
 
 
 def _sample_record(sample: Sample) -> Mapping[str, object]:
-    """A sample as data, in which a number that is none is left out."""
+    """Return a sample as data, without numbers that are not finite."""
     state = replace(sample.state, faults=sample.state.faults[:20])
     found = record(replace(sample, state=state))
     assert isinstance(found, dict)
@@ -276,12 +278,12 @@ class HeldKey:
 
 
 class Control:
-    """An arm that one window moves until it gives that up; raises Refused.
+    """An arm that one window moves until it gives up control; raises Refused.
 
-    window: its name. say: tells that window something. over: is called when control has to be
-    given up because the window is away. left_on: is told why motors may still be on, or that
-    they are off after all. A session of its own waits for the stop, where the controller has a
-    line for it.
+    window: its name. say: sends a message to that window. over: is called when control must end
+    because the window is away. left_on: receives the reason why motors may still be on, or that
+    they are off after all. A separate session is ready for the stop, if the controller accepts
+    another connection.
     """
 
     def __init__(
@@ -323,10 +325,10 @@ class Control:
     # ---------------------------------------------------------------------------------- asked
 
     def beat(self, window: str, message: Mapping[str, Any]) -> None:
-        """What a window answers to a tick; what is stale or makes no sense counts for nothing.
+        """Handle a window's answer to a tick; stale or invalid answers are ignored.
 
-        But a key that was let go is let go, however late that is told, and one that was pressed
-        before a stop was over moves nothing until it is pressed anew.
+        But a released key counts as released, however late the message, and a key pressed before a
+        stop was over moves nothing until it is pressed again.
         """
         tick, number = message.get("tick"), message.get("hold")
         if window != self.window or type(tick) is not int or type(number) is not int:
@@ -395,7 +397,9 @@ class Control:
             self._switched &= offs != self._offs or self._switching_on > 0
 
     def _on(self, offs: int, controller: Controller) -> None:
-        """offs: how often they had been switched off when this was asked for."""
+        """Switch the motors on. offs: number of times they had been switched off when this was
+        requested.
+        """
         with self._changed:
             if self._ended or self._offs != offs:
                 raise Refused(rules.NO_CONTROL() if self._ended else rules.OFF_SINCE())
@@ -408,7 +412,9 @@ class Control:
                 self._switching_on -= 1
 
     def do(self, does: Callable[[Controller], T]) -> T:
-        """What is done with the arm, if it is under control when its turn comes; raises Refused."""
+        """Run a function with the arm, if it is under control when its turn comes; raise
+        Refused.
+        """
 
         def in_turn(controller: Controller) -> T:
             if self._ended:
@@ -456,9 +462,11 @@ class Control:
         return found
 
     def _tried_off(self) -> tuple[Diagnostic, ...]:
-        """By a session of its own, if there is a line for one, or in turn with what goes on.
+        """Switch the motors off in a separate session, if a connection is free, or in turn with
+        other requests.
 
-        Where they are just being switched on, that comes last: what counts is what comes behind.
+        If they are just being switched on, the request in turn comes last: the later command
+        counts.
         """
         apart, in_turn = self._off_apart, self._off_in_turn
         ways = (apart, in_turn) if self._stopper is not None else (in_turn, apart)
@@ -551,18 +559,18 @@ class Control:
             controller.jog(hold.step)
 
     def _is_held(self, hold: HeldKey) -> bool:
-        """Whether it still is, by a beat that is fresh."""
+        """True if the key is still held, by a recent beat."""
         with self._changed:
             return self._held == hold and time.monotonic() - self._fresh <= WATCH
 
 
 def rest_record(rest: Rest) -> dict[str, object]:
-    """Whether an arm stands, and where, as plain data."""
+    """Return the rest of an arm and its position as plain data."""
     return {"stands": rest.stands, "reason": rest.reason, "position": record(rest.position)}
 
 
 def _beat_step(message: Mapping[str, Any]) -> Jog | None:
-    """The step that a beat asks for, None for what is none."""
+    """Return the step requested by a beat, None for an invalid one."""
     axis, by, speed = message.get("axis"), message.get("by"), message.get("speed")
     frame = message.get("frame", "base")
     if not isinstance(axis, str) or axis not in STEP_AXES or by not in (1, -1):

@@ -37,10 +37,10 @@ TRAILING_COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
 
 
 def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
-    """A text in which keys have these values; None takes a key away.
+    """Return a text in which keys have these values; None removes a key.
 
-    A key that stands there behind a `#`, as a choice, gets its place. Raises Refused if the text
-    would say anything else than before beside that. name: of the file, for the finding.
+    A key that is commented out with `#`, as a choice, is replaced there. Raises Refused if anything
+    else in the text would change its meaning. name: of the file, for the finding.
     """
     meant = _key_position(toml_content(text), values)
     changed = None if meant is None else _changed_text(text, values)
@@ -90,7 +90,9 @@ def _with_one_value(text: str, path: KeyPath, value: Any) -> str:
 
 
 def _replaced_value(text: str, start: int, end: int, value: str) -> str:
-    """The value in its place; a comment behind it stays in its column as far as there is room."""
+    """Return the text with the value replaced; a comment after it keeps its column as far as there
+    is room.
+    """
     stop = text.find("\n", end)
     rest = text[end : stop if stop >= 0 else len(text)]
     match = TRAILING_COMMENT.match(rest)
@@ -108,7 +110,9 @@ def _without_key(text: str, at: int) -> str:
 
 
 def _with_new_key(text: str, path: KeyPath, line: str) -> str:
-    """Where the key stands as a choice in its table; else below the last line of that."""
+    """Return the text with a new key: at its commented-out choice in the table; else after the
+    table's last line.
+    """
     start, stop = _table_region(text, path[:-1])
     if start < 0:
         header = ".".join(map(_toml_key, path[:-1]))
@@ -128,7 +132,9 @@ def _with_new_key(text: str, path: KeyPath, line: str) -> str:
 
 
 def _table_region(text: str, table: KeyPath) -> tuple[int, int]:
-    """What belongs to a table: from behind its header to the next one; (-1, -1) if it has none."""
+    """Return the region of a table: from after its header to the next one; (-1, -1) if it is
+    missing.
+    """
     headers = [m.start() for m in re.finditer(r"^[^\S\n]*\[", text, re.MULTILINE)]
     if not table:
         return 0, headers[0] if headers else len(text)
@@ -163,7 +169,9 @@ def _key_position(
 
 
 def toml_content(text: str) -> dict[str, Any] | None:
-    """None for a text that is no TOML; raises Refused for one that takes too long to read."""
+    """Return the TOML contents, None for invalid TOML; raise Refused for a text that takes too long
+    to read.
+    """
     try:
         return toml_text.parse_toml(text)
     except (ValueError, RecursionError):
@@ -197,9 +205,9 @@ def without_table(text: str, table: KeyPath, name: str) -> str:
 LEAVE_OUT_KEY: Final = "leave_out"
 LAYERS_TABLE: Final = "layers"
 USED_FIELD: Final = "used"
-"""Of a layer: whether it is worked; everything else is a key of its table."""
+"""Field of a layer that says whether it is worked; every other field is a key of its table."""
 MOST_DRAWN_POINTS: Final = 20_000
-"""Of the picture of a drawing."""
+"""Most points in the picture of a drawing."""
 CHORD_SHARE: Final = 0.0002
 """Parts of a drawing's size that chords of a curve are off in its picture, less than is seen."""
 FORM_FIELDS: Final = (
@@ -210,13 +218,13 @@ FORM_FIELDS: Final = (
     ("placement", "euler_zyx"),
     ("motion", "speed"),
 )
-"""What the page asks for beside the layers, in its order, by the names of a new process file."""
+"""Fields of the page other than layers, in its order, by the names of a new process file."""
 CHOSEN_ENTRIES: Final = {"tools": "tool", "frames": "frame"}
 """Which of a table's entries the motion takes, under `[motion]`."""
 
 
 def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
-    """What a drawing holds, what becomes of each layer, and its lines from above."""
+    """Return a drawing's contents, the use of each layer, and its lines from above."""
     drawing = studio.file(path)
     file = drawing.with_suffix(PROCESS_SUFFIX)
     content, process, found = _process_contents(drawing, file)
@@ -248,9 +256,9 @@ def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
 
 
 def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """What `FIELDS` are in a file, with the names that it has for its tool and its frame.
+    """Return the values of `FIELDS` in a file, with its names of tool and frame.
 
-    A turn that the file tells by a quaternion is not asked for.
+    A rotation given as a quaternion is not a field.
     """
     found = []
     for field in FORM_FIELDS:
@@ -270,10 +278,10 @@ def _is_worked(layer: SurveyedLayer, process: Process) -> bool:
 
 
 def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Writes the process file of a drawing with these values, a new one if there is none.
+    """Write the process file of a drawing with these values, creating it if necessary.
 
-    values: tables in tables, as the file has them; None takes a key away. Raises Refused for what
-    the file could not be read with, and writes nothing then.
+    values: tables in tables, as the file has them; None removes a key. Raises Refused for values
+    that would make the file unreadable, and then writes nothing.
     """
     drawing = studio.file(path)
     file = drawing.with_suffix(PROCESS_SUFFIX)
@@ -343,7 +351,7 @@ def _process_errors(source: SourceText) -> tuple[Diagnostic, ...]:
 def _process_contents(
     drawing: FilePath, file: FilePath
 ) -> tuple[dict[str, Any], Process, list[Any]]:
-    """What the process file says, as it is and as it is read; a blank one without its blanks."""
+    """Return the process file as written and as parsed; a blank one without its blanks."""
     if not is_file(file):
         return {}, NO_PROCESS, []
     source = _process_text(drawing, file)

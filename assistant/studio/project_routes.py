@@ -127,7 +127,7 @@ def process(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def check(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
-    """What `check` finds in the project."""
+    """Return the findings of `check` for the project."""
     from assistant.project import project_of
     from assistant.project.builds import check as checked
 
@@ -158,7 +158,9 @@ PROJECT_ROUTES: Final = (
 
 
 FILE_NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
-"""Of a file that is dropped: no folder, nothing hidden, nothing that a terminal is led by."""
+"""Pattern of a dropped file's name: no folder, nothing hidden, no control characters for a
+terminal.
+"""
 DEVICE_NAMES: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE)
 """Names that Windows has for devices, whatever their suffix.
 
@@ -168,12 +170,12 @@ KIND_FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "t
 LONGEST_NAME: Final = 60
 PROJECT_ENCODING: Final = "utf-8"
 TARGET_HEADER: Final = "[targets."
-"""Where the example's project begins to say what goes where."""
+"""Text at which the target tables begin in the example's project."""
 PROGRAMS_HEADER: Final = "[programs."
 
 
 def start_empty(folder: FilePath) -> StartedProject:
-    """A project without programs; what is there is left as it is."""
+    """Start a project without programs; an existing one stays unchanged."""
     file = folder / PROJECT_FILE
     if not (file.exists() or file.is_symlink()):
         text, _ = _example_project()
@@ -182,9 +184,9 @@ def start_empty(folder: FilePath) -> StartedProject:
 
 
 def drop_file(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
-    """Writes a file into the project, and what the project needs to say of it.
+    """Write a file into the project, and add it to the project file where necessary.
 
-    Raises Refused for a name that is none, for what is no source, and for one that is there.
+    Raises Refused for an invalid name, for a file that is not a source, and for an existing file.
     """
     kind = _dropped_kind(name)
     file = studio.place(f"{KIND_FOLDERS[kind]}/{name}")
@@ -263,7 +265,7 @@ def _add_to_target(text: str, path: tuple[str, ...], project: Project, name: str
 
 
 def _example_project() -> tuple[str, str]:
-    """The project's file that `init` writes, without its program; and what that says of targets."""
+    """Return the project file that `init` writes, without its program, and its target tables."""
     text = resource("templates", f"project/{PROJECT_FILE}").read_text(encoding=PROJECT_ENCODING)
     program, target = text.index(PROGRAMS_HEADER), text.index(TARGET_HEADER)
     return text[:program].rstrip() + "\n", text[target:]
@@ -281,7 +283,7 @@ def check_file_name(name: str) -> None:
 
 
 def _dropped_kind(name: str) -> str:
-    """drawing, program or table; raises Refused for a bad name, and for what is none of them."""
+    """Return drawing, program or table; raise Refused for a bad name, and for any other kind."""
     check_file_name(name)
     suffix = PurePosixPath(name).suffix.lower()
     if suffix in DRAWING_SUFFIXES:

@@ -1,4 +1,4 @@
-"""How routes answer: plain data in, plain data out, and findings for what is refused."""
+"""Answers of routes: plain data in, plain data out, and findings for refusals."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ VIEW_POLICY: Final = (
 )
 """The content security policy of a page of `view`: only its own script runs, nothing is loaded."""
 LARGEST_NUMBER: Final = 1e300
-"""Of a number that is asked with."""
+"""Largest number in a request."""
 
 
 class PlainData(JSONResponse):
-    """Plain data as ASCII: what a name of a file has that is no text has an escape there."""
+    """Plain data as ASCII: bytes of a file name that are not text are escaped."""
 
     def render(self, content: object) -> bytes:
         return json.dumps(content, allow_nan=False, separators=(",", ":")).encode("ascii")
@@ -43,7 +43,7 @@ class PlainData(JSONResponse):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What a page asks for. window: its name. data: bytes that came with it."""
+    """Request of a page. window: its name. data: bytes sent with it."""
 
     values: Mapping[str, Any]
     window: str = ""
@@ -89,7 +89,7 @@ Answering = Callable[[Studio, Question], object]
 
 
 def looks(path: str, does: Answering) -> Route:
-    """A route that changes nothing: by GET, with what is asked for in the address."""
+    """Return a route that changes nothing: by GET, with the request in the address."""
 
     async def answer(request: Request) -> Response:
         asked = Question(dict(request.query_params), request.headers.get(WINDOW_HEADER, ""))
@@ -144,7 +144,7 @@ def finding_records(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
 
 
 def plain_value(value: Any) -> Any:
-    """What JSON can hold of a value; None for a number that is none."""
+    """Return a value in a form that JSON can hold; None for a number that is not finite."""
     match value:
         case dict():
             return {key: plain_value(one) for key, one in value.items()}

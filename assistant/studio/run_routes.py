@@ -60,9 +60,9 @@ def likely_arm(studio: Studio, path: str) -> str | None:
 
 
 MOST_POINTS: Final = 2_000
-"""Of each curve that the page draws."""
+"""Most points of each curve that the page draws."""
 MOST_COMPARED: Final = 20_000
-"""Of each path that is compared."""
+"""Most points of each path that is compared."""
 TURN_WEIGHT: Final = 100.0
 """mm that a place counts as farther off whose tool is turned right round: where a tool turns on the
 spot, or comes by again, the place is meant at which it is turned alike."""
@@ -70,7 +70,7 @@ BLOCK_SIZE: Final = 256
 """Places whose distances from all of the other path are worked out at once."""
 
 MotionColumns = Mapping[str, np.ndarray]
-"""As `motion_columns` gives them; empty where motions take no time."""
+"""Columns from `motion_columns`; empty if motions take no time."""
 
 
 def shown_motion(
@@ -116,11 +116,11 @@ class Deviation:
 def path_deviation(
     first: MotionColumns, second: MotionColumns, begins: tuple[Floats, Floats]
 ) -> Deviation | None:
-    """How far two tools' paths are apart at most, seen from either; None without both.
+    """Return the largest distance between two tools' paths, from either one; None without both.
 
-    begins: seconds at which the motions of each begin. Where there are as many of both, a place is
-    compared with those of the same motion only. Nothing is said of when the tools are there: what
-    is slower alone has no deviation.
+    begins: seconds at which the motions of each begin. If both have the same number, a position is
+    compared with those of the same motion only. Times do not matter: a slower program alone has no
+    deviation.
     """
     if "t" not in first or "t" not in second:
         return None
@@ -215,7 +215,9 @@ def _same_side(quaternions: Floats, others: Floats) -> Floats:
 
 
 LONGEST_RUN: Final = 60.0
-"""Seconds that each of them may run here, where nobody can switch what it waits for."""
+"""Longest run of each program here, in seconds, as the user cannot switch the signals that it waits
+for.
+"""
 
 
 def compare_files(first: RunRequest, second: RunRequest, script: str) -> Comparison:
@@ -280,9 +282,9 @@ def _start_times(run: Run) -> Floats:
 
 
 RUN_NAME: Final = "run"
-"""What it is called among what is live."""
+"""Name of the run in the live table."""
 MOST_LOG_ROWS: Final = 1_000
-"""Of the log that are told at once."""
+"""Most rows of the log in one answer."""
 SCRIPT_SUFFIX: Final = ".signals.toml"
 STEP_STRIDES: Final[Mapping[str, Stride]] = {"step": "in", "over": "over", "out": "out"}
 NO_RUN_RECORD: Final = {"state": "", "inputs": [], "outputs": [], "stack": [], "data": []}
@@ -326,7 +328,9 @@ def start_run(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def _run_request(studio: Studio, asked: Question, path: str) -> RunRequest:
-    """What was asked to run; raises Unreadable or Refused for what cannot be read or run."""
+    """Return the requested run; raise Unreadable or Refused for programs that cannot be read or
+    run.
+    """
     from assistant.compiler.arms import known_robot, robot_of
     from assistant.compiler.simulated_run import programs, read_script
     from assistant.studio.runs import RunRequest
@@ -356,20 +360,20 @@ def _line_numbers(given: object) -> list[int]:
 
 
 def run_record(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
-    """How the run stands."""
+    """Return the present state of the run."""
     run = studio.live.get(RUN_NAME)
     return dict(NO_RUN_RECORD) if run is None else dict(_running_or_refused(studio).now())
 
 
 def run_log(studio: Studio, asked: Question) -> dict[str, Any]:
-    """What happened: rows from a number on."""
+    """Return the log: rows from a number on."""
     first = max(0, int(asked.number("first", 0)))
     rows = _running_or_refused(studio).log
     return {"first": first, "rows": rows[first : first + MOST_LOG_ROWS], "logged": len(rows)}
 
 
 def continue_run(studio: Studio, asked: Question) -> dict[str, Any]:
-    """How a run that is held goes on: to what holds it next, or by a step."""
+    """Continue a run that is held: to the next hold, or by a step."""
     run, how = _running_or_refused(studio), asked.text("how", "on")
     run.go_on(STEP_STRIDES.get(how))
     return dict(run.now())
@@ -411,7 +415,7 @@ def answer_question(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def run_motion(studio: Studio, asked: Question) -> dict[str, Any]:
-    """How the arm moved until now, in columns; see `shown_motion`."""
+    """Return the motion of the arm so far, in columns; see `shown_motion`."""
     from assistant.virtual.kernel import Kernel
     from assistant.virtual.run_log import motion_columns
 

@@ -55,7 +55,7 @@ WIDEST_VALUE: Final = 200
 
 
 class WatchedInputs(dict[str, float]):
-    """Inputs that nobody has set, as `Settings` has them. read: those that a program looked at."""
+    """Inputs that the user has not set, as `Settings` has them. read: those that a program read."""
 
     def __init__(self, known: dict[str, float]) -> None:
         super().__init__(known)
@@ -114,7 +114,7 @@ COMMAND_TIMEOUT: Final = 5.0
 REPORT_PERIOD: Final = 0.2
 """Seconds between two reports of a run that goes on."""
 LOCKSTEP_PERIOD: Final = 0.05
-"""Seconds between two looks at what is asked for, of a run in step with real time."""
+"""Seconds between two checks for requests, for a run in step with real time."""
 STEP_WAIT: Final = 0.3
 """Seconds in which a step is waited for, so that the answer tells where it led."""
 END_TIMEOUT: Final = 2.0
@@ -125,9 +125,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class RunRequest:
-    """What runs, and how. real_time: as fast as the arm would be, else as fast as possible.
+    """Request for a run. real_time: as fast as the arm would be, else as fast as possible.
 
-    path: of the file that was asked for. at_once: whether it is held before its first statement.
+    path: of the requested file. at_once: it is held before its first statement.
     """
 
     programs: Programs
@@ -140,7 +140,7 @@ class RunRequest:
 
 
 class StudioRun:
-    """One run. points: lines with a break point by file. tell: is told how it stands."""
+    """One run. points: lines with a break point by file. tell: receives its state."""
 
     def __init__(self, wanted: RunRequest, points: Mapping[str, list[int]], tell: Notify) -> None:
         self.wanted, self._told = wanted, tell
@@ -188,13 +188,13 @@ class StudioRun:
             self._thread.join(END_TIMEOUT)
 
     def now(self) -> Mapping[str, Any]:
-        """How it stood when it was told last."""
+        """Last reported state of the run."""
         return self._snapshot
 
     def ask(self, does: Callable[[Kernel], T]) -> T:
-        """What a command gives that is carried out between two statements; raises what it raises.
+        """Return the result of a command that runs between two statements; raise its exceptions.
 
-        Raises Refused where the run does not come to it in time.
+        Raises Refused if the run does not get to it in time.
         """
         future: Future[T] = Future()
 
@@ -237,7 +237,7 @@ class StudioRun:
         self._stands.wait(STEP_WAIT)
 
     def answer(self, text: str) -> None:
-        """What a person says to the question; raises Refused if there is none."""
+        """Answer the question of the run; raise Refused if it asks nothing."""
 
         def say(_: Kernel) -> None:
             if self.state != "asks":
@@ -354,7 +354,7 @@ class StudioRun:
         kernel.at(kernel.clock + LOCKSTEP_PERIOD, self._tick)
 
     def _stop(self) -> str:
-        """Whether the program has come to a stop since it was looked at last."""
+        """Return "stop" if the program has stopped since the last check, else ""."""
         first, self._looked = self._looked, len(self.kernel.log)
         new = self.kernel.log[first:]
         return "stop" if any(row.what == Stopped() for row in new) else ""
@@ -378,7 +378,7 @@ class StudioRun:
         return True
 
     def _asked(self, question: str) -> str | None:
-        """What somebody in the window answers; the run ends meanwhile if it is to."""
+        """Return the answer of the user in the window; the run may end meanwhile."""
         self._question, self._answer, self.state = question, None, "asks"
         self._wait(lambda: self._answer is not None)
         self._question = ""
@@ -389,7 +389,7 @@ class StudioRun:
         return self._answer
 
     def _wait(self, done: Callable[[], bool]) -> None:
-        """Carries out what is asked for until that, or until the run is to end."""
+        """Carry out commands until the condition holds, or until the run must end."""
         self._report()
         self._stands.set()
         while not done() and not self.over:

@@ -42,21 +42,21 @@ from assistant.studio.studio import Studio
 from assistant.studio.texts import open_text
 
 MOST_DRAWING_POSES: Final = 400
-"""Of the way along a drawing that are looked at while it is dragged."""
+"""Most poses on the path along a drawing that are checked while it is dragged."""
 MOST_CONTACT_POSES: Final = 40
-"""Of these, at which it is seen whether anything is touched."""
+"""Most of these poses at which contact is checked."""
 OPEN_CONFIGURATION: Final = np.full(6, UNSTATED, dtype=np.int64)
 
 DragRecord = dict[str, Any]
 
 
 def drag_record(stage: Stage, handle: Handle, position: Sequence[float]) -> DragRecord:
-    """What would be at another position (3,) mm in the world.
+    """Return the effect of another position (3,) in mm in the world.
 
-    reached: None where no arm is known. joints: (a,) of the arm's chain there, as `view` poses it,
-    None where it is not reached. other: whether another branch of the arm leads there than the
-    text states. touches: names of two bodies, None for nothing. near: the same within the margin.
-    left: how many of `looked` places are not reached.
+    reached: None if the arm is unknown. joints: (a,) of the arm's chain there, as `view` poses it,
+    None if out of reach. other: the arm needs another configuration there than the text states.
+    touches: names of two bodies, None for no contact. near: the same within the margin. left: how
+    many of `looked` poses are out of reach.
     """
     nothing: DragRecord = {
         "reached": None,
@@ -159,7 +159,7 @@ def _all_joints(stage: Stage, model: Model, joints: Floats) -> Floats:
 
 
 def _drawing_record(stage: Stage, handle: Handle, position: Floats) -> DragRecord:
-    """Of places along the whole way, evenly picked."""
+    """Return the same record for poses along the complete path, evenly selected."""
     assert stage.solved is not None
     solution, base = stage.solved.solution, stage.shown.base
     by = position - np.array(handle.pose.position)
@@ -183,11 +183,11 @@ def _drawing_record(stage: Stage, handle: Handle, position: Floats) -> DragRecor
 
 
 WRITTEN_DIGITS: Final = 3
-"""Of mm that are written: more than an arm repeats."""
+"""Decimals of mm that are written: more than an arm's repeatability."""
 DIGIT_TOLERANCE: Final = Tolerance(position=0.01, angle=0.01, number=1e-6)
-"""What digits of a text leave off."""
+"""Tolerance for the digits that a text omits."""
 FINEST_DIGITS: Final = 2
-"""Of those that a text states, from where on no more are written."""
+"""Decimals in a text from which no more are written."""
 NUMBER: Final = r"[-+]?[0-9]+(?:\.[0-9]*)?"
 COMMA: Final = r"[ \t]*,[ \t]*"
 PATTERN_FLAGS: Final = re.MULTILINE | re.IGNORECASE
@@ -197,10 +197,10 @@ EDIT_BY_HAND: Final = "change it in the text"
 def move_edit(
     studio: Studio, window: str, stage: Stage, handle: Handle, position: Sequence[float]
 ) -> tuple[str, Change]:
-    """The file that says where something is, and what changes there if it is moved.
+    """Return the file that states a position, and the change there if it is moved.
 
-    position: (3,) mm in the world. Raises Refused where the text has changed since it was shown,
-    and where it cannot say the place. Nothing is written.
+    position: (3,) mm in the world. Raises Refused if the text has changed since it was shown, and
+    if it cannot express the position. Nothing is written.
     """
     x, y, z = target_pose(handle, position).position
     place = (_rounded_value(x), _rounded_value(y), _rounded_value(z))
@@ -217,7 +217,7 @@ def move_edit(
 
 
 def _rest_unchanged(handle: Handle, before: str, now: str) -> bool:
-    """Whether texts are the same but for the line that is moved, which is read anew."""
+    """True if the texts are the same except for the moved line, which is parsed again."""
     if before == now:
         return True
     one, other = Lines(before), Lines(now)
@@ -235,7 +235,7 @@ def least_change(before: str, after: str) -> Change:
 
 
 def _common_prefix(one: str, other: str) -> int:
-    """How many characters are the same from the begin."""
+    """Return the length of the common prefix."""
     low, high = 0, min(len(one), len(other))
     while low < high:
         middle = (low + high + 1) // 2
@@ -387,7 +387,7 @@ def _language_text(document: Document, program: Program, robot: Robot | None) ->
 
 
 def _with_declaration_head(part: str, written: str, name: str) -> str:
-    """What stands in front of the name stays: who else knows it, and how it is kept."""
+    """Return the declaration with the original text before the name: its scope and storage."""
     head = re.compile(rf"^[^\r\n]*?(?<!\w){re.escape(name)}(?!\w)", PATTERN_FLAGS)
     kept = head.search(part)
     return written if kept is None else head.sub(lambda _: kept[0], written, count=1)

@@ -61,13 +61,13 @@ if TYPE_CHECKING:
 
 
 STATED_OPTIONS: Final = ("robot", "process", "unit", "cell", "from_language", "from_robot", "entry")
-"""What a project says of the way in which a source is shown."""
+"""Options that a project states for showing a source."""
 
 
 def make_stage(studio: Studio, window: str, path: str) -> Stage:
-    """The stage of a program, a table, a drawing or its process file; raises Refused.
+    """Return the stage of a program, a table, a drawing or its process file; raise Refused.
 
-    What is not saved counts as it stands in the window.
+    Unsaved text counts as it is in the window.
     """
     source = _drawing_of_process(studio, path)
     process = _process_of_drawing(studio, source)
@@ -97,7 +97,7 @@ def _drawing_of_process(studio: Studio, path: str) -> str:
 
 
 def _process_of_drawing(studio: Studio, source: str) -> str:
-    """The process file that places a drawing, empty if there is none."""
+    """Return the process file that places a drawing, empty without one."""
     if FilePath(source).suffix.lower() not in DRAWING_SUFFIXES:
         return ""
     stated = completed_options(source, SourceOptions(), ("process",)).process
@@ -147,7 +147,7 @@ def _drawing_placement(process: str, text: str) -> tuple[Pose, Pose] | None:
 def _load_text_of(
     studio: Studio, source: str, process: str, text: str, given: SourceOptions, stands: InCell
 ) -> Loaded:
-    """As `load` gives it, of the text instead of the file that it stands for."""
+    """Load a source as `load` does, with the text in place of its file."""
     file = studio.file(source)
     suffix = file.suffix.lower()
     saved = text == read_text(read_bytes(studio.file(process or source)), source).text
@@ -171,7 +171,7 @@ def _load_text_of(
 def _unsaved_text(
     file: FilePath, text: SourceText, given: SourceOptions, reader: Robot | None
 ) -> Loaded:
-    """What stands in an editor and not on the disk."""
+    """Load text that is in an editor and not on the disk."""
     suffix = file.suffix.lower()
     if suffix == TAUGHT_SUFFIX:
         reading = read_taught(text, file.stem, process_of(file, given.process))
@@ -190,7 +190,9 @@ def _unsaved_text(
 
 
 def _typed_placement(process: str, text: str) -> DrawingPlacement | None:
-    """Where the text of a process file puts its drawing; None where it says nothing of that."""
+    """Return the placement of a drawing in the text of a process file; None if it has no
+    placement.
+    """
     if not process:
         return None
     stated = parse_process(source_of(text, process))
@@ -221,7 +223,7 @@ def _common_robot(studio: Studio) -> str | None:
 
 
 def show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
-    """Works a file out for the scene as it stands in the window; its page is asked for by name."""
+    """Prepare the scene of a file as it is in the window; its page is requested by name."""
     stage = make_stage(studio, asked.window, asked.text("path"))
     return {
         "name": stage.name,
@@ -234,7 +236,7 @@ def show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def drag_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
-    """What would be if something stood elsewhere; nothing is changed."""
+    """Return the effect of moving an object; nothing is changed."""
     from assistant.studio.scene_edits import drag_record as told
 
     stage, handle = _held_handle(studio, asked)

@@ -1,4 +1,4 @@
-"""The server of the studio: it listens on this computer alone, unless it is told another place."""
+"""Server of the studio: it listens on this computer alone, unless another address is given."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 HERE: Final = "127.0.0.1"
 NAMES: Final = (HERE, "localhost")
-"""What a browser may call this computer."""
+"""Names that a browser may use for this computer."""
 CERTIFICATE: Final = FilePath(".robot-assistant", "studio", "certificate.pem")
 """Below the project's folder: of a studio that others may open."""
 BEGINNING: Final = 20.0
@@ -36,7 +36,10 @@ ENDING: Final = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """address: that opens it, with a token that nobody can guess. guard: counts what it refused."""
+    """A running server of the studio.
+
+    address: opens it, with a token that cannot be guessed. guard: counts its refusals.
+    """
 
     address: str
     studio: Studio
@@ -45,11 +48,10 @@ class Served:
 
 @contextlib.contextmanager
 def serving(folder: FilePath, host: str | None = None, port: int = 0) -> Iterator[Served]:
-    """A studio of a folder for as long as the context, in which it works from then on.
+    """Serve a studio of a folder for as long as the context, and make it the working folder.
 
-    host: an address of this computer by which others reach it; then only by TLS, with a
-    certificate of its own. None for this computer alone. port: 0 for any that is free.
-    Raises Refused.
+    host: an address of this computer by which others reach it; then only by TLS, with its
+    certificate. None for this computer alone. port: 0 for any free one. Raises Refused.
     """
     uvicorn, applied, guarded = _libraries()
     from assistant.studio.studio import Studio

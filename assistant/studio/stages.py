@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 LIVE_KIND: Final = "scenes"
-"""Of what is live."""
+"""Kind of the stages in the live table."""
 MOST_STAGES: Final = 4
 """Scenes that windows may ask about."""
 TAUGHT_SUFFIX: Final = ".toml"
@@ -73,7 +73,7 @@ class Handle:
     with_arm: bool = False
 
     def held_at(self, gripped: Sequence[float]) -> Vector:
-        """Where it is in the world if it is held there by its grip."""
+        """Return its position in the world if it is held there by its grip."""
         x, y, z = (at - off for at, off in zip(gripped, self.grip, strict=True))
         return x, y, z
 
@@ -89,12 +89,12 @@ class Handle:
 
 @dataclass(slots=True, eq=False)
 class Stage:
-    """One state of a program, ready to be shown and asked about.
+    """One state of a program, ready to be shown and queried.
 
-    path: of its source, as the page calls it. process: of the process file of a drawing. text: of
-    what is edited when something is moved. solved: None where no arm goes through it. placed: of a
-    drawing the pose of its frame in the robot's base, and where it stands in that. record: of its
-    page, see `view`. handles: what can be moved there.
+    path: of its source, as the page names it. process: of the process file of a drawing. text: of
+    the file edited by a move. solved: None if no arm runs it. placed: for a drawing, the pose of
+    its frame in the robot's base, and its pose in that frame. record: of its page, see `view`.
+    handles: objects that can be moved there.
     """
 
     name: str
@@ -115,7 +115,7 @@ class Stage:
         return None if self.solved is None else self.solved.solution.robot
 
     def model(self) -> Model | None:
-        """What could touch in the cell; None without one."""
+        """Return the collision model of the cell; None without one."""
         from assistant.cell.collision.model import Model
 
         if self._model is None and self.solved is not None and self.solved.scene is not None:
@@ -156,7 +156,7 @@ def stages_of(studio: Studio) -> Stages:
 
 NUMBERED_NAME: Final = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
 SAME_POSE: Final = 1e-6
-"""Of mm, and of parts of a quaternion."""
+"""Tolerance in mm, and in parts of a quaternion."""
 
 
 class NamedRows:
@@ -217,7 +217,7 @@ class NamedRows:
 
 
 def _match_rows(poses: list[Pose], path: Path) -> bool:
-    """Whether poses are those of the rows of a path."""
+    """True if poses are those of the rows of a path."""
     positions = np.array([pose.position for pose in poses])
     turns = np.array([pose.quaternion for pose in poses])
     alike = np.abs(np.sum(turns * path.quaternions, axis=1)) > 1.0 - SAME_POSE
@@ -225,7 +225,7 @@ def _match_rows(poses: list[Pose], path: Path) -> bool:
 
 
 MOST_HANDLES: Final = 20_000
-"""That a page is told of."""
+"""Most handles sent to a page."""
 
 
 def handles_of(studio: Studio, stage: Stage) -> list[Handle]:

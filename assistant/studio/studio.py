@@ -40,7 +40,7 @@ class Windows:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def opened(self, tell: Notify) -> str:
-        """A name for a new window, which nobody else can guess."""
+        """Return a name for a new window, which cannot be guessed."""
         name = secrets.token_urlsafe(16)
         with self._lock:
             self._open[name] = tell
@@ -48,9 +48,10 @@ class Windows:
         return name
 
     def closed(self, name: str, over: Callable[[bool], None]) -> None:
-        """Of those left the oldest writes from now on.
+        """Close a window; the oldest of the others writes from now on.
 
-        over: is told whether this one wrote, before another one does; calls nothing of here.
+        over: receives True if this one wrote, before another one does; it must not call this
+        object.
         """
         with self._lock:
             wrote = self._writer() == name
@@ -65,7 +66,7 @@ class Windows:
         return writer is not None and secrets.compare_digest(writer.encode(), name.encode())
 
     def has(self, name: str) -> bool:
-        """Whether a window of that name is open."""
+        """True if a window of that name is open."""
         with self._lock:
             return name in self._open
 
@@ -99,12 +100,12 @@ UNLISTED_FOLDERS = frozenset({".git", ".robot-assistant", ".venv", "__pycache__"
 
 @dataclass(slots=True)
 class Studio:
-    """folder: of the project, absolute. windows: that are open, one of which writes.
+    """State of the studio.
 
-    live: what runs or is connected to while windows are open, by its kind. leaving: what was live
-    and is being ended. left_on: why motors may still be on that nobody has control of. beginning:
-    held by whoever puts something there in place of another, so that of two none is left without
-    an end. comparison: of the programs that were compared last.
+    folder: of the project, absolute. windows: that are open, one of which writes. live: runs and
+    connections while windows are open, by kind. leaving: those being ended. left_on: why motors may
+    still be on that no user controls. beginning: lock for replacing one, so that of two each is
+    ended. comparison: of the programs that were compared last.
     """
 
     folder: FilePath
@@ -124,7 +125,9 @@ class Studio:
         return found
 
     def place(self, name: str) -> FilePath:
-        """Where a file of the project is or would be; raises Refused for one outside of it."""
+        """Return the path of a file of the project, existing or not; raise Refused for one outside
+        of it.
+        """
         from assistant.project.project_file import path_inside
 
         found = path_inside(self.folder, name)
@@ -138,20 +141,20 @@ class Studio:
         return path.relative_to(self.folder).as_posix() if path.is_relative_to(self.folder) else ""
 
     def go_to(self, folder: FilePath) -> None:
-        """Works on another folder from now on; raises Refused if there is none."""
+        """Switch to another folder; raise Refused for a missing one."""
         there = self.folder_at(folder)
         os.chdir(there)  # commands take the project of the working folder
         self.folder = FilePath.cwd()
 
     def folder_at(self, folder: FilePath) -> FilePath:
-        """A folder, absolute; raises Refused if there is none."""
+        """Return the folder as an absolute path; raise Refused for a missing one."""
         there = folder.absolute()
         if not there.is_dir():
             raise Refused(rules.NO_FOLDER(name=folder), exit_status=2)
         return there
 
     def end(self) -> None:
-        """Ends whatever runs or is connected to, and waits for what somebody else ends."""
+        """End all runs and connections, and wait for those that others are ending."""
         self.drop(*reversed(list(self.live)))
 
     def drop(self, *names: str) -> None:
@@ -187,7 +190,7 @@ SUFFIX_KINDS: Final[Mapping[str, str]] = {
     ".toml": "settings",
     ".csv": "table",
 }
-"""What files of these suffixes are, beside programs."""
+"""File kind by suffix, except programs."""
 
 
 def file_tree(folder: FilePath) -> list[dict[str, Any]]:

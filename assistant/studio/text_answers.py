@@ -1,4 +1,4 @@
-"""What is answered about texts; the language service knows it."""
+"""Answers about texts, from the language service."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from assistant.studio.studio import Studio
 from assistant.studio.texts import desk, read_text, stamp, stamp_of
 
 MOST: Final = 500
-"""Findings of a text that are told; a page shows fewer."""
+"""Most findings of a text in an answer; a page shows fewer."""
 LINES: Final = 400
-"""Whose words are told at once."""
+"""Most lines whose words are sent at once."""
 TRANSLATED: Final = 10_000
 """The same of a translation, which nobody scrolls while he types."""
 STALE: Final = {"stale": True}
-"""What is told of a text that has been changed since it was asked about."""
+"""Answer about a text that has changed since the question."""
 _kept: set[str] = set()
 
 
@@ -49,7 +49,7 @@ class State:
 
     @property
     def at(self) -> Place:
-        """Where in it."""
+        """Position in the text."""
         return _place(self.asked.values.get("at"))
 
 
@@ -87,9 +87,9 @@ def close(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def on_disk(studio: Studio, asked: Question) -> dict[str, Any]:
-    """What stands in a file now, while it is open; its text only if its stamp is a new one.
+    """Return the present contents of a file while it is open; its text only if its stamp is new.
 
-    Whatever was known of its program is asked anew.
+    All that was known of its program is determined again.
     """
     path = studio.place(asked.text("path"))
     desk(studio, asked.window).workspace.saved(str(path))
@@ -101,7 +101,7 @@ def on_disk(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def change(studio: Studio, asked: Question) -> dict[str, Any]:
-    """What was typed; findings and words of the lines that are seen come back."""
+    """Apply typed changes; return findings and the words of the visible lines."""
     path = studio.place(asked.text("path"))
     one, version = desk(studio, asked.window), int(asked.number("version"))
     if "text" in asked.values:
@@ -221,7 +221,7 @@ def translation(on: State) -> dict[str, Any]:
 
 
 def save(studio: Studio, asked: Question) -> dict[str, Any]:
-    """Writes the file; nothing if somebody else has changed it since."""
+    """Write the file; raise Refused, and write nothing, if others have changed it since."""
     path = asked.text("path")
     one = desk(studio, asked.window)
     known = one.save(studio.place(path), path, asked.text("text"), asked.text("stamp"))
@@ -241,7 +241,7 @@ def _title(name: str) -> str:
 
 
 def _named(studio: Studio, path: str) -> str:
-    """As the page names files; a file outside of the project keeps its whole name."""
+    """Return the page's name of a file; a file outside of the project keeps its full name."""
     return studio.named(FilePath(path)) or path
 
 

@@ -22,13 +22,13 @@ from assistant.studio.route_answers import not_asked
 from assistant.studio.studio import Studio
 
 KIND: Final = "texts"
-"""Of what is live."""
+"""Kind of the texts in the live table."""
 ENCODINGS: Final = ("utf-8-sig", "utf-8")
-"""Of texts that are in no language of a controller."""
+"""Encodings of texts that are not in a controller's language."""
 LONGEST: Final = 8_000_000
 """Bytes of a text that is opened."""
 SAVING: Final = threading.Lock()
-"""Held from when a file is looked at until it is written."""
+"""Lock held from the check of a file until it is written."""
 GONE: Final = ""
 """Stamp of a file that is not there."""
 
@@ -128,7 +128,7 @@ def desk(studio: Studio, window: str) -> Desk:
 
 
 def open_text(studio: Studio, window: str, path: str) -> str:
-    """A file's text, as it stands in a window if it is open there; raises Refused."""
+    """Return a file's text, from the window if it is open there; raise Refused."""
     file = studio.file(path)
     if studio.windows.has(window):
         document = desk(studio, window).workspace.documents.get(str(file))
@@ -150,7 +150,7 @@ def stamp(data: bytes) -> str:
 
 
 def stamp_of(path: FilePath) -> str:
-    """Of a file; that of none where it cannot be read any more."""
+    """Return the stamp of a file; that of a missing file if it cannot be read any more."""
     if not is_file(path):
         return GONE
     try:

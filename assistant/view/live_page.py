@@ -13,9 +13,11 @@ from typing import Any, Final, Self
 
 LOCAL_HOST: Final = "127.0.0.1"
 HOST_NAMES: Final = (LOCAL_HOST, "localhost")
-"""What a browser may call this computer: a page of another name that leads here gets nothing."""
+"""Names that a browser may use for this computer: a page of another name that leads here gets
+nothing.
+"""
 MOST_PAGES: Final = 16
-"""Pages that are told at a time."""
+"""Most pages served at a time."""
 KEEP_ALIVE: Final = 5.0
 """Seconds after which a page without news is sent an empty line, to see whether it is there."""
 SEND_TIMEOUT: Final = 10.0
@@ -23,10 +25,10 @@ SEND_TIMEOUT: Final = 10.0
 
 
 class LivePage:
-    """A page at an address that nobody can guess, and the latest event for all that show it.
+    """A page at an address that cannot be guessed, and the latest event for all that show it.
 
-    A context manager: it is served from entering on; leaving tells what was told last, and ends.
-    Entering raises OSError where no port is free.
+    A context manager: entering starts the server; leaving sends the last event, and ends. Entering
+    raises OSError if no port is free.
     """
 
     def __init__(self, text: str) -> None:
@@ -65,7 +67,7 @@ class LivePage:
         self._thread.join()
 
     def tell(self, kind: str, record: dict[str, Any]) -> None:
-        """An event for all pages. One that is slow is told the latest only."""
+        """Send an event to all pages. A slow page receives the latest only."""
         text = json.dumps(record, ensure_ascii=True, allow_nan=False)
         with self._news:
             self._event = f"event: {kind}\ndata: {text}\n\n".encode("ascii")
@@ -73,7 +75,7 @@ class LivePage:
             self._news.notify_all()
 
     def asked(self, request: BaseHTTPRequestHandler) -> None:
-        """Answers a page that asks for itself, or for what happens; nobody else gets anything."""
+        """Answer a page that requests itself or the events; all other requests are refused."""
         port = self._server.server_address[1]
         hosts = {f"{name}:{port}" for name in HOST_NAMES}
         if request.headers.get("Host", "") not in hosts:

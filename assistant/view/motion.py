@@ -140,7 +140,7 @@ def room_left(robot: Robot, joints: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def tool_held(simulation: Simulation) -> bool:
-    """Whether the tool is at the arm, and no work piece, for all of the program."""
+    """True if the arm holds the tool, and not the work piece, throughout the program."""
     return all(mount.tool.held and not mount.frame.held for mount in _tool_mounts(simulation))
 
 
@@ -206,12 +206,11 @@ def text_records(texts: Sequence[SourceText]) -> tuple[list[Record], int]:
 
 
 class Moves:
-    """The motion statements in order of text, and when they are come to in the way that is played.
+    """Motion statements in order of text, and the times at which they begin in the played motion.
 
-    until: seconds up to which it is played.
-    keys: procedure and number of each. begins: seconds, place in the list and line of the text
-    (0 for none), in order of time, of at most `MOST_PLAYED`. until: seconds up to which these are
-    all.
+    until: seconds up to which it is played. keys: procedure and number of each. begins: seconds,
+    place in the list and line of the text (0 for none), in order of time, of at most `MOST_PLAYED`.
+    until: seconds up to which these are complete.
     """
 
     def __init__(
@@ -271,13 +270,13 @@ class Moves:
         return None if finding.span is None else self.spans.get(finding.span.start)
 
     def line_of(self, key: MoveKey, row: int = 0) -> int:
-        """The line of a move, counted through all texts from 1; 0 if it stands in none."""
+        """Return the line of a move, counted through all texts from 1; 0 without a line."""
         rows = self._lines.get(key, ())
         return rows[row] if row < len(rows) else rows[0] if rows else 0
 
     def _passings(self, passed: MovesWithoutStop) -> Iterator[tuple[float, int, int]]:
-        """Moves of a stretch that have a line of their own, and statements, with the seconds in it
-        after which they begin.
+        """Yield moves of a stretch that have a separate line, and statements, with the seconds in
+        it after which they begin.
         """
         stretches = stretches_of(passed.plan)
         before: tuple[Segment, int] | None = None
@@ -320,7 +319,9 @@ class Moves:
                         self._in_run.add((name, number))
 
     def _lines_of_run(self, span: Span, text: str) -> Sequence[str]:
-        """Those of the run that was asked for last are kept: its moves come one after the other."""
+        """Return the lines of a run; the last run is cached, as its moves come one after the
+        other.
+        """
         if self._run is None or self._run[0] != span:
             self._run = span, lines_of(text)
         return self._run[1]
@@ -350,20 +351,22 @@ class Moves:
 
 
 def _last_on_line(leg: Leg) -> list[bool]:
-    """Of each move of a statement whether a line of the text ends with it; two of an arc."""
+    """Return a flag for each move of a statement: True if it ends a line of the text; an arc has
+    two.
+    """
     if leg.solved_run is None:
         return [True] if len(leg.joints) <= 1 else [False] * (len(leg.joints) - 1) + [True]
     return [bool(end) for end in leg.solved_run.run.kinds[leg.rows] != Kind.VIA]
 
 
 MOST_PLACES: Final = 100_000
-"""Of the path of a program that is only drawn."""
+"""Most points of the path of a program that is only drawn."""
 NO_NUMBERS: Final = column_text(np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True)
 class StillMotion:
-    """What a page is told of a motion where there is none."""
+    """Motion record of a page without a motion."""
 
     until: float = 0.0
 

@@ -44,7 +44,9 @@ from assistant.view.motion import (
 from assistant.view.page_contents import MOST_FINDINGS, Shown, finding_records
 
 MOST_RIDE_STAGES: Final = 40_000
-"""Stretches of moves that are looked at; where bodies are behind them the page does not tell."""
+"""Most stretches of moves that are examined; the page does not show positions of bodies after
+them.
+"""
 
 Ride = tuple[int, Pose] | None
 """The carrier of a body and its pose on it; None where only running the program tells."""
@@ -53,7 +55,7 @@ Ride = tuple[int, Pose] | None
 def rides_of(
     simulation: Simulation, scene: Scene, until: float
 ) -> Mapping[str, list[tuple[float, Ride]]]:
-    """What each body rides on, by seconds, of those that do not stay where they are at first.
+    """Return the carrier of each body over time, for those that do not keep their first position.
 
     simulation: of a program that carries, with the `Holding` of the scene. until: seconds that are
     played.
@@ -82,7 +84,7 @@ def rides_of(
 def _carried_bodies(
     simulation: Simulation, until: float
 ) -> Iterator[tuple[float, CarriedBodies | None]]:
-    """What is carried from when on; None from where nobody looks any more."""
+    """Yield the carried bodies by start time; None once the examination stops."""
     known: dict[int, list[tuple[float, CarriedBodies]]] = {}
     for number, (start, passed) in enumerate(motion_stages(simulation, until)):
         if number >= MOST_RIDE_STAGES:
@@ -104,7 +106,7 @@ def _all_bodies(scene: Scene, now: Scene, carriers: Carriers) -> Mapping[str, Ri
 
 
 def _ride_of(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
-    """None also for what stands in a body that is lost."""
+    """Return the carrier of a body; None also for one whose parent body is lost."""
     upper = body
     while upper is not None and upper.parent not in carriers.names | now.frames.keys():
         upper = now.body(upper.parent)
@@ -112,17 +114,17 @@ def _ride_of(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
 
 
 MOST_ZONE_STAGES: Final = 1_000
-"""Stretches of moves that are looked at."""
+"""Most stretches of moves that are examined."""
 SMALLEST_ZONE: Final = 0.05
-"""mm below which a zone is none to be seen."""
+"""Radius in mm below which a zone is not visible."""
 
 
 def zones_of(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
-    """(z, 4) centres in the world and radii, mm, of the way that is played until so many
-    seconds, each place once.
+    """Return centres (z, 4) in the world and radii, mm, of the motion played until so many seconds,
+    each place once.
 
-    A zone reaches to the middle of the moves before and after it at most, and where a program
-    waits there is none. Of a tool that the arm does not carry none is told.
+    A zone reaches to the middle of the moves before and after it at most, and is absent if a
+    program waits there. A tool that the arm does not carry has no zones.
     """
     found: dict[int, MovesWithoutStop] = {}
     for number, (_, passed) in enumerate(motion_stages(simulation, until)):
@@ -182,7 +184,7 @@ MOST_DRAWN: Final = 200_000
 """Points of the lines of a drawing."""
 LINK_COLOUR: Final = (232, 140, 60)
 IDLE_LINK_COLOUR: Final = (222, 200, 170)
-"""Of a robot that stands at home."""
+"""Colour of a robot at home."""
 TOOL_COLOUR: Final = (90, 100, 112)
 BODY_COLOUR: Final = (138, 150, 164)
 
@@ -223,7 +225,7 @@ def page_record(shown: Shown) -> Record:
 
 
 def _moving_record(shown: Shown) -> Record:
-    """Of a program that an arm goes through."""
+    """Return the record of a program that an arm runs."""
     solution, simulation, placed = shown.solution, shown.simulation, shown.placed
     assert solution is not None and simulation is not None and placed is not None
     motion = Motion(simulation, placed)
@@ -259,7 +261,7 @@ def _moving_record(shown: Shown) -> Record:
 
 
 def _still_record(shown: Shown) -> Record:
-    """Of a program that is only drawn."""
+    """Return the record of a program that is only drawn."""
     program = shown.program or Program("nothing")
     motion, moves = StillMotion(), StillMoves(program, shown.places)
     texts, lines_left = moves.lines()
@@ -281,7 +283,7 @@ def _still_record(shown: Shown) -> Record:
 
 
 def _arm_record(placed: PlacedRobot, moves: bool) -> Record:
-    """Its chain: the page poses its links by itself."""
+    """Return the chain of an arm, with which the page poses its links."""
     chain = placed.robot.arm.whole_chain
     home = placed.robot.chained(np.array([placed.robot.home]))[0]
     return {
@@ -382,7 +384,7 @@ SCRIPTS: Final = (
     "picking",
     "start",
 )
-"""What draws, in its order; together they are one function of the page."""
+"""Scripts that draw, in order; together they are one function of the page."""
 
 
 def page(*shown: Shown) -> str:
@@ -427,8 +429,8 @@ def filled_page(*programs: Record, nonce: str = "") -> str:
 
 
 def _script_json(data: Record) -> str:
-    """Data as JSON that ends no script: `<` does wherever it stands in front of `/script`, also in
-    a string.
+    """Return data as JSON that cannot end a script: `<` before `/script` would, even in a
+    string.
     """
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028")

@@ -44,16 +44,15 @@ Marked = tuple[Diagnostic, Closeness | None]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
-    """What is to be seen.
+    """Contents of a page.
 
-    solution: of the program, simulated on `placed`, one of the robots of the scene; the others
-    stand at home. None for both if no arm goes through it: then `program` is drawn as it stands,
-    before `placed`, or alone if that is None. places: of the program's texts. findings: in the
-    order of the list. drawn: lines of its drawing. live: the name of the controller that the page
-    follows, None for none. program: what is drawn without an arm. notes: sentences below the title.
-    beside: the text that it was made of, line by line. told, spans: the program that findings tell
-    of, and the places of its texts, where it is another. plan: seen from above and from the side
-    at first.
+    solution: of the program, simulated on `placed`, one of the robots of the scene; the others are
+    at home. None for both if no arm runs it: then `program` is drawn as it is, with `placed`, or
+    alone without it. places: of the program's texts. findings: in the order of the list. drawn:
+    lines of its drawing. live: the name of the controller that the page follows, None for none.
+    program: drawn without an arm. notes: sentences below the title. beside: the text that it was
+    made of, line by line. told, spans: the program of the findings, and the places of its texts, if
+    it is another. plan: seen from above and from the side at first.
     """
 
     title: str
@@ -74,7 +73,7 @@ class Shown:
 
     @property
     def base(self) -> Pose:
-        """Where the robot of the program stands in the world."""
+        """Pose of the program's robot base in the world."""
         return IDENTITY if self.placed is None else self.placed.base
 
 
@@ -176,9 +175,9 @@ class _CountedLines:
         self._beside = _first_lines([(one.path, one.line_count) for one in beside])
 
     def of(self, finding: Diagnostic, own: bool) -> tuple[int, int]:
-        """In the text of the program, and in what it was made of; 0 for in none.
+        """Return the finding's lines in the program and in its source; 0 for not in that text.
 
-        own: whether it is told of the program, and not of what that was made of.
+        own: it is about the program, not about its source.
         """
         first, other = (known.get(finding.path) for known in (self._own, self._beside))
         line = finding.line
@@ -249,7 +248,7 @@ def _contact_record(shown: Shown, motion: Motion, close: Closeness) -> Record:
 
 
 def _own_joints(shown: Shown, joints: Floats) -> Floats:
-    """Of a row of the joints of all robots those of the one that moves."""
+    """Return the joints of the moving robot from a row of the joints of all robots."""
     carriers = Carriers(shown.scene.robots)
     at = next(i for i, one in enumerate(shown.scene.robots) if one is shown.placed)
     return joints[carriers.columns[at]]

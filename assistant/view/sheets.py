@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 class Sheet:
     """A program for the page.
 
-    found: what is found. program: None where it could not be read. places: of its texts. arm: that
-    goes through it, None if that is not known. solution: for this arm, where there is one already.
-    told, spans: the program that findings tell of and the places of its texts, where it is another,
-    such as the one that it was made of. acceleration: see `simulate`. plan: seen from above and
-    from the side at first; None for without a cell.
+    found: its findings. program: None if it could not be read. places: of its texts. arm: that runs
+    it, None if unknown. solution: for this arm, if there is one already. told, spans: the program
+    of the findings and the places of its texts, if it is another, such as the one that it was made
+    of. acceleration: see `simulate`. plan: seen from above and from the side at first; None for
+    without a cell.
     """
 
     title: str
@@ -71,7 +71,7 @@ def compared_sheet(done: Comparison) -> Sheet:
 
 
 def shown_sheet(sheet: Sheet) -> Shown:
-    """What the page shows: the motion of a program if an arm goes through it, else its targets."""
+    """Return the page contents: the motion of a program if an arm runs it, else its targets."""
     from assistant.cell.scene import Scene
     from assistant.compiler.source_map import Places
     from assistant.program.program import Program
@@ -108,7 +108,7 @@ def shown_sheet(sheet: Sheet) -> Shown:
 
 
 def _once(program: Program) -> bool:
-    """Whether each procedure has a name of its own: otherwise nobody knows which one is called."""
+    """True if each procedure has a unique name: otherwise calls are ambiguous."""
     names = [one.name.lower() for one in program.procedures]
     return len(set(names)) == len(names)
 
@@ -140,9 +140,9 @@ def _moving(
 
 
 def _standing(sheet: Sheet) -> tuple[Scene, PlacedRobot | None]:
-    """The scene with the robot that runs the program, None if nobody knows it.
+    """Return the scene with the robot that runs the program, None if unknown.
 
-    It stands alone in the world if no cell is told.
+    The robot is alone in the world if no cell is given.
     """
     from assistant.cell.clearances import robot_of
     from assistant.cell.link_bodies import place_robot

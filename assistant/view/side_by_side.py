@@ -22,7 +22,7 @@ from assistant.report.translation import renamed_items
 from assistant.view.motion import Record, column_text, text_records
 
 NO_LEVEL: Final = len(LEVELS)
-"""Of a line that is no statement."""
+"""Level of a line that is not a statement."""
 MOST_REASONS: Final = 2_000
 
 PairedLines = tuple[int, int, int]
@@ -31,9 +31,11 @@ PairedLines = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class SideBySide:
-    """texts: of the source. rows: each line of them once or more often, and each line that was
-    written at least once, in order of the source. Lines are counted through all texts from 1; a
-    line stands beside one that it became. reasons: why a line is not said as it stands. heading: of
+    """Lines of a source, paired with the written lines.
+
+    texts: of the source. rows: each line of them once or more often, and each line that was written
+    at least once, in order of the source. Lines are counted through all texts from 1; a line is
+    paired with one that it became. reasons: why a line is not translated unchanged. heading: of
     both columns.
     """
 
@@ -56,7 +58,7 @@ class SideBySide:
 
 
 def translation_side_by_side(translation: Translation) -> SideBySide:
-    """The lines of a translation, with what was written, if anything was."""
+    """Return the lines of a translation, next to the written lines, if any."""
     compiled, lifted = translation.compiled, translation.proof.lifted
     source = _CountedTexts(compiled.places.texts)
     written = _CountedTexts(
@@ -130,7 +132,7 @@ class _CountedTexts:
         }
 
     def line(self, place: Place) -> int:
-        """Where a place begins; 0 in another text."""
+        """Return the line where a position begins; 0 in another text."""
         before = self._of.get(place.path)
         return 0 if before is None else before + place.line
 
@@ -164,10 +166,10 @@ def _declaration_pairs(
 
 
 def _declaring_lines(places: Places) -> Callable[[str], list[int]]:
-    """Tells the lines that declare what has a name, in no procedure.
+    """Return a function that gives the lines that declare a name outside procedures.
 
-    Many like declarations may be one part without a name: of these a line is told that gives a
-    value to the name before any other.
+    Many like declarations may be one part without a name: from these it gives the first line that
+    assigns a value to the name.
     """
     known: dict[str, list[int]] = {}
     for part in places.parts():
@@ -192,11 +194,11 @@ def _paired_rows(
     links: Iterable[tuple[Sequence[int], Sequence[int]]],
     levels: Mapping[int, int],
 ) -> list[PairedLines]:
-    """In order of the source; what was written for no line of it stands before the next line that
-    was, or at the end.
+    """Return the paired rows in order of the source; a written line without a source comes before
+    the next line that has one, or at the end.
 
-    Where as many lines came of several as these are, each stands beside its own; else what came of
-    them stands beside and below the first.
+    If a group has equal numbers of source and written lines, they are paired one by one; else the
+    written lines are next to and below the first source line.
     """
     became: dict[int, list[int]] = {}
     for mine, its in links:
@@ -229,11 +231,11 @@ def _paired_rows(
 def _unpaired_lines(
     sources_of: Mapping[int, int], written: int
 ) -> tuple[dict[int, list[int]], dict[int, list[int]], list[int], list[int]]:
-    """Lines that were written for no line of the source: by the line that they stand before, by
-    that which they stand behind, those at the begin, and all of them where no line has a source.
+    """Group written lines without a source by where they belong.
 
-    They stand before the next line that has one, or behind the last one where that goes back in the
-    source.
+    Return them by the line that they precede, by the line that they follow, those at the beginning,
+    and all of them if no line has a source. They precede the next line that has one, or follow the
+    last one if the source goes back there.
     """
     before: dict[int, list[int]] = {}
     after: dict[int, list[int]] = {}

@@ -1,9 +1,8 @@
-"""Merge of edits: what was edited in a written program stays when its source is compiled again.
+"""Merge of edits: edits of a written program survive when its source is compiled again.
 
-`contour_origins.py` says which part of a program came from which place of its source;
-`three_way_merge.py` finds the edits and puts them into the new program; `edited_files.py` does
-that with texts and files; `last_output.py` stores what was written last, from which edits are
-known.
+`contour_origins.py` relates the parts of a program to the parts of its source; `three_way_merge.py`
+finds the edits and puts them into the new program; `edited_files.py` does that with texts and
+files; `last_output.py` stores the last output, from which edits are known.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ def pose_key(pose: Pose) -> PoseKey:
 
 
 def unnumbered_name(name: str) -> str:
-    """A name without the number behind it, which contours of one layer have in common."""
+    """Return a name without its trailing number, which contours of one layer have in common."""
     found = NUMBERED_NAME.fullmatch(name)
     return name if found is None else found[1]
 
@@ -72,7 +72,7 @@ class ContourOrigins:
 
     @cached_property
     def profiles(self) -> dict[str, PlaceProfile]:
-        """Where each contour has its places, which is what tells it from all others."""
+        """Profile of positions of each contour, which distinguishes it from all others."""
         parts: dict[str, list[Any]] = {name: [unnumbered_name(name)] for name in self.contours}
         for name, target in sorted(self.program.targets.items()):
             if (owner := self.contour(name)) is not None:
@@ -83,7 +83,7 @@ class ContourOrigins:
 
     @cached_property
     def counts(self) -> Counter[PlaceProfile]:
-        """How many contours have a profile."""
+        """Return the number of contours of each profile."""
         return Counter(self.profiles.values())
 
     @cached_property
@@ -106,7 +106,7 @@ class ContourOrigins:
         return found
 
     def role(self, name: str) -> str:
-        """What a target is, whatever its number; its name if it has none."""
+        """Return the role of a target, whatever its number; its name if it has no number."""
         owner = self.contour(name)
         return (
             unnumbered_name(name)
@@ -115,7 +115,7 @@ class ContourOrigins:
         )
 
     def is_numbered(self, name: str) -> bool:
-        """Whether a target has its name by its order, and not by people."""
+        """True if the name of a target follows from its order, and was not given by people."""
         return self.contour(name) is not None or NUMBERED_NAME.fullmatch(name) is not None
 
     def owners(self, statement: Statement) -> set[str]:

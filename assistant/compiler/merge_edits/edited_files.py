@@ -1,8 +1,8 @@
 """Written files that were edited since: their new contents when they are written again.
 
-What was compiled is kept beside what is in the file: `.robot-assistant/written/` of the folder
-that is written into, or of the project. So each run knows what was edited since. The text of a
-merged program keeps what people wrote beside the program itself.
+The compiled output is stored beside the files: `.robot-assistant/written/` of the output folder, or
+of the project. So each run knows the edits since. The text of a merged program keeps the comments
+and declarations that people wrote.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ def merged_text(
     sides: tuple[Program, Program, Program],
     arm: Robot | None,
 ) -> Iterator[bytes]:
-    """A merged program in the text that was compiled now, or in that of the file, or both.
+    """Yield a merged program in the text compiled now, or in that of the file, or both.
 
-    sides: the programs that it was made of: as it was written, as it is in the file, as it is now.
-    That of the file is the first where it says what its program does not, as how data are declared
-    and comments; it is none where the new one has changed that as well.
+    sides: the programs that were merged: as written, as in the file, as compiled now. The text of
+    the file comes first if it contains more than its program, such as the form of declarations and
+    comments; it is skipped if the new program has changed that as well.
     """
     base, edited, made = sides
     whole, there = _in_text_of(language, edited, base, arm), _printed_bytes(language, edited)
@@ -101,11 +101,11 @@ NOT_EXPRESSIBLE: Final = "the new program changes what programs of its kind do n
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What is to be written.
+    """Contents to write.
 
-    files: of the programs. compiled: what is to be remembered, by the file that remembers it.
-    diffs: of the files with edits, from what was compiled to what stands there. findings: what is
-    kept or left out of edits. ok: whether all of it may be written.
+    files: of the programs. compiled: compiled output to store, by the file that stores it. diffs:
+    of the files with edits, from the compiled to the present text. findings: edits that are kept or
+    left out. ok: True if all of it may be written.
     """
 
     files: Mapping[FilePath, bytes]
@@ -143,7 +143,7 @@ class Keeper:
     """Names of the edits that were met."""
 
     def kept(self, files: Mapping[FilePath, bytes], memory: FilePath) -> Kept:
-        """What is to be written of one program, by its files. memory: see `written_in`."""
+        """Return the contents to write of one program, by its files. memory: see `written_in`."""
         memories = {path: memory / f"{path.name}{WRITTEN_SUFFIX}" for path in files}
         remembered = {memories[path]: data for path, data in files.items()}
         there = {path: bytes_of(path) for path in files}
@@ -188,7 +188,7 @@ class Keeper:
     def _one(
         self, path: FilePath, base: bytes, edited: bytes, made: bytes, count: int
     ) -> tuple[bytes, list[Diagnostic]]:
-        """A file with its edits, and what is told of them; raises Refused."""
+        """Return a file with its edits, and the findings about them; raise Refused."""
         language = language_of(self.language)
         if count > 1 and base != made:
             raise Refused(rules.SEVERAL(path=str(path), file=path, count=count))
@@ -254,7 +254,7 @@ class Keeper:
     def _found(
         self, path: FilePath, language: Language[Any], text: bytes, made: bytes
     ) -> list[Diagnostic]:
-        """What is wrong with the program that was not before the edits."""
+        """Return the findings about the program that are new with the edits."""
         before = {(f.code, f.message) for f in self._findings(language, made, path)}
         return [
             finding.within(str(path))

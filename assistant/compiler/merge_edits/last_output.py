@@ -1,7 +1,7 @@
-"""Last output: what was written last is stored, so that edits are known from it.
+"""Last output: the last output is stored, so that edits are known from it.
 
-Beside it the sources of the written files, so that a file is not replaced by another source's
-without notice.
+The sources of the written files are stored as well, so that a file is not replaced by another
+source's without notice.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ WRITTEN_SUFFIX: Final = ".written"
 
 
 def written_in(folder: str | FilePath) -> FilePath:
-    """Where it is kept what was compiled into a folder."""
+    """Return the path that stores the output compiled into a folder."""
     return FilePath(folder) / WRITTEN
 
 
@@ -85,11 +85,11 @@ def write_unedited(
     source: str | FilePath | None = None,
     overwrite: bool = False,
 ) -> tuple[FilePath, ...]:
-    """Writes files into a folder, and remembers them; gives where they are.
+    """Write files into a folder, and store them as the last output; return their paths.
 
-    source: file that they are made of. Raises Refused where one that is there is neither what would
-    be written nor what was written last, or was made of another source, unless `overwrite`: edits
-    are kept by the commands alone.
+    source: file that they are made of. Raises Refused if an existing file differs from the new and
+    from the last output, or was made of another source, unless `overwrite`: only the commands keep
+    edits.
     """
     memory = written_in(folder)
     wanted = {file_in_folder(name, folder): data for name, data in files.items()}
@@ -109,9 +109,10 @@ def write_unedited(
 
 
 def bytes_of(path: FilePath) -> bytes | None:
-    """What is in a file, None if it is not there; empty, which no program is, if nobody may look.
+    """Return the contents of a file, None if it does not exist; empty, which no program is, if
+    access is denied.
 
-    What is no file is told of when it is written.
+    A path that is not a file is reported when it is written.
     """
     try:
         return read_file(path)

@@ -38,9 +38,9 @@ from assistant.program.statements import Statement
 
 @dataclass(frozen=True, slots=True)
 class MergeChoices:
-    """What is decided about edits. overwrite: none is kept. keep, drop: their names.
+    """Decisions about edits. overwrite: no edit is kept. keep, drop: their names.
 
-    keep: the edit stays where the source has changed the same. drop: it does not stay.
+    keep: the edit stays although the source has changed the same. drop: the edit is dropped.
     """
 
     overwrite: bool = False
@@ -75,7 +75,7 @@ class MergeVersions:
     points: set[str] = field(default_factory=set)
 
     def is_dropped(self, name: str, what: str, of: str | None = None) -> bool:
-        """Whether an edit is not to stay. of: the contour or procedure that it is in."""
+        """True if an edit is to be dropped. of: the contour or procedure that it is in."""
         called = {name.lower(), *([of.lower()] if of else [])}
         self.names |= called
         if self.wishes.drop.isdisjoint(called):
@@ -92,7 +92,7 @@ class MergeVersions:
             self.conflicts.append(finding)
 
     def resembles(self, name: str) -> bool:
-        """Whether what has this name now is what had it before, but for its place."""
+        """True if the name still means the same target, except for its position."""
         if not self.base.is_numbered(name):
             return True
         owner = self.base.contour(name)
@@ -105,7 +105,9 @@ class MergeVersions:
         return 2 * sum(one in there for one in others) > len(others)
 
     def place_of(self, name: str) -> tuple[str | None, str]:
-        """What a target of the old program is called in the new one, or why nobody can tell."""
+        """Return the new program's name of a target of the old one, or the reason why it is
+        unknown.
+        """
         was = self.base.program.targets[name]
         made = self.made.program.targets
         if not self.base.is_numbered(name):
@@ -133,7 +135,7 @@ class MergeVersions:
 
 
 def is_same_place(one: Target, other: Target) -> bool:
-    """Whether two targets are at one place, whichever branch the arm takes there."""
+    """True if two targets have the same pose, whatever the configuration of the arm."""
     return pose_key(one.pose) == pose_key(other.pose)
 
 
@@ -158,7 +160,7 @@ class BodyMerge:
         self._merge = merge
 
     def are_same(self, was: Procedure, there: Procedure) -> bool:
-        """Whether the source says the same of a procedure as before, places and all."""
+        """True if the source defines a procedure as before, positions included."""
         base, made = self._merge.base, self._merge.made
         same = replace(was, body=()) == replace(there, body=())
         return same and _statement_keys(was.body, base) == _statement_keys(there.body, made)
@@ -281,7 +283,7 @@ def _changes(old: Sequence[str], new: Sequence[str]) -> list[BodyChange]:
 
 
 def _changes_touch(one: BodyChange, other: BodyChange) -> bool:
-    """Whether two changes are of the same statements, or put some in beside such."""
+    """True if two changes are of the same statements, or insert next to them."""
     if one[0] == one[1] or other[0] == other[1]:
         return one[0] <= other[1] and other[0] <= one[1]
     return one[0] < other[1] and other[0] < one[1]
@@ -308,9 +310,10 @@ def _body_parts(body: Body, made: ContourOrigins) -> dict[BodyPartKey, Body]:
 def _statement_keys(
     body: Body, known: ContourOrigins, contours: Mapping[str, str] = _NO_NAMES
 ) -> list[str]:
-    """What each statement says; what has a number by its place, in words that can be compared.
+    """Return a comparable text of each statement; names numbered by position are replaced by
+    descriptions.
 
-    known: whose names they are. contours: what paths are called in the other program.
+    known: the program of the names. contours: names of paths in the other program.
     """
     targets = known.program.targets
 
@@ -339,7 +342,7 @@ LONGEST_VALUE: Final = 60
 
 
 def value_text(value: Any, beside: Any = None) -> str:
-    """A value as people read it. beside: another one, from which it is to be told."""
+    """Return a value as readable text. beside: another value, to distinguish it from."""
     if value is None:
         return "nothing"
     if isinstance(value, Target):
@@ -435,7 +438,7 @@ class Merge(MergeVersions):
         return result
 
     def _is_point(self, name: str, now: Any) -> bool:
-        """Whether a target that only the file has is a point of a path that it has in pieces."""
+        """True if a target only in the file is a point of a path that the file has in pieces."""
         owner = self.base.contour(name)
         rows = self.base.paths.get(owner or "", [])
         number = name.rpartition("_")[2]
@@ -447,7 +450,7 @@ class Merge(MergeVersions):
     def _name_there(
         self, name: str, was: Any, now: Any, made: Mapping[str, Any], what: str
     ) -> str | None:
-        """What an edited entry is called in the new program; None, and told, if nobody knows."""
+        """Return the new program's name of an edited entry; None, with a finding, if unknown."""
         if was is None:
             to = self.renamed(name)
             if to not in made or made[to] == now:
@@ -605,7 +608,7 @@ class Merge(MergeVersions):
         return tuple(new.values())
 
     def _head(self, was: Procedure, here: Procedure, there: Procedure) -> dict[str, Any]:
-        """What was edited of a procedure beside its body."""
+        """Return the edits of a procedure outside its body."""
         changed: dict[str, Any] = {}
         for part in PROCEDURE_FIELDS:
             one, two, three = (getattr(side, part) for side in (was, here, there))
@@ -626,7 +629,7 @@ def _with_paths(procedure: Procedure, paths: Mapping[int, Path]) -> Procedure:
 
 
 def _rows_moved(path: Path, was: Path) -> bool:
-    """Whether nothing but places of rows, and the branches of the arm there, differ."""
+    """True if only positions of rows, and the configurations there, differ."""
     if len(path) != len(was) or path == was:
         return False
     as_it_was = replace(
