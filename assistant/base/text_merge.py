@@ -37,7 +37,7 @@ Key = tuple[str | float, ...]
 
 @dataclass(frozen=True, slots=True)
 class _Text:
-    """The lines of a text with their ends, and what each says."""
+    """Lines of a text with their ends, and the content of each."""
 
     lines: list[str]
     keys: list[Key]
@@ -45,10 +45,10 @@ class _Text:
 
 
 def in_layout(own: bytes, other: bytes, form: StoredForm, mark: str = "") -> bytes:
-    """What `other` says, in the layout of `own` as far as both say the same.
+    """Return the content of `other`, in the layout of `own` where the content of both is the same.
 
-    mark: begins a comment where comments say nothing, because what is compared may have lost
-    them; "" where they count.
+    mark: begins a comment where comments do not count, because one of the texts may have lost them;
+    "" where they count.
     """
     mine, theirs = (
         _text(own, form, None, mark),
@@ -98,7 +98,7 @@ def _in_order(own: bytes, other: bytes, form: StoredForm) -> bytes:
 
 
 def _heads(text: _Text) -> list[str]:
-    """What each line gives a value to, "" if that is not plain or stands there twice."""
+    """Return the name that each line assigns to, "" if that is not plain or appears twice."""
     heads = [
         str(key[0]) if len(key) > 1 and key[1] == "=" and isinstance(key[0], str) else ""
         for key in text.keys
@@ -108,7 +108,7 @@ def _heads(text: _Text) -> list[str]:
 
 
 def says_the_same(one: bytes, other: bytes, form: StoredForm, mark: str = "") -> bool:
-    """Whether two texts say the same, numbers to DIGITS decimals."""
+    """True if two texts have the same content, numbers to DIGITS decimals."""
     return _text(one, form, DIGITS, mark).keys == _text(other, form, DIGITS, mark).keys
 
 
@@ -142,8 +142,8 @@ def _changes(old: Sequence[Key], new: Sequence[Key]) -> list[_Change]:
 
 
 def _steps(old: Sequence[Key], new: Sequence[Key]) -> Iterator[tuple[str, int, int, int, int]]:
-    """As `SequenceMatcher.get_opcodes`, which looks only at what is between the first difference
-    and the last: its time grows with the square of lines that are often there.
+    """Yield opcodes as `SequenceMatcher.get_opcodes`, but match only between the first difference
+    and the last: its time grows with the square of lines that appear often.
     """
     pairs = zip(old, new, strict=False)
     first = next((i for i, (a, b) in enumerate(pairs) if a != b), min(len(old), len(new)))
@@ -260,7 +260,7 @@ ABSENT_FILE: Final = "/dev/null"
 
 
 def difference(before: bytes | None, after: bytes | None, one: str, other: str) -> str:
-    """A unified diff of two versions of a program, "" if there is none. one, other: which ones."""
+    """Return a unified diff of two versions of a program, "" if equal. one, other: labels."""
     left, right = _shown_lines(before or b""), _shown_lines(after or b"")
     origin = one if before is not None else ABSENT_FILE
     target = other if after is not None else ABSENT_FILE

@@ -49,7 +49,9 @@ TICK_TOLERANCE: Final = 1e-6
 
 
 class Adapted:
-    """What a block of ours is to bdsim; its class of bdsim stands behind this one."""
+    """Adapter that wraps a block of this package as a bdsim block; mixed in before the bdsim
+    class.
+    """
 
     def __init__(self, inner: Block, **blockargs: Any) -> None:
         self._inner = inner
@@ -63,7 +65,9 @@ class Adapted:
         )
 
     def _raise_runtime_error(self, operation: str, err: Exception, **more: Any) -> None:
-        """A Refused as it is; of others bdsim prints much, and ends with an error of its own."""
+        """Raise a Refused unchanged; for other errors bdsim prints much and raises its own
+        error.
+        """
         if isinstance(err, Refused):
             raise err
         super()._raise_runtime_error(operation, err, **more)  # type: ignore[misc]
@@ -78,7 +82,7 @@ class Adapted:
         return arrays
 
     def _shown(self, values: Sequence[Floats]) -> list[Any]:
-        """Single numbers as such, as bdsim's own blocks give them."""
+        """Return single numbers as floats, as bdsim's own blocks do, and other values as arrays."""
         return [float(one[0]) if one.shape == (1,) else one for one in values]
 
 
@@ -111,7 +115,7 @@ class Stepped(Adapted):
         self._begun, self._at, self._taken = True, None, None
 
     def output(self, t: float, u: Sequence[Any], x: Any) -> list[Any]:
-        """What it gives at a moment is worked out once, however often bdsim asks."""
+        """Return the outputs at a time; compute them once per time, however often bdsim asks."""
         del u, x
         if self._begun and t != self._at:
             self._at = t
@@ -119,7 +123,7 @@ class Stepped(Adapted):
         return self._shows
 
     def next(self, t: float, u: Sequence[Any], x: Floats) -> Floats:
-        """At the tick of any clock bdsim asks all blocks: here that of its own counts, and once."""
+        """Step once at a tick of its clock; bdsim calls all blocks at the ticks of any clock."""
         clock: Clock = self._clock  # type: ignore[attr-defined]
         ticks = (t - clock.offset) / clock.T
         if t != self._taken and abs(ticks - round(ticks)) < TICK_TOLERANCE:
@@ -136,12 +140,13 @@ class Stepped(Adapted):
 
 
 class OfKind:
-    """For a class of bdsim that stands for one kind of block of ours, and takes what that takes.
+    """Base of a bdsim class for one kind of block of this package, with that kind's parameters.
 
-    bdsim finds it by reading the file, without running it: its docstring and ports stand there.
-    kind: the kind. called: the name of one that is given none, "" where one has to be given. By
-    place come the clock of a block that steps, what the kind takes so, and the name; None stands
-    for what is left out, as in the forms of bdsim's editor. What else is told is bdsim's.
+    bdsim finds the class by parsing the file, without running it: its docstring and ports are
+    written there. kind: the block class. called: default name of a block, "" where a name is
+    required. Positional parameters are the clock of a block that steps, the positional parameters
+    of the kind, and the name; None means omitted, as in the forms of bdsim's editor. Other keyword
+    arguments go to bdsim.
     """
 
     kind: ClassVar[type[Block]]
@@ -163,7 +168,7 @@ class OfKind:
 
 
 def _signature_of(kind: type[Block], called: str, *, steps: bool) -> Signature:
-    """What a class of bdsim takes for a kind of block; its clock tells the period."""
+    """Return the signature of a bdsim class for a kind of block; its clock replaces the period."""
     place = Parameter.POSITIONAL_OR_KEYWORD
     own = [p for p in signature(kind).parameters.values() if p.name not in ("name", "period")]
     clock = [Parameter("clock", place)] if steps else []
@@ -203,10 +208,10 @@ def run_bdsim(
     moving: Iterable[str] = (),
     **options: Any,
 ) -> Any:
-    """What `sim.run` gives; blocks that hold connections are ended whatever happens.
+    """Return the result of `sim.run`; end blocks that hold connections in every case.
 
-    clock: is waited for before each moment that bdsim evaluates: `LockStep` has controllers keep
-    step. moving: names of the controllers whose arms somebody confirmed that it moves. options: of
+    clock: waited for before each time that bdsim evaluates: `LockStep` keeps controllers in step.
+    moving: names of the controllers whose arms the user confirmed may move. options: of
     `BDSim.run`. Raises Refused for an arm that is not among them.
     """
     if not diagram.compiled:
@@ -226,11 +231,11 @@ def run_paced(
     watch: Callable[[float], bool] | None = None,
     moving: Iterable[str] = (),
 ) -> RunResult:
-    """Steps a bdsim diagram at a fixed step, in real time if `clock` is `RealTime`.
+    """Step a bdsim diagram at a fixed step, in real time if `clock` is `RealTime`.
 
-    What is continuous in it is integrated by the classical method of Runge and Kutta; clocks tick
-    at the steps. Signals are recorded as columns, `block[port]`, of ports that give numbers.
-    See `diagrams.run` for the rest.
+    Continuous states are integrated by the classical Runge-Kutta method; clocks tick at the steps.
+    Signals are recorded as columns, `block[port]`, of ports with numeric values. See `diagrams.run`
+    for the rest.
     """
     count = step_count(seconds, step)
     clock = clock or Simulated()

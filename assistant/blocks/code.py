@@ -38,8 +38,9 @@ if TYPE_CHECKING:
 VECTOR_ROWS: Final = 200
 VECTOR_SEED: Final = 22
 LEAST_FROM_SINGULARITY: Final = 0.02
-"""How far from a singularity the rows are, as `away` tells it: nearer to one, the rounding of a
-pose turns joints by more than the test allows."""
+"""Least distance of the rows from a singularity, in the measure of `away`: closer to one, the
+rounding of a pose turns joints by more than the test allows.
+"""
 DRAWING_ROUNDS: Final = 100
 """Times that four times as many joints are drawn as rows are wanted."""
 
@@ -103,7 +104,7 @@ def _column_names(robot: Robot) -> list[str]:
 LONGEST_NAME: Final = 40
 """Characters of a name that a file of the user's gives to what is generated."""
 LONGEST_WORDS: Final = 120
-"""Characters of what such a file says that stand in a comment."""
+"""Characters of text from such a file that are copied into a comment."""
 
 
 @cache
@@ -164,9 +165,9 @@ LANGUAGES: Final[tuple[Language, ...]] = ("c", "python")
 
 @dataclass(frozen=True, slots=True)
 class SourceNames:
-    """What the source of an arm is called.
+    """Names in the source of an arm.
 
-    stem: of its files. prefix: of its functions, with a `_` behind it.
+    stem: of its files. prefix: of its functions, followed by a `_`.
     """
 
     stem: str
@@ -207,7 +208,7 @@ def _name_values(named: SourceNames) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _PlacedArm:
-    """How a file counts joints, base and flange of the closed form, ready to be written."""
+    """Joint counting, base and flange of a robot file's closed form, as literals."""
 
     arm: Placed
 
@@ -234,7 +235,7 @@ class _PlacedArm:
 
 
 def _robot_values(robot: Robot) -> dict[str, Any]:
-    """What the templates are told of a robot."""
+    """Return the values of a robot for the templates."""
     arm = robot.arm
     if not isinstance(arm, SixAxis | FiveAxis | Scara | Placed):
         raise Refused(rules.NO_CLOSED_FORM(title=robot.title))

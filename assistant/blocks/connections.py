@@ -34,10 +34,11 @@ STOP_TIMEOUT: Final = 10.0
 
 
 class Connection(Generic[T_co]):
-    """A connection by its name, for as many blocks as use it; those of other robots have others.
+    """Named connection that any number of blocks share; another robot has another one.
 
-    opening: gives a context manager, entered when the first block begins and left when the last
-    one ends. moves: whether blocks move an arm by it, which a run has to be told of by its name.
+    opening: returns a context manager, entered when the first block begins and left when the last
+    one ends. moves: whether blocks move an arm by it; then a run must receive its name as
+    confirmed.
     """
 
     def __init__(
@@ -56,11 +57,11 @@ class Connection(Generic[T_co]):
 
     @property
     def value(self) -> T_co | None:
-        """What is connected to, None while no block uses it."""
+        """Return the connected object, None while no block uses it."""
         return self._value
 
     def take(self) -> T_co:
-        """What is connected to, for one block more; raises what opening it raises."""
+        """Return the connected object to one more block; raises what opening it raises."""
         if self._context is None:
             context = self._opening()
             self._value = context.__enter__()
@@ -78,10 +79,10 @@ class Connection(Generic[T_co]):
 
 
 class Operator:
-    """Has a CR controller carry out statements, one after the other, and does not wait for them.
+    """Executor of statements on a CR controller, one after the other, without waiting for them.
 
-    What is under way is stopped when it is closed: over a connection of its own, and on a serial
-    line, which has room for one, by the same.
+    Closing it stops a running statement: over a separate connection, or over the same one on a
+    serial line, which has room for one only.
     """
 
     def __init__(self, session: Cr) -> None:
@@ -92,23 +93,23 @@ class Operator:
         self._open: Future[Position] | None = None
         self._asking = False
         self._lost = False
-        """Whether the last statement has no answer: the arm may go on."""
+        """True if the last statement got no answer: the arm may keep moving."""
         self._thread = threading.Thread(target=self._run, name="operator", daemon=True)
         self._thread.start()
 
     def position(self) -> Position:
-        """Where the arm stands; only while nothing is under way."""
+        """Return the position of the arm; only while no statement runs."""
         return self.session.position()
 
     @property
     def busy(self) -> bool:
-        """Whether statements of some block are under way."""
+        """True if statements of any block are running."""
         return self._open is not None and not self._open.done()
 
     def settled(self, executing: Callable[[], bool]) -> bool:
-        """Whether nothing is on its way between it and the controller: in lock step with this one.
+        """True if nothing is in transit between this and the controller, which runs in lock step.
 
-        executing: whether the controller has a statement under way while its time stands.
+        executing: returns whether the controller has a running statement while its time is stopped.
         """
         return not self.busy or (self._asking and executing())
 
@@ -196,7 +197,7 @@ T = TypeVar("T")
 
 
 class Asked(Generic[S]):
-    """A session that is used in a thread of its own, one question after the other."""
+    """Session that is used in a separate thread, one question after the other."""
 
     def __init__(self, session: S) -> None:
         self.session = session
@@ -205,16 +206,16 @@ class Asked(Generic[S]):
 
     @property
     def busy(self) -> bool:
-        """Whether an answer is still to come."""
+        """True if an answer is still due."""
         self._open = [one for one in self._open if not one.done()]
         return bool(self._open)
 
     def settled(self, executing: Callable[[], bool]) -> bool:
-        """Whether nothing is on its way; see `Operator.settled`."""
+        """True if nothing is in transit; see `Operator.settled`."""
         return not self.busy or executing()
 
     def ask(self, question: Callable[[S], T]) -> Future[T]:
-        """What comes of a question, once it is its turn."""
+        """Queue a question and return the future of its result."""
         given: Future[T] = self._worker.submit(question, self.session)
         self._open.append(given)  # type: ignore[arg-type]  # only whether it is done is asked
         return given

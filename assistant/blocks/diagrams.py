@@ -47,12 +47,12 @@ class Port:
 
 
 class Block:
-    """A block of a diagram; a subclass says its ports and what it does.
+    """Block of a diagram; a subclass defines its ports and its behaviour.
 
-    direct: whether what it gives comes of what it is given in the same step; blocks that are not,
-    such as delays and arms, may stand in a loop. period: seconds between its steps, None for each
-    step of the diagram; between them it gives what it gave before. moves: name of the controller
-    whose arm it moves, "" for none; a run has to be told that somebody confirmed that.
+    direct: whether its outputs depend on its inputs of the same step; blocks without that
+    dependency, such as delays and arms, may be in a loop. period: seconds between its steps, None
+    for each step of the diagram; between them it repeats its outputs. moves: name of the controller
+    whose arm it moves, "" for none; a run must receive that name as confirmed.
     """
 
     direct: ClassVar[bool] = True
@@ -206,7 +206,7 @@ class Diagram:
 
 
 def _port_mismatch(start: PortRef, end: PortRef) -> Diagnostic | None:
-    """What does not fit between two ports."""
+    """Return the mismatch between two ports as a finding, None if they fit."""
     one, other = start[0].outputs[start[1]], end[0].inputs[end[1]]
     given, wanted = f"{start[0].name}.{one.name}", f"{end[0].name}.{other.name}"
     if not other.takes(one.size):
@@ -221,7 +221,7 @@ SPIN_SECONDS: Final = 2e-4
 
 
 class RunClock(Protocol):
-    """What the steps of a run wait for."""
+    """Clock that paces the steps of a run."""
 
     def begin(self) -> None:
         """The first step is next, at 0 s."""
@@ -241,10 +241,10 @@ class Simulated:
 
 
 class RealTime:
-    """Time passes as it does. A step that comes late is made at once, and none is left out.
+    """Clock in real time. A late step runs at once, and none is skipped.
 
-    pace: seconds of the run in each real one: that of a virtual controller which the run leads.
-    Raises ValueError for one that is none.
+    pace: seconds of the run in each real second: the speed of a virtual controller that the run
+    drives. Raises ValueError for a pace that is not a positive finite number.
     """
 
     def __init__(self, pace: float = 1.0) -> None:
@@ -270,10 +270,10 @@ LATE_SHARE: Final = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class RunResult:
-    """What a run gave.
+    """Result of a run.
 
     seconds: (n,) of its steps. columns: (n, k) by `block.port`. lateness: (n,) seconds that each
-    step began late. late: how many by more than half a step.
+    step began late. late: number of steps that were late by more than half a step.
     """
 
     seconds: Floats
@@ -361,7 +361,7 @@ def step_count(seconds: float, step: float) -> int:
 
 
 def confirmed_names(moving: Iterable[str]) -> frozenset[str]:
-    """Names of controllers whose arms may move; a text by itself is one name."""
+    """Return the names of controllers whose arms may move; a plain text is one name."""
     return frozenset([moving] if isinstance(moving, str) else moving)
 
 
@@ -375,9 +375,9 @@ def check_confirmed(blocks: Iterable[Block], names: frozenset[str]) -> None:
 
 @contextmanager
 def closing_all() -> Iterator[ExitStack]:
-    """For what is ended behind a run, each of it whatever the others raise.
+    """Close everything after a run, each item even if others raise.
 
-    What ended the run is told first, and behind it what its end met.
+    The finding that ended the run comes first, followed by those of the closing.
     """
     first: Refused | None = None
     try:
@@ -397,7 +397,7 @@ def closing_all() -> Iterator[ExitStack]:
 
 @contextmanager
 def errors_with_block(block: Block, now: float) -> Iterator[None]:
-    """What a block raises is told with its name and the moment; a Refused says it already."""
+    """Report an error of a block with its name and the time; a Refused contains them already."""
     try:
         yield
     except Refused:
@@ -445,7 +445,7 @@ def _steps_per_block_step(block: Block, step: float) -> int:
 
 
 def block_outputs(block: Block, now: float, given: Sequence[Floats]) -> tuple[Floats, ...]:
-    """What a block gives, one signal a port; raises Refused with its name."""
+    """Return the outputs of a block, one signal per port; raises Refused with its name."""
     with errors_with_block(block, now):
         values = tuple(block.give(now, given))
         if len(values) != len(block.outputs):

@@ -52,12 +52,14 @@ class Outline:
     wires: tuple[Wire, ...]
 
     def back(self, wire: Wire) -> bool:
-        """Whether a wire leads back, or stays in its column."""
+        """True if a wire leads back or stays in its column."""
         return self.boxes[wire.end].column <= self.boxes[wire.start].column
 
 
 def lay_out(diagram: Any) -> Outline:
-    """Of a `Diagram`, or of a block diagram of bdsim; blocks in the order in which signals go."""
+    """Lay out a `Diagram` or a block diagram of bdsim, with blocks in the order of the signal
+    flow.
+    """
     boxes, wires = (
         _boxes_of_bdsim(diagram) if hasattr(diagram, "blocklist") else _boxes_of_ours(diagram)
     )
@@ -196,7 +198,7 @@ LINE_COLOUR: Final = "#1f5f8b"
 FILL_COLOUR: Final = "#eef4f8"
 MOST_SIGNALS: Final = 8
 MOST_DRAWN_ROWS: Final = 4000
-"""What is drawn of a run; of more rows every second, third …"""
+"""Rows of a run that are drawn; of more rows every second, third … is drawn."""
 MOST_BOXES: Final = 300
 """Blocks of a diagram that is drawn: a picture of more is as wide as a wall, and takes minutes."""
 
@@ -241,7 +243,7 @@ def draw_diagram(axes: Axes, diagram: Any) -> None:
 
 
 def draw_signals(all_axes: Sequence[Axes], ran: RecordedSignals, names: Sequence[str]) -> None:
-    """Each signal of a run over time into axes of its own."""
+    """Draw each signal of a run over time into separate axes."""
     every = slice(None, None, max(1, len(ran.seconds) // MOST_DRAWN_ROWS))
     for axes, name in zip(all_axes, names, strict=True):
         axes.plot(ran.seconds[every], ran.columns[name][every], lw=1.1)
@@ -311,7 +313,7 @@ def _draw_box(axes: Axes, box: Box) -> None:
 
 
 def _port_position(box: Box, number: int, *, output: bool) -> tuple[float, float]:
-    """Where a port is on the edge of its box."""
+    """Return the position of a port on the edge of its box."""
     count = max(len(box.outputs if output else box.inputs), number + 1)
     y = box.row + BOX_HEIGHT * ((number + 1) / (count + 1) - 0.5)
     return COLUMN_SPACING * box.column + (BOX_WIDTH if output else 0.0), y

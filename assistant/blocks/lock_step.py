@@ -5,8 +5,8 @@
         ...
         run(diagram, 5.0, 0.01, clock=LockStep(cell, connections=[cellar]), moving=["cell"])
 
-What blocks send at a step reaches the controller at the time of this step, over its real lines;
-the same model gives the same columns each time, and as fast as it can be computed.
+Data that blocks send at a step reaches the controller at the time of this step, over its real
+lines; the same model gives the same columns each time, and as fast as it can be computed.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ class SteppedCell(Protocol):
 
 
 class LockStep:
-    """The clock of a run in which virtual controllers keep step with the model.
+    """Clock of a run in which virtual controllers keep step with the model.
 
-    cells: the controllers. connections: of the blocks that have them do something; what of these
-    cannot tell whether anything is on its way (`settled`) is not waited for. begins: seconds of the
-    controllers at which the model begins. With 0 their time stands while connections are opened;
-    programs that have to run for this need more, and time passes until then as real time does.
-    patience: real seconds in which what is on its way over a line has to arrive.
+    cells: the controllers. connections: of the blocks that command them; the clock does not wait
+    for a connection that cannot report whether anything is in transit (`settled`). begins: seconds
+    of the controllers at which the model begins. With 0 their time is stopped while connections are
+    opened; programs that must run for this need more, and until then time passes in real time.
+    patience: real seconds in which data in transit over a line must arrive.
     """
 
     def __init__(
@@ -104,6 +104,6 @@ class LockStep:
         return Refused(OUT_OF_LOCK_STEP(reason=reason))
 
     def _executing(self, one: Any) -> bool:
-        """Whether the controller that it leads to has a statement under way."""
+        """True if the controller of this connection has a running statement."""
         port = getattr(getattr(one, "session", None), "address", None)
         return any(cell.executing for cell in self.cells if cell.port == getattr(port, "port", 0))

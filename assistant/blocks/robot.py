@@ -1,17 +1,17 @@
-"""The blocks for bdsim, which finds them here: `BDSim(packages="assistant")`.
+"""Blocks for bdsim, which finds them in this module: `BDSim(packages="assistant")`.
 
 sim = BDSim(packages="assistant")
 bd = sim.blockdiagram()
 arm = bd.SIMARM(bd.clock(0.01), robots.get("rv-2aj"))
 
 Signals are numbers as elsewhere: joints in degrees, poses as x, y, z in mm and a quaternion;
-`POSETOSE3` and `SE3TOPOSE` are for what takes and gives SE3 in metres. What moves an arm runs only
-by `run_bdsim` or `run_paced` of `assistant.blocks.bdsim_adapter`, which are told that it was
-confirmed.
+`POSETOSE3` and `SE3TOPOSE` convert to and from SE3 in metres. Blocks that move an arm run only by
+`run_bdsim` or `run_paced` of `assistant.blocks.bdsim_adapter`, which receive the user's
+confirmation.
 
-Its editor shows what stands here: parameters by the fields of the docstrings in its own form, icons
-of `Icons`, which `python -m docs.icons` draws, ports by labels that are short enough to leave room
-for these: q joints, T a pose, go start, b busy, n how many moves are done.
+bdsim's editor shows the contents of this module: parameters from the fields of the docstrings in
+its format, icons of `Icons`, which `python -m docs.icons` draws, and ports by labels short enough
+to leave room for the icons: q joints, T a pose, go start, b busy, n number of completed moves.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ METRE: Final = 1000.0
 
 
 class _Move(OfKind, Stepped):
-    """Busy until the arm stands where it was told to go."""
+    """Base of moves that are busy until the arm has stopped at its target."""
 
     nin = 2
     nout = 3
@@ -44,10 +44,10 @@ class _Move(OfKind, Stepped):
 
 
 class JointMovJoint(_Move, SampledBlock):
-    """To joints (J1 to J6 in degrees), by the joints; busy until the arm stands there.
+    """Joint motion to a joint target (J1 to J6 in degrees); busy until the arm has stopped there.
 
-    While `start` is above 0.5 it moves to each new target. It gives whether it is busy, how many
-    moves are done, and the joints where the arm stood last.
+    While `start` is above 0.5 it moves to each new target. Its outputs are busy, the number of
+    completed moves, and the joints where the arm stopped last.
 
     :param clock: at whose ticks it steps
     :type clock: Clock
@@ -127,10 +127,10 @@ class CircularMov(_Move, SampledBlock):
 
 
 class Status(OfKind, Stepped, SampledBlock):
-    """Where the arm is by data link, all the time; it moves nothing.
+    """Continuous status of the arm over a data link; it moves nothing.
 
-    It gives the pose of the tool, the joints, the joints that are asked for, the speed of the tool
-    in mm/s, the seconds of the controller's clock, and how many records a second come.
+    Its outputs are the pose of the tool, the joints, the commanded joints, the speed of the tool in
+    mm/s, the seconds of the controller's clock, and the records per second.
 
     :param clock: at whose ticks it steps
     :type clock: Clock
@@ -147,10 +147,10 @@ class Status(OfKind, Stepped, SampledBlock):
 
 
 class RelJoint(OfKind, Stepped, SampledBlock):
-    """On by a step of the joints, at any time: it waits for nothing, and the arm does not stop.
+    """Relative joint step, at any time: the block waits for nothing, and the arm does not stop.
 
-    While `go` is above 0.5 each tick is a step from where the arm was told to be last. It gives
-    these joints, and how many steps were told.
+    While `go` is above 0.5 each tick commands a step from the last commanded position. Its outputs
+    are these joints and the number of steps.
 
     :param clock: at whose ticks it steps
     :type clock: Clock
@@ -170,7 +170,7 @@ class RelJoint(OfKind, Stepped, SampledBlock):
 
 
 class RelCart(OfKind, Stepped, SampledBlock):
-    """On by a step of the tool; as `RelJoint` else.
+    """Relative step of the tool; otherwise as `RelJoint`.
 
     A step is six numbers, x, y, z in mm and a turn about x, y, z in degrees, or seven, x, y, z in
     mm and the turn as a unit quaternion w, x, y, z.
@@ -183,7 +183,7 @@ class RelCart(OfKind, Stepped, SampledBlock):
     :type robot: Robot
     :param tool: on the flange
     :type tool: Pose
-    :param in_tool: whether steps are told in the frame of the tool, and else in the base
+    :param in_tool: whether steps are in the frame of the tool instead of the base
     :type in_tool: bool
     :param most: mm and degrees of a step
     :type most: tuple

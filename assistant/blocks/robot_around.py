@@ -1,12 +1,12 @@
-"""Blocks for bdsim about what is around an arm: setpoints of each cycle, signals, cameras, bodies.
+"""Blocks for bdsim around an arm: setpoints of each cycle, signals, cameras, bodies.
 
 sim = BDSim(packages="assistant")
 bd = sim.blockdiagram()
 cell = by_mxt("cell", "melfa://192.168.0.20", robot)
 arm = bd.EXTERNALCONTROL(bd.clock(0.0071), cell, robot)
 
-They are those of `assistant.blocks.library`, whose docstrings tell of their ports. What moves an
-arm or a gripper runs as those of `assistant.blocks.robot`.
+They are the blocks of `assistant.blocks.library`, whose docstrings describe their ports. Blocks
+that move an arm or a gripper run as those of `assistant.blocks.robot`.
 """
 
 from __future__ import annotations
@@ -138,15 +138,15 @@ class ProjectedMarker(OfKind, Direct, FunctionBlock):
 
 
 class SeenMarker(OfKind, Stepped, SampledBlock):
-    """Pictures of a camera → pixels of the points of a thing, seen, number of the picture.
+    """Pictures of a camera → pixels of the points of an object, seen, number of the picture.
 
     :param clock: at whose ticks it steps
     :type clock: Clock
-    :param camera: that sees it
+    :param camera: the camera that sees the object
     :type camera: Camera
-    :param thing: that is looked for
+    :param thing: the object to find
     :type thing: Thing
-    :param source: where its pictures come from
+    :param source: source of the pictures
     :type source: str
     :param rate: pictures a second of files
     :type rate: float

@@ -44,11 +44,11 @@ MOST_QUEUED: Final = 50
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArmStatus:
-    """What a controller tells of an arm of a axes.
+    """Status of an arm with a axes, as its controller reports it.
 
-    seconds: on its own clock. pose: (7,) of its tool. joints: (a,) as measured. told: (a,) as they
-    are asked for. speed: of the tool, mm/s. records: how many came by now. NaN where the way tells
-    nothing of it.
+    seconds: on the controller's clock. pose: (7,) of its tool. joints: (a,) as measured. told: (a,)
+    as commanded. speed: of the tool, mm/s. records: number received so far. NaN for values that the
+    connection does not report.
     """
 
     seconds: float
@@ -60,7 +60,7 @@ class ArmStatus:
 
 
 class StatusSource(Protocol):
-    """What a connection leads to, if it tells where the arm is while it moves."""
+    """Connection that reports the position of the arm while it moves."""
 
     def measured(self) -> ArmStatus:
         """The latest; raises Refused if it is not known any more."""
@@ -99,10 +99,10 @@ class StatusStream:
 
 
 class SetpointSender:
-    """Takes an arm to where blocks want it, in a thread of its own: they wait for nothing.
+    """Sender that moves an arm to setpoints in a separate thread: blocks wait for nothing.
 
-    Setpoints go out in their order, as fast as the way takes them. told: (a,) the last one, from
-    which the next one is told. real_time: as of `StatusStream`.
+    Setpoints go out in order, as fast as the carrier accepts them. told: (a,) the last one, from
+    which the next one is computed. real_time: as of `StatusStream`.
     """
 
     real_time: ClassVar[bool] = True
@@ -142,9 +142,9 @@ class SetpointSender:
         return ArmStatus(math.nan, shown, joints, self.carrier.told())
 
     def close(self) -> None:
-        """What did not go out by now does not; what is on its way is waited for.
+        """Discard setpoints that have not gone out; wait for the one in transit.
 
-        Raises what it met, of which no block has asked any more.
+        Raises an error of a setpoint that no block has collected.
         """
         with self._news:
             self._over = True

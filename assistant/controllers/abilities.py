@@ -1,8 +1,8 @@
-"""What some controllers can do beside `Programs`; ask with isinstance.
+"""Abilities of some controllers in addition to `Programs`; test for them with isinstance.
 
-`Disk`: programs are files, and other files may stand beside them. `Memory`: what runs was loaded
-from a file, and what is taught is changed there, not in the file. `JogsHeld`: a jog can be
-broken off.
+`Disk`: programs are files, and other files may be next to them. `Memory`: the running modules were
+loaded from files, and teaching changes them there, not in the file. `JogsHeld`: a jog can be
+interrupted.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from typing import Protocol, runtime_checkable
 from assistant.controllers.states import Jog
 
 Rests = Mapping[str, Collection[bytes] | None]
-"""Files beside which transfers may have left something, each with what it may have been: a file
-that waits aside goes only if it is that, for somebody else may have named it so. None: it goes."""
+"""Files next to which transfers may have left remains, each with its possible contents: a file set
+aside is deleted only if it has one of these, because another user may have chosen the same name.
+None: it is deleted.
+"""
 
 Held = Callable[[], bool]
-"""Whether somebody still wants a motion."""
+"""Returns True while the user still holds the motion."""
 
 
 @runtime_checkable
@@ -36,7 +38,7 @@ class Disk(Protocol):
         """Makes a folder of that name; False if there is one: of many, only one succeeds."""
 
     def release(self, name: str) -> None:
-        """Removes an empty folder; nothing happens if there is none."""
+        """Remove an empty folder; do nothing if it is missing."""
 
     def is_folder(self, name: str) -> bool:
         """True if there is a folder of that name beside the programs."""
@@ -59,13 +61,13 @@ class Memory(Protocol):
         """
 
     def module(self, data: bytes) -> str | None:
-        """Name of the module that a file's text is, None if it is none, or several."""
+        """Return the name of the module in a file's text, None without a module or with several."""
 
     def modules(self, task: str = "") -> tuple[str, ...]:
         """Names of all modules that are loaded in a task."""
 
     def module_text(self, module: str, task: str = "") -> bytes:
-        """Of a loaded module, as `loaded` gives it; raises Refused if it is kept secret."""
+        """Return a loaded module's text, as `loaded` does; raises Refused if it is secret."""
 
     def task_named(self, task: str) -> str:
         """The name of a task as the controller has it, that of the first one if none is named."""

@@ -22,12 +22,12 @@ from assistant.controllers import rules
 
 @dataclass(frozen=True, slots=True)
 class Scheme:
-    """What an address of one kind may say.
+    """Permitted parts of an address of one kind.
 
-    port: where the controller listens if the address names none. folder: where programs go
-    if it names none. login: whether there is a user and a folder at all. device: whether it
-    names a serial line of this computer instead of a host. options: what may follow a `?`,
-    each with a pattern of its values.
+    port: where the controller listens if the address names none. folder: for programs if the
+    address names none. login: whether the address has a user and a folder at all. device: whether
+    it names a serial line of this computer instead of a host. options: may follow a `?`, each with
+    a pattern of its values.
     """
 
     title: str
@@ -39,7 +39,7 @@ class Scheme:
 
 
 END_OPTION: Final = {"end": "cr|crlf|none"}
-"""What ends a command of the controller link."""
+"""End of a command of the controller link."""
 SERIAL_OPTIONS: Final = {
     **END_OPTION,
     "baud": "[1-9][0-9]{2,5}",
@@ -51,7 +51,7 @@ SERIAL_OPTIONS: Final = {
 FTP_OPTIONS: Final = {"mode": "passive|active"}
 """Who connects for a transfer: the client, or the controller."""
 SFTP_OPTIONS: Final = {"fingerprint": "SHA256:[A-Za-z0-9+/ ]{43}"}
-"""Of the host's key; a `+` that was not quoted is read as a blank."""
+"""Fingerprint of the host's key; an unquoted `+` is decoded as a blank."""
 SERIAL_DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
 """A file of a serial line, or its name in Windows."""
 
@@ -74,10 +74,10 @@ SCHEMES: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Where a controller is; never holds a password.
+    """Address of a controller; never holds a password.
 
-    host: the file or name of a serial line, whose port is 0. options: name and value each. name:
-    of a controller whose port is another one each time, as people and histories know it; else "".
+    host: the file or name of a serial line, whose port is 0. options: name and value each. name: of
+    a controller whose port changes each time, for users and histories; otherwise "".
     """
 
     scheme: str
@@ -200,8 +200,9 @@ BEGINNING: Final = re.compile(
     r"|[a-z][a-z0-9+.-]*:(?=//))?[/\\]*",
     re.IGNORECASE,
 )
-"""What an address begins with, also one whose `://` is mistyped. No word with a `:` alone: that may
-be a user with a password."""
+"""Beginning of an address, also one whose `://` is mistyped. Not a word with a `:` alone: that may
+be a user with a password.
+"""
 SECRET_IN_ADDRESS: Final = re.compile(r"[^/@:]*:.*@", re.DOTALL)
 """A user and a password, with whatever a password may hold."""
 HARMLESS: Final = re.compile(
@@ -212,11 +213,11 @@ HARMLESS: Final = re.compile(
 
 
 def holds_password(text: str) -> bool:
-    """Whether it is an address, well written or not, in which a password may stand.
+    """True if the text is an address, well-formed or not, in which a password may be written.
 
     Not left to the URL's syntax: a password with `/`, `?` or `#` would pass for something else. No
-    user name has a `:`, not even as `%3A`: nobody could tell it from a user with a password. RFC
-    7617 has the same rule for HTTP.
+    user name has a `:`, not even as `%3A`, because it could not be distinguished from a user with a
+    password. RFC 7617 has the same rule for HTTP.
     """
     rest = text[_beginning(text) :]
     inside = re.split(r"[/?#]", rest, maxsplit=1)[0]
@@ -247,7 +248,9 @@ def without_password(text: str) -> str:
 
 
 def _is_plain(text: str) -> bool:
-    """Whether nothing can be secret in it: its parts are of an address, none of them a password."""
+    """True if nothing in it can be secret: all its parts are of an address, and none is a
+    password.
+    """
     try:
         parts = urlsplit(text)
         port = parts.port
@@ -293,7 +296,7 @@ def clear_text_finding(address: Address) -> Diagnostic | None:
 
 
 def _is_this_computer(host: str) -> bool:
-    """Whether what is sent there never leaves this computer."""
+    """True if data for this host never leaves this computer."""
     try:
         return ip_address(host).is_loopback
     except ValueError:
@@ -349,10 +352,10 @@ def find_credentials(
     ask: Question | None = None,
     environment: Mapping[str, str] = os.environ,
 ) -> Credentials:
-    """The first user and password that are stated: arguments, address, environment, keyring, ask.
+    """Return the first user and password stated: arguments, address, environment, keyring, prompt.
 
-    controller: its name in the project; a variable of its own comes before the one of all.
-    Raises Refused if there is none.
+    controller: its name in the project; a variable for this controller precedes the one for all.
+    Raises Refused if they are missing.
     """
 
     def stated(what: str, of_all: str) -> str | None:
@@ -378,7 +381,7 @@ def find_credentials(
 
 
 def _from_keyring(entry: str) -> str | None:
-    """The password that the system's keyring holds, None if there is none or no keyring."""
+    """Return the password in the system's keyring, None without a password or a keyring."""
     try:
         import keyring
         import keyring.errors

@@ -30,9 +30,9 @@ that controllers show, twice."""
 
 @dataclass(frozen=True, slots=True)
 class Rest:
-    """What became of the arm.
+    """Result of stopping the arm.
 
-    stands: whether two looks found every joint where it was and nothing running. reason: why
+    stands: whether two readings found every joint unchanged and nothing running. reason: why
     nothing is known, "" if something is.
     """
 
@@ -50,7 +50,7 @@ def stop_at_once(session: Programs) -> None:
 
 
 def brought_to_rest(again: Callable[[], Programs]) -> Rest:
-    """Stops on a session of its own. again: gives a client that is not connected yet."""
+    """Stop the arm over a separate session. again: returns a client that is not connected yet."""
     try:
         with again() as session:
             return stopped(session)

@@ -22,7 +22,7 @@ from assistant.base.file_access import read_text
 LEAST_BYTES: Final = 1024
 """Bytes that have to go through in each time-out; fewer only at the end."""
 LARGEST_TRANSFER: Final = 1 << 30
-"""Bytes after which what comes is taken for garbage."""
+"""Bytes after which a transfer counts as garbage."""
 
 
 class TransferDeadline:
@@ -97,12 +97,12 @@ class BadCertificateFile(Exception):
 
 
 def tls_context(certificate: str | FilePath | None, shown: Callable[[], bytes]) -> ssl.SSLContext:
-    """What connections are checked with; raises BadCertificateFile, and what `shown` raises.
+    """Return the TLS context for connections; raises BadCertificateFile, and what `shown` raises.
 
-    certificate: file of an authority, or of the controller's own certificate. Controllers make
-    their own with names that are not their address: if the one shown is the very one in the
-    file, its key is trusted, and its name is not asked for. shown: fetches the one that the
-    controller shows, in DER, unchecked.
+    certificate: file of an authority, or of the controller's certificate. Controllers create
+    certificates with names other than their address: if the one shown equals the one in the file,
+    its key is trusted, and its name is not checked. shown: fetches the one that the controller
+    shows, in DER, unchecked.
     """
     if certificate is None:
         return ssl.create_default_context()

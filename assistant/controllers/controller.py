@@ -1,4 +1,4 @@
-"""What every controller's client answers, and how to get one for an address."""
+"""Common interface of all controller clients, and the client for an address."""
 
 from __future__ import annotations
 
@@ -30,7 +30,9 @@ class Programs(Protocol):
     lists: tuple[str, ...]
     """Suffixes of files that name the files of a program; they go last, when those are there."""
     memory_apart: bool
-    """Whether what runs was loaded from a file, and what is taught changes only what is loaded."""
+    """True if the running program was loaded from a file, and teaching changes only the loaded
+    copy.
+    """
 
     def __enter__(self) -> Self: ...
 
@@ -40,7 +42,7 @@ class Programs(Protocol):
         """The programs on it, sorted."""
 
     def read(self, name: str) -> bytes | None:
-        """A program as the controller gives it back, None if there is none of that name."""
+        """Return a program in the controller's form, None if no program has that name."""
 
     def check_text(self, name: str, data: bytes) -> None:
         """Raises Refused for a program of which the controller may see other lines than we do."""
@@ -52,7 +54,7 @@ class Programs(Protocol):
         """
 
     def remove(self, name: str) -> None:
-        """Deletes a program; nothing happens if there is none."""
+        """Delete a program; do nothing if it is missing."""
 
     def name_for(self, file_name: str | FilePath) -> str:
         """The name that a local file gets there; raises Refused if it can have none."""
@@ -82,7 +84,7 @@ class Controller(Programs, Protocol):
         """Acknowledges errors, so that programs can be started again."""
 
     def inputs(self, names: Sequence[str]) -> dict[str, float]:
-        """What signals read, by name, or by number as text where a controller numbers them."""
+        """Return the values of signals by name, or by number as text where they have numbers."""
 
     def outputs(self, names: Sequence[str]) -> dict[str, float]: ...
 
@@ -124,10 +126,10 @@ class Controller(Programs, Protocol):
         """
 
     def restore(self, folder: FilePath, *, only: Sequence[str] = ()) -> Restoring:
-        """What of a backup differs from the controller; `Restoring.apply` brings it back.
+        """Compare a backup with the controller; `Restoring.apply` restores the differences.
 
-        only: files or parameters to restore, the origin, safety and network settings among them,
-        which are left out else.
+        only: files or parameters to restore, including the origin, safety and network settings,
+        which are left out otherwise.
         """
 
     def watch(self, interval: float, signals: Sequence[str] = ()) -> Iterator[Sample]:
@@ -162,7 +164,7 @@ class Restoring(Protocol):
 
     @property
     def needs_restart(self) -> bool:
-        """Whether the controller may take some of it over only after a restart."""
+        """True if the controller may apply some of it only after a restart."""
 
     def apply(self) -> None:
         """Restores; raises Refused with what has been restored by then."""
@@ -184,7 +186,7 @@ LANGUAGES: Final[Mapping[str, tuple[str, ...]]] = {
     **dict.fromkeys(("ftp", "ftps", "sftp", "rws", "rwss"), ("rapid",)),
     **dict.fromkeys(("melfa", "melfa-serial"), ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")),
 }
-"""Scheme of an address → languages of the programs that some controller behind it takes."""
+"""Scheme of an address → languages of the programs that a controller at such an address accepts."""
 
 
 TIMEOUT: Final = 30.0

@@ -1,19 +1,20 @@
-"""A gateway: hands bytes on between any program and a controller whose lines carry texts alone.
+"""A gateway: relays bytes between any program and a controller whose lines carry texts alone.
 
-What a program on the controller says, and what it is answered, are texts that end with a carriage
-return:
+The requests of a program on the controller, and the answers to it, are texts that end with a
+carriage return:
 
     GATEWAY 1                the same: both speak the words below
-    W<hex>                   nothing: these bytes are to be sent behind those before
+    W<hex>                   nothing: send these bytes after those before
     S                        K when they are sent, C if the other end has closed
     A <least> <most> <ms>    B<count> in four hexadecimal digits once at least so many bytes have
                              come, most of them at most; T if that takes more milliseconds than
                              that, 99999000 being for ever; C if the other end has closed before
     G                        D<hex>: the next 50 of these bytes, or fewer
-    P                        B<count>: bytes that have come and were not asked for
+    P                        B<count>: bytes that have come and were not requested
 
 When the controller closes its line, the gateway closes the connection at the other end. If the
-other end closes, the line stays open, until what came before was taken and `C` was answered.
+other end closes, the line stays open until the program has fetched the earlier bytes and the
+gateway has answered `C`.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from typing import Final
 
 GREETING: Final = "GATEWAY 1"
 PIECE: Final = 50
-"""Bytes that are handed over at once: controllers have texts of about 127 characters."""
+"""Bytes handed over at once: controllers have texts of about 127 characters."""
 FOR_EVER: Final = 99_999_000
 """Milliseconds that stand for no end of a wait."""
 MOST_WAITING: Final = 1 << 16
@@ -42,7 +43,9 @@ Address = tuple[str, int]
 
 @dataclass(slots=True)
 class _Other:
-    """The other end. come: bytes that nobody has asked for. over: whether it sends no more."""
+    """The other end. come: received bytes that wait for a request. over: whether it sends no
+    more.
+    """
 
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
@@ -80,7 +83,7 @@ class _Other:
             return taken
 
     async def send(self, data: bytes) -> bool:
-        """Whether the other end may have got it."""
+        """Send bytes; True if the other end may have received them."""
         if self.over:
             return False
         try:
@@ -93,8 +96,8 @@ class _Other:
 
 @dataclass(slots=True)
 class _Words:
-    """What a controller says, one word after the other. said: bytes for the next `S`. taken: for
-    the next `G`.
+    """Requests of a controller, one after the other. said: bytes for the next `S`. taken: for the
+    next `G`.
     """
 
     other: _Other
@@ -102,7 +105,9 @@ class _Words:
     taken: bytes = b""
 
     async def answer(self, word: str) -> str | None:
-        """What a word is answered with, None for nothing; raises ValueError for no such word."""
+        """Return the answer to a word, None for no answer; raises ValueError for an unknown
+        word.
+        """
         kind, rest = word[:1], word[1:]
         if word == GREETING:
             return GREETING
@@ -131,8 +136,9 @@ class _Words:
 
 
 class Gateway:
-    """listens: which end connects to this computer: `other` or `controller`. at: where. to: the
-    end that this computer connects to. report: is told what happens, a sentence each.
+    """at: address to listen on. to: address that this computer connects to. for_controller: whether
+    the controller is the end that connects to this computer. report: receives each event, as a
+    sentence.
     """
 
     def __init__(self, at: Address, to: Address, *, for_controller: bool) -> None:

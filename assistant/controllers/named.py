@@ -7,9 +7,9 @@ cell1 = "melfa://192.168.0.20"
 address = "rws://192.168.125.1"
 user = "engineer"               # never a password
 robot = "irb1200-7-0.7"         # or a robot file, from the project's folder
-certificate = "cell2.pem"       # that it is trusted by, from the project's folder
+certificate = "cell2.pem"       # to trust it by, from the project's folder
 timeout = 10                    # seconds to wait for an answer
-serial = "1200-501234"          # number that it must tell of itself
+serial = "1200-501234"          # number that it must report
 
 [controllers.trial]
 address = "virtual:irc5"        # or virtual:cr: a virtual controller that deployments start
@@ -38,28 +38,29 @@ if TYPE_CHECKING:
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 NO_USER: Final = re.compile("[:/=;?#]")
-"""What parts a user from a password, or from another word, and is in no name of one."""
+"""Characters that separate a user from a password, or from another word, and are in no user
+name.
+"""
 SECRET: Final = re.compile(r"pass|pwd|secret|token|credential", re.IGNORECASE)
 """Keys that somebody may write a password behind."""
 ROBOT_FILES: Final = (".toml", ".urdf")
-"""How the name of a robot ends that is one of a file."""
+"""Endings of the name of a robot file."""
 LONGEST_TIMEOUT: Final = 3600.0
 VIRTUAL: Final[Mapping[str, Address]] = {
     "irc5": Address("rws", "127.0.0.1", 0, "engineer", "HOME:"),
     "cr": Address("melfa", "127.0.0.1", 0),
 }
-"""What may follow `virtual:` in an address, and where that controller will be."""
+"""Words after `virtual:` in an address → address of that controller."""
 VIRTUALLY: Final = "virtual:"
 
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """A controller with what is known of it.
+    """A controller with its known settings.
 
-    name: in the project, the address itself of one that no project names. robot: that it
-    moves, by its name or its file. timeout: seconds to wait for an answer. serial: number that it
-    must tell of itself. virtual: which one of `VIRTUAL` the project itself starts; its address has
-    port 0 until it runs.
+    name: in the project, or the address itself if no project names it. robot: that it moves, by its
+    name or its file. timeout: seconds to wait for an answer. serial: number that it must report.
+    virtual: which one of `VIRTUAL` the project itself starts; its address has port 0 until it runs.
     """
 
     name: str
@@ -77,14 +78,14 @@ class Named:
 
     @property
     def word(self) -> str:
-        """What somebody types who means this controller."""
+        """Word that a user types for this controller."""
         return self.variables or self.address.host
 
 
 def named(text: str, folder: FilePath | None = None) -> Named:
-    """The controller of an address, or of a name of the project of a folder (default: this one).
+    """Return the controller of an address, or of a name in a folder's project (default: this one).
 
-    Raises Refused and Unreadable, of exit status 2, if there is none.
+    Raises Refused and Unreadable, of exit status 2, if it is missing.
     """
     if NAME.fullmatch(text) is None:
         address = parse(text)
@@ -126,7 +127,7 @@ def controllers_of(folder: FilePath) -> dict[str, Named]:
 
 
 def keys() -> Mapping[str, Callable[[Any], Any]]:
-    """What the table of a controller may hold, and how each value is read."""
+    """Return the permitted keys of a controller's table, each with the reader of its value."""
     from assistant.program import settings_tables
 
     return {
@@ -146,7 +147,7 @@ class _Reader:
         self.table, self.folder, self.keys = table, folder, keys()
 
     def entry(self, name: str) -> Named | None:
-        """A controller, None if what is said of it is wrong."""
+        """Read a controller, None if its entry is wrong."""
         if NAME.fullmatch(name) is None:
             self.table.say(rules.BAD_NAME, name, name=without_password(name))
             return None
@@ -208,7 +209,7 @@ class _Reader:
             return None
 
     def check_variables(self) -> None:
-        """Names whose variables of the environment would be the same are told apart by nobody."""
+        """Report names whose environment variables would be identical."""
         seen: dict[str, str] = {}
         for name in self.table.content:
             other = seen.setdefault(password_variable(name, ""), name)

@@ -51,7 +51,7 @@ class Recording:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Of the columns: `field`, or `field.component`."""
+        """Labels of the columns: `field`, or `field.component`."""
         return tuple(
             f"{name}.{part}" if part else name
             for name, parts in self.fields.items()

@@ -1,7 +1,7 @@
-"""Findings of the clients of controllers; each says what state the controller is in.
+"""Findings of the clients of controllers; each states the condition of the controller.
 
-Modes with findings of their own have a separate `rules.py` (cyclic control, the pose exchange of
-ABB controllers, the lines of Mitsubishi controllers).
+Modes with particular findings have a separate `rules.py` (cyclic control, the pose exchange of ABB
+controllers, the lines of Mitsubishi controllers).
 """
 
 from __future__ import annotations
@@ -279,7 +279,7 @@ class Lost(Refused):
 
 
 class Taken(Refused):
-    """Somebody has it open, or a session that died has; it may be free again in a moment."""
+    """Another user, or a dead session, has it open; it may be free again in a moment."""
 
 
 NO_JOINTS: Final = error(

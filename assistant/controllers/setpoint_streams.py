@@ -46,13 +46,13 @@ USUAL_AXES: Final = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arm:
-    """An arm of a axes, and what it may do while it is led.
+    """An arm of a axes, and its limits during control by setpoints.
 
-    axes: J1, J2 … of the arm. sliding: (a,) which of them slide. limits: (a, 2). full: (a,) its own
-    greatest speeds a second. speeds, rises: (a,) a second (squared) that no step may exceed.
-    share: part of `full` at which a motion of all axes keeps to what its tool may do; of ways in
-    which the controller chooses how fast it goes. pose_of: joints (a,) → the tool in the base.
-    joints_of: a pose of the tool, and joints (a,) near to which it is looked for; None if none are.
+    axes: J1, J2 … of the arm. sliding: (a,) which of them slide. limits: (a, 2). full: (a,) its
+    greatest speeds a second. speeds, rises: (a,) a second (squared) that no step may exceed. share:
+    part of `full` at which a motion of all axes keeps the limits of its tool; for carriers whose
+    controller chooses the speed. pose_of: joints (a,) → the tool in the base. joints_of: a pose of
+    the tool, and joints (a,) near the solution; None without a solution.
     """
 
     axes: tuple[str, ...]
@@ -117,12 +117,12 @@ class Carrier(Protocol):
         """(a,) where the arm is, as it tells; raises Refused if it is not known any more."""
 
     def told(self) -> Floats:
-        """(a,) where it was told to be last."""
+        """Return the last commanded joints (a,)."""
 
     def move(self, to: Floats, seconds: float) -> None:
-        """Has the arm be at joints (a,) in so many seconds, near to where it was told to be.
+        """Command the arm to joints (a,) in so many seconds, near the last commanded position.
 
-        It comes to rest there by itself if no other step follows. Raises Refused.
+        It comes to rest there unaided if no other step follows. Raises Refused.
         """
 
     def rest(self) -> None:
@@ -130,7 +130,9 @@ class Carrier(Protocol):
 
 
 MakeCarrier = Callable[[Programs, Arm, LinkOptions, Floats], Carrier]
-"""Of a session, the arm, what is wished, and joints (a,) near to which the arm is."""
+"""Makes a carrier from a session, the arm, the options, and joints (a,) near the present
+position.
+"""
 SpeedKeeper = Literal["cycles", "percent", "program"]
 SLOWEST_OVERRIDE: Final = 0.01
 """Part of its full speed: the least that a controller can be set to."""
@@ -139,9 +141,9 @@ SLOWEST_OVERRIDE: Final = 0.01
 @dataclass(frozen=True, slots=True)
 class Mode:
     """title: in words. make: a carrier that is not entered. operates: whether the session must be
-    one that operates the controller. check: is asked before anybody confirms. unbegun: codes of
-    refusals after which nothing has been sent or started. waits: as of its carrier. keeps: who
-    keeps the speed: each cycle, a percentage of the controller, or a program of its own.
+    one that operates the controller. check: called before the user confirms. unbegun: codes of
+    refusals after which nothing has been sent or started. waits: as of its carrier. keeps: limiter
+    of the speed: each cycle, a percentage of the controller, or the controller's program.
     """
 
     title: str
@@ -227,7 +229,7 @@ MODES: Final[Mapping[str, Mode]] = {
 
 
 JOG_PERIOD: Final = 1.0
-"""Seconds of a step at most: nothing is looked at meanwhile, but much of each is asking."""
+"""Greatest seconds of a step: nothing is checked meanwhile, but requests take much of each step."""
 LEAST_JOG: Final = 0.01
 """Degrees or mm of a step: places are written with two decimals."""
 
@@ -316,7 +318,7 @@ class DataLinkCarrier:
 
     @property
     def mode(self) -> ControlMode:
-        """What the steps go by; its `recording` holds every status that came."""
+        """Control mode that carries the steps; its `recording` holds every status received."""
         return self._mode
 
     def __enter__(self) -> Self:
@@ -352,7 +354,7 @@ class DataLinkCarrier:
         self._told = np.array(to)
 
     def rest(self) -> None:
-        """Nothing: the arm stands at what it was told last, which is near."""
+        """Do nothing: the arm stops at its last command, which is near."""
 
     def _set_back(self) -> None:
         if self._override is not None:
@@ -363,14 +365,16 @@ class DataLinkCarrier:
 
 
 POSE_PERIOD: Final = 0.5
-"""Seconds of a step at most: nothing is looked at meanwhile, but much of each are the files."""
+"""Greatest seconds of a step: nothing is checked meanwhile, but the files take much of each
+step.
+"""
 
 
 class PoseCarrier:
-    """The program of the exchange runs already, with the tool that `Arm.pose_of` has, in the base.
+    """Carrier over the running pose exchange, with the tool of `Arm.pose_of`, in the base.
 
-    Its speed is that of its module. begin: (a,) joints near to which the first pose is looked for:
-    the answers tell no joints.
+    Its speed is that of its module. begin: (a,) joints near the first pose: the answers contain no
+    joints.
     """
 
     waits = True
@@ -384,7 +388,7 @@ class PoseCarrier:
 
     @property
     def exchange(self) -> PoseExchange:
-        """What the steps go by; its `recording` holds every answer."""
+        """Pose exchange that carries the steps; its `recording` holds every answer."""
         return self._exchange
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-"""What controllers tell of themselves, in words and units that all of them share."""
+"""Reports of controllers, in words and units that all of them share."""
 
 from __future__ import annotations
 
@@ -66,11 +66,11 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """Where the arm is.
+    """Position of the arm.
 
-    joints: degrees (mm of a linear axis) of J1, J2, …, None for one that the arm lacks.
-    position: mm, quaternion: (w, x, y, z), of the tool in the frame that the controller shows.
-    text: the pose as the controller's language writes it.
+    joints: degrees (mm of a linear axis) of J1, J2, …, None for one that the arm lacks. position:
+    mm, quaternion: (w, x, y, z), of the tool in the frame that the controller shows. text: the pose
+    in the controller's language.
     """
 
     joints: tuple[float | None, ...]
@@ -103,7 +103,7 @@ class Jog:
 
 
 def record(value: object) -> object:
-    """What a controller told, as plain data for JSON."""
+    """Return a report of a controller as plain data for JSON."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {f.name: record(getattr(value, f.name)) for f in dataclasses.fields(value)}
     if isinstance(value, Mapping):

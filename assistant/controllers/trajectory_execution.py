@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 Progress = Callable[[float], None]
-"""Is told what part of the way is done, 0 to 1."""
+"""Receives the completed part of the motion, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +78,7 @@ class LinkOptions:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What is said of it, and what was recorded as (n,) columns by name."""
+    """Summary of a motion in words, and its recording as (n,) columns by name."""
 
     said: str
     columns: Mapping[str, Floats] = field(default_factory=dict)
@@ -97,7 +97,7 @@ Check = Callable[[Programs, LinkOptions], None]
 
 
 OPTIONS: Final = {"port": "--port", "lines": "--line", "cycle": "--cycle"}
-"""Of `LinkOptions` → how commands name them."""
+"""Fields of `LinkOptions` → their command-line options."""
 
 
 def check_of(*names: str, then: Check | None = None) -> Check:
@@ -135,7 +135,7 @@ class Mode:
 
 
 def _limits(led: TimedMotion) -> Limits:
-    """What no cycle may exceed; an axis that the arm lacks stays where it is."""
+    """Return the limits that no cycle may exceed; an axis that the arm lacks stays at rest."""
     from assistant.controllers.cyclic import Limits
 
     rises = led.accelerations
@@ -153,9 +153,9 @@ NOTHING_SENT: Final = "nothing that moves the robot was sent"
 
 
 def _exchange(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress) -> Done:  # noqa: ARG001
-    """Poses by files, one after the other; the program of the exchange runs already.
+    """Send poses by files, one after the other; the program of the exchange already runs.
 
-    What breaks it off gets a note of what is known of the robot then.
+    An interrupting error gets a note on the known condition of the robot.
     """
     from assistant.controllers.abb.exchange import PoseExchange
 
@@ -196,8 +196,8 @@ def _egm(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Pro
 # ------------------------------------------------------------------------------ Mitsubishi
 
 CONTROL_PORT, STATUS_PORT = 10002, 10003
-"""Of the lines OPT12 and OPT13, which COM1 and COM2 of the programs are to be; the controller link
-is on OPT11.
+"""Ports of the lines OPT12 and OPT13, which must be COM1 and COM2 of the programs; the controller
+link is on OPT11.
 """
 LINES_NEEDED: Final = (
     "set COMDEV = OPT12, OPT13 and CPRCE12 = CPRCE13 = 2 on the controller and switch it off and "

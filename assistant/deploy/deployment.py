@@ -38,7 +38,7 @@ from assistant.deploy.site import RECORD, UNDER_WAY, Site
 
 
 class FileState(enum.StrEnum):
-    """What a program on the controller is after a deployment."""
+    """State of a program on the controller after a deployment."""
 
     SAME = "same"
     """It was already what was to be sent."""
@@ -49,16 +49,16 @@ class FileState(enum.StrEnum):
     PUT_BACK = "put back"
     """Was changed, and is again what it was before (or gone, if it was new)."""
     UNKNOWN = "unknown"
-    """Could not be put back or not be read: somebody has to look."""
+    """Could not be put back or read: the user must check it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Deployment:
-    """What became of a plan.
+    """Result of a plan.
 
     states: state of each planned program, by its name on the controller. folder: in the history,
-    with what was there before; None if nothing was to be changed. back: whether it was asked to
-    take a deployment back.
+    with the previous programs; None if nothing had to be changed. back: whether the request was to
+    roll a deployment back.
     """
 
     address: Address
@@ -92,7 +92,7 @@ PUT_BACK_TIMEOUT: Final = 20.0
 """Seconds for which what cannot be put back is tried again: a controller keeps a dead session,
 and the program that it had open, for a while."""
 Progress = Callable[[Entry], None]
-"""Is told each program before it is changed."""
+"""Receives each program before it is changed."""
 Tell = Callable[[Diagnostic], None]
 """Is given what a user has to know before all is over."""
 
@@ -192,7 +192,7 @@ class Transfer:
             controller.write(RECORD, earlier)
 
     def _insisted(self, act: Callable[[], None], connected: bool) -> tuple[bool, bool]:
-        """Whether something could be done, and whether there is a session then."""
+        """Retry an action; return whether it succeeded, and whether a session exists then."""
         try:
             self.site.insist(act, self.patience, connected=connected)
         except Refused as refusal:
@@ -209,7 +209,9 @@ class Transfer:
         ]
 
     def _known(self, entry: Entry) -> bool:
-        """Whether what is there is of this deployment; between two steps it may be a mixture."""
+        """True if the present content is of this deployment; between two steps it may be a
+        mixture.
+        """
         now = self.site.forms(self._now(entry))
         known = [self.site.forms(held) for held in (entry.before, entry.after)]
         # On its way into memory a file holds what is to be loaded.
@@ -263,16 +265,15 @@ def deploy(
     tell: Tell | None = None,
     leave: Callable[[], bool] | None = None,
 ) -> Deployment:
-    """Brings the plan's changes to its controller, reads each back, and compares.
+    """Write the plan's changes to its controller, read each back, and compare.
 
-    What was there is kept in the history first, see `history`. If any program fails, every one
-    that was changed is put back (after Ctrl-C as well); the findings say what happened, nothing
-    is raised for it. A plan with conflicts, or whose controller has changed meanwhile, changes
-    nothing; neither does one that would replace a running program. Never starts motion.
-    files_only: whether programs may be replaced whose taught points this session cannot see.
-    patience: seconds for which what cannot be put back is tried again. tell: called with what a
-    user has to know at once, as of a line that is lost. leave: asked while a lost line is tried
-    again; True leaves the deployment open.
+    The previous programs are saved in the history first, see `history`. If any program fails, every
+    changed one is put back (after Ctrl-C as well); the findings report this, without an exception.
+    A plan with conflicts, or whose controller has changed meanwhile, changes nothing; neither does
+    one that would replace a running program. Never starts motion. files_only: whether programs may
+    be replaced whose taught points this session cannot see. patience: seconds for which a failed
+    restoration is tried again. tell: receives urgent findings for the user at once, such as a lost
+    line. leave: called while a lost line is tried again; True leaves the deployment open.
     """
     run = _Run(plan, history, patience)
     run.site.tell = tell or run.site.tell
@@ -313,7 +314,7 @@ class _Run:
         return Deployment(plan.address, self.states, tuple(self.findings), folder)
 
     def _check_decided(self, files_only: bool) -> None:
-        """Raises Refused if somebody has to decide first."""
+        """Raise Refused if the user must decide first."""
         refused = [rules.UNDECIDED(place=f.name, name=f.name) for f in self.plan.conflicts]
         replaced = [f for f in self.plan.changes if f.change is Change.CHANGED]
         if self.site.blind and replaced and not files_only:
@@ -375,12 +376,12 @@ def carry_out(
     progress: Progress | None = None,
     leave: Callable[[], bool] | None = None,
 ) -> Transfer:
-    """Brings programs to a controller, with a journal; what fails is put back.
+    """Write programs to a controller, with a journal; put back programs that fail.
 
-    So is what is interrupted, from outside or by Ctrl-C: only once, what comes after that waits,
-    unless the line is lost: then it leaves the deployment open, and so does `leave`. check: is
-    asked once nobody else can deploy to it. The findings of what comes back say what failed. Raises
-    Refused if nothing could be begun.
+    An interruption, from outside or by Ctrl-C, also puts them back: only once, later ones wait,
+    unless the line is lost: then it leaves the deployment open, and so does `leave`. check: called
+    once no other computer can deploy to the controller. The findings of the returned transfer
+    describe the failures. Raises Refused if nothing could be begun.
     """
     stood = tasks(site)
     with raise_on_termination(once=True) as ending:

@@ -54,11 +54,11 @@ PARTS: Final = ("before", "after")
 KEPT_FILE: Final = re.compile(rf"(before|after)/\d{{1,6}}-{PROGRAM_NAME.pattern}", re.ASCII)
 """A file of a program in the folder; the number is that of its entry."""
 UNNUMBERED_PREFIX: Final = ".new"
-"""What a folder begins with until it has its number."""
+"""Prefix of a folder's name until it has its number."""
 
 
 class Step(enum.StrEnum):
-    """What a line of a journal says."""
+    """Step in a line of a journal."""
 
     NOTHING = "not begun"
     """It has no line: the process died before anything was changed."""
@@ -106,7 +106,7 @@ class Journal:
         return int(self.folder.name)
 
     def steps(self) -> list[tuple[Step, str]]:
-        """What was done so far, each with the program that it was done to."""
+        """Return the completed steps, each with its program."""
         return steps_of(self.folder)
 
     @property
@@ -115,12 +115,12 @@ class Journal:
 
     @property
     def open(self) -> bool:
-        """Whether it was neither finished nor taken back."""
+        """True if it was neither finished nor rolled back."""
         return self.last not in ENDED
 
     @property
     def result(self) -> str:
-        """What became of it, in a word or two."""
+        """Result in a word or two."""
         return "interrupted" if self.open else str(self.last)
 
     def add(self, step: Step, program: str = "") -> None:
@@ -201,9 +201,9 @@ def journal_folders(place: FilePath) -> list[FilePath]:
 
 
 def open_journal(place: FilePath) -> Journal | None:
-    """The deployment that is neither finished nor taken back; raises Refused.
+    """Return the deployment that is neither finished nor rolled back; raises Refused.
 
-    Of those that have ended none is read: that one of them is damaged keeps nobody from working.
+    Finished deployments are not read: a damaged one does not block further work.
     """
     for folder in journal_folders(place):
         if last_step(folder) not in ENDED:
@@ -212,7 +212,7 @@ def open_journal(place: FilePath) -> Journal | None:
 
 
 def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
-    """What was done so far in the deployment of a folder; raises Refused."""
+    """Return the completed steps of the deployment in a folder; raises Refused."""
     found: list[tuple[Step, str]] = []
     with report_file_errors(folder):
         try:
@@ -330,10 +330,10 @@ def unusable_history(place: FilePath, error: Exception) -> Refused:
 
 
 MOST_ARCHIVE_BYTES: Final = 256 * 2**20
-"""Of an archive, packed and unpacked."""
+"""Bytes of an archive, packed and unpacked."""
 MOST_ARCHIVE_FILES: Final = 10_000
 BROKEN_ARCHIVE: Final = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError)
-"""What an archive that is cut or made up meets beside ValueError and the like."""
+"""Errors of a truncated or forged archive, in addition to ValueError and the like."""
 COMPRESSIONS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -436,10 +436,10 @@ def last_record(
 def what_was_left(
     site: Site, record: Record, name: str, history: str | FilePath | None = None
 ) -> Held | None:
-    """What the deployments up to a record left of a program, None if nobody kept it.
+    """Return a program's content after the deployments up to a record, None if not saved.
 
-    It is looked for in the history here, and in the archive that the last deployment left on a
-    disk; what it holds is what the record says by its digests.
+    It is searched in the local history, and in the archive that the last deployment left on a disk;
+    the digests of the record identify it.
     """
     meant = {n.lower(): digests for n, digests in record.programs.items()}.get(name.lower())
     for entry in _earlier_programs(site, history):

@@ -89,16 +89,16 @@ def holder(site: Site) -> Holder:
 
 
 def check_claim(site: Site, record: Record) -> None:
-    """Raises Refused if somebody has freed the controller, who took this deployment for dead."""
+    """Raise Refused if another user freed the controller, taking this deployment for dead."""
     if site.disk is not None and holder(site).name != record.name:
         raise Refused(rules.CLAIM_GONE(place=str(site.address)))
 
 
 def unclaim(site: Site, name: str) -> None:
-    """Lets others deploy again. name: of the deployment that held the controller.
+    """Let others deploy again. name: of the deployment that held the controller.
 
-    The folder goes first, at once: where this is cut, it is still known whose claim it was, or
-    there is none any more.
+    The folder is removed first, in one step: after an interruption the claim still has a known
+    owner, or no longer exists.
     """
     if site.disk is not None:
         site.disk.release(CLAIM)

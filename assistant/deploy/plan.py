@@ -1,7 +1,8 @@
 """Plan of a deployment: local programs compared with those on the controller, without a change.
 
 The files to deploy are gathered and checked, each gets its name on the controller, and `Classifier`
-decides what the deployment would do to each program: what is there, whose it is, what differs.
+decides the effect of the deployment on each program: its present content, its owner, its
+differences.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from assistant.languages import Language, Tree
 
 
 class Change(enum.StrEnum):
-    """What a deployment does to one program on the controller."""
+    """Change of one program on the controller by a deployment."""
 
     NEW = "create"
     CHANGED = "replace"
@@ -40,12 +41,12 @@ class Change(enum.StrEnum):
 class PlannedFile:
     """A program to install.
 
-    path: the local file. name: on the controller. data: what is sent. before: what the
-    controller has. after: what it is to have. reason: why it is a conflict, or was one. left:
-    what the last deployment left there, None if nobody knows; looked for only then. Unified
-    differences: diff from its file to what is sent, taught from what was loaded to what is in
-    memory now, since from what the last deployment left to what is there now, "" each if there is
-    none. findings: of the language's parser, no errors among them.
+    path: the local file. name: on the controller. data: bytes to send. before: present content on
+    the controller. after: planned content. reason: why it is a conflict, or was one. left: content
+    after the last deployment, None if unknown; searched only for a conflict. Unified differences,
+    "" without one: diff from its file to the sent data, taught from the loaded module to the one in
+    memory now, since from the last deployment to the present content. findings: of the language's
+    parser, without errors.
     """
 
     path: str
@@ -68,11 +69,11 @@ class PlannedFile:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a deployment would do; nothing has been changed yet.
+    """Effect of a deployment; nothing has been changed yet.
 
-    identity: of the controller, None where the session cannot tell. record: of the last
-    deployment, None if none is known. foreign: what is there and not ours; never touched. left:
-    ours of an earlier deployment, and not planned any more; not touched either.
+    identity: of the controller, None where the session cannot read it. record: of the last
+    deployment, None if unknown. foreign: programs of other origin; never touched. left: programs of
+    an earlier deployment that are not planned any more; not touched either.
     """
 
     address: Address
@@ -95,10 +96,10 @@ class Plan:
 
     @property
     def unrecorded(self) -> bool:
-        """Whether programs are there as they are sent, but the last record does not say so.
+        """True if programs on the controller are as planned, but not as the last record lists them.
 
-        Somebody put them there by hand, or what was changed there was brought home. Of a controller
-        that keeps no record it counts only once it has been deployed to from here.
+        The user copied them by hand, or merged a change on the controller into the project. For a
+        controller without a record it counts only once this computer has deployed to it.
         """
         if self.record is None and self.site.disk is None:
             return False
@@ -217,9 +218,9 @@ class Classifier:
         return ""
 
     def _brought_home(self, left: Held, before: Held, after: Held) -> bool:
-        """Whether what is sent has all that was changed there since.
+        """True if the planned content includes all changes made on the controller since.
 
-        It is so after the change was brought home, whoever did it, on whichever computer.
+        This is the case after the change was merged into the project, by any user, on any computer.
         """
         forms = [self.site.forms(held) for held in (left, before)]
         files = (left.file, before.file, after.file, self.site.controller.stored, "")
@@ -325,10 +326,10 @@ def controller_names(paths: Sequence[str], controller: Programs) -> dict[str, st
 def file_findings(
     data: dict[str, bytes], names: Mapping[str, str], controller: Programs
 ) -> dict[str, tuple[Diagnostic, ...]]:
-    """The findings of each file: of its own language, or that it is not the controller's.
+    """Return the findings of each file: of its language, or that the controller does not accept it.
 
-    names: of the files on the controller, which may see other lines in them than we do. The
-    language's rules see all files together, as the controller will.
+    names: of the files on the controller, which may split lines differently. The language's rules
+    see all files together, as the controller will.
     """
     notes: dict[str, tuple[Diagnostic, ...]] = {}
     trees: dict[str, dict[str, Tree]] = {}
@@ -381,14 +382,14 @@ def plan(
     history: str | FilePath | None = None,
     meant: Identity | None = None,
 ) -> Plan:
-    """Compares local programs with what is on the controller; changes nothing.
+    """Compare local programs with the controller; change nothing.
 
     Every file is parsed first: a program with errors is never sent. task: that modules are loaded
-    in, "" for the first. load: whether modules that are not loaded yet are to be. replace: names
-    of programs that may be replaced although no deployment left them there as they are, `EVERY`
-    for all. history: see `history.place_of`. meant: robot and serial number that the controller has
-    to have, as far as they are stated; another one is refused. Raises Refused (Unreadable for files
-    that cannot be read) with everything that keeps the files from being deployed.
+    in, "" for the first. load: whether to load modules that are not loaded yet. replace: names of
+    programs that may be replaced although no deployment left them in their present form, `EVERY`
+    for all. history: see `history.place_of`. meant: robot and serial number required of the
+    controller, as far as they are stated; another one is refused. Raises Refused (Unreadable for
+    files that cannot be read) with everything that prevents the files from being deployed.
     """
     if not files:
         raise Refused(rules.NO_FILES())

@@ -251,7 +251,7 @@ def _secret(site: Site, coming: Iterable[Entry]) -> Iterator[Diagnostic]:
 
 
 def _same_module(memory: Memory, coming: Iterable[Entry]) -> Iterator[Diagnostic]:
-    """Of two files that hold one module the second would be loaded over the first."""
+    """Report files with the same module: the second would be loaded over the first."""
     first: dict[str, str] = {}
     for entry in coming:
         module = memory.module(_text(entry)) or ""

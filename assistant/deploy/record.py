@@ -59,21 +59,21 @@ def digest(data: bytes | None) -> str | None:
 
 FORMAT: Final = 1
 PROGRAM_NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
-"""Of a program; also a file of this computer can have it."""
+"""Name of a program; also valid for a file of this computer."""
 DIGEST: Final = re.compile("[0-9a-f]{64}")
 LONGEST_TEXT: Final = 1000
 """Characters of a text in it."""
 LONGEST_RECORD: Final = 1_000_000
-"""Bytes of a record that is looked at."""
+"""Bytes of a record that are read at most."""
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """What a deployment left on a controller.
+    """Record of the content that a deployment left on a controller.
 
-    name: of the deployment, in the order of time. commit: of the project's repository, "" where
-    there is none. programs: all that are ours there, those of earlier deployments among them.
-    robot, controller, serial: as the controller told, "" for what it did not tell.
+    name: of the deployment, in the order of time. commit: of the project's repository, "" without
+    one. programs: all deployed programs there, including those of earlier deployments. robot,
+    controller, serial: as the controller reported, "" if it did not report them.
     """
 
     name: str
@@ -88,7 +88,7 @@ class Record:
     programs: Mapping[str, Digests] = field(default_factory=dict)
 
     def written(self) -> bytes:
-        """As JSON, with the digest of all the rest."""
+        """Return the record as JSON, with the digest of all the rest."""
         content = {"format": FORMAT, **asdict(self)}
         return _text({**content, "digest": _digest(content)}).encode()
 
@@ -111,7 +111,7 @@ def new_record(address: str, identity: Identity | None, task: str = "") -> Recor
 
 
 def plain_text(text: str) -> str:
-    """Text from outside without what would steer a terminal, and not too long to be told."""
+    """Return external text, shortened and without characters that control a terminal."""
     return "".join(c if c.isprintable() else "?" for c in text[:LONGEST_TEXT])
 
 
@@ -163,14 +163,16 @@ def _digest(content: Mapping[str, Any]) -> str:
 
 NAME_WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
 CLOSE_FIGURES: Final = 0.05
-"""By how much two figures of a robot's name may differ: a reach of 0.58 m is also told as 0.6."""
+"""Greatest difference between two figures of a robot's name: a reach of 0.58 m is also written as
+0.6.
+"""
 
 
 def check_meant(identity: Identity | None, meant: Identity, place: str) -> tuple[Diagnostic, ...]:
-    """Refuses another controller than the one that a project means, serial number and robot.
+    """Refuse a controller other than the one of the project, by serial number and robot.
 
-    Comes back with a warning of a serial number that cannot be told. Many a project names the
-    robot only to compile for it: one that is not told is passed over.
+    Returns a warning if the controller does not report its serial number. Many projects name the
+    robot only to compile for it: an unreported one is ignored.
     """
     told = identity or Identity()
     refused: list[Diagnostic] = []
@@ -187,13 +189,13 @@ def check_meant(identity: Identity | None, meant: Identity, place: str) -> tuple
 
 
 def check_same(identity: Identity | None, record: Record, place: str) -> None:
-    """Refuses another controller than that of a deployment, as far as both are told."""
+    """Refuse a controller other than that of a deployment, as far as both identities are known."""
     if _other(identity, record) is not None:
         raise Refused(rules.ANOTHER(place=place))
 
 
 def of_another(identity: Identity | None, record: Record | None) -> Diagnostic | None:
-    """The warning that a record was brought to this controller from another one, with its files."""
+    """Return the warning that a record came to this controller from another one, with its files."""
     other = None if record is None else _other(identity, record)
     if record is None or other is None:
         return None
@@ -202,7 +204,9 @@ def of_another(identity: Identity | None, record: Record | None) -> Diagnostic |
 
 
 def _other(identity: Identity | None, record: Record) -> tuple[str, str] | None:
-    """What is told otherwise than in a record, and what that says; what is not told is not."""
+    """Return the first identity field that differs from a record, as (now, then); skip empty
+    ones.
+    """
     told = identity or Identity()
     pairs = (
         (plain_text(told.robot), record.robot),
@@ -213,9 +217,9 @@ def _other(identity: Identity | None, record: Record) -> tuple[str, str] | None:
 
 
 def same_robot(one: str, other: str) -> bool:
-    """Whether two names mean one robot: `irb1200-7-0.7` is `IRB 1200-7/0.7`.
+    """True if two names denote the same robot: `irb1200-7-0.7` is `IRB 1200-7/0.7`.
 
-    The shorter name may lack what the other adds: the maker, a cable or a colour.
+    The shorter name may lack additions of the other: the maker, a cable or a colour.
     """
     shorter, longer = sorted((_name_words(one), _name_words(other)), key=len)
     left = list(longer)
@@ -228,7 +232,7 @@ def same_robot(one: str, other: str) -> bool:
 
 
 def _is_model(name: str) -> bool:
-    """Whether it is a model of a maker, with letters and figures."""
+    """True if the name is a maker's model, with letters and figures."""
     words = _name_words(name)
     return any(map(str.isalpha, words)) and not all(map(str.isalpha, words))
 

@@ -53,10 +53,10 @@ def resume(
     replace: Collection[str] = (),
     patience: float = PUT_BACK_TIMEOUT,
 ) -> Deployment:
-    """Finishes the deployment that was interrupted, here or on another computer.
+    """Finish the deployment that was interrupted, here or on another computer.
 
-    replace: programs that are made what the deployment brought although somebody has changed them
-    meanwhile, `EVERY` for all. Raises Refused if there is none.
+    replace: programs that get the content of the deployment although another user has changed them
+    meanwhile, `EVERY` for all. Raises Refused if no deployment was interrupted.
     """
     place = place_of(controller.address, history)
     with lock_on_this_computer(place), Site(controller, patience=patience) as site:
@@ -77,12 +77,12 @@ def rollback(
     patience: float = PUT_BACK_TIMEOUT,
     tell: Tell | None = None,
 ) -> Deployment:
-    """Takes back a deployment: every program of it is again what it was before, byte for byte.
+    """Roll a deployment back: every program of it gets its previous content again, byte for byte.
 
-    number: of it in the history; those after it are taken back as well. None for the one that was
-    interrupted, or else the last. To take back one that is done is a deployment too, which can be
-    resumed and taken back. replace: see `resume`. tell: see `deploy`. Raises Refused if there
-    is none.
+    number: of it in the history; later ones are rolled back as well. None for the one that was
+    interrupted, or else the last. The rollback of a finished one is a deployment too, which can be
+    resumed and rolled back. replace: see `resume`. tell: see `deploy`. Raises Refused if the
+    deployment is missing.
     """
     place = place_of(controller.address, history)
     with lock_on_this_computer(place), Site(controller, patience=patience) as site:
@@ -213,7 +213,7 @@ def _check_not_ended_elsewhere(site: Site, journal: Journal) -> None:
 
 
 def _checked(site: Site, journal: Journal, replace: Collection[str], patience: float) -> Transfer:
-    """Raises Refused if it is another controller, or somebody has changed programs meanwhile."""
+    """Return the transfer; raises Refused for another controller or programs changed meanwhile."""
     check_same(site.identity(), journal.record, str(site.address))
     check_not_running(site, journal.entries)
     carrying = Transfer(site, journal, patience)

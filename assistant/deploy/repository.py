@@ -1,7 +1,7 @@
-"""What git tells of the repository around a folder, without starting what the repository names.
+"""Git queries on the repository around a folder, without starting programs that it names.
 
-A repository's own configuration, which a clone does not bring but an archive or a shared folder
-does, may name programs: git-config(1) `core.fsmonitor`, `filter.<driver>.clean`, githooks(5)
+A repository's configuration, which a clone does not contain but an archive or a shared folder does,
+may name programs: git-config(1) `core.fsmonitor`, `filter.<driver>.clean`, githooks(5)
 `post-index-change`, `remote.<name>.promisor` with `core.sshCommand`. Any folder of a clone may look
 like a bare repository with such a configuration.
 """
@@ -30,7 +30,7 @@ ALONE: Final = {
     "GIT_TERMINAL_PROMPT": "0",
 }
 OWN: Final = ("system", "global", "command")
-"""Whose configuration is the user's."""
+"""Scopes of configuration that belong to the user."""
 FILTER: Final = re.compile(r"filter\.([\w. /-]+)\.[a-z]+", re.ASCII | re.IGNORECASE)
 TIMEOUT: Final = 10
 """Seconds for each question."""
@@ -39,20 +39,24 @@ DEEPEST: Final = 8
 
 
 def commit_of(folder: FilePath) -> str:
-    """Of the repository around a folder, with `-dirty` if it has changes; "" if there is none."""
+    """Return the commit of the repository around a folder, `-dirty` with changes, "" without
+    one.
+    """
     commit = _told(folder, "describe", "--always", "--abbrev=40", "--exclude=*")
     changed = _has_changes(folder) if commit else None
     return "" if commit is None or changed is None else commit.strip() + "-dirty" * changed
 
 
 def is_committed(path: FilePath) -> bool | None:
-    """Whether a repository has a file as it is; None if it is in none, or there is no git."""
+    """True if a repository has the file in its present form; None outside of one, or without
+    git.
+    """
     said = _compared(path.absolute().parent, "--ignored", "--", path.name)
     return None if said is None or said.startswith("!!") else not said.strip()
 
 
 def _has_changes(folder: FilePath, depth: int = 0) -> bool | None:
-    """Whether files of the repository differ from its commit, those of submodules among them."""
+    """True if files of the repository differ from its commit, including those of submodules."""
     said = _compared(folder, "--untracked-files=no")
     top = _told(folder, "rev-parse", "--show-toplevel")
     if said is None or top is None:

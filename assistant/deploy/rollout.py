@@ -44,12 +44,12 @@ class Cell:
 
 
 class CellState(enum.StrEnum):
-    """What became of a cell."""
+    """Result of a cell."""
 
     DONE = "done"
     """Every program is there and verified."""
     FAILED = "failed"
-    """It could not be planned, or the deployment to it failed; its states tell what is there."""
+    """It could not be planned, or the deployment to it failed; its states describe its programs."""
     NOT_BEGUN = "not begun"
     """Nothing was changed on it, because of another one or of an interruption."""
 
@@ -74,7 +74,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Rollout:
-    """What became of all cells, in their order."""
+    """Results of all cells, in their order."""
 
     outcomes: tuple[Outcome, ...]
 
@@ -240,7 +240,7 @@ class _Rollout:
         )
 
     def _is_changed(self, index: int) -> bool:
-        """Whether the controller was deployed to since the plan was made."""
+        """True if the controller received a deployment since the plan was made."""
         label = self.cells[index].address.label
         return any(
             one.deployment is not None and one.address.label == label

@@ -27,16 +27,16 @@ from assistant.deploy.record import NOTHING_INSTALLED, Digests, Held, digest
 
 
 def module_form(data: bytes, language: str) -> bytes:
-    """What a module says, a line each declaration or statement, without its layout."""
+    """Return the content of a module without its layout, one line per declaration or statement."""
     return "\r\n".join(form for form, _ in _module_pieces(data, language)).encode()
 
 
 def module_difference(
     before: bytes, after: bytes, language: str, labels: tuple[str, str], around: int = 3
 ) -> str:
-    """A unified diff of two states of a module, "" if they say the same.
+    """Return a unified diff of two states of a module, "" if their content is the same.
 
-    What says the same is shown as it stands in the first. around: lines of context.
+    Equal content is shown in the layout of the first. around: lines of context.
     """
     written: dict[str, str] = {}
     left, right = (
@@ -64,32 +64,32 @@ def _visible_lines(texts: Sequence[str]) -> list[str]:
 RECORD: Final = "robot-assistant.json"
 """Beside the programs on a disk: what the last deployment left there."""
 UNDER_WAY: Final = "robot-assistant.zip"
-"""The last deployment itself, with what was there before."""
+"""The last deployment itself, with the previous programs."""
 CLAIM: Final = "robot-assistant.lock"
 """A folder that is there while somebody deploys."""
 CLAIMANT: Final = "robot-assistant.claim.json"
 """Who that is."""
 WAITING: Final = 5.0
-"""Seconds for which a program is waited for that somebody has open."""
+"""Seconds to wait for a program that another user has open."""
 BETWEEN: Final = 0.5
 """Seconds between two tries."""
 OURS: Final = frozenset({RECORD, UNDER_WAY, CLAIM, CLAIMANT})
-"""What deployments keep on a disk beside the programs."""
+"""Files that deployments store on a disk next to the programs."""
 
 
 Answer = TypeVar("Answer")
 
 
 def of_deployments(name: str) -> bool:
-    """Whether it is no program, but kept there by deployments, or a rest of a transfer."""
+    """True if a file is not a program, but a file of deployments, or the rest of a transfer."""
     return name.lower().strip("~") in OURS or name.startswith("~") or name.endswith("~")
 
 
 class Site:
-    """A controller with what a deployment asks of it; a context manager, which connects.
+    """A controller with the operations of a deployment; a context manager, which connects.
 
-    task: whose memory counts, "" for the first one, whose name it is once connected. patience:
-    seconds for which a program that somebody has open is waited for.
+    task: the task whose memory counts, "" for the first one, whose name it holds once connected.
+    patience: seconds to wait for a program that another user has open.
     """
 
     def __init__(self, controller: Programs, task: str = "", patience: float = WAITING) -> None:
@@ -131,10 +131,10 @@ class Site:
         connected: bool = True,
         only: type[Refused] = Refused,
     ) -> Answer:
-        """Does it again, over a new session where there is none, until it is not refused.
+        """Repeat an action, over a new session if the present one is lost, until it is not refused.
 
-        connected: whether the session can be used as it is. only: what is tried again. Raises
-        what it met last. A line that is lost has one patience for all that is tried on it.
+        connected: whether the present session can be used. only: the error after which it tries
+        again. Raises the last error. For a lost line one patience covers all actions.
         """
         end = time.monotonic() + patience
         while True:
@@ -188,7 +188,7 @@ class Site:
 
     @property
     def blind(self) -> bool:
-        """Whether taught points are in a memory that this session cannot see."""
+        """True if taught points are in a memory that this session cannot see."""
         return self.controller.memory_apart and self.memory is None
 
     @property
@@ -201,7 +201,7 @@ class Site:
         return self.controller.identify() if isinstance(self.controller, Controller) else None
 
     def held(self, name: str, data: bytes | None = None) -> Held:
-        """What is there of a program. data: of its file, if it may be loaded without one."""
+        """Return a program's present content. data: of its file, if loaded without one."""
         file = self._waited_for(partial(self.controller.read, name))
         text = file if file is not None else data
         if self.memory is None or text is None or self.is_list(name):
@@ -209,7 +209,7 @@ class Site:
         return Held(file, self.memory.loaded(text, self.task))
 
     def is_list(self, name: str) -> bool:
-        """Whether it is a file that only names others."""
+        """True if it is a file that only lists others."""
         return name.lower().endswith(self.controller.lists)
 
     def forms(self, held: Held) -> Held:
@@ -234,11 +234,11 @@ class Site:
         return Digests(digest(forms.file), digest(forms.loaded), task)
 
     def put(self, name: str, wanted: Held, instead: Held = NOTHING_INSTALLED) -> None:
-        """Makes that the controller's; done again after an interruption, it ends the same.
+        """Write a program to the controller; repeated after an interruption, it ends the same.
 
-        What memory is to have is loaded from a file first, and the file that is to stay is
-        written last. instead: what it replaces, whose module may have another name: that one
-        leaves the memory before anything else. A plan has looked at the text of what is new.
+        Content for the memory is loaded from a file first, and the file that is to stay is written
+        last. instead: the content it replaces, whose module may have another name: that one leaves
+        the memory before anything else. A plan has checked the text of new content.
         """
         now = self.held(name, wanted.file or wanted.loaded)
         if self.memory is not None and not self.is_list(name):
@@ -280,7 +280,9 @@ class Site:
 
 
 def difference_since(site: Site, name: str, left: Held | None, now: Held) -> str:
-    """A unified difference from what the last deployment left to what is there, "" if unknown."""
+    """Return a unified difference from the last deployment to the present content, "" if
+    unknown.
+    """
     if left is None:
         return ""
     one, other = site.forms(left), site.forms(now)

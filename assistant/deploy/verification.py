@@ -18,20 +18,20 @@ from assistant.deploy.site import Site, difference_since, of_deployments
 
 
 class Seen(enum.StrEnum):
-    """What a program on a controller is, beside what the last deployment left."""
+    """State of a program on a controller, compared with the last deployment."""
 
     AS_LEFT = "as deployed"
     CHANGED = "changed"
     GONE = "gone"
     FOREIGN = "not ours"
-    """No deployment put it there; that is no fault."""
+    """No deployment put it there; this is not a fault."""
 
 
 @dataclass(frozen=True, slots=True)
 class SeenProgram:
-    """since: a unified difference from what was left to what is there, "" if that is not kept.
+    """since: a unified difference from the deployed to the present content, "" if not saved.
 
-    as_built: whether it is what the local file says, None where no file was given for it.
+    as_built: whether it equals the local file, None without a local file.
     """
 
     name: str
@@ -42,7 +42,7 @@ class SeenProgram:
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """What is on a controller. record: of the last deployment, None if none is known."""
+    """Content of a controller. record: of the last deployment, None if unknown."""
 
     address: Address
     record: Record | None
@@ -51,7 +51,9 @@ class Verified:
 
     @property
     def ok(self) -> bool:
-        """Whether everything of ours is as it was left, and as the files that were given say."""
+        """True if all deployed programs are unchanged, and equal the local files that were
+        given.
+        """
         fine = (Seen.AS_LEFT, Seen.FOREIGN)
         same = all(p.seen in fine and p.as_built is not False for p in self.programs)
         return same and self.record is not None and not has_errors(self.findings)
@@ -63,10 +65,10 @@ def verify(
     *,
     history: str | FilePath | None = None,
 ) -> Verified:
-    """Compares what is on a controller with the record of the last deployment; changes nothing.
+    """Compare the content of a controller with the record of the last deployment; change nothing.
 
-    files: local programs, which are compared as well. history: see `history.place_of`.
-    Raises Refused and Unreadable.
+    files: local programs, which are compared as well. history: see `history.place_of`. Raises
+    Refused and Unreadable.
     """
     data = {str(file): read_bytes(file) for file in files}
     names = controller_names(list(data), controller)

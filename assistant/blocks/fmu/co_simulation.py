@@ -38,7 +38,7 @@ UNITS: Final = {
     "deg/s2": 'rad="1" s="-2" factor="0.017453292519943295"',
     "mm/s2": 'm="1" s="-2" factor="0.001"',
 }
-"""Units of variables → what they are in SI units, as a model description says it."""
+"""Units of variables → their SI form, as a model description writes it."""
 
 StartValue = float | int | bool | str
 
@@ -97,7 +97,7 @@ def column_of_type(groups: Sequence[Group], type: VariableType) -> TypeColumn:
 
 
 def group_offsets(groups: Sequence[Group]) -> Iterator[tuple[str, int]]:
-    """Where each group begins in the column of its type."""
+    """Yield the name of each group and its offset in the column of its type."""
     counted = dict.fromkeys(VARIABLE_TYPES, 0)
     for group in groups:
         yield group.place, counted[group.type]
@@ -139,19 +139,19 @@ def _xml_text(start: StartValue) -> str:
 
 
 FILE_DATE: Final = (1980, 1, 1, 0, 0, 0)
-"""Of every file in an FMU, so that the same model gives the same bytes."""
+"""Date of every file in an FMU, so that the same model gives the same bytes."""
 
 
 @dataclass(frozen=True)
 class Model:
     """A model that is written as C.
 
-    identifier: of its library and functions. title, description: for people; plain words.
-    template: of `templates/fmu/`. groups: its variables. robot: whose kinematics it holds, if any.
-    told: what the template is told beside that. step, stop: seconds of the usual experiment.
-    any_step: whether steps may differ. copies: whether a state can be kept and gone back to.
-    follows: places of the parameters that outputs depend on before the first step.
-    libraries: that Windows needs beside its own.
+    identifier: of its library and functions. title, description: plain words for readers. template:
+    in `templates/fmu/`. groups: its variables. robot: the robot whose kinematics it holds, if any.
+    told: further values for the template. step, stop: seconds of the default experiment. any_step:
+    whether steps may differ. copies: whether a state can be saved and restored. follows: places of
+    the parameters that outputs depend on before the first step. libraries: further libraries that
+    Windows needs.
     """
 
     identifier: str
@@ -180,7 +180,9 @@ class Model:
 
     @cached_property
     def guid(self) -> str:
-        """Of what the model is, so that a library and a description of others do not fit."""
+        """GUID of the model's contents; prevents a library with the description of another
+        model.
+        """
         words = self._words | {"guid": ""}
         parts = [
             _render(f"{self.template}.c.j2", words),
@@ -250,7 +252,7 @@ class Model:
 
     @property
     def _words(self) -> dict[str, Any]:
-        """What a template is told, but for the GUID."""
+        """Return the values for a template, without the GUID."""
         arm = None if self.robot is None else f"{self.identifier}_arm"
         return {
             "title": self.title,
@@ -282,11 +284,11 @@ PREFIX_FLAG: Final = "-DFMI2_OVERRIDE_FUNCTION_PREFIX"
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """What libraries are made for.
+    """Target platform of the libraries.
 
-    name: as FMI has it, and the folder in `binaries/`. ending: of its libraries.
-    commands: programs that compile for it, the first that is there counts.
-    target: as zig calls it. flags: of its own. needed: what to install for it.
+    name: as FMI writes it, and the folder in `binaries/`. ending: of its libraries. commands:
+    compilers for it, of which the first installed one is used. target: its name for zig. flags:
+    extra compiler flags. needed: software to install for it.
     """
 
     name: str
@@ -346,7 +348,7 @@ def compiled(model: Model, *, everywhere: bool = False) -> tuple[bytes, tuple[Di
 
 
 def _compiler_command(name: str, own: str) -> list[str] | None:
-    """The compiler for a platform, None if there is none."""
+    """Return the compiler command for a platform, None if no compiler is installed."""
     platform = PLATFORMS.get(name)
     if platform is None:
         return None
@@ -389,7 +391,9 @@ def _compile_library(model: Model, platform: Platform, command: list[str]) -> by
 
 
 def _linked_libraries(model: Model, platform: Platform) -> list[str]:
-    """What is linked: mathematics, of Windows what the model needs of it."""
+    """Return the linker flags: the mathematics library, or on Windows the libraries of the
+    model.
+    """
     if platform.name == "win64":
         return [f"-l{library}" for library in model.libraries]
     return ["-lm"]

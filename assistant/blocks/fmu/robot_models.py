@@ -66,10 +66,10 @@ def pose_variables(
 
 
 def arm_model(robot: Robot, *, lag: float = 0.0) -> Model:
-    """An arm that goes where it is told, as `ArmMotion` does.
+    """Return the model of an arm that moves to its commanded joints or poses, as `ArmMotion` does.
 
-    lag: seconds of the first order by which joints follow, the start of `time_constant`.
-    Raises Refused for an arm without a closed form.
+    lag: seconds of the first-order lag of the joints, start value of `time_constant`. Raises
+    Refused for an arm without a closed form.
     """
     title = safe_text(robot.title)
     return Model(
@@ -222,7 +222,7 @@ def _motion_rows(samples: Samples) -> Floats:
 
 
 MOST_TABLE_ROWS: Final = 50_000
-"""Of a table: each takes about 300 bytes of source."""
+"""Rows of a table: each takes about 300 bytes of source."""
 
 USUAL_PERIOD: Final = 0.002
 
@@ -302,15 +302,16 @@ def _program_groups(robot: Robot) -> tuple[Group, ...]:
 
 
 LOCAL_HOST: Final = "127.0.0.1"
-"""Where a virtual controller is, which is what is meant if nothing else is named."""
+"""Address of a virtual controller, the default host."""
 USUAL_SPEED_SHARE, USUAL_RISE_SHARE = 0.5, 0.2
-"""Parts of the arm's own speeds and accelerations that are used if nothing is said."""
+"""Default parts of the arm's speeds and accelerations."""
 
 
 def live_model(robot: Robot, *, cycle: float | None = None) -> Model:
-    """A controller that is led cycle by cycle. cycle: seconds, None for those of the controller.
+    """Return the model of a controller that is guided cycle by cycle.
 
-    Raises Refused for an arm without a closed form, one of another maker, and a cycle that is none.
+    cycle: seconds, None for the default of the controller. Raises Refused for an arm without a
+    closed form, a robot of another maker, and an invalid cycle.
     """
     if not robot.controller.startswith("CR"):
         raise Refused(rules.NO_LIVE_CONTROLLER(title=robot.title, controller=robot.controller))

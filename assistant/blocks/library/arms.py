@@ -328,7 +328,7 @@ class SimulatedArm(Block):
         self._motion, self._before = self._made(), 0.0
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
-        """Where it is by now, having gone towards what was wanted since the moment before."""
+        """Return the state of the arm after its motion towards the setpoint in the last step."""
         del given
         step, self._before = now - self._before, now
         motion = self._motion

@@ -41,21 +41,21 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
 RATE_SECONDS: Final = 1.0
-"""Seconds over which the rate of a measurement is told."""
+"""Seconds over which the rate of a measurement is computed."""
 NEWTON_ROUNDS: Final = 20
 POSITION_TOLERANCE: Final = 1e-6
 """mm that a tool may be beside its place: steps end there, not before."""
 LIMIT_TOLERANCE: Final = 0.02
-"""Degrees or mm by which what a controller tells of an axis at its end may be beyond."""
+"""Degrees or mm by which the reported position of an axis at its limit may exceed that limit."""
 SPEED_ROUNDING: Final = 1e-6
 """Part of a speed that two moments of a run make of it."""
 
 
 class Status(Connected[StatusSource]):
-    """→ pose of the tool, joints, joints that are asked for, speed, seconds, rate.
+    """→ pose of the tool, joints, commanded joints, speed, seconds, rate.
 
-    What the controller tells at the moment, also while the arm moves. seconds: on the controller's
-    clock; rate: records in a second of it, 0 before there are two. Nothing is moved by it.
+    The values that the controller reports at present, also while the arm moves. seconds: on the
+    controller's clock; rate: records per second of it, 0 before there are two. It moves nothing.
     """
 
     def __init__(
@@ -91,10 +91,10 @@ class Status(Connected[StatusSource]):
 
 
 class Relative(Connected[SetpointSender]):
-    """by, go → joints that the arm is told to be at, steps that were told.
+    """by, go → commanded joints, number of steps commanded.
 
-    While `go` is above 0.5, the arm goes on by a step from where it was told to be last; steps may
-    come at any time, and none is waited for. most: what a step may be at most.
+    While `go` is above 0.5, the arm moves a step further from its last commanded position; steps
+    may arrive at any time, and the block waits for none. most: largest size of a step.
     """
 
     def __init__(
@@ -160,9 +160,9 @@ class Relative(Connected[SetpointSender]):
 
 
 class RelJoint(Relative):
-    """by: degrees (mm) of each axis. most: degrees or mm that one may go in a step.
+    """by: degrees (mm) of each axis. most: degrees or mm that an axis may move in a step.
 
-    Raises ValueError for a `most` that is no number, which would bound nothing.
+    Raises ValueError for a `most` that is not a number, which would bound nothing.
     """
 
     def __init__(

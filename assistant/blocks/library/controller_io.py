@@ -43,8 +43,8 @@ GRIP_TIMEOUT: Final = 2.0
 class Signals(Connected[Asked[Controller]]):
     """Inputs of a controller by their names (numbers as text where it numbers them) → values, age.
 
-    values: NaN until the first answer. age: seconds since these were asked for. They are asked for
-    again at each step at which no answer is on its way.
+    values: NaN until the first answer. age: seconds since the request for these values. The block
+    requests them again at each step without a pending answer.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class Output(Connected[Asked[Controller]]):
 
 
 class Actuated(Protocol):
-    """What opens and closes a gripper."""
+    """Actuator that opens and closes a gripper."""
 
     def move(self, session: Controller, *, close: bool) -> None: ...
 
@@ -150,11 +150,11 @@ class Valve:
 class Gripper(Connected[Asked[Controller]]):
     """close → state (1 closed, 0 open, 0.5 for neither), whether that is confirmed, busy.
 
-    Above 0.5 it closes, below it opens, and what is no number leaves it as it is; it is told when
-    that changes. opened, closed: names of inputs that are 1 when it is; one that is not there
-    stands for the other's opposite. They are looked at all the time, so that a part that is lost is
-    seen. Without any, it has confirmed once the controller has. within: seconds of the model in
-    which it has to confirm.
+    Above 0.5 the gripper closes, below it opens, and a value that is not a number leaves it
+    unchanged; the block sends a command when that changes. opened, closed: names of inputs that are
+    1 in that state; a missing one is the opposite of the other. The block reads them all the time,
+    so that it detects a lost part. Without any, the answer of the controller is the confirmation.
+    within: seconds of the model in which it must confirm.
     """
 
     def __init__(
@@ -237,11 +237,11 @@ def exchanged(
     timeout: float = 10.0,
     longest: float = 240.0,
 ) -> Connection[Asked[PoseExchange]]:
-    """A controller on which the module of `robot-assistant exchange module` runs.
+    """Connect to a controller that runs the module of `robot-assistant exchange module`.
 
     box: least and greatest x, y, z in mm of poses that may be sent, None for any. prefix, timeout,
-    longest: see `PoseExchange`. What is under way is stopped when it is closed, over a connection
-    of its own; the module has ended then.
+    longest: see `PoseExchange`. Closing it stops a running motion over a separate connection; the
+    module has ended then.
     """
 
     def check(positions: Floats, quaternions: Floats) -> Mapping[int, str]:

@@ -1,11 +1,11 @@
-"""An arm that is led cycle by cycle by setpoints of a model, within bounds of speed and region.
+"""Arm guided cycle by cycle by setpoints of a model, within bounds of speed and region.
 
     cell = by_mxt("cell", "melfa://192.168.0.20", robot)
     arm = diagram.add(ExternalControl("arm", cell, robot))
 
-The packets of each cycle are sent by a process of its own, which keeps limits whatever the model
-does: it brings the arm to rest when no setpoint follows, when the model ends, and when the
-controller falls silent, which ends the run too.
+A separate process sends the packets of each cycle and keeps the limits whatever the model does: it
+brings the arm to rest when no setpoint follows, when the model ends, and when the controller falls
+silent, which ends the run too.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ HELD: Final = 1e-6
 
 
 class Led:
-    """An arm that is led. guard: its bounds. leader: the block that leads it, None for none yet.
+    """Arm under cyclic control. guard: its bounds. leader: the block that guides it, None at first.
 
-    failed: whether the leading ended by itself; its controller is stopped then.
+    failed: whether the control ended on its own; its controller is stopped then.
     """
 
     def __init__(self, guard: Guard, carrier: CyclicCarrier) -> None:
@@ -128,13 +128,14 @@ def by_mxt(
 
 
 class ExternalControl(Connected[Led]):
-    """wanted joints, enable → joints that are measured and commanded, and how the time was kept.
+    """wanted joints, enable → measured joints, commanded joints, and the timing.
 
-    While `enable` is above 0.5 the arm goes to what is wanted: as fast as it changes, plus what it
-    is behind, as fast as it can brake for, and never beyond the bounds of its connection; `limited`
-    tells that these hold it back. Else it comes to rest. cycles, late, worst, jitter: see `Timing`.
-    approach: degrees or mm that what is wanted may be away when it is enabled. `report` and
-    `summary` tell of all cycles once the run has ended. Raises ValueError for an approach below 0.
+    While `enable` is above 0.5 the arm follows the setpoint: as fast as the setpoint changes, plus
+    its lag, as fast as it can brake for, and never beyond the bounds of its connection; `limited`
+    reports that these hold it back. Otherwise it comes to rest. cycles, late, worst, jitter: see
+    `Timing`. approach: degrees or mm that the setpoint may be away when control is enabled.
+    `report` and `summary` cover all cycles once the run has ended. Raises ValueError for an
+    approach below 0.
     """
 
     def __init__(
@@ -156,7 +157,7 @@ class ExternalControl(Connected[Led]):
 
     @property
     def summary(self) -> str:
-        """How the time was kept, in words, "" before a run has ended."""
+        """Return the timing in words, "" before a run has ended."""
         return "" if self.report is None else str(self.report)
 
     def begin(self) -> None:

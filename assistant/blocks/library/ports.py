@@ -145,7 +145,7 @@ class Connected(Block, Generic[T]):
 
     @property
     def share(self) -> T:
-        """What is connected to; only in a run."""
+        """Return the connected object; only during a run."""
         assert self._share is not None, "a run has begun"
         return self._share
 

@@ -85,7 +85,7 @@ class RecordedValues(Generic[T]):
 
 
 class LiveValues(Generic[T]):
-    """Values as they come, gathered in a thread of its own, so that no step waits for one."""
+    """Live values, collected in a separate thread, so that no step waits for one."""
 
     def __init__(self, opening: ValueOpening[T]) -> None:
         self._opening, self._open = opening, ExitStack()
@@ -169,12 +169,12 @@ class ProjectedMarker(Block):
 
 
 class SeenMarker(Block):
-    """Pictures of a camera → pixels of the points of a thing, seen, number of the picture.
+    """Pictures of a camera → pixels of the points of an object, seen, number of the picture.
 
-    source: where the pictures come from, see `capture.open_frames`; `folder` holds relative files.
-    Those of devices and streams are looked at as they come, in a thread of its own; films, folders
-    of pictures and drawn cells have so many a second (`rate`), in the time of the model. pixels: as
-    of `ProjectedMarker`, NaN where the thing is not seen. number: -1 before the first picture.
+    source: source of the pictures, see `capture.open_frames`; `folder` holds relative files. A
+    separate thread evaluates pictures of devices and streams as they arrive; films, folders of
+    pictures and drawn cells have `rate` pictures per second, in the time of the model. pixels: as
+    of `ProjectedMarker`, NaN where the object is not seen. number: -1 before the first picture.
     """
 
     direct: ClassVar[bool] = False
@@ -302,7 +302,7 @@ class CollisionDistance(Block):
         self.nearest: tuple[str, str] | None = None
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
-        """Raises ValueError for joints that are no numbers: nothing is known of these."""
+        """Return the least distance; raises ValueError for joints that are not finite numbers."""
         del now
         if not all(np.isfinite(one).all() for one in given):
             raise ValueError("joints are no numbers")

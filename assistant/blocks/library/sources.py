@@ -28,10 +28,10 @@ class Constant(Block):
 
 
 class Table(Block):
-    """Rows (n, k) at times (n,) that rise, in lines between them; before and behind they hold.
+    """Rows (n, k) at increasing times (n,), interpolated linearly and constant before and after.
 
-    Takes the columns of a recording, a simulation or an own computation without a copy. Raises
-    ValueError for tables that are none.
+    Takes the columns of a recording, a simulation or the user's computation without a copy. Raises
+    ValueError for an invalid table.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class PoseToPose(Block):
 
 
 def trapezoid(part: float) -> float:
-    """How far one is, 0 to 1, at a part of the time: thirds of rising, steady, falling speed."""
+    """Return the position, 0 to 1, at a part of the time: speed rises, holds, falls in thirds."""
     t = min(max(part, 0.0), 1.0)
     if t < 1.0 / 3.0:
         return 2.25 * t * t

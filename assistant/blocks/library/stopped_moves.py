@@ -96,7 +96,7 @@ class Move(Connected[Operator]):
         self._under_way = self.share.carry_out(self.statements(ways), self._goal(ways[-1]))
 
     def statements(self, ways: Sequence[Floats]) -> Sequence[str]:
-        """What the controller carries out, one after the other. ways: as its inputs are."""
+        """Return the statements to run one after the other. ways: the targets at the inputs."""
         raise NotImplementedError
 
     def _six(self, ways: Sequence[Floats]) -> Sequence[Floats]:
@@ -122,7 +122,7 @@ class Move(Connected[Operator]):
                 raise Refused(OUT_OF_LIMITS(block=self.name, axis=place + 1, **told))
 
     def _posture(self) -> str:
-        """How the arm is bent now, as its controller writes it."""
+        """Return the present configuration of the arm, as its controller writes it."""
         return self.share.position().text.rpartition("(")[2]
 
 

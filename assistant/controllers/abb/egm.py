@@ -104,7 +104,7 @@ class Message:
         return found[-1] if found else None
 
     def all(self, *path: str) -> tuple[float, ...]:
-        """All numbers of a field, which stands in parts of parts; none if it is not there."""
+        """Return all numbers of a field in nested parts; empty if it is missing."""
         *parts, name = path
         message: Message | None = self
         for part in parts:
@@ -113,7 +113,7 @@ class Message:
 
 
 def decode(kind: str, data: bytes) -> Message:
-    """The message that bytes are; raises ValueError if they are none."""
+    """Decode a message; raises ValueError if the bytes are not a message."""
     return _decode(kind, memoryview(data), 0)
 
 
@@ -222,7 +222,7 @@ EGM_ERROR, EGM_RUNNING = 1, 3
 RAPID_STOPPED: Final = 1
 """RAPID is `undefined` after each restart of a controller although it runs (abb_libegm, #96)."""
 ROBOT_AXES: Final = 6
-"""What `joints` holds; the others are in `externalJoints`."""
+"""Number of axes in `joints`; the others are in `externalJoints`."""
 COUNTER_WRAP: Final = 1 << 32
 
 
@@ -291,7 +291,7 @@ class Egm:
         return None
 
     def _values(self, message: Message) -> tuple[float, ...] | None:
-        """Where the arm is, None if the message does not say all of it."""
+        """Return the position of the arm, None if the message does not contain all of it."""
         if self.kind == "poses":
             pose = ("feedBack", "cartesian")
             place = [message.all(*pose, "pos", name)[-1:] for name in "xyz"]
@@ -309,7 +309,7 @@ def _state(message: Message, name: str) -> float | None:
 
 
 def _stopped(message: Message) -> str:
-    """What keeps the arm from moving whatever is sent, "" for nothing."""
+    """Return the reason why the arm cannot move whatever is sent, "" if it can."""
     if _state(message, "motorState") == MOTORS_OFF:
         return "its motors are off"
     if _state(message, "mciState") == EGM_ERROR:
@@ -326,7 +326,7 @@ def _finite(value: float | None) -> float:
 CYCLE: Final = 0.004
 """Seconds, of all controllers that know it."""
 PORT: Final = 6510
-"""Of this computer, as the UdpUc device of a new system names it."""
+"""Port of this computer, as the UdpUc device of a new system names it."""
 OPENING_TIMEOUT: Final = 60.0
 """Seconds in which the program on the controller has to begin."""
 HOLD_AT_END: Final = 0.3
@@ -334,7 +334,7 @@ HOLD_AT_END: Final = 0.3
 communication time-out, or as convergence where its \\CondTime is shorter.
 """
 OF_THE_CONTROLLER: Final = {rules.STOPPED.code, rules.SILENT.code}
-"""What an end by the controller itself looks like from here."""
+"""Codes of findings for an end that the controller itself caused."""
 
 
 def guide(
@@ -392,7 +392,7 @@ def guide_by_corrections(
 
 
 def _is_there(report: Report, trajectory: Trajectory, settings: Settings) -> bool:
-    """Whether the arm was at the last point when the controller ended."""
+    """True if the arm was at the last point when the controller ended."""
     last = trajectory.rows[-1].tolist()
     columns = list(report.columns.values())[2 : 2 + len(last)]
     places = range(3) if trajectory.kind == "poses" else range(len(last))

@@ -23,13 +23,13 @@ from assistant.controllers.connection import reason_of
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
 ASIDE: Final = "{name}~"
-"""Where the old file waits while a server that never replaces gets the new one."""
+"""Name of the old file while a server that never replaces files receives the new one."""
 MOST_ASIDE: Final = 8
-"""Files of the names `seam.mod~`, `seam.mod~~` … that somebody else may have made."""
+"""Number of names `seam.mod~`, `seam.mod~~` … that other users may have taken."""
 MOST_FOLDERS: Final = 32
-"""How deep folders are looked into."""
+"""Greatest depth of folders that is searched."""
 MOST_ENTRIES: Final = 100_000
-"""Files and folders after which a tree is taken for one that never ends."""
+"""Files and folders after which a tree counts as endless."""
 
 DEVICE: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9])(\..*)?", re.IGNORECASE)
 """Devices of Windows, whatever follows the dot (learn.microsoft.com, "Naming Files")."""
@@ -54,7 +54,9 @@ def checked_name(name: str) -> str:
 
 
 def free_aside(name: str, there: Iterable[str]) -> str:
-    """Where the old file waits: under a name that nobody has, for what has it may be somebody's."""
+    """Return a free name for the old file: an existing one may be another user's. Raises
+    Refused.
+    """
     taken = {one.lower() for one in there}
     aside = ASIDE.format(name=name)
     while aside.lower() in taken:
@@ -115,7 +117,7 @@ def only_module(data: bytes) -> str | None:
 
 
 class RapidFiles:
-    """What every client of an ABB controller answers about programs, which are files there."""
+    """Program functions that all clients of ABB controllers share; programs are files there."""
 
     languages: tuple[str, ...] = ("rapid",)
     lists: tuple[str, ...] = (".pgf",)

@@ -60,8 +60,7 @@ LISTING_TIMEOUTS: Final = 10
 PIECE: Final = 65536
 """Bytes that are sent or received at once."""
 FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError)
-"""What ftplib raises where there is no connection any more, or the answer makes no sense: no port
-is that large."""
+"""Exceptions of ftplib for a lost connection or a senseless answer: no port is that large."""
 
 
 class FtpSession(FileSession):
@@ -142,7 +141,7 @@ class FtpSession(FileSession):
             self._unreachable(error)
 
     def _trust(self) -> ssl.SSLContext:
-        """What the server is checked with; its certificate is looked at where a file is given."""
+        """Return the TLS context for the server; fetch its certificate where a file is given."""
         shown = partial(certificate_of_server, self.address.host, self.address.port, self._timeout)
         try:
             return connection.tls_context(self._certificate, shown)
@@ -154,7 +153,7 @@ class FtpSession(FileSession):
             self._unreachable(error)
 
     def _no_tls(self, error: ftplib.Error, state: str) -> NoReturn:
-        """Of a server that refused to go over to TLS."""
+        """Raise Refused for a server that refused to switch to TLS."""
         place, reply = self.address, self.said(error)
         raise Refused(
             rules.NO_TLS(place=str(place), address=place, reply=reply, state=state), exit_status=2
@@ -212,7 +211,7 @@ class FtpSession(FileSession):
         ) from None
 
     def store(self, name: str, data: bytes, doing: str, state: str, command: str = "STOR") -> None:
-        """Sends a file. command: `APPE` to send what follows on what is there."""
+        """Send a file. command: `APPE` to append to an existing file."""
         with self.during(doing, state):
             ftp = self.session
             assert ftp.sock is not None
@@ -243,7 +242,7 @@ class FtpSession(FileSession):
     def receive(
         self, command: str, sink: Callable[[bytes], object], *, kind: str = "TYPE I", start: int = 0
     ) -> None:
-        """What a command brings, piece by piece, within its deadline; raises as ftplib does."""
+        """Receive a command's data, piece by piece, within its deadline; raises as ftplib does."""
         ftp = self.session
         with self._transfer(ftp, command, kind, start) as (channel, pace):
             while piece := channel.recv(PIECE):
@@ -252,9 +251,9 @@ class FtpSession(FileSession):
         ftp.voidresp()
 
     def lines(self, command: str) -> list[str]:
-        """Lines of a listing; bytes that are no UTF-8 are taken for Latin-1. Raises as ftplib does.
+        """Return the lines of a listing, decoded as UTF-8 or else Latin-1; raises as ftplib does.
 
-        All of it has to come in `LISTING_TIMEOUTS` time-outs.
+        The complete listing must arrive within `LISTING_TIMEOUTS` time-outs.
         """
         data = bytearray()
         until = time.monotonic() + LISTING_TIMEOUTS * self._timeout
@@ -315,7 +314,7 @@ class FtpSession(FileSession):
             ) from None
 
     def said(self, error: Exception) -> str:
-        """What a server said is UTF-8 or Latin-1; see `FileSession.said`."""
+        """Return an error's text; server texts are UTF-8 or Latin-1. See `FileSession.said`."""
         text = reason_of(error)
         if isinstance(error, ftplib.Error):
             text = decoded_line(text)
@@ -328,7 +327,7 @@ class FtpSession(FileSession):
 
 
 Progress = Callable[[int, int | None], None]
-"""Is told how many bytes are here, and of how many, None if the server does not tell."""
+"""Receives the bytes transferred and the total, None if the server does not report it."""
 
 COMPARED_OVERLAP: Final = 4096
 """Bytes at the end of a part that are fetched again and compared."""
@@ -419,7 +418,7 @@ def _went_on(
     whole: int | None,
     progress: Progress | None,
 ) -> bool:
-    """Whether the rest could be fetched, and belongs to what is there."""
+    """True if the rest was fetched and continues the existing part."""
     try:
         return start > 0 and _fetch_rest(session, name, file, start, whole, progress)
     except rules.Lost:
@@ -436,7 +435,7 @@ def _fetch_rest(
     whole: int | None,
     progress: Progress | None,
 ) -> bool:
-    """Fetches into a file from an offset on; False if what is there is not the same any more."""
+    """Fetch into a file from an offset on; False if the existing part no longer matches."""
     begin = max(0, start - COMPARED_OVERLAP)
     file.seek(begin)
     known = file.read(start - begin)
@@ -474,7 +473,7 @@ def _size_and_time(session: FtpSession, name: str) -> tuple[str, str] | None:
 
 
 def _status_text(session: FtpSession, command: str) -> str | None:
-    """What stands behind `213` in the answer to a command, None for another answer."""
+    """Return the text after `213` in the answer to a command, None for another answer."""
     with session.during(f"asking `{command.split()[0]}`", UNTOUCHED):
         try:
             session.session.voidcmd("TYPE I")
@@ -487,14 +486,14 @@ def _status_text(session: FtpSession, command: str) -> str | None:
 EntryKind = Literal["file", "folder", "other"]
 """Links and devices are others: they are never followed, for they may lead in circles."""
 FOLDER_KIND: Final = "abb files"
-"""Of the index of a folder of files: no backup of a whole controller."""
+"""Kind in the index of a folder of files: not a backup of a complete controller."""
 
 UNIX_LINE: Final = re.compile(
     r"(?P<type>[-dlbcps])[-rwxsStTlL]{9}[.+@]?\s+\d+\s+(?:\S+\s+){1,2}(?P<size>\d+)\s+"
     r"(?:[A-Za-z]{3,9}\.?\s+\d{1,2}|\d{1,2}\s+[A-Za-z]{3,9}\.?|\d{4}-\d\d-\d\d)\s+"
     r"(?:\d{1,2}:\d\d(?::\d\d)?|\d{4})\s(?P<name>.+)"
 )
-"""As `ls -l` writes a line: mode, links, owner, group, size, date, time or year, name."""
+"""Line in the form of `ls -l`: mode, links, owner, group, size, date, time or year, name."""
 DOS_LINE: Final = re.compile(
     r"\d\d-\d\d-(?:\d\d|\d{4})\s+\d\d:\d\d(?:[AP]M)?\s+(?:(?P<folder><DIR>)|(?P<size>\d+))\s+"
     r"(?P<name>.+)",
@@ -506,7 +505,7 @@ MLSD_TYPES: Final[dict[str, EntryKind]] = {"file": "file", "dir": "folder"}
 
 @dataclass(frozen=True, slots=True, order=True)
 class Entry:
-    """path: below the folder that was asked for. size: bytes, None where it is not told."""
+    """path: relative to the requested folder. size: bytes, None if not reported."""
 
     path: str
     kind: EntryKind
@@ -549,7 +548,7 @@ def fetch_tree(session: FtpSession, folder: str, into: FilePath) -> tuple[str, .
 
 
 def parse_list(lines: Iterable[str]) -> list[Entry] | None:
-    """What the lines of LIST say, None if one of them is of no known form."""
+    """Parse the lines of LIST, None if one of them has an unknown form."""
     found = []
     for line in lines:
         if re.fullmatch(r"(total \d+)?\s*", line):
@@ -568,7 +567,7 @@ def parse_list(lines: Iterable[str]) -> list[Entry] | None:
 
 
 def parse_mlsd(lines: Iterable[str]) -> list[Entry] | None:
-    """What the lines of MLSD say: facts, a blank, the name."""
+    """Parse the lines of MLSD: facts, a blank, the name. None if one of them has another form."""
     found = []
     for line in lines:
         facts, blank, name = line.partition(" ")
@@ -652,7 +651,7 @@ def _enter(session: FtpSession, folder: str) -> None:
 
 
 NOT_NOW: Final = ("550", "450")
-"""Replies for a file that is not there, or that somebody else has open (RFC 959, 5.4)."""
+"""Replies for a file that is missing, or that another client has open (RFC 959, 5.4)."""
 
 
 class Ftp(FtpSession):
@@ -706,7 +705,7 @@ class Ftp(FtpSession):
         return True
 
     def release(self, name: str) -> None:
-        """Removes an empty folder; nothing happens if there is none."""
+        """Remove an empty folder; do nothing if it is missing."""
         if self._has(checked_name(name)):
             with self.during(f"removing the folder `{name}`", f"`{name}` is still there"):
                 self.session.rmd(name)
@@ -749,21 +748,22 @@ class Ftp(FtpSession):
         return True
 
     def size(self, name: str) -> int | None:
-        """Bytes of a file, None if there is none or the server does not tell."""
+        """Return the bytes of a file, None if it is missing or the server does not report them."""
         return file_size(self, checked_path(name))
 
     def download(self, name: str, to: str | FilePath, progress: Progress | None = None) -> int:
-        """Fetches a file, also out of folders, into one of this computer; its bytes.
+        """Fetch a file, also out of folders, into one of this computer; return its bytes.
 
-        It appears there when it is whole. What an interrupted transfer left beside it, in
-        `<to>.part`, is gone on with, unless the file has changed on the controller meanwhile.
+        The file appears there when it is complete. The transfer continues a part that an
+        interrupted one left next to it, in `<to>.part`, unless the file has changed on the
+        controller meanwhile.
         """
         return download(self, checked_path(name), FilePath(to), progress)
 
     def upload(self, name: str, data: bytes) -> None:
-        """As `write`; goes on with what an interrupted `upload` left on the controller.
+        """Write a file as `write` does; continue the part left by an interrupted `upload`.
 
-        What is there is read and compared first: of the bytes that went through none is trusted.
+        The existing part is fetched and compared first: no transferred byte is trusted.
         """
         checked_name(name)
         upload(self, name, data)
@@ -783,7 +783,7 @@ class Ftp(FtpSession):
         return fetch_tree(self, folder, FilePath(into))
 
     def _has(self, name: str) -> bool:
-        """Whether there is a file of that name; the controller's disk ignores case."""
+        """True if a file of that name exists; the controller's disk ignores case."""
         return name.lower() in {n.lower() for n in self.names()}
 
     def replace(self, temporary: str, name: str) -> None:

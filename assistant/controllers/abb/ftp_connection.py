@@ -25,9 +25,9 @@ BYTE_ENCODING: Final = "latin-1"
 
 
 class BoundedFtp(ftplib.FTP):
-    """Answers that are whole within the time-out of the socket; ftplib grants it to each byte.
+    """FTP whose answers must be complete within the socket's time-out; ftplib grants it per byte.
 
-    spelling: how names are spelled in bytes. Servers with names that are no UTF-8 have Latin-1.
+    spelling: encoding of names. Servers with names that are not UTF-8 use Latin-1.
     """
 
     spelling = "utf-8"
@@ -62,10 +62,10 @@ class BoundedFtp(ftplib.FTP):
 
 
 class BoundedFtpTls(BoundedFtp, ftplib.FTP_TLS):
-    """The same, encrypted. Every transfer goes on with the TLS session of the commands.
+    """The same, encrypted. Every transfer resumes the TLS session of the commands.
 
-    By that a server knows that nobody else took the transfer over; vsftpd and proftpd refuse
-    others as they are delivered (`require_ssl_reuse=YES`, no `NoSessionReuseRequired`).
+    By that a server knows that no other client took the transfer over; vsftpd and proftpd refuse
+    others in their default settings (`require_ssl_reuse=YES`, no `NoSessionReuseRequired`).
     """
 
     def __init__(self, context: ssl.SSLContext) -> None:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from paramiko import PKey, SFTPClient, SSHClient
 
 KIND: Final = "abb files"
-"""Of the index of a folder of files: no backup of a whole controller."""
+"""Kind in the index of a folder of files: not a backup of a complete controller."""
 LISTING: Final = 10
 """Time-outs in which a whole listing has to come."""
 PIECE: Final = 32768
@@ -101,7 +101,7 @@ class Sftp(FileSession):
         return self.retrieve(name, UNTOUCHED)
 
     def look(self, name: str) -> bytes | None:
-        """A file without asking first whether it is there; None if there is none."""
+        """Return a file without asking first whether it exists; None if it is missing."""
         checked_name(name)
         with self._during(f"reading `{name}`", UNTOUCHED) as (files, pace):
             try:
@@ -110,7 +110,7 @@ class Sftp(FileSession):
                 return None
 
     def take_away(self, name: str) -> bool:
-        """Deletes a file; False, and nothing happens, if there is none."""
+        """Delete a file; False, without an effect, if it is missing."""
         checked_name(name)
         with self._during(f"deleting `{name}`", f"`{name}` may still be there") as (files, _):
             try:
@@ -141,7 +141,7 @@ class Sftp(FileSession):
         return True
 
     def release(self, name: str) -> None:
-        """Removes an empty folder; nothing happens if there is none."""
+        """Remove an empty folder; do nothing if it is missing."""
         if checked_name(name) in self.names():
             with self._during(f"removing the folder `{name}`", f"`{name}` is still there") as (
                 files,
@@ -174,7 +174,7 @@ class Sftp(FileSession):
         return tuple(found)
 
     def _trust(self, ssh: SSHClient) -> None:
-        """What the host's key is compared with."""
+        """Load the host keys with which the host's key is compared."""
         from paramiko import SSHException
 
         fingerprint = self.address.option("fingerprint", "").replace(" ", "+")
@@ -319,7 +319,7 @@ class Sftp(FileSession):
             ) from None
 
     def _alive(self) -> bool:
-        """Whether the server said something, rather than nothing any more."""
+        """True if the connection is alive: the server sent an error instead of falling silent."""
         channel = None if self._files is None else self._files.get_channel()
         transport = None if channel is None else channel.get_transport()
         return bool(channel and not channel.closed and transport and transport.is_active())
@@ -346,7 +346,7 @@ class _Pinned:
 
 
 def _failures() -> tuple[type[Exception], ...]:
-    """What paramiko raises where the server refuses, is gone, or makes no sense."""
+    """Return the exceptions of paramiko for a server that refuses, is gone, or answers nonsense."""
     from paramiko import SSHException
     from paramiko.sftp import SFTPError
 
@@ -389,7 +389,7 @@ def _walk(
 
 
 def _keep_quiet() -> None:
-    """Paramiko writes tracebacks to standard error where nobody has set up logging."""
+    """Keep paramiko from writing tracebacks to standard error where logging is not set up."""
     logger = logging.getLogger("paramiko")
     if not logger.handlers:
         logger.addHandler(logging.NullHandler())

@@ -1,10 +1,11 @@
-"""Loop that leads an arm along rows, one command for each packet of the controller.
+"""Loop that guides an arm along rows, one command for each packet of the controller.
 
-The packets pace the loop; it has no clock of its own. However it ends, it brings the arm to rest on
-its path, holds it there, and ends the control. `Report` says whether its answers were in time, and
-what the controller sent meanwhile. `PacketSocket` stamps each packet with its time of arrival.
-A maker's module gives a frozen dataclass that answers `Link`. The loop runs in a separate process,
-which makes the link anew from its class and fields: numbers, texts, truths and tuples of them.
+The packets pace the loop; it has no clock. However it ends, it brings the arm to rest on its path,
+holds it there, and ends the control. `Report` states whether its answers were in time, and the data
+that the controller sent meanwhile. `PacketSocket` stamps each packet with its time of arrival. The
+module of a maker provides a frozen dataclass that implements `Link`. The loop runs in a separate
+process, which builds the link again from its class and fields: numbers, texts, booleans and tuples
+of them.
 
     @dataclass(frozen=True)
     class Egm:
@@ -44,13 +45,13 @@ from assistant.controllers.recording import save_columns
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What a packet of the controller tells.
+    """Contents of a packet of the controller.
 
-    values: where the arm is, in the columns of the trajectory. counter: of the packet, to know one
-    that comes twice or late; None if it has none. missed: cycles in a row that the controller says
-    it was left without a command. stopped: why it does not follow (any more), "" while it does.
-    ready: False while a controller that speaks first does not take commands yet.
-    extra: what else is recorded, as `Link.recorded` names it.
+    values: position of the arm, in the columns of the trajectory. counter: of the packet, to detect
+    one that arrives twice or late; None if it has none. missed: cycles in a row without a command,
+    as the controller counts them. stopped: why the arm does not follow (any more), "" while it
+    does. ready: False while a controller that speaks first does not take commands yet. extra:
+    further recorded values, as `Link.recorded` names them.
     """
 
     values: tuple[float, ...]
@@ -62,11 +63,11 @@ class Measured:
 
 
 class Link(Protocol):
-    """The packets of one conversation; each call is made in the loop, so it must be quick.
+    """Packets of one conversation; the loop makes each call, so it must be quick.
 
     cycle: seconds from packet to packet of the controller. speaks_first: whether the controller
-    sends of its own accord in each cycle; else it answers a packet with one.
-    recorded: names of `Measured.extra`.
+    sends unasked in each cycle; otherwise it answers a packet with one. recorded: names of
+    `Measured.extra`.
     """
 
     @property
@@ -82,18 +83,18 @@ class Link(Protocol):
         """A packet that moves nothing and asks where the arm is; unused if it speaks first."""
 
     def read(self, packet: bytes) -> Measured | None:
-        """What a packet says; None if it is none of this conversation or makes no sense."""
+        """Read a packet; None if it is not of this conversation or makes no sense."""
 
     def command(self, values: Sequence[float], count: int) -> bytes:
         """The packet that leads the arm to a row. count: of packets that were sent before."""
 
     def end(self, values: Sequence[float], count: int) -> bytes | None:
-        """The packet that ends the control; None if there is none and silence ends it."""
+        """Return the packet that ends the control; None if silence ends it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """Where the packets go. host: of the controller; None to take the first one that speaks.
+    """Destination of the packets. host: of the controller; None to take the first one that speaks.
 
     port: of the controller, 0 to take it from its first packet. local_host, local_port: on this
     machine, "" and 0 for any.
@@ -146,10 +147,10 @@ class Delays:
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How a loop has kept its time by now.
+    """Timing of a loop so far.
 
-    cycles: packets that were answered. late: how many of them more than half a cycle after they
-    came. longest, jitter: seconds, the greatest of these delays and their standard deviation.
+    cycles: packets that were answered. late: how many of them more than half a cycle after their
+    arrival. longest, jitter: seconds, the greatest of these delays and their standard deviation.
     """
 
     cycles: int = 0
@@ -185,16 +186,15 @@ class TimingRecorder:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """A trajectory that was followed, or the part of it up to a failure.
+    """Report on a trajectory that was followed, or on the part of it up to a failure.
 
-    done, rows: points that were sent, of how many. seconds: that it took. cycle: of the controller.
-    asked_again: times when the controller was silent for a while. repeated: packets that came
-    twice or out of order. garbled: without sense. missed: the most cycles in a row that the
-    controller says it was left without a command. priority: what the loop ran with; refused: why
-    that is no real-time priority, "" if it is or was not wanted.
-    columns: what was recorded, one value a packet: `time` in seconds since the first, `row` of the
-    trajectory, where the arm was by the names of its joints or of its pose, `to_…` what it was
-    told, and what else the packets tell.
+    done, rows: points that were sent, and their total. seconds: duration. cycle: of the controller.
+    asked_again: number of silences of the controller. repeated: packets that arrived twice or out
+    of order. garbled: without sense. missed: the most cycles in a row without a command, as the
+    controller counts them. priority: of the loop; refused: why that is not a real-time priority, ""
+    if it is or was not wanted. columns: the recorded values, one per packet: `time` in seconds
+    since the first, `row` of the trajectory, the position of the arm by the names of its joints or
+    of its pose, `to_…` the commanded position, and further values of the packets.
     """
 
     done: int
@@ -212,7 +212,7 @@ class Report:
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        """What should be looked at, although all was followed."""
+        """Return the findings that need attention, although all rows were followed."""
         found = []
         if self.delays.late or self.missed:
             cycles, late = self.delays.count, self.delays.late
@@ -248,9 +248,9 @@ _CONTROL_BYTES: Final = 64
 class PacketSocket:
     """A UDP socket to one controller; a context manager. Raises OSError.
 
-    spin: seconds before a packet is due, `cycle` behind the last one, from which on it is looked
-    for without pause until as long after; 0 to block in the kernel all the time, inf never to.
-    refused: whether the other side said that nothing listens on that port.
+    spin: seconds before a packet is due, `cycle` after the last one, in which the socket starts to
+    poll without pause, until as long afterwards; 0 to block in the kernel all the time, inf never
+    to. refused: whether the other side reported that nothing listens on that port.
     """
 
     def __init__(self, endpoint: Endpoint, *, spin: float = 0.0, cycle: float = 0.0) -> None:
@@ -296,7 +296,7 @@ class PacketSocket:
 
     @property
     def connected(self) -> bool:
-        """Whether it is known whom to send to."""
+        """True if the peer and its port are known."""
         return self._peer is not None and self._peer[1] != 0
 
     def send(self, packet: bytes) -> None:
@@ -338,7 +338,9 @@ class PacketSocket:
                 return
 
     def _is_heard(self, sender: tuple[str, int]) -> bool:
-        """Whether it is the peer, or becomes it; packets from before it did may wait here still."""
+        """True if the sender is the peer, or becomes it; packets from earlier may still be
+        waiting.
+        """
         if self.connected:
             return sender == self._peer
         if self._peer is not None and sender[0] != self._peer[0]:
@@ -386,8 +388,9 @@ class PacketSocket:
 
 
 ReportProgress = Callable[[float, float, Row, Timing], None]
-"""Is told now and then: seconds since the first packet, the row, where the arm is, how the time was
-kept by then."""
+"""Receives the progress at intervals: seconds since the first packet, the row, the position of the
+arm, and the timing so far.
+"""
 PROGRESS_INTERVAL: Final = 0.1
 """Seconds from telling to telling."""
 CORRECTED_PROGRESS_INTERVAL: Final = 0.0
@@ -396,19 +399,20 @@ ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 COUNTER_WRAP: Final = 1 << 32
 SILENT_CYCLES: Final = 4
-"""Cycles without a packet behind which nothing of an earlier motion is taken to come."""
+"""Cycles without a packet after which no packet of an earlier motion is expected."""
 STANDSTILL_TOLERANCE: Final = 1e-3
-"""Degrees, mm or pulses between two places that are told of an arm that stands."""
+"""Degrees, mm or pulses between two reported positions of an arm at rest."""
 ONE: Final = 0
 FIRST: Final = 1
 SECOND: Final = 2
-"""What is under way: one packet; or, once it was asked again, perhaps two, of which the first, or
-the second is waited for. Two that were both answered for good would double the speed."""
+"""Packets in transit: one; or, after a repeated request, perhaps two, of which the loop waits for
+the first or for the second. Answering both would double the speed.
+"""
 
 
 @dataclass(slots=True, eq=False)
 class LoopResult:
-    """What came of it, by then. code, fields: of the finding that it ended with, "" for none."""
+    """Result of a loop so far. code, fields: of the finding that it ended with, "" for none."""
 
     code: str = ""
     fields: Mapping[str, str | float] = field(default_factory=dict)
@@ -422,17 +426,19 @@ class LoopResult:
 
 
 class Stop:
-    """Whether the loop is to bring the arm to rest; who runs it may look elsewhere, too."""
+    """Request to bring the arm to rest; a subclass may check other sources too."""
 
     asked = False
 
     def look(self) -> Rule | None:
-        """What to say of it, None as long as it goes on; called in each cycle."""
+        """Return the rule that ends the loop, None as long as it continues; called in each
+        cycle.
+        """
         return rules.INTERRUPTED if self.asked else None
 
 
 def columns(job: Job, link: Link) -> tuple[str, ...]:
-    """What the parts of a sample are called."""
+    """Return the column names of a sample."""
     own = column_names(job.kind, job.rows.shape[1])
     return ("time", "row", *own, *(f"to_{name}" for name in own), *link.recorded)
 
@@ -474,11 +480,11 @@ class Loop:
         return self.result
 
     def _opening(self, address: str) -> Measured:
-        """Where the arm is, once the controller speaks; raises Failed if it does not.
+        """Return the position of the arm once the controller speaks; raises LoopFailure otherwise.
 
-        Of one that speaks first a packet counts when it follows another: an earlier run may have
-        left one on its way, which tells where the arm was then. One that only answers has to tell
-        the same place twice.
+        A packet of a controller that speaks first counts when it follows another: an earlier run
+        may have left one in transit, with the position of that time. A controller that only answers
+        must report the same position twice.
         """
         before: int | None = None
         each, left = self._settings.lapse * self._link.cycle, self._settings.first
@@ -527,7 +533,7 @@ class Loop:
         raise LoopFailure(rules.NO_ANSWER, **_unanswered(address, reason))
 
     def _follows(self, before: int | None, counter: int | None) -> bool:
-        """Whether a packet at the beginning is the one behind another, up to some that are lost."""
+        """True if a first packet follows the previous one, except for a few lost packets."""
         if not self._link.speaks_first or counter is None:
             return True
         most = max(1.0, self._settings.timeout / self._link.cycle)
@@ -614,7 +620,7 @@ class Loop:
         result.done = self._way.rows
 
     def _is_repeated(self, measured: Measured, arrival: float) -> bool:
-        """Whether a packet came before, or is one more than was asked for."""
+        """True if a packet arrived before, or is one more than requested."""
         counter, before = measured.counter, self._last
         if counter is not None:
             ahead = (counter - before) % COUNTER_WRAP if before is not None else 0
@@ -636,7 +642,7 @@ class Loop:
             self._send(self._link.command(self._way.told, self._count))
 
     def _astray(self, values: Sequence[float], most: Sequence[float]) -> LoopFailure | None:
-        """That the arm is too far from where it was told to be."""
+        """Return a failure if the arm is too far from its commanded position, None otherwise."""
         told = self._way.told
         if self._job.kind == "joints":
             away = [abs(a - b) for a, b in zip(values, told, strict=True)]
@@ -673,7 +679,7 @@ class Loop:
 
 
 def _agree(one: Row, two: Row) -> bool:
-    """Whether an arm that stands has told the same place twice."""
+    """True if an arm at rest has reported the same position twice."""
     if not one:
         return False
     return all(abs(a - b) <= STANDSTILL_TOLERANCE for a, b in zip(one, two, strict=True))

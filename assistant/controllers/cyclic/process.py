@@ -39,7 +39,7 @@ from assistant.controllers.cyclic.setpoint_source import Settings, correction_li
 from assistant.controllers.cyclic.trajectory import Limits, Trajectory, resampled
 
 PATIENCE: Final = 20.0
-"""Seconds beyond its own time-outs without a word of it after which the process is told to stop."""
+"""Seconds of silence beyond its time-outs after which the process receives a stop."""
 GRACE: Final = 30.0
 """Seconds more after which it is killed; it ends earlier than that whatever the controller does."""
 BEAT: Final = 0.2
@@ -50,8 +50,8 @@ LOOK: Final = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where a trajectory is. seconds: since the first packet. row: of the rows at the cycle, below
-    0 in the soft start. values: where the arm is. timing: how the loop has kept its time.
+    """Progress of a trajectory. seconds: since the first packet. row: of the rows at the cycle,
+    below 0 in the soft start. values: position of the arm. timing: of the loop so far.
     """
 
     seconds: float
@@ -81,10 +81,10 @@ def follow(
     watch: Callable[[Progress], None] | None = None,
     stop: threading.Event | None = None,
 ) -> Report:
-    """Leads the arm along a trajectory and comes back when it stands at its end.
+    """Guide the arm along a trajectory; return when it is at rest at its end.
 
-    watch: is told some ten times a second where the arm is. stop: brings the arm to rest when set,
-    as Ctrl-C does. Raises Refused before anything is sent, Ended afterwards.
+    watch: receives the position of the arm about ten times a second. stop: brings the arm to rest
+    when set, as Ctrl-C does. Raises Refused before anything is sent, Ended afterwards.
     """
     settings = settings or Settings()
     speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
@@ -169,7 +169,7 @@ def _led(
     stop: threading.Event | None,
     feed: Feed | None,
 ) -> Report:
-    """What came of a job in its process; raises Ended."""
+    """Run a job in its process and return its report; raises Ended."""
     with tempfile.TemporaryDirectory(prefix="robot-assistant-", ignore_cleanup_errors=True) as name:
         folder = FilePath(name)
         np.save(folder / "rows.npy", rows)
@@ -200,7 +200,7 @@ def _run(
     rows: int,
     feed: Feed | None,
 ) -> tuple[dict[str, object], str]:
-    """What the process said last, and what it died of if that tells nothing."""
+    """Return the last report of the process, and the reason of its death for an empty report."""
     # -P: nothing is imported from the working folder, which may be anybody's.
     command = [sys.executable, "-P", "-m", "assistant.controllers.cyclic.worker", str(folder)]
     environment = {**without_passwords(), "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
@@ -279,7 +279,7 @@ def _silence(
 
 
 def _close(worker: subprocess.Popen[str]) -> None:
-    """The process ends by itself once stdin ends; else it is killed."""
+    """Wait for the process, which ends after its stdin; kill it otherwise."""
     try:
         worker.wait(GRACE)
     except subprocess.TimeoutExpired:
@@ -379,13 +379,13 @@ class Leading:
             raise self._ended
 
     def joints(self) -> tuple[float, ...]:
-        """Where the arm is, as the controller told some milliseconds ago."""
+        """Return the position of the arm, which the controller reported some milliseconds ago."""
         self._wait(SILENCE)
         assert self._latest is not None
         return self._latest.values
 
     def timing(self) -> Timing:
-        """How the loop has kept its time by now."""
+        """Return the timing of the loop so far."""
         return Timing() if self._latest is None else self._latest.timing
 
     def to(self, row: Sequence[float], seconds: float) -> None:

@@ -97,4 +97,4 @@ ERRORS: Final = {
         GARBLED,
     )
 }
-"""What the loop's own process can end with, by code."""
+"""Errors that the loop's process can end with, by code."""

@@ -27,27 +27,26 @@ from assistant.controllers.cyclic.trajectory import (
 )
 
 PRIORITY: Final = 80
-"""Of SCHED_FIFO (1 to 99): above other programs, below the kernel's own threads that matter."""
+"""Priority for SCHED_FIFO (1 to 99): above other programs, below the kernel's important threads."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """timeout: seconds without a packet after which it gives up. opening: the same for the first
-    one, None for as many: a controller that speaks first may begin later.
-    lapse: cycles without one after which the arm is taken to stand, so that it starts softly
-    again, and a controller that only answers is asked again.
-    garbled: packets without sense in a row that end it.
-    approach: what the soft start may go at most, degrees of a joint or mm (degrees) of a pose.
-    softness: part of the limits that it uses. lag: seconds that the arm may be behind its command,
-    at the speeds of the limits; inf to follow whatever it says. slack: degrees or mm beside that.
-    settle: seconds for which the last point is held. wait: `block` in the kernel for a packet;
-    `spin`, which takes a whole core at ordinary priority, as the kernel takes it from a real-time
-    loop for 50 ms of each second; or `mixed`, which blocks until a third of a cycle before the
-    packet is due and then spins: a processor that sleeps, that of a virtual machine above all, may
-    wake up late. real_time: whether to ask for real-time priority, and processors that stay awake.
-    alive: seconds without a sign of life of the program that asked for the motion, which Ctrl-Z
-    stops, after which the arm is brought to rest.
-    end: whether to end the control behind the last point; else the controller waits for more.
+    """timeout: seconds without a packet after which the loop gives up. opening: the same for the
+    first one, None for as many: a controller that speaks first may begin later. lapse: cycles
+    without one after which the arm counts as stopped, so that it starts softly again, and a
+    controller that only answers is queried again. garbled: packets without sense in a row that end
+    it. approach: largest motion of the soft start, degrees of a joint or mm (degrees) of a pose.
+    softness: part of the limits that it uses. lag: seconds that the arm may lag its command, at the
+    speeds of the limits; inf to follow at any distance. slack: degrees or mm in addition. settle:
+    seconds for which the last point is held. wait: `block` in the kernel for a packet; `spin`,
+    which takes a complete core at ordinary priority, as the kernel takes it from a real-time loop
+    for 50 ms of each second; or `mixed`, which blocks until a third of a cycle before the packet is
+    due and then spins: a sleeping processor, above all that of a virtual machine, may wake up late.
+    real_time: whether to request real-time priority, and processors that stay awake. alive: seconds
+    without a sign of life of the program that requested the motion, which Ctrl-Z stops, after which
+    the loop brings the arm to rest. end: whether to end the control after the last point; otherwise
+    the controller waits for more.
     """
 
     timeout: float = 0.5
@@ -96,11 +95,11 @@ class Settings:
 
 Row = tuple[float, ...]
 ZERO_SPEED: Final = 1e-9
-"""Degrees or mm a second that are none."""
+"""Degrees or mm a second that count as standstill."""
 
 
 class LoopFailure(Exception):
-    """The loop cannot go on; what has to be said of it."""
+    """The loop cannot continue; holds the rule and fields of its finding."""
 
     def __init__(self, rule: Rule, **fields: str | float) -> None:
         super().__init__(rule.code)
@@ -110,9 +109,9 @@ class LoopFailure(Exception):
 
 @dataclass(slots=True)
 class Corrections:
-    """Where the arm is to be, and in how many seconds; the newest one counts.
+    """Commanded position of the arm, and its time in seconds; the newest one counts.
 
-    said: what came of a line so far. count: corrections that came.
+    said: the incomplete line received so far. count: corrections received.
     """
 
     count: int = 0
@@ -120,7 +119,7 @@ class Corrections:
     said: bytes = b""
 
     def take(self, said: bytes) -> None:
-        """Text as it comes: a line of seconds and a row each; empty ones say nothing."""
+        """Read text as it arrives: a line of seconds and a row each; empty lines have no effect."""
         *lines, self.said = (self.said + said).split(b"\n")
         for line in filter(None, lines):
             seconds, *row = map(float, line.split())
@@ -130,8 +129,8 @@ class Corrections:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """What is to be done. rows: (n, c), resampled; of corrections (0, c). speeds, rises: (k,) its
-    limits. corrections: by which joints are led instead, lowest, highest: their range.
+    """Job of a loop. rows: (n, c), resampled; for corrections (0, c). speeds, rises: (k,) its
+    limits. corrections: guide the joints instead of rows; lowest, highest: their range.
     """
 
     kind: Kind
@@ -151,7 +150,7 @@ class SetpointSource(Protocol):
 
     @property
     def row(self) -> float:
-        """Where it is, below 0 in a soft start."""
+        """Present row, below 0 in a soft start."""
 
     @property
     def rows(self) -> int: ...
@@ -162,7 +161,7 @@ class SetpointSource(Protocol):
 
     @property
     def is_over(self) -> bool:
-        """Whether its last row was commanded."""
+        """True if its last row was commanded."""
 
     @property
     def stands(self) -> bool: ...
@@ -329,7 +328,7 @@ class CorrectionSource:
         self._goal, self._seconds, self._part = goal, seconds, 0.0
 
     def _due(self, i: int) -> float:
-        """Where an axis should be by now."""
+        """Return the present setpoint of an axis."""
         return self._from[i] + self._part * (self._goal[i] - self._from[i])
 
     def _risen(self, i: int, gone: float, moves: bool) -> float:

@@ -33,9 +33,9 @@ makers quote less for light loads."""
 
 
 def sizes(kind: Kind, changes: Floats) -> Floats:
-    """How large changes of rows (n, c) are in what has a limit.
+    """Return the sizes of changes of rows (n, c) in the quantities that have a limit.
 
-    (n, c) a joint each; of poses (n, 2), mm and degrees.
+    (n, c) a joint each; for poses (n, 2), mm and degrees.
     """
     if kind == "joints":
         return np.asarray(np.abs(changes))
@@ -45,10 +45,10 @@ def sizes(kind: Kind, changes: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class ArmLimits:
-    """What the joints of an arm may do while its tool is led along poses.
+    """Limits of the joints of an arm while its tool follows poses.
 
-    joints: (n, 7) poses → (n, a) joints without jumps from row to row, of a robot of the caller's;
-    it may raise Refused. speeds: (a,) a second.
+    joints: (n, 7) poses → (n, a) joints without jumps from row to row, of the caller's robot; it
+    may raise Refused. speeds: (a,) a second.
     """
 
     joints: Callable[[Floats], Floats]
@@ -57,11 +57,11 @@ class ArmLimits:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What no cycle may exceed.
+    """Limits that no cycle may exceed.
 
-    speeds: of joints, each a second; of poses two, mm/s and deg/s. accelerations: likewise a
-    second squared, None for a cautious `TO_FULL_SPEED`. lowest, highest: of joints, None for
-    none. arm: of poses, what their joints may do; without it only the tool's speed is held.
+    speeds: of joints, each a second; of poses two, mm/s and deg/s. accelerations: likewise a second
+    squared, None for a cautious `TO_FULL_SPEED`. lowest, highest: of joints, None for none. arm:
+    for poses, the limits of their joints; without it only the tool's speed is limited.
     """
 
     speeds: tuple[float, ...]
@@ -88,7 +88,7 @@ class Limits:
         return speeds, rises
 
     def outside(self, kind: Kind, rows: Floats) -> str:
-        """What of joints (n, a) lies outside its range, in words; "" for nothing."""
+        """Describe the first joint of rows (n, a) outside its range, "" if all are inside."""
         if kind != "joints":
             return ""
         for bound, sign, word in ((self.lowest, -1.0, "below"), (self.highest, 1.0, "above")):
@@ -106,9 +106,9 @@ class Limits:
 
 
 def braked(room: float, rise: float, cycle: float) -> float:
-    """The greatest speed for a cycle from which an axis still comes to rest within its room.
+    """Return the greatest speed for a cycle from which an axis still comes to rest within its room.
 
-    With n more cycles of braking by `rise` behind it: v (n + 1) T - a T² n (n + 1) / 2 = room.
+    With n more cycles of braking by `rise` after it: v (n + 1) T - a T² n (n + 1) / 2 = room.
     """
     if not room > 0.0:
         return 0.0
@@ -122,7 +122,7 @@ def _of(kind: Kind) -> str:
 
 
 def column_names(kind: Kind, width: int) -> tuple[str, ...]:
-    """What the columns of rows are called in files and messages."""
+    """Return the names of the columns of rows in files and messages."""
     if kind == "joints":
         return tuple(f"J{i}" for i in range(1, width + 1))
     return ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -193,17 +193,19 @@ class Curve:
 MOST_ROWS: Final = 2_000_000
 """Cycles of one trajectory: 3.9 hours at 7.11 ms."""
 SAMPLES_IN_CYCLE: Final = 4
-"""Places in a cycle at which the limits are looked at, where the times are given."""
+"""Positions in a cycle at which the limits are checked, for trajectories with times."""
 FEWEST_SAMPLES: Final = 8
 MOST_SAMPLES: Final = 4096
-"""Places in a piece between two points at which the limits are looked at."""
+"""Positions in a piece between two points at which the limits are checked."""
 LEAST_TIME: Final = 1e-9
 """Seconds between two points."""
 MARGIN: Final = 0.995
-"""Of the limits that is used: rounding to single precision in packets stays within."""
+"""Part of the limits that is used: rounding to single precision in packets stays within."""
 ROUNDS: Final = 40
 FASTEST: Final = 1e6
-"""How many times faster than `_nominal` a trajectory without times may go; limits hold before."""
+"""Greatest factor by which a trajectory without times may be faster than `_nominal`; limits apply
+before.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

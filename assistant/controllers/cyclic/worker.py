@@ -1,10 +1,11 @@
 """Process of a loop: `python -m assistant.controllers.cyclic.worker FOLDER`, started by `process`.
 
 FOLDER holds `job.json` and `rows.npy`; the worker writes `samples.npz` there. Lines of JSON on
-stdout report where the arm is, the last one how the run ended. The arm is brought to rest when
-stdin ends, as it does when the parent process is gone, and when nothing arrives on stdin for a
-while, as when the parent is stopped. Corrections arrive as lines on stdin. While the loop runs, the
-process has real-time priority and locked memory where that is permitted, and no garbage collection.
+stdout report the position of the arm, the last one how the run ended. The worker brings the arm to
+rest when stdin ends, which also happens when the parent process is gone, and when nothing arrives
+on stdin for a while, for example when the parent is stopped. Corrections arrive as lines on stdin.
+While the loop runs, the process has real-time priority and locked memory where that is permitted,
+and no garbage collection.
 """
 
 from __future__ import annotations
@@ -48,9 +49,9 @@ _FUTURE: Final = 2
 
 @contextmanager
 def real_time(wanted: bool) -> Iterator[tuple[str, str]]:
-    """In here the garbage collector is off and, where that is permitted, the priority real-time.
+    """Context with the garbage collector off and, where that is permitted, real-time priority.
 
-    Yields what it runs with, and why that is no real-time priority ("" if none was wanted).
+    Yields the priority, and why it is not a real-time priority ("" if none was wanted).
     """
     said = _priority() if wanted else ("ordinary priority", "")
     _keep_memory()
@@ -69,10 +70,10 @@ def real_time(wanted: bool) -> Iterator[tuple[str, str]]:
 
 @contextmanager
 def _awake() -> Iterator[None]:
-    """Where that is permitted, processors do not sleep as long as the file is open.
+    """Keep processors from sleeping as long as the file is open, where that is permitted.
 
-    It takes the microseconds that waking up may last (Documentation/power/pm_qos_interface.rst of
-    Linux).
+    The file takes the microseconds that waking up may last
+    (Documentation/power/pm_qos_interface.rst of Linux).
     """
     with ExitStack() as kept:
         with suppress(OSError):
@@ -97,7 +98,9 @@ def _priority() -> tuple[str, str]:
 
 
 SPUN: Final = 1.0 / 3.0
-"""Part of a cycle before a packet is due, and after, in which it is looked for without pause."""
+"""Part of a cycle before a packet is due, and after, in which the socket is polled without
+pause.
+"""
 
 
 def main(folder: FilePath) -> None:
@@ -145,7 +148,7 @@ def main(folder: FilePath) -> None:
 
 
 def _set_blocking(blocking: bool) -> None:
-    """Of stdout, where the system can."""
+    """Set stdout to blocking or not, where the system can."""
     if hasattr(os, "set_blocking"):
         os.set_blocking(1, blocking)
 

@@ -53,9 +53,9 @@ ROTATION_AXES: Final = {"A": "X", "B": "Y", "C": "Z"}
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """Where a jog is to lead: joints by their names, or values of the pose by theirs.
+    """Goal of a jog: joints by their names, or values of the pose by theirs.
 
-    All in degrees, mm of X, Y, Z and of linear axes.
+    All in degrees, mm for X, Y, Z and linear axes.
     """
 
     joints: Mapping[str, float] | None = None
@@ -67,15 +67,15 @@ Check = Callable[[Goal], None]
 
 
 def always_held() -> bool:
-    """Nobody has to hold anything."""
+    """Default for motions that need no hold by the user."""
     return True
 
 
 def jog(session: Session, asked: Jog, check: Check | None, held: Held = always_held) -> None:
-    """Moves, and comes back when the arm stands there; stops it for whatever else happens.
+    """Move, and return when the arm has stopped at the goal; stop it on any failure.
 
-    check: is asked before anything moves; the joint limits of the controller are looked at, too.
-    held: is asked again and again while it moves: it is stopped, and refused, if it says no.
+    check: called before anything moves; the joint limits of the controller are checked too. held:
+    called repeatedly during the motion: False stops the motion and raises Refused.
     """
     axis = asked.axis.upper()
     _sensible(asked, axis)
@@ -96,9 +96,10 @@ def jog(session: Session, asked: Jog, check: Check | None, held: Held = always_h
 
 
 def execute_while(session: Session, statement: str, goal: Goal, held: Held, slot: int) -> None:
-    """Has a statement move the arm to a goal, and comes back when it stands there.
+    """Move the arm to a goal by a statement, and return when it has stopped there.
 
-    For lines with room for one: they stay free for the stop, which goes out once it is not held.
+    For lines with room for one connection: the line stays free for the stop, which goes out once
+    the motion is not held.
     """
     doing = f"executing `{statement[:40]}`"
     with session.right(doing):
@@ -145,7 +146,7 @@ def _go(
     doing: str,
     held: Held = always_held,
 ) -> None:
-    """Moves to a variable that is given a value, and comes back when the arm stands there."""
+    """Set a variable to a value, move to it, and return when the arm has stopped there."""
     with _acknowledged(session), scratch(session, doing) as slot:
         session.ask(f"EXECJOVRD {speed:g}", doing=doing, slot=slot, shape=BARE_ANSWER)
         session.ask(f"EXEC{name}={value}", doing=doing, slot=slot, shape=BARE_ANSWER)
@@ -222,7 +223,7 @@ def _limits(session: Session, there: list[str]) -> dict[str, tuple[float, float]
 
 
 def _joint_text(axes: Shown, goal: Goal) -> str:
-    """As MELFA-BASIC writes joints: six, 0 for one that the arm lacks, and additional axes."""
+    """Return joints in MELFA-BASIC notation: six, 0 for a missing one, and additional axes."""
     target = goal.joints or {}
     names = [f"J{n}" for n in range(1, 9) if n <= 6 or f"J{n}" in axes.values]
     return f"({','.join(f'{target.get(name, 0.0):.2f}' for name in names)})"
@@ -320,7 +321,9 @@ def _arrive(session: Session, goal: Goal, doing: str, held: Held) -> None:
 
 
 def _off(session: Session, goal: Goal) -> list[float]:
-    """How far each axis is from the goal; angles the short way round where they are of a pose."""
+    """Return the distance of each axis from the goal; for angles of a pose the shorter way
+    round.
+    """
     if goal.joints is not None:
         now = state.joints(session)
         return [abs(now.value(name) - value) for name, value in goal.joints.items()]

@@ -1,16 +1,16 @@
 """Backup of a CR controller in a folder of plain text, and its restore.
 
-identity.json             what the controller is
+identity.json             identity of the controller
 parameters.txt            the changed ones, `NAME=value` each, sorted
-programs/NAME.prg         as the controller lists it: steps, then positions; NAME_ for CON, NUL …
+programs/NAME.prg         the controller's listing: steps, then positions; NAME_ for CON, NUL …
 variables/NAME.txt        the other variables of that program, where it has any
 variables/externals.txt   variables that belong to no program
-not-kept.txt              files of the controller that are no programs, if there are any: names only
+not-kept.txt              files of the controller other than programs, if any: names only
 backup.json               hashes of the other files
 
-A restore shows the differences first. What only the controller has stays, and so do parameters of
-the origin, of safety and of the network unless they are named. What is replaced is kept beside the
-backup, in a folder that can be restored itself.
+A restore shows the differences first. Items that only the controller has stay, and so do parameters
+of the origin, of safety and of the network unless they are named. Replaced items are saved next to
+the backup, in a folder that can be restored itself.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def variable_file(name: str) -> str:
 
 
 def _stem(name: str) -> str:
-    """What a file of a program is called, in every system."""
+    """Return the name of a program's file, valid in every system."""
     return f"{name}{AFTER_DEVICE}" if DEVICE.fullmatch(name) else name
 
 
@@ -114,9 +114,9 @@ BEFORE_FOLDER: Final = "before"
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """Something that differs. before: as the controller has it, None for what it lacks.
+    """An item that differs. before: its content on the controller, None if missing there.
 
-    file: where it stands in a backup. restore: writes it and looks whether it is there.
+    file: its file in a backup. restore: writes it and checks that it arrived.
     """
 
     name: str
@@ -145,7 +145,7 @@ class Restoring:
 
     @property
     def needs_restart(self) -> bool:
-        """Whether parameters are among it, many of which hold only after a restart."""
+        """True if it includes parameters, many of which take effect only after a restart."""
         return any(item.file == PARAMETERS for item in self.items)
 
     def apply(self) -> None:
@@ -168,7 +168,7 @@ class Restoring:
             done.append(item.name)
 
     def _keep(self) -> FilePath:
-        """Writes what is there now into a new folder beside the backup."""
+        """Save the present content into a new folder next to the backup."""
         number = 1
         while (
             kept := self.folder.with_name(f"{self.folder.name}.{BEFORE_FOLDER}-{number}")
@@ -190,7 +190,7 @@ def restoring(
     only: Sequence[str],
     kinds: Mapping[str, ParameterKind],
 ) -> Restoring:
-    """What of a backup differs from the controller; raises Refused.
+    """Compare a backup with the controller and return the restore; raises Refused.
 
     only: names of files, or of parameters; these are restored and nothing else.
     """

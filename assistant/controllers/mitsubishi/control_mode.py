@@ -46,7 +46,7 @@ from assistant.resources import resource
 __all__ = ["FORM", "ControlMode", "Measuring", "Status"]
 
 FORM: Final = Form.parse("M_TIMER(1) | P_CURR | J_FBC | J_CURR | M_RSPD(3) | M_04")
-"""What the program DATALINK prints."""
+"""Form of a line that the program DATALINK prints."""
 READY_WORD: Final = "READY"
 END_WORD: Final = "END"
 STOP_MESSAGE: Final = "0"
@@ -57,7 +57,7 @@ STOPPING_TIMEOUT: Final = 5.0
 """Seconds that the programs have to end."""
 STOP_BY_THEMSELVES: Final = "the programs stop by themselves within 2 s of the last message"
 RUN_ON: Final = "no position was sent; programs that run may still wait for one"
-"""What is known of a controller whose status line is gone."""
+"""Known condition of a controller whose status line is gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ class StatusStream:
 
     @property
     def state(self) -> str:
-        """What is known of the programs if nothing more is heard of them."""
+        """Known condition of the programs if nothing more is received from them."""
         return RUN_ON if self.latest is None else STOP_BY_THEMSELVES
 
     def close(self) -> None:
@@ -196,7 +196,7 @@ class StatusStream:
                 self._fail(rules.SILENT, seconds=allowed)
 
     def _take(self, line: str, seconds: float) -> bool:
-        """Whether the line is a record; raises Lost if it is nothing that the program says."""
+        """True if the line is a record; raises Lost for a line that the program never prints."""
         if line == READY_WORD and self.latest is None:
             return False
         try:
@@ -235,7 +235,7 @@ class StatusStream:
 
 
 class Streaming:
-    """What has a status stream; each time that it is entered it has another one."""
+    """Base of classes with a status stream; each entry creates another stream."""
 
     def __init__(self, line: str | DataLink, silence: float, timeout: float) -> None:
         self._stream = StatusStream(link_to(line, timeout), silence)
@@ -247,7 +247,7 @@ class Streaming:
 
     @property
     def status(self) -> Status:
-        """The latest one; raises Refused if there is none any more."""
+        """Return the latest status; raises Refused if the stream has ended."""
         return self._stream.first()
 
     def _anew(self) -> None:
@@ -264,7 +264,7 @@ RECORD_SLICE: Final = 0.1
 
 
 def joint_limits(limits: ArrayLike) -> Floats:
-    """(k, 2) lowest and highest degrees of each axis; raises Refused if they are none."""
+    """Return (k, 2) lowest and highest degrees of each axis; raises Refused for invalid limits."""
     rows = _number_rows(limits, "the limits")
     if rows.ndim != 2 or rows.shape[1:] != (2,) or not 0 < len(rows) <= AXES:
         raise _bad_points(
@@ -311,7 +311,7 @@ def checked_points(joints: ArrayLike, limits: Floats, most_step: float | None) -
 
 
 def check_steps(points: Floats, most: float, first: int = 2) -> None:
-    """Raises Refused for a step that is too far. first: number of the point behind the first."""
+    """Raise Refused for a step that is too large. first: number of the second point."""
     steps = np.nan_to_num(np.abs(np.diff(points, axis=0)))
     if (far := steps > most).any():
         row, axis = np.argwhere(far)[0]
@@ -345,7 +345,7 @@ PROGRAM_NAMES: Final = (STARTING_PROGRAM, "DATALINK", "CONTROLLINK")
 SHARED_VARIABLES: Final = ("M_01", "M_02", "M_03", "M_04")
 """External variables by which they signal each other."""
 MEASURING_PROGRAM: Final = "MEASURE"
-"""Sends the status by itself, beside what another slot does."""
+"""Program that sends the status independently, in parallel with another slot."""
 
 
 def program_texts(names: Sequence[str] = PROGRAM_NAMES) -> dict[str, bytes]:
@@ -397,7 +397,7 @@ def check_idle(controller: Controller) -> None:
 
 
 def troubles(state: State) -> list[str]:
-    """What a controller stands still for, in words."""
+    """Return the reasons why a controller is stopped, in words."""
     found = ["the emergency stop is pressed"] if state.emergency else []
     return found + [f"error {fault.number} ({fault.text})" for fault in state.faults]
 
@@ -415,14 +415,14 @@ ARRIVAL_POLL: Final = 0.1
 class ControlMode(Streaming):
     """A context manager: entering starts the programs and the status stream, leaving stops them.
 
-    controller: is connected; the programs are installed and started through it, and it is as it was
-    afterwards. None: somebody else starts them. control_line, status_line: what leads to COM1 and
-    COM2 of the programs, a target of `DataLink` or a link that is not open yet.
-    limits: (k, 2) lowest and highest degrees of each axis. most_step: degrees that an axis may turn
-    between two points, and from where it stands to the first one. ahead: points that are sent
-    before the controller takes them. silence: seconds without a status that stop it. timeout:
-    seconds in which an arm that is to move does. replace: other programs of the names of ours on
-    the controller.
+    controller: is connected; the programs are installed and started through it, and it is restored
+    afterwards. None: the user starts them. control_line, status_line: lines to COM1 and COM2 of the
+    programs, a target of `DataLink` or a link that is not open yet. limits: (k, 2) lowest and
+    highest degrees of each axis. most_step: degrees that an axis may turn between two points, and
+    from the present position to the first one. ahead: points that are sent before the controller
+    takes them. silence: seconds without a status that stop it. timeout: seconds in which a
+    commanded arm must move. replace: whether other programs with these names on the controller may
+    be replaced.
     """
 
     def __init__(
@@ -479,11 +479,11 @@ class ControlMode(Streaming):
     def follow(
         self, joints: ArrayLike, *, progress: Callable[[int, int], None] | None = None
     ) -> None:
-        """Moves through the points, and comes back when the arm is at the last one.
+        """Move through the points, and return when the arm is at the last one.
 
-        joints: (n, k) degrees, NaN for an axis that the arm lacks. progress: is told of how many
-        of how many the controller has taken. Whatever fails, ^C too, stops the programs.
-        Raises Refused: limits are looked at before anything is sent.
+        joints: (n, k) degrees, NaN for a missing axis. progress: receives the number of points that
+        the controller has taken, and their total. Any failure, ^C too, stops the programs. Raises
+        Refused: limits are checked before anything is sent.
         """
         points = checked_points(joints, self.limits, self.most_step)
         try:
@@ -495,11 +495,11 @@ class ControlMode(Streaming):
             raise
 
     def lead(self, joints: ArrayLike) -> None:
-        """Sends one more point once there is room for it, and does not wait for the arm.
+        """Send one more point once there is room for it, without waiting for the arm.
 
-        joints: (k,) degrees, NaN for an axis that the arm lacks. For who works the next point out
-        meanwhile; the arm stands at the last one. Limits, and `most_step` from the point before,
-        are looked at before it is sent. Whatever fails, ^C too, stops the programs.
+        joints: (k,) degrees, NaN for a missing axis. For callers that compute the next point
+        meanwhile; the arm stops at the last one. Limits, and `most_step` from the point before, are
+        checked before it is sent. Any failure, ^C too, stops the programs.
         """
         points = checked_points(np.atleast_2d(np.asarray(joints)), self.limits, None)
         try:
@@ -612,7 +612,7 @@ class ControlMode(Streaming):
         return Refused(rules.STALLED(place=place, seconds=self.timeout, left=left, count=count))
 
     def _stop_through(self, controller: Controller, said: bool) -> bool:
-        """Whether no program runs any more; they are stopped unless they end by themselves."""
+        """True if no program runs any more; stop the programs unless they end unaided."""
         end = time.monotonic() + (STOPPING_TIMEOUT if said else 0.0)
         try:
             while controller.state().running and time.monotonic() < end:
@@ -624,13 +624,13 @@ class ControlMode(Streaming):
             return False
 
     def _with(self, error: Refused, state: str) -> Refused:
-        """An error with what is known of the controller behind it."""
+        """Return an error with the known condition of the controller appended."""
         first, *more = error.findings
         told = replace(first, message=f"{first.message}; {state}{self._why()}")
         return type(error)(told, *more, exit_status=error.exit_status)
 
     def _why(self) -> str:
-        """What the controller says that it stands still for."""
+        """Return the controller's reasons for its stop, in words."""
         if self.controller is None:
             return ""
         try:

@@ -49,7 +49,7 @@ def watch(session: Session, interval: float, signals: Sequence[str]) -> Iterator
 
 
 def _parse_signal(name: str) -> tuple[bool, str]:
-    """Whether it is an output, and its number."""
+    """Return whether a signal is an output, and its number."""
     found = SIGNAL_NAME.fullmatch(name)
     if found is None:
         raise values.bad_value(name, "a signal", "it names none", "`in:5`, `out:900` or `5`")
@@ -111,7 +111,7 @@ class Cr:
 
     @property
     def identity(self) -> About:
-        """What the controller said of itself when the session was opened."""
+        """Identity that the controller reported when the session was opened."""
         return self.session.about
 
     def names(self) -> tuple[str, ...]:
@@ -140,7 +140,7 @@ class Cr:
         return programs.checked_name(FilePath(file_name).stem.upper())
 
     def stored(self, data: bytes) -> bytes:
-        """As a controller lists it: steps in order, variables by name with two decimals."""
+        """Return the listed form: steps in order, variables by name with two decimals."""
         return programs.listed_form(data)
 
     def entries(self) -> tuple[Entry, ...]:

@@ -55,7 +55,7 @@ PORT_SLICE: Final = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """Of a serial line: what a controller is set to when it leaves the factory.
+    """Settings of a serial line; the defaults are the factory settings of a controller.
 
     Parameters CBAU232, CPRTY232 and CSTOP232 (BFP-A5993).
     """
@@ -72,7 +72,7 @@ class Stream(Protocol):
     target: str
 
     def prepare(self) -> None:
-        """What can be done before the other end is there: a server listens from here on."""
+        """Prepare before the other end exists: a server listens from here on."""
 
     def open(self, timeout: float) -> None:
         """Waits for the other end."""
@@ -166,7 +166,7 @@ class TcpServer(_Tcp):
 
     @property
     def port(self) -> int:
-        """Where it listens; of 0, the one that was free."""
+        """Port of the listener; for 0, the free one that was chosen."""
         assert self._listener is not None
         return int(self._listener.getsockname()[1])
 
@@ -197,7 +197,7 @@ class Serial:
         self._port: serial.Serial | None = None
 
     def prepare(self) -> None:
-        """A port that was opened earlier would keep what came for somebody else."""
+        """Do nothing: a port opened earlier would hold data for another program."""
 
     def open(self, timeout: float) -> None:
         try:
@@ -250,16 +250,16 @@ class Serial:
 
 
 def _is_pseudo(target: str) -> bool:
-    """Whether a serial port is a pseudo terminal, or a link to one."""
+    """True if a serial port is a pseudo terminal, or a link to one."""
     return PSEUDO_TERMINAL.match(os.path.realpath(target)) is not None
 
 
 def stream_to(target: str, rate: Rate | None = None) -> Stream:
-    """What carries the bytes, by what it leads to; raises Refused.
+    """Return the stream for a target; raises Refused.
 
     target: `host:port` of a controller's line, `listen:address:port` of this computer for a
-    controller that connects itself, or a serial port as `/dev/ttyUSB0` or `COM3`.
-    rate: of a serial port.
+    controller that connects itself, or a serial port as `/dev/ttyUSB0` or `COM3`. rate: of a serial
+    port.
     """
     if re.fullmatch(r"(?:/[^\x00-\x1f]+|COM\d{1,3})", target):
         return Serial(target, rate or Rate())
@@ -281,9 +281,9 @@ def stream_to(target: str, rate: Rate | None = None) -> Stream:
 AXES: Final = 8
 """Components of a position and of joints: six, and two additional axes."""
 DECIMALS: Final = 4
-"""Of a number that is sent; what a controller holds in single precision has no more."""
+"""Decimals of a number that is sent; a single-precision value of a controller has no more."""
 MOST_BYTES: Final = 255
-"""Of a line that is sent: a text variable has no more."""
+"""Bytes of a line that is sent: a text variable has no more."""
 ENCODING: Final = "latin-1"
 COMPONENTS: Final = {
     "number": (),
@@ -383,7 +383,7 @@ FORM_FIELD: Final = re.compile(r"[MCPJ][A-Z0-9_]*[$%&!#]?(?:\(\s*\d+\s*(?:,\s*\d
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d+)?", re.I)
 BRACKETS: Final = re.compile(r"\(([^()]*)\)\s*(?:\(([^()]*)\))?")
 LACKING: Final = {"", "****"}
-"""What stands for an axis that the arm lacks."""
+"""Texts of an axis that the arm lacks."""
 
 
 def value_components(value: float | Position | Joints) -> float | tuple[float, ...]:
@@ -476,11 +476,11 @@ LINE_END: Final = b"\r"
 
 
 class DataLink:
-    """What `Open "COMn:"`, Print# and Input# of a program talk to; a context manager.
+    """Peer of `Open "COMn:"`, Print# and Input# of a program; a context manager.
 
-    target: see `stream_to`. timeout: seconds for connecting, sending and each line.
-    prefix: `PRN` on a line that takes commands as well (CPRC232 = 0). state: what the findings
-    say about the controller.
+    target: see `stream_to`. timeout: seconds for connecting, sending and each line. prefix: `PRN`
+    on a line that takes commands as well (CPRC232 = 0). state: text of the findings about the
+    controller.
     """
 
     def __init__(
@@ -511,7 +511,7 @@ class DataLink:
         return self.stream.target
 
     def prepare(self) -> None:
-        """What can be done before a program opens the line; raises Lost."""
+        """Prepare before a program opens the line; raises Lost."""
         try:
             self.stream.prepare()
         except (OSError, OverflowError, UnicodeError) as error:

@@ -81,7 +81,9 @@ INPUTS: Final = 2
 
 FILTERED: Final = 3
 FEEDBACK: Final = 6
-"""What is added to the type of a command for the same after the filter, and from the encoders."""
+"""Offset of the type of a command for the same data from the encoders; `FILTERED` for those after
+the filter.
+"""
 POSE_DATA: Final = struct.Struct("<8f2I")
 JOINT_DATA: Final = struct.Struct("<8f8x")
 PULSE_DATA: Final = struct.Struct("<8i8x")
@@ -375,7 +377,7 @@ class Mxt:
         return self._link
 
     def position(self) -> tuple[float, ...]:
-        """Where the arm is commanded to be: joints, or x, y, z and w, x, y, z. Moves nothing."""
+        """Return the arm's commanded joints, or x, y, z and w, x, y, z. Moves nothing."""
         with self._wire() as wire:
             try:
                 reason = self._asked(wire)
@@ -413,11 +415,11 @@ class Mxt:
         watch: Callable[[Progress], None] | None = None,
         stop: threading.Event | None = None,
     ) -> Report:
-        """Leads the arm along a trajectory from where it is, and comes back when it stands.
+        """Guide the arm along a trajectory from its present position; return when it has stopped.
 
-        end: whether `Mxt` ends behind the last point; else the controller holds and waits for the
-        next one until the context ends, without packets: with MXTTOUT set, end each one.
-        watch, stop, and what it raises: see `cyclic.follow`.
+        end: whether `Mxt` ends after the last point; otherwise the controller holds and waits for
+        the next one until the context ends, without packets: with MXTTOUT set, end each one. watch,
+        stop, and errors: see `cyclic.follow`.
         """
         led = Trajectory.of_path(trajectory) if isinstance(trajectory, Path) else trajectory
         if led.kind != KINDS[self._link.mode]:
@@ -462,7 +464,7 @@ class Mxt:
         return cyclic.Leading(self._link, self._endpoint, self._link.axes, bounds, settings)
 
     def end(self) -> bool:
-        """Ends `Mxt`, so that the program goes on behind it; whether the controller answered."""
+        """End `Mxt`, so that the program continues after it; True if the controller answered."""
         self._open = False
         with self._wire() as wire, contextlib.suppress(OSError):
             if not self._told and self._asked(wire):
@@ -488,11 +490,11 @@ LONGEST_FILTER: Final = 10_000
 
 
 def program(pc: str, mode: Mode = "joint", *, filter_ms: int = 0, file: int = 1) -> str:
-    """The text, with step numbers, which every version of MELFA-BASIC takes.
+    """Return the program text, with step numbers, which every version of MELFA-BASIC accepts.
 
-    pc: the address of this machine as the controller sees it; packets of others are not heard.
-    filter_ms: time constant with which the controller smooths what it is told; the arm is behind by
-    about as much. file: 1 to 8. Raises Refused for what cannot be.
+    pc: the address of this machine as the controller sees it; packets from others are ignored.
+    filter_ms: time constant with which the controller smooths its commands; the arm lags by about
+    as much. file: 1 to 8. Raises Refused for invalid settings.
     """
     if not 0 <= filter_ms <= LONGEST_FILTER:
         reason = f"it is milliseconds from 0 to {LONGEST_FILTER}"

@@ -29,12 +29,12 @@ ANSWER_FORM: Final = re.compile(r"Q(OK|ER)([^\r\n]*)", re.IGNORECASE)
 ERROR_ANSWER: Final = re.compile(r"(\d{4})((?:;\d+)*)\s*")
 
 BARE_ANSWER: Final = re.compile(r"[; ]*")
-"""Of a command that only says that it was accepted."""
+"""Answer to a command that only confirms its acceptance."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """An answer: its text, or the error number and the places (line, character) behind it.
+    """An answer: its text, or the error number and the positions (line, character) that follow it.
 
     alarmed: the controller is in an error state.
     """
@@ -50,7 +50,7 @@ class Answer:
 
 
 def parse_answer(raw: str) -> Answer | None:
-    """The answer that a text is, None if it is none."""
+    """Parse an answer, None if the text is not an answer."""
     found = ANSWER_FORM.fullmatch(raw)
     if found is None:
         return None
@@ -73,13 +73,13 @@ QUIET: Final = 0.1
 """The same once it is known to send none."""
 STX, ETX, EOT, ENQ, ACK, NAK = (bytes([code]) for code in (0x02, 0x03, 0x04, 0x05, 0x06, 0x15))
 TRIALS: Final = 4
-"""Of a step: the first one and three more."""
+"""Trials of a step: the first one and three more."""
 STEP_TIMEOUT: Final = 2.0
 """Seconds for a step of the procedure; 255 bytes take 0.3 s at 9600 baud."""
 
 
 class UnaskedData(Exception):
-    """data: what is on the line and cannot be the answer to a command."""
+    """data: bytes on the line that cannot be the answer to a command."""
 
     def __init__(self, data: bytes) -> None:
         super().__init__(data)
@@ -182,7 +182,7 @@ class ProceduralFraming:
         raise UnaskedData(b"frames with wrong checksums")
 
     def _until(self, stream: Stream, code: bytes, data: bytes, end: float, step: float) -> bytes:
-        """What comes up to a control code, which is left out with all before ENQ."""
+        """Return the bytes up to a control code, without the code; for ENQ the bytes after it."""
         while code not in data:
             if len(data) > MOST_ANSWER:
                 raise UnaskedData(data)
@@ -222,7 +222,7 @@ def unframed(data: bytes) -> bytes | None:
 
 
 def pending(stream: Stream) -> bytes:
-    """What has come already; raises OSError."""
+    """Return the bytes that have arrived already; raises OSError."""
     data = b""
     while len(data) < MOST_ANSWER:
         try:
@@ -284,10 +284,10 @@ class Link:
         shape: re.Pattern[str] | None = None,
         timeout: float | None = None,
     ) -> Answer:
-        """Sends one command and waits for its answer, which may be an error number.
+        """Send one command and wait for its answer, which may be an error number.
 
         doing, state: for the finding if the connection fails; raises rules.Lost. shape: of an
-        answer that is no error. After a failure, and after an interruption, the connection is
+        answer without an error. After a failure, and after an interruption, the connection is
         closed: a late answer must not pass for that of another command.
         """
         data = command.encode(ENCODING)
@@ -312,7 +312,7 @@ class Link:
             return answer
 
     def stays_quiet(self, seconds: float) -> bool:
-        """Whether nothing comes for a while; raises rules.Lost."""
+        """True if nothing arrives for a while; raises rules.Lost."""
         try:
             self._stream.receive(seconds)
         except TimeoutError:
@@ -322,7 +322,7 @@ class Link:
         return False
 
     def garbled(self, doing: str, text: str, state: str) -> NoReturn:
-        """What an answer says makes no sense: closes the connection and raises rules.Lost."""
+        """Close the connection for an answer that makes no sense, and raise rules.Lost."""
         self._lost(self._garbled(doing, text, state))
 
     def _gone(self, doing: str, reason: str, state: str) -> Diagnostic:
@@ -351,7 +351,9 @@ def link_to(address: Address, *, timeout: float, terminator: bytes | None = None
 
 
 def _rate(address: Address) -> Rate:
-    """What a serial line is set to; 9600 baud, 8 bits, even parity, 2 stop bits if not stated."""
+    """Return the settings of a serial line; 9600 baud, 8 bits, even parity, 2 stop bits by
+    default.
+    """
     return Rate(
         int(address.option("baud", "9600")),
         PARITIES[address.option("parity", "even")],

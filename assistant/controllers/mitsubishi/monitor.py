@@ -59,7 +59,7 @@ FORMS: Final[Mapping[str, tuple[struct.Struct, tuple[str, ...]]]] = {
 """Structure → its form and what its numbers are called; of `robot` mm/s, mm, tenths of degrees
 Celsius and cycles since the controller was switched on, without the name of the program."""
 PROGRAM_NAME_BYTES: Final = slice(26, 32)
-"""Where `robot` has the name of the program in slot 1."""
+"""Bytes of `robot` with the name of the program in slot 1."""
 
 TYPES: Final[Mapping[str, tuple[int, str]]] = {
     "pose": (1001, "pose"),
@@ -110,7 +110,7 @@ START_RETRY: Final = 0.1
 class MonitorSample:
     """One cycle. seconds: since the first sample, by the clock of this machine. counter: of the
     controller. values: by name, as `FORMS` lists them. inputs, outputs: 32 signals each from the
-    first that was asked for. program: in slot 1, where `robot` is asked for. lost: packets of the
+    first that was requested. program: in slot 1, where `robot` is requested. lost: packets of the
     controller that did not arrive before this one.
     """
 
@@ -234,7 +234,7 @@ class Monitor:
         return got
 
     def _receive(self, seconds: float) -> tuple[float, bytes] | None:
-        """The next packet of what was asked for; others, and other senders, are not heard."""
+        """Return the next requested packet; ignore others, and other senders."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0.0:
             self._socket.settimeout(left)

@@ -51,7 +51,7 @@ def slot_of(session: Session, task: str, *, edit: bool = False) -> int:
 
 
 def load(session: Session, name: str, slot: int) -> None:
-    """Puts a program into a slot; one that stands in the middle there is reset first."""
+    """Load a program into a slot; reset a program that is paused there first."""
     checked_name(name)
     doing = f"loading `{name}` into slot {slot}"
     with session.right(doing):
@@ -95,9 +95,9 @@ def start(session: Session, slot: int, *, forever: bool) -> None:
 
 
 def stop(session: Session) -> None:
-    """Stops all programs and motions, over a new connection if there is none; needs no right.
+    """Stop all programs and motions, over a new connection if it is lost; needs no right.
 
-    STOP in slot 1 is what other clients send; slots that run on are told on their own.
+    Other clients send STOP in slot 1; slots that continue get a separate stop.
     """
     session.running = False  # what stops does not wait for its turn
     with session.anew():

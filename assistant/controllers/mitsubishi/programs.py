@@ -54,9 +54,9 @@ def program_lines(data: bytes) -> list[ProgramLine]:
 
 
 def listed_form(data: bytes) -> bytes:
-    """The program in one form: steps in order, variables by name, two decimals, CR LF.
+    """Return the program in one form: steps in order, variables by name, two decimals, CR LF.
 
-    A step or a variable that stands twice counts as it was said last, as on the controller.
+    For a step or a variable that appears twice the last one counts, as on the controller.
     """
     steps: dict[int, str] = {}
     variables: dict[str, str] = {}
@@ -117,11 +117,11 @@ LANGUAGES: Final = {
 """Suffix of a controller's program files → languages of the programs that it takes."""
 NO_PROGRAM: Final = 4140
 MOST_PROGRAMS: Final = 100_000
-"""Entries after which a folder that never ends is taken for a fault."""
+"""Entries after which an endless folder counts as a fault."""
 MOST_DIGITS: Final = 15
-"""Of a size in bytes."""
+"""Digits of a size in bytes."""
 MOST_LINES: Final = 100_000
-"""Answers after which a program that never ends is taken for one: steps go up to 32767."""
+"""Answers after which a program counts as endless: steps go up to 32767."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,9 +140,9 @@ def entries(session: Session) -> tuple[Entry, ...]:
 
 
 def directory(session: Session) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
-    """All programs by name, and the names of files that are none; raises rules.Lost as `entries`.
+    """Return all programs by name, and the names of other files; raises rules.Lost as `entries`.
 
-    What no known language has the suffix of cannot be listed as steps.
+    A file whose suffix belongs to no known language cannot be listed as steps.
     """
     doing = "listing the programs"
     found: dict[str, Entry] = {}

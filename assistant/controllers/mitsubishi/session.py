@@ -1,10 +1,10 @@
-"""Session with a CR controller: opened, asked, and the operation right given back; error numbers.
+"""Session with a CR controller: opening, commands, return of the operation right; error numbers.
 
-The right is taken for the commands that need it and given back afterwards, however they end. If the
-line was cut meanwhile, one new connection gives it back, or a finding says that it may still be
-held. `cr_error` explains an error number by `errors.tsv`; numbers and levels are those of the
-controllers' error lists (BFP-A8871, BFP-A5993). A number that ends in `n` stands for those of all
-axes or units.
+The session takes the right for the commands that need it and gives it back afterwards, however they
+end. If the line was cut meanwhile, one new connection gives it back, or a finding reports that it
+may still be held. `cr_error` explains an error number by `errors.tsv`; numbers and levels are those
+of the controllers' error lists (BFP-A8871, BFP-A5993). A number that ends in `n` represents those
+of all axes or units.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class CrError:
 
 
 def cr_error(number: int) -> CrError:
-    """What an error number means; never fails."""
+    """Return the meaning of an error number; never fails."""
     digits = f"{number:04}"
     rows = (_error_table().get(digits), _error_table().get(f"{digits[:-1]}n"))
     level, text, cure = next((row for row in rows if row is not None), ("", "", ""))
@@ -67,7 +67,7 @@ def cr_error(number: int) -> CrError:
 
 @cache
 def _error_table() -> Mapping[str, tuple[str, str, str]]:
-    """Number → level, text and cure; a text is empty where there is none of our own."""
+    """Return number → level, text and cure; a text is empty where the table has none."""
     text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
     return {row["number"]: (row["level"], row["text"], row["cure"]) for row in rows}
@@ -94,7 +94,7 @@ RIGHT_POLL: Final = 0.05
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What a controller says of itself when a session is opened; "" for what it does not say.
+    """Identity that a controller reports when a session is opened; "" for missing fields.
 
     suffix: of its program files. slots: number of its task slots; the edit slot follows.
     """
@@ -107,7 +107,7 @@ class About:
 
 
 def about(text: str) -> About:
-    """What the answer to OPEN= says; fields that are missing stay empty."""
+    """Parse the answer to OPEN=; missing fields stay empty."""
     fields = dict(enumerate(text.split(";")))
     slots = fields.get(15, "").strip()
     return About(
@@ -120,11 +120,11 @@ def about(text: str) -> About:
 
 
 class Session:
-    """A connection to a CR controller that can be opened, asked and closed.
+    """A connection to a CR controller that can be opened, used and closed.
 
-    running: whether a program ran when the state was last looked at; commands keep `pace`
-    seconds between them then. under_way: what holds of the controller while something goes on that
-    has changed it, where a command by itself changes nothing.
+    running: whether a program ran when the state was last read; commands keep `pace` seconds
+    between them then. under_way: condition of the controller during an operation that has changed
+    it, where a single command changes nothing.
     """
 
     def __init__(
@@ -153,7 +153,7 @@ class Session:
         return self._link.most
 
     def carries(self, command: str) -> bool:
-        """Whether the link can carry a command with its head, unchanged."""
+        """True if the link can carry a command with its head, unchanged."""
         data = command.encode(ENCODING, "replace")
         longest = len(f"0;{self.edit_slot};") + len(data)
         return longest <= self.most and data.decode(ENCODING) == command
@@ -192,7 +192,7 @@ class Session:
         slot: int = 1,
         shape: re.Pattern[str] | None = None,
     ) -> Answer:
-        """An answer that is no error; takes the operation right where it is asked for."""
+        """Return an answer without an error; take the operation right if the controller asks."""
         answer = self.attempt(command, doing=doing, state=state, slot=slot, shape=shape)
         if answer.number is not None:
             raise self.refusal(answer.number, doing, state)
@@ -221,7 +221,7 @@ class Session:
 
     @contextmanager
     def scope(self) -> Iterator[None]:
-        """Something that belongs together: a right that is taken in it is given back behind it."""
+        """Context of related commands: gives an operation right acquired in it back at its end."""
         self._depth += 1
         try:
             yield
@@ -234,7 +234,7 @@ class Session:
 
     @contextmanager
     def right(self, doing: str, state: str = UNCHANGED) -> Iterator[None]:
-        """With the operation right; raises Refused if somebody else has it."""
+        """Context with the operation right; raises Refused if another client has it."""
         with self.scope():
             refused = None if self.has_right else self._take_right(doing, state)
             if refused is not None and refused.number is not None:
@@ -243,7 +243,9 @@ class Session:
 
     @contextmanager
     def anew(self) -> Iterator[None]:
-        """Over a new connection if there is none any more, which is closed again then."""
+        """Context with a connection: a new one if the present one is gone, closed again at the
+        end.
+        """
         if self._link.connected:
             yield
             return
@@ -255,7 +257,7 @@ class Session:
             self._link.close()
 
     def refusal(self, number: int, doing: str, state: str = UNCHANGED) -> Refused:
-        """What an error number is raised as."""
+        """Return the exception for an error number."""
         kind = rules.Taken if number in TAKEN_ERRORS else Refused
         return kind(self.alarm(number, doing, state))
 
@@ -272,7 +274,7 @@ class Session:
         )
 
     def garbled(self, doing: str, text: str, state: str = UNCHANGED) -> NoReturn:
-        """What an answer says makes no sense: ends the connection; raises rules.Lost."""
+        """End the connection for an answer that makes no sense; raises rules.Lost."""
         self._link.garbled(doing, text, self._state(state))
 
     def _state(self, state: str) -> str:

@@ -49,7 +49,7 @@ class SlotState:
 
 
 def slot_state(session: Session, number: int) -> SlotState:
-    """What STATE tells of a slot."""
+    """Return the state of a slot, read by STATE."""
     doing = f"asking for the state of slot {number}"
     text = session.ask("STATE", doing=doing, slot=number).text
     fields = text.split(";")
@@ -77,7 +77,7 @@ def run_bits(session: Session) -> tuple[int, int]:
 
 
 def running(session: Session) -> bool:
-    """Whether a program runs in any slot."""
+    """True if a program runs in any slot."""
     session.running = any(
         slot_state(session, slot).running for slot in range(1, session.about.slots + 1)
     )
@@ -154,7 +154,7 @@ def _whole(text: str) -> int | None:
 
 LOG_LEVELS: Final = {"H": "1", "L": "2", "C": "3"}
 MOST_LOG_ENTRIES: Final = 2000
-"""Entries after which a history that never ends is taken for a fault."""
+"""Entries after which an endless history counts as a fault."""
 
 
 def error_history(session: Session, most: int) -> tuple[Fault, ...]:
@@ -202,7 +202,7 @@ class Shown:
 
 
 def parse_shown(session: Session, command: str) -> Shown:
-    """What JPOSF, PPOSF and their like tell."""
+    """Parse the answer to JPOSF, PPOSF and the like."""
     doing = "asking where the arm is"
     answer = session.ask(command, doing=doing)
     axes, separator, rest = answer.text.partition(";;")
@@ -260,9 +260,9 @@ def orientation(axes: Shown, place: Shown) -> tuple[float, float, float, float]:
 def turn_of(
     joints: Sequence[float], place: Sequence[float], *, five_axes: bool
 ) -> tuple[float, float, float, float]:
-    """The quaternion of a record of numbers. joints: J1, J2 …; place: X, Y, Z, A, B, C …
+    """Return the quaternion of a record of numbers. joints: J1, J2 …; place: X, Y, Z, A, B, C …
 
-    five_axes: of an arm without J4, whatever stands in its place.
+    five_axes: for an arm without J4, whatever value its column has.
     """
     told: dict[str, float | None] = {f"J{i}": joint for i, joint in enumerate(joints, 1)}
     shown: dict[str, float | None] = dict(zip(POSE_AXES, place, strict=False))
@@ -272,7 +272,7 @@ def turn_of(
 
 
 def has_five_axes(axes: Shown, place: Shown) -> bool:
-    """Whether the orientation is told by A and B alone: no J4, and no C."""
+    """True if A and B alone define the orientation: no J4, and no C."""
     return axes.values.get("J4") is None and place.values.get("C") is None and "B" in place.values
 
 

@@ -54,7 +54,7 @@ TWO_DECIMALS: Final = re.compile(r"[+-]?\d*\.\d\d")
 
 
 def bad_value(value: object, what: str, reason: str, form: str) -> Refused:
-    """Something that was asked for cannot be; it is shown without control characters."""
+    """Return a Refused for an invalid request; its value is shown without control characters."""
     shown = str(value) if str(value).isprintable() else ascii(value)
     return Refused(rules.BAD_VALUE(place=what, value=shown, what=what, reason=reason, form=form))
 
@@ -67,7 +67,7 @@ def checked_variable(name: str) -> str:
 
 
 def checked_value(value: str) -> str:
-    """A value that is no expression; raises Refused."""
+    """Return a value other than an expression; raises Refused."""
     if LITERAL.fullmatch(value.strip(" ")):
         return value.strip(" ")
     raise bad_value(
@@ -87,7 +87,7 @@ def checked_text(text: str, what: str, form: str) -> str:
 
 
 def same_value(one: str, two: str) -> bool:
-    """Whether two values are the same, numbers within what a controller shows of them."""
+    """True if two values are equal, numbers within the precision that a controller shows."""
     if '"' in one or '"' in two:
         return _inside(one) == _inside(two)
     left, right = _parts(one), _parts(two)
@@ -112,9 +112,9 @@ def _near(one: str, two: str) -> bool:
 
 
 def read_until_settled(read: Callable[[], T], good: Callable[[T], bool]) -> T:
-    """What is read once it is as it should be, or in the end.
+    """Read until the result is as expected, or until the time-out; return the last result.
 
-    EXEC is answered when a statement is accepted; what it does comes a moment later.
+    EXEC is answered when a statement is accepted; its effect comes a moment later.
     """
     end = time.monotonic() + SETTLING
     while not good(now := read()) and time.monotonic() < end:
@@ -125,11 +125,11 @@ def read_until_settled(read: Callable[[], T], good: Callable[[T], bool]) -> T:
 VARIABLE_CLASSES: Final = "MCPJ"
 """Numbers, texts, positions, joints."""
 EXTERNAL_NAME: Final = re.compile(r"[A-Z]_", re.IGNORECASE)
-"""How the names of variables begin that belong to no program."""
+"""Beginning of the names of variables that belong to no program."""
 ACTING_VARIABLE: Final = re.compile(r"M_(?:D?OUT|HND|YDEV|UDEV|TOOL|SVO)[A-Z0-9]*(?:\(.*)?")
 """Status variables that set outputs, open hands or choose a tool: no memory of a program."""
 MOST_VARIABLES: Final = 100_000
-"""Variables after which a list that never ends is taken for a fault."""
+"""Variables after which an endless list counts as a fault."""
 
 
 def read_variable(session: Session, name: str, program: str = "", slot: int = 1) -> str:
@@ -312,7 +312,7 @@ def set_output(session: Session, name: str, value: float) -> None:
 
 
 def hand(session: Session, number: int, *, is_open: bool) -> None:
-    """Opens or closes a hand; raises Refused if there is none of that number."""
+    """Open or close a hand; raises Refused if no hand has that number."""
     doing = f"{'opening' if is_open else 'closing'} hand {number}"
     there = _hand_states(session)
     if number not in HANDS or (there is not None and there.get(number) is None):
@@ -391,7 +391,7 @@ class ParameterKind:
 
 
 def parameter_kinds(files: Iterable[str | FilePath]) -> dict[str, ParameterKind]:
-    """Kinds of parameters by name, from some files; raises Refused for what is none."""
+    """Read kinds of parameters by name from parameter files; raises Refused for other files."""
     found: dict[str, ParameterKind] = {}
     for file in files:
         path = FilePath(file)
@@ -410,13 +410,13 @@ def parameter_kinds(files: Iterable[str | FilePath]) -> dict[str, ParameterKind]
 
 
 def _row_values(body: str) -> list[str]:
-    """The values of a row; texts stand in quotes and may hold commas."""
+    """Return the values of a row; texts are in quotes and may hold commas."""
     return re.findall(r'"[^"]*"|[^,]+', body)
 
 
 PARAMETER_NAME: Final = re.compile(r"[A-Z][A-Z0-9_]{0,15}")
 MOST_LISTS: Final = 10_000
-"""Answers after which a list that never ends is taken for a fault."""
+"""Answers after which an endless list counts as a fault."""
 
 
 def read_parameters(session: Session, names: Sequence[str] = ()) -> dict[str, str]:

@@ -32,7 +32,8 @@ from assistant.controllers.controller import Programs
 from assistant.program.geometry import Pose
 
 Word = Literal["where", "move", "pass"]
-"""What is asked: where the robot is; go there and stand still; go there, on the way to a next one.
+"""Kind of a request: report the position; move there and stop; move there on the way to a next
+pose.
 """
 Configuration = tuple[int, int, int, int]
 """cf1, cf4, cf6, cfx of a robtarget."""
@@ -51,12 +52,12 @@ LONGEST_ANSWER: Final = 4096
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What the robot says.
+    """Answer of the robot.
 
     word: `ok`, `stopped`, or a reason of `rules.REASONS`. pose: of the tool in the work object of
-    the module, mm and unit quaternion. external: degrees or mm, NaN for an axis that is not there.
-    motion: seconds that the motion took, as the controller measured them. checked: its checksum
-    is right; False for an answer without one, from a module that was written before there was one.
+    the module, mm and unit quaternion. external: degrees or mm, NaN for a missing axis. motion:
+    seconds that the motion took, as the controller measured them. checked: its checksum is right;
+    False for an answer without one, from a module that was written before checksums existed.
     """
 
     number: int
@@ -96,12 +97,12 @@ def stop_request(number: int) -> bytes:
 
 
 def is_of(answer: Answer, number: int) -> bool:
-    """Whether it answers that request; what could not be read has not been carried out either."""
+    """True if it answers that request; an unreadable request was not executed either."""
     return answer.number == number or (answer.number == UNREAD and answer.word != "ok")
 
 
 def parse_answer(data: bytes) -> Answer | None:
-    """The answer that a file is, None for one that is not whole, was changed or is none."""
+    """Parse an answer file, None if it is incomplete, altered or not an answer."""
     if len(data) > LONGEST_ANSWER:
         return None
     lines = data.decode("latin-1").replace("\r", "").split("\n")
@@ -201,10 +202,10 @@ class HandsOver(Protocol):
         """Puts a file there that appears whole; it is not read back."""
 
     def look(self, name: str) -> bytes | None:
-        """A file, None if there is none that can be read now."""
+        """Return a file, None if it is missing or cannot be read now."""
 
     def take_away(self, name: str) -> bool:
-        """Deletes a file; False, and nothing happens, if there is none."""
+        """Delete a file; False, without an effect, if it is missing."""
 
 
 class Files:

@@ -44,19 +44,20 @@ RECORDED_FIELDS: Final[dict[str, Sequence[str]]] = {
     "motion": (),
     "looks": (),
 }
-"""Of a recording: seconds since the beginning, mm, unit quaternions scalar first; NaN for what was
-asked where no pose was. The rest is `Spent`."""
+"""Fields of a recording: seconds since the beginning, mm, unit quaternions scalar first; NaN for
+the requested values of a request without a pose. The rest is `Spent`.
+"""
 NOT_ASKED: Final = float("nan")
 
 
 @dataclass(frozen=True, slots=True)
 class Spent:
-    """Where the seconds of a round trip went.
+    """Breakdown of the seconds of a round trip.
 
-    hand_over: until the request was whole on the controller. waiting: until the answer was seen,
-    `motion` among it, which the controller measured itself; what is left of it is the controller's
-    and our own looking for files. fetching: of the look that found the answer. looks: how often
-    the answer was looked for.
+    hand_over: until the request was complete on the controller. waiting: until the answer was seen,
+    including `motion`, which the controller measured itself; the remainder is the polling for files
+    by the controller and by this computer. fetching: of the poll that found the answer. looks:
+    number of polls for the answer.
     """
 
     hand_over: float = 0.0
@@ -219,12 +220,12 @@ class PoseSender(ABC):
     def move_to(
         self, pose: Pose, *, configuration: Configuration | None = None, through: bool = False
     ) -> Answer:
-        """Move the robot to a pose in a line; return its pose once it stands still there.
+        """Move the robot to a pose in a line; return its pose once it has stopped there.
 
-        through: return as soon as the program goes on, so that a next pose that comes in time is
-        reached through the zone of the module. configuration: None to let the controller take the
-        nearest one. Raises Refused if the pose must not be sent, or the robot does not go there;
-        it then stands where it was.
+        through: return as soon as the program continues, so that the arm passes a pose through the
+        zone of the module if the next one arrives in time. configuration: None to let the
+        controller choose the nearest one. Raises Refused if the pose must not be sent, or the robot
+        does not go there; it then stays where it was.
         """
         positions, quaternions = checked_poses([pose.position], [pose.quaternion], self._check)
         return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)

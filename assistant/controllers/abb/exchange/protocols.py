@@ -42,16 +42,16 @@ from assistant.program.geometry import Pose
 
 
 class PoseExchange(PoseSender):
-    """An exchange with a program that `Module` printed and that runs on the controller.
+    """Exchange with a program that `Module` printed and that runs on the controller.
 
     A context manager: entering claims the exchange, so that no other client sends requests in
-    between, and asks where the robot is, which the program must answer. Leaving it
+    between, and asks for the position of the robot, which the program must answer. Leaving it
     because of an error, or of ^C, stops the robot and ends the program (`stop`); leaving it
     otherwise lets the program wait for the next exchange.
 
-    programs: an open session. prefix: of the files, as the module has it. timeout: seconds for an
+    programs: an open session. prefix: of the files, as in the module. timeout: seconds for an
     answer without a motion, and for one to a stop. longest: seconds for one motion. poll: seconds
-    after which an answer is looked for again. check: asked before poses are sent.
+    between polls for an answer. check: called before poses are sent.
     """
 
     def __init__(
@@ -76,15 +76,15 @@ class PoseExchange(PoseSender):
         return self.stopped is not None
 
     def current_pose(self) -> Answer:
-        """Where the robot is, once its program has come to look for a request."""
+        """Return the position of the robot, once its program looks for a request."""
         return self._ask("where", None, None, self._timeout)
 
     def stop(self) -> Answer | None:
-        """Stops the robot where it is and ends its program; None if nothing answered in time.
+        """Stop the robot at its position and end its program; None if nothing answered in time.
 
-        May be asked for at any time, also where a request is under way or another process exchanges
-        poses: its claim ends. `ended` says afterwards what is known of the robot. Raises Refused if
-        the controller could not be told.
+        May be called at any time, also during a request or while another process exchanges poses:
+        its claim ends. Afterwards `ended` states the known condition of the robot. Raises Refused
+        if the controller could not be reached.
         """
         self._number = _next_number(self._number)
         number = self._number
@@ -188,7 +188,7 @@ class PoseExchange(PoseSender):
             self._left = None
 
     def _hand_over(self, data: bytes) -> None:
-        """Puts a request there; where that is refused half-way, it is taken back."""
+        """Write a request; withdraw it if the write is refused half-way."""
         try:
             self._put("request", data)
         except common.Lost:
@@ -219,10 +219,10 @@ class PoseExchange(PoseSender):
         )
 
     def _taken_back(self) -> bool | None:
-        """Whether the request could be removed, so that it never is carried out.
+        """True if the request was removed, so that it is never executed.
 
-        The program carries out what it removes itself: only one of both can. None where the
-        client does not tell whether a file was there.
+        The program executes a request that it removes itself: only one of both can remove it. None
+        where the client does not report whether the file existed.
         """
         if isinstance(self.programs, HandsOver):
             return self.programs.take_away(self._names["request"])

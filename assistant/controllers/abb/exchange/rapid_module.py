@@ -96,13 +96,13 @@ def _no_file(name: str, names: Sequence[str]) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Module:
-    """What the module is to say.
+    """Contents of the exchange module.
 
     tool, work_object, speed, zone: names on the controller. tool_data: declares the tool in the
-    module. folder, prefix: of the files on the controller. longest: seconds without a request
-    after which the program ends. poll: seconds after which it looks for a request again.
-    look: seconds between two looks for a stop. plain: names of the files of the plain protocol, for
-    a module that speaks it; it stops at each pose, and has no zone.
+    module. folder, prefix: of the files on the controller. longest: seconds without a request after
+    which the program ends. poll: seconds between polls for a request. look: seconds between polls
+    for a stop. plain: names of the files of the plain protocol, for a module that uses it; it stops
+    at each pose, and has no zone.
     """
 
     module: str = "PoseExchange"

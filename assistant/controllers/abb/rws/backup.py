@@ -78,7 +78,7 @@ def _make(session: Session, files: Files, path: str) -> None:
 
 
 def _ready(session: Session, number: str) -> bool:
-    """Whether the backup is written, by its progress if it has a number, and by its state."""
+    """True if the backup is written, by its progress if it has a number, and by its state."""
     doing = "asking how far the backup is"
     told = [
         _state_word(session, "backup state", doing, {}, "backup-state", "backup state", "state")
@@ -126,20 +126,20 @@ LEFT_OUT: Final = {
 }
 """Files that are restored only if they are named, with why; patterns ignore case."""
 INFO_PATTERNS: Final = ("BACKINFO/*", "backinfo.txt", "system.xml", "*/version.xml")
-"""Files that tell of the backup itself."""
+"""Files that describe the backup itself."""
 TASK_LINE: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
 """Which folder is of which task, in `BACKINFO/backinfo.txt`: `>>TASK1: (T_ROB1,,)`."""
 MODULE_FILE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
 PARAMETER_FILE: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
 DOMAIN_HEAD: Final = re.compile(rb"\s*(\w+):CFG_", re.ASCII)
-"""How a file of parameters begins: this, and not its name, tells what it replaces."""
+"""Beginning of a parameter file: this, and not its name, determines which domain it replaces."""
 LOADING_VOLUME: Final = "TEMP:"
 """Volume that modules and parameters are loaded from."""
 
 
 @dataclass(frozen=True, slots=True)
 class RestoreParts:
-    """What of a controller a restore works with."""
+    """Parts of a controller that a restore uses."""
 
     session: Session
     mastership: Mastership
@@ -177,11 +177,11 @@ class Restore:
 
     @property
     def needs_restart(self) -> bool:
-        """Whether the controller takes some of it over only after a restart."""
+        """True if the controller applies some of it only after a restart."""
         return any(PARAMETER_FILE.fullmatch(name) for name in self.changes)
 
     def apply(self) -> None:
-        """Restores all changes, or brings back what was there before."""
+        """Restore all changes, or put back the previous state."""
         if self.changes and self._parts.panel.running():
             raise self._parts.session.refusal(
                 "restore", "programs run on it", "stop the programs first"
@@ -198,7 +198,7 @@ class Restore:
             raise Refused(*error.findings, *([self._partly(name, kept)] if kept else [])) from None
 
     def _not_taken_back(self, done: Sequence[str]) -> Iterator[str]:
-        """Brings back what was there before; the names of what stays restored."""
+        """Put back the previous state; yield the names of the files that stay restored."""
         for name in reversed(done):
             before = self._now.get(name)
             try:
@@ -227,9 +227,10 @@ class Restore:
         return why or (None if self._known(name) else "nothing that could be restored")
 
     def _kept_back(self, name: str, wanted: Sequence[str]) -> str | None:
-        """Why it has to be named, unless it is: a folder that holds other files is no name of it.
+        """Return why the user must name a file, None if it is named or need not be.
 
-        A file of parameters counts as what it says that it is, too.
+        A folder that holds other files does not name it. A parameter file also counts as the domain
+        in its text.
         """
         domain = DOMAIN_HEAD.match(self._then[name]) if PARAMETER_FILE.fullmatch(name) else None
         names = [name, *([f"SYSPAR/{domain[1].decode('ascii')}.cfg"] if domain is not None else [])]
@@ -286,7 +287,7 @@ class Restore:
 
 
 def restore(parts: RestoreParts, folder: str | FilePath, only: Sequence[str]) -> Restore:
-    """What of a backup differs from the controller, of which a backup is made to compare."""
+    """Compare a backup with a new backup of the controller; return the differences."""
     then = backup_folder.backup_contents(folder, KIND)
     for one in only:
         if not any(_is_meant(name, one) for name in then):
@@ -324,9 +325,9 @@ def _matches(name: str, patterns: Sequence[str]) -> bool:
 
 
 def _is_meant(name: str, wanted: str, patterns: Sequence[str] = ("*",)) -> bool:
-    """Whether a file is meant: by its whole name, by a folder above it, or by its last part.
+    """True if a name selects a file: by its complete name, a folder above it, or its last part.
 
-    patterns: such a folder has to match one.
+    patterns: such a folder must match one.
     """
     lower, asked = name.lower(), wanted.replace("\\", "/").strip("/").lower()
     above = lower.startswith(f"{asked}/") and _matches(f"{asked}/", patterns)

@@ -1,8 +1,8 @@
-"""The WebSocket that events come through, read in the thread that asks for them.
+"""WebSocket that delivers events, read in the thread that requests them.
 
 OpenSSL lets no thread write while another one reads the same connection: the tickets of TLS 1.3
-that come after the handshake turn such a write into a wait for more of them, and the request to
-open the WebSocket never leaves. So it has no thread of its own, as the library's client would.
+that arrive after the handshake turn such a write into a wait for more of them, and the request to
+open the WebSocket never leaves. So it has no separate thread, unlike the library's client.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
 LARGEST: Final = 1 << 24
-"""Bytes of one event after which it is taken for garbage."""
+"""Bytes of one event after which it counts as garbage."""
 FAREWELL: Final = 1.0
 """Seconds to wait for the other side's good-bye."""
 LEAST: Final = 1e-3
-"""Seconds that are waited at least: a socket that never waits tells of it in other ways."""
+"""Least seconds of a wait: a socket that never waits reports it in other ways."""
 CHUNK: Final = 1 << 12
-"""Bytes that are read at once: between two chunks it is looked at whether the time is over."""
+"""Bytes read at once: the time-out is checked between two chunks."""
 CONTENTS: Final = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
 
 class Channel:
-    """What was received and is waiting; made by `opened`."""
+    """Channel of received messages that wait to be fetched; made by `opened`."""
 
     def __init__(self, line: socket.socket, protocol: ClientProtocol) -> None:
         self._line = line

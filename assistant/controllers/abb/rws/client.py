@@ -34,11 +34,11 @@ STANDING: Final = ("motoron", "motoroff")
 
 
 class Rws(RapidFiles):
-    """A session with an ABB controller; see `Controller`.
+    """Session with an ABB controller; see `Controller`.
 
-    Programs are files in the folder of the address. timeout: seconds for an answer; a backup is
-    granted more. certificate: file with the certificate to trust (`rwss`), None for the system's
-    own. unit: the mechanical unit whose position is told.
+    Programs are files in the folder of the address. timeout: seconds for an answer; a backup gets
+    more. certificate: file with the certificate to trust (`rwss`), None for those of the system.
+    unit: the mechanical unit whose position is reported.
     """
 
     def __init__(
@@ -170,7 +170,7 @@ class Rws(RapidFiles):
             )
 
     def inputs(self, names: Sequence[str]) -> dict[str, float]:
-        """What signals read, by name; all inputs if none is named."""
+        """Return the values of signals by name; all inputs without names."""
         return self._signals.values(names, INPUTS)
 
     def outputs(self, names: Sequence[str]) -> dict[str, float]:

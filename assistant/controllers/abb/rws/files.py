@@ -20,12 +20,12 @@ from assistant.controllers.abilities import Rests
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole."""
 DEEPEST: Final = 30
-"""Levels of folders after which a volume is taken for a fault."""
+"""Levels of folders after which a volume counts as faulty."""
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What a folder holds. size: bytes of a file, None where it is not told."""
+    """Entry of a folder. size: bytes of a file, None if not reported."""
 
     name: str
     folder: bool
@@ -48,7 +48,7 @@ class Files:
         return {"path": self.path(name)}
 
     def listing(self, folder: str) -> tuple[Found, ...]:
-        """What is in a folder, sorted; raises NotThere."""
+        """Return the entries of a folder, sorted; raises NotThere."""
         doing = f"listing `{folder}`"
         found: list[Found] = []
         for page in self._session.pages("list folder", doing=doing, at=self._at(folder)):
@@ -81,7 +81,7 @@ class Files:
                     raise self._session.garbled(f"listing `{folder}`", f"folders down to `{name}`")
 
     def read(self, name: str) -> bytes | None:
-        """A file's bytes, None if there is none."""
+        """Return the bytes of a file, None if it is missing."""
         doing = f"reading `{name}`"
         try:
             answer = self._session.ask("read file", doing=doing, at=self._at(name))
@@ -97,7 +97,7 @@ class Files:
         return next((f.size for f in self.listing(folder) if f.name.lower() == last.lower()), None)
 
     def put(self, name: str, data: bytes, state: str) -> None:
-        """Writes a file and compares what comes back; what was there is replaced."""
+        """Write a file, read it back and compare; replaces an existing file."""
         at = self._at(name)
         self._session.ask("write file", doing=f"storing `{name}`", state=state, body=data, at=at)
         back = self._session.ask("read file", doing=f"reading `{name}` back", state=state, at=at)
@@ -127,7 +127,7 @@ class Files:
             raise
 
     def remove(self, name: str) -> None:
-        """Deletes a file or folder; nothing happens if there is none."""
+        """Delete a file or folder; do nothing if it is missing."""
         state = f"`{name}` is still there"
         with suppress(NotThere):
             self._session.ask(
@@ -155,7 +155,7 @@ class Files:
                     self.remove(f"{folder}/{aside}")
 
     def make_folder(self, name: str) -> None:
-        """Makes a folder, and those above it, if there is none."""
+        """Make a folder, and those above it, if it is missing."""
         parent, _, last = name.rpartition("/")
         if not parent or any(f.folder and f.name == last for f in self._there(parent)):
             return

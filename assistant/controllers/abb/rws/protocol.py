@@ -20,7 +20,7 @@ from typing import Final, Literal
 from xml.etree import ElementTree
 
 Domain = Literal["", "rapid", "cfg"]
-"""What mastership is for; RWS 2.0 has one for both."""
+"""Domains of mastership; RWS 2.0 has one for both."""
 FORM_TYPE: Final = "application/x-www-form-urlencoded"
 
 
@@ -177,11 +177,11 @@ RWS_2: Final[Mapping[str, Operation]] = {
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
-    """unit: what stands before the name of a volume. accept: of what is read, and of the rest.
+    """unit: prefix of a volume. accept, accept_written: content types for reading and for the rest.
 
-    form, upload: content types. subprotocol: of the WebSocket. domains: of mastership, by what
-    it is for. quoted_text: whether a module's text arrives percent-encoded. events: resource
-    by what a subscription calls it; `{}` is a name.
+    form, upload: content types. subprotocol: of the WebSocket. domains: of mastership, by purpose.
+    quoted_text: whether a module's text arrives percent-encoded. events: resource by its name in a
+    subscription; `{}` is a name.
     """
 
     name: str
@@ -248,16 +248,16 @@ DIALECTS: Final = {
 
 
 DEEPEST_ANSWER: Final = 50
-"""Levels of an answer after which it is taken for garbage."""
+"""Levels of an answer after which it counts as garbage."""
 DOCTYPE: Final = re.compile(r"<!DOCTYPE [^\[\]<>]*>")
-"""A document type without declarations of its own."""
+"""A document type without internal declarations."""
 SOURCE_PLACE: Final = re.compile(r"(?:[A-Za-z]:\\|\w)[^\s\[\]]*\.cpp\[\d+\]:?")
-"""Where in RobotWare's own source an error arose, as its messages begin."""
+"""Location of an error in RobotWare's source, as its messages begin."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A resource. kind: its class. href: of itself. values: what is told of it, by name."""
+    """A resource. kind: its class. href: its address. values: its reported values, by name."""
 
     kind: str
     title: str = ""
@@ -273,8 +273,8 @@ class Row:
 class Answer:
     """rows: in the order of the document. next: address of the next page.
 
-    number, text: of an error. location: the header of that name. data: the bytes as they came.
-    framed: whether their end was told.
+    number, text: of an error. location: the header of that name. data: the raw bytes. framed:
+    whether the controller marked their end.
     """
 
     status: int
@@ -399,7 +399,7 @@ def plain_message(message: str) -> str:
 
 
 def numbers(row: Row, names: Sequence[str]) -> tuple[float, ...]:
-    """Values as numbers; raises ValueError naming the first that is none."""
+    """Return values as numbers; raises ValueError naming the first that is not a number."""
     found = []
     for name in names:
         try:
@@ -461,7 +461,7 @@ ERROR_TEXTS: Final = {
     NO_FILE: "the file cannot be loaded",
     NO_SYMBOL: "not found",
 }
-"""For answers that come without a text of their own."""
+"""Texts for answers without a text."""
 
 ABSENT: Final = frozenset({NO_MODULE, NO_SYMBOL, NO_RESOURCE, NO_SIGNAL, NO_PATH})
 """Errors which say that there is no such thing."""

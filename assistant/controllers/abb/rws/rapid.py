@@ -28,7 +28,7 @@ class Rapid:
         self._known: dict[str, str] = {}
 
     def forget(self) -> None:
-        """What was known of the tasks: a controller that was restarted may have others."""
+        """Discard the known tasks: a controller that was restarted may have others."""
         self._known.clear()
 
     def tasks(self) -> tuple[TaskState, ...]:

@@ -61,7 +61,7 @@ class Broken(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """framed: whether its end was told, so that what came is known to be whole."""
+    """framed: whether its end was marked, so that the data are known to be complete."""
 
     status: int
     framed: bool
@@ -107,7 +107,7 @@ class Transport:
     def send(
         self, method: str, address: str, body: bytes | None, headers: Mapping[str, str]
     ) -> Response:
-        """What comes back; a busy controller is asked again until the time is up."""
+        """Return the response to a request; repeat it on a busy controller until the time-out."""
         import httpx
 
         granted = self._timeout + len(body or b"") / RATE
@@ -163,7 +163,7 @@ class Transport:
 
 
 def _broken(error: Exception) -> Broken:
-    """What lies at the bottom of an exception of httpx."""
+    """Return the error for the root cause of an exception of httpx."""
     cause: BaseException | None = error
     while cause is not None:
         if isinstance(cause, ssl.SSLCertVerificationError):
@@ -179,14 +179,14 @@ UNLESS: Final = ", unless the controller did it before the line was cut"
 FAREWELL: Final = 2.0
 """Seconds that logging a lost session out may take at most."""
 MOST_PAGES: Final = 1000
-"""Pages of an answer after which it is taken for garbage."""
+"""Pages of an answer after which it counts as garbage."""
 STATUS: Final = {
     404: "there is no such resource",
     405: "the controller does not do that",
     410: "the controller does not do that any more",
     BUSY: "the controller is busy, or has 70 sessions open",
 }
-"""What a status means that comes without a text."""
+"""Meaning of a status without a text."""
 
 
 class NotThere(Refused):
@@ -206,7 +206,7 @@ class NoLongerThere(Refused):
 
 
 class LostFor(rules.Lost):
-    """Lost, with the reason by itself."""
+    """Lost, with the reason as a separate field."""
 
     def __init__(self, finding: Diagnostic, reason: str) -> None:
         super().__init__(finding)
@@ -239,7 +239,7 @@ class Session:
 
     @property
     def cookie(self) -> str:
-        """What tells the controller that a connection belongs to this session."""
+        """Cookie header that tells the controller that a connection belongs to this session."""
         return "; ".join(f"{name}={value}" for name, value in self._cookies.items())
 
     @property
@@ -357,7 +357,7 @@ class Session:
         raise LostFor(finding, said) from None
 
     def _check_parts(self) -> None:
-        """What the client needs, and that user and password cannot become something else."""
+        """Check that required packages are installed and user and password are unambiguous."""
         missing = importlib.util.find_spec("httpx") is None
         if missing or importlib.util.find_spec("websockets") is None:
             raise Refused(rules.NEEDS_RWS(place=str(self.address)), exit_status=2)
@@ -507,11 +507,11 @@ def _form(values: Mapping[str, str]) -> bytes:
 
 STATION: Final = "robot-assistant"
 PIN: Final = "1234"
-"""What a remote control station of RobotWare 8 registers with; any four digits."""
+"""PIN with which a remote control station of RobotWare 8 registers; any four digits."""
 
 
 class Mastership:
-    """What a session may write. RobotWare 8 has one write access instead of domains.
+    """Write permission of a session. RobotWare 8 has one write access instead of domains.
 
     Source of RobotWare 8: `src/rws2/core.ts` of ichbinmeraj/abb-rws-client, tried on 8.1.1.
     """
@@ -556,9 +556,10 @@ class Mastership:
         form: Mapping[str, str] | None = None,
         at: Mapping[str, str] | None = None,
     ) -> Answer:
-        """The answer to a writing operation, with the mastership that it is said to need.
+        """Send a writing operation with the mastership of its table entry; return the answer.
 
-        Systems differ in what needs it: where one asks for it that others do without, it gets it.
+        Systems differ in what needs it: where one demands a mastership that others do not need, it
+        takes it.
         """
         domain = self._session.dialect.operations[name].domain
         try:
@@ -618,7 +619,7 @@ class Mastership:
             self._session.close()  # a session that has ended holds nothing
 
     def _after_cut(self, name: str, error: rules.Lost) -> rules.Lost:
-        """One new connection of the same session gives back; else the finding tells of it."""
+        """Give back over one new connection of the session; else a finding reports it held."""
         operation = "give access back" if self._by_station else "give back"
         try:
             self._session.open_again()
@@ -662,7 +663,7 @@ def ask_remote_access(session: Session, wait: float) -> None:
 
 
 def _granted(session: Session) -> bool:
-    """Whether this session may write in manual mode."""
+    """True if this session may write in manual mode."""
     rows = session.ask("privilege", doing="asking for the remote access").rows
     mine = [row for row in rows if row.get("rmmpheldbyme").lower() == "true"]
     return any(row.get("privilege").lower() in GRANTED for row in mine)

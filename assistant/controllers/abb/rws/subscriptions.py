@@ -33,7 +33,7 @@ PRIORITY: Final = {"log": "1", "signal": "2", "variable": "2"}
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """resource: address of what has changed. values: what is told of it, by name."""
+    """resource: address of the changed resource. values: its reported values, by name."""
 
     resource: str
     kind: str
@@ -49,7 +49,7 @@ class Events:
         self._waiting = list(initial)
 
     def next(self, timeout: float | None = None) -> Event | None:
-        """The next event, None if there was none in these seconds (None: the session's own)."""
+        """Return the next event, None if none arrives in time (None: the session's time-out)."""
         until = time.monotonic() + (self._session.timeout if timeout is None else timeout)
         while not self._waiting:
             left = until - time.monotonic()
@@ -73,10 +73,11 @@ class Events:
 def subscribed(
     session: Session, signals: Signals, names: Sequence[str], *, most: int = 1000
 ) -> Iterator[Events]:
-    """Events of resources: `motors`, `mode`, `override`, `execution`, `log`, `signal:NAME`,
+    """Subscribe to events of resources.
 
-    `variable:TASK/MODULE/NAME`, or a resource's own address. Raises Refused if the controller
-    does not tell of one of them.
+    names: `motors`, `mode`, `override`, `execution`, `log`, `signal:NAME`,
+    `variable:TASK/MODULE/NAME`, or the address of a resource. Raises Refused if the controller does
+    not report one of them.
     """
     form: list[str] = []
     for number, name in enumerate(names[:most], start=1):
@@ -166,9 +167,9 @@ def _of_rows(rows: Sequence[Row]) -> list[Event]:
 
 
 WATCHED_RESOURCES: Final = ("motors", "mode", "override", "execution")
-"""What is told of by events instead of being asked for at each look."""
+"""Resources that report changes by events instead of a request at each sample."""
 FULL_LOOK_INTERVAL: Final = 1.0
-"""Seconds after which the state is asked for in any case."""
+"""Seconds after which the state is requested in any case."""
 
 
 def watch(
@@ -179,11 +180,11 @@ def watch(
     interval: float,
     names: Sequence[str],
 ) -> Iterator[Sample]:
-    """Samples, each `interval` seconds: late ones are not made up for.
+    """Yield samples, one each `interval` seconds; late ones are not made up for.
 
-    Controllers take 20 requests a second. So each look asks for the pose, of which no event
-    tells, and whether programs run, whose events come 0.2 s late; for the rest of the state only
-    while they run, when an event has told of another one, or after a second.
+    Controllers take 20 requests a second. So each sample requests the pose, which has no event, and
+    whether programs run, whose events arrive 0.2 s late; it requests the rest of the state only
+    while they run, after an event of another resource, or after a second.
     """
     with ExitStack() as stack:
         events = _subscription(session, signals, names, stack)
@@ -206,7 +207,7 @@ def watch(
 def _subscription(
     session: Session, signals: Signals, names: Sequence[str], stack: ExitStack
 ) -> Events | None:
-    """A subscription; None where the controller has none to give, so that all is asked for."""
+    """Return a subscription; None if the controller refuses, so that all is requested."""
     wanted = [*WATCHED_RESOURCES, *(f"signal:{signals.known(name)}" for name in names)]
     try:
         return stack.enter_context(subscribed(session, signals, wanted))

@@ -38,14 +38,14 @@ STANDSTILLS: Final = {
 """Controller state → the event that the controller logs with it."""
 UNUSED: Final = 8.9e9
 NO_EXTERNAL_AXIS: Final = "9E+09"
-"""How RAPID writes an external axis that there is not; controllers round it a little."""
+"""Text of a missing external axis in RAPID; controllers round it a little."""
 AXES: Final = tuple(f"rax_{n}" for n in range(1, 7))
 EXTERNAL_AXES: Final = tuple("abcdef")
 CONFIGURATION: Final = ("cf1", "cf4", "cf6", "cfx")
 
 
 class Panel:
-    """unit: the mechanical unit whose pose is told."""
+    """unit: the mechanical unit whose pose is reported."""
 
     def __init__(self, session: Session, mastership: Mastership, unit: str) -> None:
         self._session = session
@@ -263,9 +263,9 @@ class Signals:
         self._places: dict[str, tuple[str, str]] = {}
 
     def values(self, names: Sequence[str], kinds: frozenset[str]) -> dict[str, float]:
-        """What signals read; without names, of all signals of these kinds.
+        """Return the values of signals; without names, of all signals of these kinds.
 
-        A signal of another kind is told as well: its value is what it is.
+        A named signal of another kind is reported as well: its value is valid.
         """
         if not names:
             return self._all(kinds)
@@ -373,7 +373,7 @@ def _checked_signal_name(row: Row) -> str:
 
 PARAMETER_PART: Final = re.compile(r"[A-Za-z0-9_.\- ]+")
 UNSAFE_IN_VALUE: Final = re.compile(r"[\x00-\x1f\x7f&%+\[\]\"]")
-"""What would be another attribute, or the end of the value, in the form of RWS 2.0."""
+"""Characters that would start another attribute, or end the value, in the form of RWS 2.0."""
 
 
 class Configuration:
