@@ -119,9 +119,10 @@ BODY_KEYS: Final[Mapping[str, Read]] = {
 
 
 class BodyReader:
-    """Reads them.
+    """Reader of the body tables of a cell file.
 
-    folder: of the files that they name. found: takes what is to be said of these files.
+    folder: folder of the files that the tables name. found: list that receives the findings about
+    these files.
     """
 
     def __init__(self, folder: FilePath, found: list[Diagnostic]) -> None:
@@ -232,7 +233,7 @@ def _three(value: tuple[float, ...]) -> Vector:
 
 
 def pose_of(said: Mapping[str, Any]) -> Pose:
-    """What the keys of a place say."""
+    """Return the pose that the position and rotation keys of a table state."""
     turn = said["quaternion"][0] if "quaternion" in said else None
     return Pose(
         said.get("position", (0.0, 0.0, 0.0)),

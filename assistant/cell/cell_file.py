@@ -1,42 +1,42 @@
-"""The world of a cell file: its robots and bodies, as TOML beside tools, frames and signals.
+"""Read the scene of a cell file: robots and bodies, in TOML next to tools, frames and signals.
 
     [world]
-    margin = 5                    # mm; nearer than that is a warning, contact is an error
-    drawing = "cell.dxf"          # bodies: a block inserted is one, a layer of the rest is one
-    frame = "bench"               # that the drawing's world stands in; without it, the world
-    unit = "in"                   # of the drawing, whatever that says
+    margin = 5                    # mm; a smaller distance is a warning, contact is an error
+    drawing = "cell.dxf"          # each inserted block is a body, each layer of the rest is one
+    frame = "bench"               # frame of the drawing's world; default: the world
+    unit = "in"                   # unit of the drawing; overrides the drawing's own
     allowed = [["table", "arm.base"]]  # pairs that may touch
 
     [robots.arm]
-    robot = "irb1200-7-0.7"       # of the catalogue, or a robot file beside this one
+    robot = "irb1200-7-0.7"       # from the catalogue, or a robot file next to this file
     position = [0, 0, 0]          # of its base in the world; with euler_zyx or quaternion
     tool = "nozzle"               # a body that its flange carries from the start
-    explored = "arm.npz"          # chart of the space about it, which it must not leave; or with
-    unknown = "free"              # only where contacts were is in its way; else "blocked"
-    packages = {abb = "../abb"}   # folders of meshes that its URDF calls package://abb/…
-    links = "capsules"            # instead of the shapes of its URDF; by its lengths
+    explored = "arm.npz"          # chart of explored space, which the robot must not leave; with
+    unknown = "free"              # only occupied cells block it; default: "blocked"
+    packages = {abb = "../abb"}   # folders of meshes that its URDF names as package://abb/…
+    links = "capsules"            # use capsules from its lengths, not the shapes of its URDF
 
     [bodies.table]
     box = [800, 600, 30]          # edges in mm; or one of
     # sphere = 40                 # radius
     # cylinder = [40, 200]        # radius, length along z
-    # capsule = [40, 200]         # radius, length between the middles of its half spheres
-    # mesh = "vice.stl"           # file of triangles: STL, OBJ, PLY, 3MF, glTF; closed is solid
+    # capsule = [40, 200]         # radius, length between the centres of its half spheres
+    # mesh = "vice.stl"           # triangle file: STL, OBJ, PLY, 3MF, glTF; a closed one is solid
     # convex = "vice.stl"         # the convex hull of such a file
-    # drawing = "vice.dxf"        # all bodies of a drawing, and its locations, as one
-    unit = "mm"                   # of a file that says none
-    off = 0.5                     # mm by which a mesh may be away from what it stands for
-    position = [600, 0, -15]      # of its middle (of a file: its origin) in its parent's frame
+    # drawing = "vice.dxf"        # all bodies of a drawing, and its locations, as one body
+    unit = "mm"                   # of a file that states no unit
+    off = 0.5                     # largest deviation in mm of a mesh from the object it models
+    position = [600, 0, -15]      # of its centre (of a file: its origin) in its parent's frame
     parent = "world"              # a frame of this file, another body, or a link: arm.flange
     colour = "#8090a0"
     margin = 10
-    taken = {gripper = 1}         # the output that makes the tool take it, if it is within its
-    released = {gripper = 0}      # margin of the tool then; {"hand 1" = 1} of a hand: 1 is closed
+    taken = {gripper = 1}         # output that makes the tool take the body if it is then within
+    released = {gripper = 0}      # its margin of the tool; {"hand 1" = 1} for a hand: 1 is closed
 
     [bodies.table.locations.corner]
     position = [-400, -300, 15]   # in the body's frame
 
-    [bodies.gripper.parts.left]   # instead of one shape, several, each with its place in the
+    [bodies.gripper.parts.left]   # several shapes instead of one, each with a pose in the
     box = [10, 20, 60]            # body's frame
     position = [0, 30, 30]
 
@@ -77,17 +77,17 @@ from assistant.program.geometry import Frame
 from assistant.program.settings_tables import ENCODINGS, Table, read_toml
 
 MOST_NAMES: Final = 12
-"""Of what a body may stand in, in a message."""
+"""Largest number of possible parents that a message lists."""
 
 
 def read_scene(
     path: str | FilePath, *, explored: bool = True
 ) -> tuple[Scene, tuple[Diagnostic, ...]]:
-    """The world of a cell file, and what is to be said of it.
+    """Read the scene of a cell file; return it with its findings.
 
-    explored: False for a scene without what charts of explored space add to it. Raises Unreadable
-    for what is no TOML or for a file of a mesh that cannot be read, Refused, with every finding,
-    for what is wrong in it.
+    explored: False for a scene without the bodies that charts of explored space add. Raises
+    Unreadable if the file is not TOML or a mesh file is unreadable, Refused, with every finding, if
+    the content has errors.
     """
     source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
     return parse_scene(source, FilePath(path).parent, explored=explored)
@@ -96,7 +96,9 @@ def read_scene(
 def parse_scene(
     source: SourceText, folder: FilePath, *, explored: bool = True
 ) -> tuple[Scene, tuple[Diagnostic, ...]]:
-    """As `read_scene`, from a text; folder: of the files that it names."""
+    """Parse a scene from text, like `read_scene`; folder: folder of the files that the text
+    names.
+    """
     reader = _CellReader(read_toml(source), folder)
     scene = reader.scene()
     if explored and not has_errors((*reader.top.page.findings, *reader.found)):
@@ -137,7 +139,9 @@ class _CellReader:
         return replace(scene, allowed=frozenset(allowed))
 
     def stand(self, scene: Scene, drawn: Iterable[Body]) -> None:
-        """Tells of bodies that stand in nothing, or in themselves, where nothing else is wrong."""
+        """Report bodies whose parent is missing or is carried by the body, if there is no other
+        error.
+        """
         if has_errors((*self.top.page.findings, *self.found)):
             return
         carriers = Carriers(scene.robots)
@@ -174,8 +178,8 @@ class _CellReader:
         return scene
 
     def frames(self) -> dict[str, Frame]:
-        """Those of the file that stand still, and not on an arm; what is wrong in them is told by
-        who reads the rest of it.
+        """Return the frames of the file that an arm does not hold; errors in them are reported by
+        the reader of the rest of the file.
         """
         found = {}
         for name, entry in self.top.table("frames").named():
@@ -208,7 +212,7 @@ class _CellReader:
         return replace(placed, named=self.named(said)), said.get("tool")
 
     def named(self, said: Mapping[str, Any]) -> RobotReference:
-        """What the file calls a robot, with whole paths."""
+        """Return the file's reference to a robot, with absolute paths."""
         file = self.folder / said["robot"]
         name = str(file.absolute()) if self.is_file(file) else said["robot"]
         packages = {
@@ -267,7 +271,7 @@ class _CellReader:
 
 
 def _in_itself(scene: Scene, body: Body) -> bool:
-    """Whether what it stands in leads back to it."""
+    """True if the chain of parents of the body leads back to the body."""
     seen, at = [body.name], scene.body(body.parent)
     while at is not None and at.name not in seen:
         seen.append(at.name)

@@ -36,13 +36,13 @@ POSE_DIGITS: Final = 6
 """Digits of a place that is kept, so that rounds of a loop are alike."""
 
 CarriedPlace: TypeAlias = tuple[str, Pose] | None
-"""What a body stands in, and its pose there; None if only running the program tells."""
+"""Parent of a body and pose in it; None if they are known only when the program runs."""
 
 
 @dataclass(slots=True)
 class CarryingDoubts:
-    """What was met that makes an answer less than whole. empty: outputs that should have taken
-    something, and nothing was there; lost: bodies of which it is not known where they are.
+    """Events that make an answer incomplete. empty: outputs that should have made a tool take
+    something when nothing was in range; lost: bodies whose position is unknown.
     """
 
     empty: set[tuple[str, float]] = field(default_factory=set)
@@ -51,9 +51,9 @@ class CarryingDoubts:
 
 @dataclass(frozen=True)
 class CarriedBodies:
-    """Where the bodies of a scene are that can be taken, as `Carried` of a simulation.
+    """Positions of the bodies of a scene that can be taken, as `Carried` of a simulation.
 
-    robot: the one that takes. places: of `takeable(scene)`, in order.
+    robot: the robot that takes them. places: in the order of `takeable(scene)`.
     """
 
     scene: Scene = field(compare=False)
@@ -96,7 +96,7 @@ class CarriedBodies:
         return replace(self, places=tuple(places))
 
     def met(self, other: object) -> CarriedBodies:
-        """What is elsewhere on one way than on another is lost."""
+        """Merge two branches of a run: bodies whose positions differ between them are lost."""
         assert isinstance(other, CarriedBodies)
         both = zip(takeable(self.scene), self.places, other.places, strict=True)
         places = tuple(a if a == b else self._lost(body) for body, a, b in both)
@@ -149,7 +149,7 @@ class CarriedBodies:
         return parent, Pose.of(np.round(there.position, POSE_DIGITS), np.round(turn, 12))
 
     def _near(self, number: int, joints: Floats) -> bool:
-        """Whether a body is within its margin of what the flange carries."""
+        """True if a body is within its margin of the bodies that the flange carries."""
         now = self.scene_now()
         name = takeable(self.scene)[number].name
         carriers = Carriers(self.scene.robots)
@@ -311,9 +311,10 @@ def carried_stretches(passed: MovesWithoutStop) -> Iterator[tuple[Carried | None
 
 
 def robot_of(scene: Scene, robot: Robot, name: str | None = None) -> PlacedRobot:
-    """The robot of a scene that runs a program for a robot, the one that is named if any is.
+    """Return the robot of a scene that runs a program for a robot: the named one if a name is
+    given.
 
-    Raises LookupError if there is none, or if several are of that model and none is named.
+    Raises LookupError if none matches, or if several are of that model and no name is given.
     """
     name = name or scene.runs
     found = [

@@ -70,15 +70,19 @@ if TYPE_CHECKING:
 
 
 CHORD_ANGLE: Final = math.radians(3.0)
-"""Of the chords that stand for an arc, at most; their sagitta is 0.00034 of its radius."""
+"""Largest angle of a chord that replaces an arc; its sagitta is 0.00034 of the radius."""
 OVAL_SIDES: Final = 120
-"""Of the prism about a cylinder that a transform makes oval; it is 0.00034 of its radius wider."""
+"""Sides of the prism around a cylinder that a transform makes oval; it is 0.00034 of the radius
+wider.
+"""
 SELF_CROSSING: Final = 1e-6
 """Relative difference of area above which an outline crosses itself."""
 
 
 class NoSolid(Exception):
-    """What is no body; curve: it is one for a robot to follow, and nothing is lost with it."""
+    """The entity is not a body; curve: it is one for a robot to follow, and nothing is lost with
+    it.
+    """
 
     def __init__(self, reason: str, *, curve: bool = False) -> None:
         super().__init__(reason)
@@ -140,10 +144,10 @@ Solid = DrawnSurface | DrawnCylinder
 
 
 def solid_of(entity: DXFGraphic) -> Solid:
-    """What an entity is as a solid.
+    """Return an entity as a solid.
 
-    Raises NoSolid for what is none, Degenerate for one without area, ValueError or an error of
-    ezdxf for one that says nothing sensible.
+    Raises NoSolid for an entity that is not a solid, Degenerate for one without area, ValueError or
+    an error of ezdxf for one with invalid data.
     """
     check_stated(entity)
     kind = entity.dxftype()
@@ -182,7 +186,7 @@ def _polyline(entity: Any) -> DrawnSurface:
 
 
 def _seams(entity: Any) -> Iterator[tuple[Any, ...]]:
-    """What closes a mesh of rows and columns, which ezdxf leaves out."""
+    """Yield the faces that close a mesh of rows and columns, which ezdxf leaves out."""
     vertices = entity.get_mesh_vertex_cache()
     rows, columns = entity.dxf.m_count, entity.dxf.n_count
     last_row, last_column = rows - 1, columns - 1
@@ -232,9 +236,10 @@ def _circle(entity: Any) -> DrawnCylinder:
 
 
 def _prism(entity: Any) -> DrawnSurface:
-    """A closed outline carried along its thickness.
+    """Return a closed outline extruded along its thickness.
 
-    As wide as its lines: what a line with a width covers is not farther from its middle than half.
+    It is as wide as its lines: the area of a line with a width extends half the width from its
+    middle at most.
     """
     along = _thickness(entity)
     pieces = primitives(entity)
@@ -292,7 +297,7 @@ def _thickness(entity: Any) -> Floats:
 
 
 def _flat_surface(faces: Iterable[Sequence[Floats]]) -> DrawnSurface:
-    """Of flat faces with three or more corners (3,)."""
+    """Build a surface from flat faces with three or more corners (3,)."""
     points, triangles, start = list[Floats](), list[tuple[int, int, int]](), 0
     for face in faces:
         corners = np.array(face, dtype=np.float64).reshape(-1, 3)
@@ -356,7 +361,7 @@ SOLID_KINDS: Final = frozenset(
         *("PLANESURFACE", "NURBSURFACE", "REGION", "ACAD_PROXY_ENTITY"),
     }
 )
-"""What stands for surfaces or solids, but is not read."""
+"""Entity types for surfaces or solids that are not read."""
 READERS: Final[dict[str, Callable[[Any], Solid]]] = {
     "3DFACE": _face,
     "MESH": _mesh,
@@ -386,7 +391,7 @@ def shape_of(mesh: Mesh) -> Mesh | Convex:
 
 
 MOST_CORNERS: Final = 2000
-"""Of a hull; a mesh of more is faster by its triangles."""
+"""Largest number of corners of a hull; a mesh with more is faster by its triangles."""
 CONVEX_DIFFERENCE: Final = 1e-9
 """Relative difference in volume of a body and its hull, up to which it is convex."""
 
@@ -394,12 +399,14 @@ CONVEX_DIFFERENCE: Final = 1e-9
 BY_BLOCK: Final = 0
 BY_LAYER: Final = 256
 OTHER_COLOURS: Final = 7
-"""Of the numbers of colours (DXF reference, group code 62): black or white, by what is behind."""
+"""Colour number (DXF reference, group code 62) for black or white, depending on the background."""
 
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """bodies: in the drawing's world, in mm. locations: those that stand in no block."""
+    """Bodies and locations of a drawing. bodies: in the drawing's world, in mm. locations: those
+    outside blocks.
+    """
 
     bodies: tuple[Body, ...]
     locations: Mapping[str, Pose]
@@ -423,10 +430,10 @@ class Drawn:
 
 
 def read_drawing(path: FilePath, unit: str | None = None) -> Drawn:
-    """The bodies of a DXF drawing, and what is to be said of it.
+    """Read the bodies of a DXF drawing, with findings.
 
-    unit: short name of the unit that holds whatever the drawing says. Raises Unreadable or Refused
-    if it cannot be gone through, or has no body.
+    unit: short name of the unit that overrides the drawing's own. Raises Unreadable or Refused if
+    the drawing cannot be traversed, or has no body.
     """
     name = str(path)
     tags = Tags.of({}, name)
@@ -470,13 +477,13 @@ def read_drawing(path: FilePath, unit: str | None = None) -> Drawn:
 
 
 def _all(_: DXFGraphic) -> bool:
-    """Whether it is a solid is found out, and counted, when it is read."""
+    """Accept every entity; whether it is a solid is determined, and counted, when it is read."""
     return True
 
 
 @dataclass(slots=True)
 class _Group:
-    """What becomes one body, in the drawing's world."""
+    """Entities that become one body, in the drawing's world."""
 
     colour: Colour | None = None
     solids: list[Solid] = field(default_factory=list)
@@ -484,7 +491,9 @@ class _Group:
 
 
 def _read_solid(placed: PlacedEntity, tally: Tally, traversal: Traversal) -> Solid | None:
-    """In the drawing's world; what is none is counted, what is broken is a finding."""
+    """Read a solid in the drawing's world; count entities that are not solids, report broken
+    ones.
+    """
     entity = placed.entity
     kind, handle = shown(entity.dxftype()), entity.dxf.handle or ""
     try:
@@ -510,9 +519,10 @@ def _read_solid(placed: PlacedEntity, tally: Tally, traversal: Traversal) -> Sol
 def _body_names(
     keys: list[InsertedBlock | str], path: str, findings: list[Diagnostic]
 ) -> dict[InsertedBlock | str, str]:
-    """Blocks by their names, numbered where they are inserted several times, layers by theirs.
+    """Name bodies: blocks by their names, numbered if they are inserted several times, layers by
+    theirs.
 
-    What is on layer 0 is called as the file is.
+    The body of layer 0 has the name of the file.
     """
     stem = FilePath(path).stem
     given = [(stem if key == "0" else key) if isinstance(key, str) else key.block for key in keys]
@@ -552,7 +562,9 @@ def _body(
 
 
 def _frame(inserted: InsertedBlock) -> Pose:
-    """Of an insert: its base point, and axes as near to its own as a frame can have them."""
+    """Return the frame of an insert: its base point, and axes as close to the insert's as a frame
+    allows.
+    """
     matrix = inserted.matrix
     x, z = direction(matrix, [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
     turn = rotations.from_matrix(right_handed(x, z))
@@ -580,7 +592,9 @@ def _joined(pieces: list[DrawnSurface]) -> DrawnSurface:
 def _shell_parts(
     surface: DrawnSurface, path: str, name: str, findings: list[Diagnostic]
 ) -> Iterable[Part]:
-    """The shells of a surface. Which way around its triangles go says nothing in a drawing."""
+    """Yield the shells of a surface. The orientation of its triangles has no meaning in a
+    drawing.
+    """
     try:
         mesh, said = cleaned_mesh(surface.points, surface.triangles, MOST_TRIANGLES, path, [])
     except Refused as refused:
@@ -604,7 +618,7 @@ def _named_poses(
 
 
 def _colour(placed: PlacedEntity, document: Drawing) -> Colour | None:
-    """Of an entity, or of its layer."""
+    """Return the colour of an entity, or of its layer."""
     from ezdxf.colors import aci2rgb, int2rgb
 
     entity: DXFGraphic = placed.entity

@@ -49,11 +49,11 @@ if TYPE_CHECKING:
 
 
 SHORTEST_LINK: Final = 1.0
-"""mm of a link below which it has no body of its own."""
+"""Shortest link, in mm, that has its own body."""
 SEED: Final = 20
 RANDOM_POSES: Final = 1000
 POSES_AT_ONCE: Final = 50
-"""Of them, before it is seen which pairs are done with."""
+"""Random poses per batch; after each, pairs that are decided are dropped."""
 ALWAYS_TOUCHING: Final = 0.95
 """Share of random poses in which two links touch that cannot be kept apart: their bodies are
 rounder than the links."""
@@ -69,10 +69,10 @@ def place_robot(
 
 
 def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
-    """Bodies `NAME.base`, `NAME.J1` … of a robot, each carried by what it is called after.
+    """Yield bodies `NAME.base`, `NAME.J1` … of a robot, each carried by the link of its name.
 
-    Where axis 1 begins on the floor, the lower half of its column is the base. A horizontal arm
-    has a column and a quill, see `_horizontal`.
+    If axis 1 begins on the floor, the lower half of its column is the base. A horizontal arm has a
+    column and a quill, see `_horizontal`.
     """
     chain = robot.arm.whole_chain
     if len(robot.axes) == 4 and robot.sliding.tolist() == [False, False, True, False]:
@@ -94,10 +94,11 @@ def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
 
 
 def _horizontal(name: str, robot: Robot) -> Iterator[Body]:
-    """Bodies of a SCARA: a column on the floor, two links at one height, and the quill.
+    """Yield the bodies of a SCARA: a column on the floor, two links at one height, and the quill.
 
-    Its lengths say how far apart its axes are, and not how high its links are: they are taken to
-    lie just above the highest place of the flange, which its quill leaves downwards.
+    The lengths state how far apart the axes are, but not how high the links are: the links are
+    assumed to lie just above the highest position of the flange, from which the quill extends
+    downwards.
     """
     chain = robot.arm.whole_chain
     base, one, two, _, quill = (float(radius) for radius in robot.radii)
@@ -132,7 +133,7 @@ def _between(start: Floats, end: Floats, radius: float) -> Part | None:
 
 
 def _up(step: Vector) -> Floats:
-    """What of a step to the next frame goes along the z axis of this one, as a step."""
+    """Return the component along the z axis of a step to the next frame, as a step."""
     return np.array([0.0, 0.0, step[2]])
 
 
@@ -179,10 +180,10 @@ def arm_alone(robot: Robot, tool: tuple[str, Pose] | None = None) -> Scene:
 
 
 def touching_links(placed: PlacedRobot) -> frozenset[tuple[str, str]]:
-    """Pairs of an arm's own bodies, in order, whose contact says nothing.
+    """Return the pairs of an arm's bodies, in order, whose contact has no meaning.
 
-    Neighbours, bodies that touch where the arm stands at home, and those that nearly always do;
-    the same three that MoveIt's setup assistant leaves out.
+    These are neighbours, bodies that touch when the arm is at home, and those that nearly always
+    touch; the same three kinds that MoveIt's setup assistant disables.
     """
     from assistant.cell.collision.model import Model
 
@@ -219,19 +220,19 @@ def _touching(model: Model, rows: Floats, row: Rows, pair: Rows) -> Truths:
 PACKAGE_SCHEME: Final = "package://"
 FILE_SCHEME: Final = "file://"
 NO_PACKAGE_NAMES: Final = ("", ".", "..")
-"""What is a folder everywhere, and no package."""
+"""Folder names that every system has, which are not package names."""
 URDF_UNIT: Final = "m"
-"""Of the meshes of a URDF that state none."""
+"""Unit of the meshes of a URDF that state no unit."""
 
 
 def drawn_links(
     name: str, robot: Robot, packages: Mapping[str, FilePath]
 ) -> tuple[tuple[Body, ...], tuple[Diagnostic, ...]]:
-    """Bodies `NAME.base`, `NAME.J1` … of a robot whose file draws its links, and what is said.
+    """Return bodies `NAME.base`, `NAME.J1` … of a robot whose file draws its links, with findings.
 
-    packages: folders of those that names of meshes begin with, `package://NAME/…`; for others the
-    folders above the robot's file are looked through. Raises Unreadable for a mesh that cannot be
-    read, Refused for one that is none or is not found.
+    packages: folders of the packages in the names of meshes, `package://NAME/…`; other packages are
+    searched in the folders above the robot's file. Raises Unreadable for a mesh that cannot be
+    read, Refused for a file that is not a mesh or is not found.
     """
     assert robot.outlines is not None
     reader = _Links(robot.outlines, packages)
@@ -297,7 +298,7 @@ class _Links:
         return self.read[file, one.scale]
 
     def file(self, one: Outline) -> FilePath | None:
-        """Where a mesh is; None, and a finding, if nobody knows."""
+        """Return the path of a mesh; None, and a finding, if it is unknown."""
         said, folder = one.file, FilePath(self.outlines.folder)
         if said.startswith(FILE_SCHEME):
             return folder / unquote(said[len(FILE_SCHEME) :])

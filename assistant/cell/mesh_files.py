@@ -50,10 +50,10 @@ def read_mesh(
     most: int = MOST_TRIANGLES,
     scale: Vector = (1.0, 1.0, 1.0),
 ) -> tuple[Mesh, tuple[Diagnostic, ...]]:
-    """The triangles of a file as one mesh, and what is to be said of them.
+    """Read the triangles of a file as one mesh, with findings.
 
-    unit: of a file that states none. scale: of its coordinates; a negative one mirrors. Raises
-    Unreadable for a file that is not there, Refused for one that is no mesh.
+    unit: of a file that states no unit. scale: of its coordinates; a negative one mirrors. Raises
+    Unreadable for a missing file, Refused for one that is not a mesh.
     """
     trimesh = mesh_library()
     suffix, said = path.suffix.lower(), str(path)
@@ -89,9 +89,9 @@ def read_mesh(
 
 
 def read_hull(path: FilePath, unit: str | None = None) -> tuple[Convex, tuple[Diagnostic, ...]]:
-    """The hull of the corners of a file; raises as `read_mesh`, Refused for flat ones.
+    """Read the hull of the corners of a file; raises like `read_mesh`, Refused for flat ones.
 
-    Nothing is said of how its triangles join or face: a hull has its own.
+    Findings about how its triangles join or face are left out: a hull has other triangles.
     """
     mesh, told = read_mesh(path, unit)
     findings = tuple(f for f in told if f.code not in (OPEN_MESH.code, INSIDE_OUT.code))
@@ -146,10 +146,10 @@ def _factor(
 def cleaned_mesh(
     points: Floats, triangles: Ints, most: int, path: str, findings: list[Diagnostic]
 ) -> tuple[Mesh, tuple[Diagnostic, ...]]:
-    """A mesh of points (n, 3) mm and triangles (m, 3), and what is to be said of it.
+    """Build a mesh of points (n, 3) mm and triangles (m, 3), with findings.
 
-    Corners that fall together are one, triangles without area are left out, those that face
-    inwards are turned round, more than `most` are simplified. Raises Refused if none is left.
+    Coincident corners are merged, triangles without area are left out, those that face inwards are
+    reversed, more than `most` are simplified. Raises Refused if no triangle is left.
     """
     given, off = len(triangles), 0.0
     if given <= most:

@@ -45,13 +45,13 @@ UNKNOWN_DEPTH: Final = -1.0
 """mm that stand for a depth that is not known."""
 
 OverlapDepths = dict[tuple[str, str], float]
-"""Names of what is moved and of what it stands in → mm that they are apart, below 0."""
+"""Names of a moved body and of the body that it overlaps → mm that they are apart, below 0."""
 
 
 def overlap_depths(model: Model, moved: Container[str]) -> OverlapDepths:
-    """How deep things of the world that are moved, by the names of their bodies, stand in others.
+    """Return how deep moved bodies of the world, given by name, overlap others.
 
-    Two that may touch by the scene are left out.
+    Pairs that the scene allows to touch are left out.
     """
     still = [item for item in model.items if not model.carriers.moved_by(item.carrier)]
     rows = np.concatenate([placed.robot.home for placed in model.scene.robots])[None]
@@ -69,10 +69,10 @@ def overlap_depths(model: Model, moved: Container[str]) -> OverlapDepths:
 
 
 def _item_distance(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> float:
-    """Mm between two items, below 0 by how deep they are in each other.
+    """Return the mm between two items, negative by the penetration depth.
 
-    Of a mesh only that there is contact is known: it is `UNKNOWN_DEPTH` if something that is
-    thinner by `RESOLUTION` has it too, or lies inside. Two meshes that touch are in each other.
+    For a mesh only contact is known: the result is `UNKNOWN_DEPTH` if the item also has contact
+    when it is thinner by `RESOLUTION`, or lies inside. Two meshes that touch count as overlapping.
     """
     ends = [
         (
@@ -95,7 +95,7 @@ def _item_distance(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> f
 
 
 def deeper_overlap(now: OverlapDepths, before: OverlapDepths) -> tuple[str, str] | None:
-    """Two that are deeper in each other than before, None if there are none."""
+    """Return the names of two bodies that overlap deeper than before, None if no pair does."""
     for names, apart in now.items():
         if apart < before.get(names, 0.0) - RESOLUTION:
             return names
@@ -123,7 +123,7 @@ MOST_PLACES: Final = 20_000
 WORLD_ITSELF: Final = 0
 """The carrier that does not stand on any robot."""
 MOST_POSES: Final = 5_000_000
-"""Places times targets times turns that are looked at."""
+"""Largest number of poses to examine: placements times targets times turns."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,7 +139,7 @@ class Goals:
     tip: Pose = IDENTITY
 
     def moved(self, by: Pose) -> Goals:
-        """As they are when what they are on is moved in the world."""
+        """Return the goals after the body that they are on is moved in the world."""
         turn = np.array(by.quaternion)
         positions = rotations.rotate(turn, self.positions) + np.array(by.position)
         return replace(
@@ -149,12 +149,12 @@ class Goals:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """A place that was looked at.
+    """A placement that was examined.
 
-    offset: (4,) mm along x, y and z and degrees about z from where it stands. pose: as the cell
-    file states it. reached: how many of the targets. room: the least, and mean its mean, of those
-    that are reached; 0 without one. worst: the target with the least room, or the first that is not
-    reached. limits, away, clearance: the least of each, see `Postures`.
+    offset: (4,) mm along x, y and z and degrees about z from the present placement. pose: as the
+    cell file states it. reached: number of targets reached. room: the least, and mean the mean, of
+    the targets reached; 0 if none is reached. worst: the target with the least room, or the first
+    that is not reached. limits, away, clearance: the least of each, see `Postures`.
     """
 
     offset: Floats
@@ -169,7 +169,7 @@ class Place:
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """Of what is enough, 0 to 1, the least first."""
+        """Return the shares of the sufficient values, 0 to 1, the least first."""
         each = (
             self.limits / ENOUGH_LIMITS,
             self.away / ENOUGH_AWAY,
@@ -267,7 +267,9 @@ and by what targets are moved in the world.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Search:
-    """moved: names of the bodies that are moved, of those that stand in the world."""
+    """Search for a placement. moved: names of the bodies that are moved, among those fixed in the
+    world.
+    """
 
     stands: SceneAtOffset
     moved: frozenset[str]
@@ -305,7 +307,7 @@ class _Search:
         return Places(tuple(sorted(found, key=_merit)), total, tuple(said_))
 
     def _place(self, offset: Floats, before: OverlapDepths) -> Place | tuple[str, str]:
-        """A place, or the first two bodies of which one would stand in the other there."""
+        """Return a placement, or the first two bodies that would overlap there."""
         scene, placed, pose, by = self.stands(offset)
         model = Model(scene) if self.bodies else None
         if model is not None:
@@ -356,7 +358,7 @@ def _merit(place: Place) -> tuple[float, ...]:
 
 
 def standing_body(scene: Scene, name: str) -> Body:
-    """A body that stands in the world; raises Refused if there is none of that name."""
+    """Return a body that is fixed in the world; raises Refused if no such body has that name."""
     carriers = Carriers(scene.robots)
     still = [body for body in scene.bodies if carrier_of(scene, body, carriers)[0] == WORLD_ITSELF]
     for body in still:
@@ -367,9 +369,10 @@ def standing_body(scene: Scene, name: str) -> Body:
 
 
 def locations(scene: Scene, name: str | None = None, tip: Pose = IDENTITY, turns: int = 1) -> Goals:
-    """The locations of bodies that stand in the world, of one with all on it, or of all.
+    """Return the locations of bodies fixed in the world: of one body and all on it, or of all.
 
-    tip: in the flange. turns: of the tool about its z axis of which one is enough.
+    tip: in the flange. turns: number of turns of the tool about its z axis; one that is reached is
+    enough.
     """
     carriers = Carriers(scene.robots)
     names, poses = list[str](), list[Pose]()

@@ -27,7 +27,7 @@ from assistant.robots.motion.singularities import distance_from_singularity
 from assistant.robots.robot import Robot
 
 ENOUGH_LIMITS: Final = 0.1
-"""Of the range of an axis between it and its nearer limit."""
+"""Sufficient distance of an axis to its nearer limit, as a share of its range."""
 ENOUGH_AWAY: Final = 0.1
 """See `distance_from_singularity`: axis 5 of a wrist some 8 degrees from straight."""
 ENOUGH_CLEAR: Final = 50.0
@@ -40,14 +40,14 @@ PAIRS_AT_ONCE: Final = 400_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Postures:
-    """How an arm is held at n places.
+    """Postures of an arm at n positions.
 
-    joints: (n, a) of the best way; where it is only `touching`, of what would be it without bodies;
-    NaN where there is none. turn: (n,) of the orientations of the place which it has, -1 for none.
-    room: (n,) 0 to 1, NaN for none. limits: (n,) share of the range of the axis that is nearest to
-    a limit; away: (n,) from singularities; clearance: (n,) mm beyond the margins, `ENOUGH_CLEAR`
-    for all above, inf where no bodies are looked at. touching: (n,) whether it is reached inside
-    the limits, but nowhere with the margins kept.
+    joints: (n, a) of the best solution; where the arm is only `touching`, of the best solution
+    without bodies; NaN if there is no solution. turn: (n,) index of its orientation among those of
+    the position, -1 if missing. room: (n,) 0 to 1, NaN if missing. limits: (n,) share of the range
+    of the axis that is nearest to a limit; away: (n,) from singularities; clearance: (n,) mm beyond
+    the margins, `ENOUGH_CLEAR` for all above, inf if no bodies are checked. touching: (n,) whether
+    it is reached inside the limits, but nowhere with the margins kept.
     """
 
     joints: Floats
@@ -130,9 +130,10 @@ def _best_postures(
 
 
 class _Candidates:
-    """All ways (n, k * b) to hold an arm at n places with k orientations in b branches.
+    """All solutions (n, k * b) of an arm at n positions with k orientations in b branches.
 
-    room: 0 to 1 without regard to bodies, -1 where there is none. order: from most to least of it.
+    room: 0 to 1 without regard to bodies, -1 if there is no solution. order: from most to least
+    room.
     """
 
     def __init__(self, robot: Robot, positions: Floats, quaternions: Floats, tip: Pose) -> None:
@@ -169,10 +170,11 @@ def nearest_bodies(space: Space, row: Floats) -> tuple[str, str]:
 
 
 def clearances(space: Space, rows: Floats, most: float = ENOUGH_CLEAR) -> Floats:
-    """(n, a) joints → (n,) mm that everything is apart beyond its margin, `most` for all above.
+    """Return (n,) mm that everything is apart beyond its margin for (n, a) joints, `most` for all
+    above.
 
-    Of two bodies of the robot itself it only counts whether they keep their margin: how far its
-    links are apart says nothing of the room about it.
+    Two bodies of the robot itself count only if they do not keep their margin: the distance between
+    its links does not describe the room around it.
     """
     own = _own(space)
     size = max(PAIRS_AT_ONCE // max(len(space.model), 1), 1)
@@ -205,7 +207,7 @@ def _clearances(space: Space, own: Truths, rows: Floats, most: float) -> Floats:
 
 
 MOST_POINTS: Final = 200_000
-"""Points, or places, that are looked at."""
+"""Largest number of points, or placements, that are examined."""
 MOST_TURNS: Final = 360
 CONE_DIRECTIONS: Final = 8
 """Directions about the middle of a cone."""
@@ -273,10 +275,10 @@ class Directions:
 
 
 def parse_directions(given: Sequence[str], turns: int) -> Directions:
-    """What is written for directions: `down`, `up`, `x,y,z`, or one of them with `/DEGREES`.
+    """Parse directions: `down`, `up`, `x,y,z`, or one of them with `/DEGREES`.
 
-    turns: of the tool about each that are tried, from the shortest turn of the base's frame on.
-    Raises Refused for what is none.
+    turns: number of turns of the tool about each that are tried, from the shortest turn of the
+    base's frame on. Raises Refused for an invalid direction.
     """
     check_turns(turns)
     names, axes = [], []
@@ -292,7 +294,7 @@ def parse_directions(given: Sequence[str], turns: int) -> Directions:
 
 
 def check_turns(turns: int) -> None:
-    """Raises Refused for a number of turns that is none, or more than are tried."""
+    """Raise Refused for an invalid number of turns, or more than are tried."""
     if not 1 <= turns <= MOST_TURNS:
         raise Refused(NO_TURNS(count=turns, most=MOST_TURNS), exit_status=2)
 
@@ -338,7 +340,7 @@ def _numbers(text: str, count: int, whole: str) -> Floats:
 
 
 MOST_ASKED: Final = 200
-"""Places at which it is told what is too near."""
+"""Largest number of positions for which the bodies that are too near are named."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -379,11 +381,11 @@ def reach_map(
     bodies: bool = True,
     margin: float | None = None,
 ) -> ReachMap:
-    """What a robot of a scene reaches of points (n, 3) mm of the world.
+    """Return which of the points (n, 3) mm of the world a robot of a scene reaches.
 
-    directions: of the tip, in the world. tip: in the flange. bodies: whether anything may be
-    touched; False for reach and limits alone, which needs no library for collisions. margin: mm,
-    None for those of the scene. Other robots stand at home.
+    directions: of the tip, in the world. tip: in the flange. bodies: True to check for contact;
+    False for reach and limits alone, which needs no library for collisions. margin: mm, None for
+    those of the scene. Other robots stay at home.
     """
     space = Space(scene, placed, margin=margin, tool=tip) if bodies else None
     into = placed.base.inverse()

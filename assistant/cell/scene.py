@@ -125,7 +125,7 @@ def _check_sizes(what: str, sizes: tuple[float, ...]) -> None:
 
 
 def _check_corners(what: str, points: Floats) -> None:
-    """Raises Refused for points that are none."""
+    """Raise Refused for invalid points."""
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise Refused(NO_SIZE(what=what, reason="its points are no rows of three"))
     if not np.isfinite(points).all():
@@ -167,17 +167,19 @@ def farthest(shape: Shape, points: Floats) -> Floats:
 
 
 WORLD: Final = "world"
-"""The frame that everything stands in that names no other."""
+"""Default parent frame of everything that names no other."""
 FLANGE: Final = "flange"
-"""What a body hangs on that a robot's flange carries: `ROBOT.flange`, of the only one `flange`."""
+"""Parent of a body that a robot's flange carries: `ROBOT.flange`, or `flange` if there is one
+robot.
+"""
 MARGIN: Final = 5.0
 """mm under which a distance is a warning, where neither body says another."""
 UNKNOWN_SUFFIX: Final = ".unknown"
-"""How the body of a robot is called that stands for space of which nothing is known."""
+"""Suffix of the name of a robot's body that represents unknown space."""
 OCCUPIED_SUFFIX: Final = ".occupied"
-"""How the body of a robot is called that stands for where contacts were."""
+"""Suffix of the name of a robot's body that represents the positions of contacts."""
 CORE_SUFFIX: Final = ".core"
-"""How the thinner body of what moves is called that must keep out of such space."""
+"""Suffix of the name of the thinner copy of a moving body that must keep out of such space."""
 
 Colour = tuple[int, int, int]
 
@@ -196,9 +198,9 @@ class Body:
 
     parent: the frame that its pose is in: `WORLD`, a named frame, another body, a link of a robot
     (`robot.J3`, `robot.flange`). margin: mm that others keep from it, None for the scene's.
-    locations: named poses in its frame. source: where it was read, for messages. taken, released:
-    the output that makes the tool take it or let it go, with its value; `hand 1` is a hand. shown:
-    whether it is a thing, which pictures and files show; space that nobody knows is none.
+    locations: named poses in its frame. source: the file that it was read from, for messages.
+    taken, released: the output that makes the tool take it or release it, with its value; `hand 1`
+    is a hand. shown: True for an object, which pictures and files show; False for unknown space.
     """
 
     name: str
@@ -216,11 +218,12 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class RobotReference:
-    """How a cell file names a robot: of the catalogue, or the whole path of its file.
+    """Reference of a cell file to a robot: a name of the catalogue, or the absolute path of its
+    file.
 
-    packages: whole paths of folders by name; capsules: its links by its lengths, see `link_bodies`.
-    explored: whole path of a chart of the space about it, "" for none; unknown: "free" where only
-    what is occupied in it counts.
+    packages: absolute paths of folders by name; capsules: True for links from its lengths, see
+    `link_bodies`. explored: absolute path of a chart of the space around it, "" if missing;
+    unknown: "free" if only the occupied part of it counts.
     """
 
     robot: str

@@ -53,11 +53,12 @@ MESH_SUFFIX: Final = ".obj"
 
 
 def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
-    """The files of a cell, by their names in a folder: `NAME.toml` first, and one for each mesh.
+    """Return the files of a cell, by their names in a folder: `NAME.toml` first, and one for each
+    mesh.
 
-    Files of robots are named from there, and their charts; what those add is none of the bodies of
-    the scene, see `read_scene`. Raises Refused for a robot that is in no file, and for
-    names that a cell file cannot hold.
+    Files of robots and their charts are named relative to that folder; the bodies that charts add
+    are not among the bodies of the scene, see `read_scene`. Raises Refused for a robot that is in
+    no file, and for names that a cell file cannot hold.
     """
     _check_names(scene)
     files: dict[str, bytes] = {}
@@ -199,7 +200,7 @@ def _obj(mesh: Mesh) -> bytes:
 
 GREY: Final[Colour] = (160, 165, 170)
 ORANGE: Final[Colour] = (230, 120, 40)
-"""Of links that name no colour."""
+"""Colour of links that name no colour."""
 GLTF_FLOAT, GLTF_UNSIGNED = 5126, 5125
 Z_TO_Y: Final = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 """A quarter turn about x that leads z to y, as glTF has it (x, y, z, w)."""

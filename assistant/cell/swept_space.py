@@ -26,7 +26,7 @@ from assistant.robots.timing import Simulation
 MOST_CELLS: Final = 1 << 24
 """Cells of the box about all that is swept: a byte each for every body."""
 STEP_IN_CELLS: Final = 0.5
-"""Sizes of a cell that a part moves between two places at which it is looked at."""
+"""Largest movement of a part between two poses that are checked, in sizes of a cell."""
 HALF_DIAGONAL: Final = 3.0**0.5 / 2.0
 """Sizes of a cell from its middle to its corners."""
 BEYOND: Final = 2.0 * HALF_DIAGONAL + STEP_IN_CELLS / 2.0
@@ -56,7 +56,9 @@ class SweptSpace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Places:
-    """Where a part is looked at: (k, 3), (k, 3, 3) in the world, and mm (k,) that it is thicker."""
+    """Sampled poses of a part: (k, 3), (k, 3, 3) in the world, and mm (k,) by which it is
+    thicker.
+    """
 
     body: str
     depth: DepthFunction
@@ -76,9 +78,11 @@ class _Places:
 def swept_space(
     simulation: Simulation, scene: Scene, placed: PlacedRobot, size: float
 ) -> SweptSpace:
-    """The cells that the links of a robot, and what it carries, sweep on all ways of a program.
+    """Return the cells that the links of a robot, and the bodies it carries, sweep in all branches
+    of a program.
 
-    Other robots stand. Raises Refused for a size that is none, or for more cells than `MOST_CELLS`.
+    Other robots stand still. Raises Refused for an invalid size, or for more cells than
+    `MOST_CELLS`.
     """
     if not (np.isfinite(size) and size > 0.0):
         raise Refused(WRONG_CELL_SIZE(size=f"{size:g}"), exit_status=2)
@@ -177,9 +181,10 @@ def _looked(rows: Floats, slack: Floats, lever: Floats, step: float) -> tuple[Fl
 
 
 def _solid(part: Part) -> tuple[DepthFunction, Floats, Floats]:
-    """How deep places are in a part, at least as deep as they are, and the box about it.
+    """Return a function for the depth of points in a part, at least the true depth, and the box
+    around it.
 
-    A mesh counts as its convex hull; one that is flat as that box.
+    A mesh counts as its convex hull; a flat mesh as that box.
     """
     shape = part.shape
     low, high = extent(shape)

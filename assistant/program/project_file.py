@@ -27,19 +27,19 @@ PROJECT_FILES: Final[Mapping[str, tuple[str, ...]]] = {
 CONTROLLERS: Final = "controllers"
 """Our table with the addresses of controllers."""
 PROGRAMS: Final = "programs"
-"""What is compiled, and how."""
+"""Table of the programs to compile, and their options."""
 TARGETS: Final = "targets"
 """Which programs go to which controller."""
 DEPLOY: Final = "deploy"
-"""How they are brought there."""
+"""Table of the deployment of programs to controllers."""
 STYLE: Final = "style"
 """Templates, and values for them, of the comments and frames of written programs."""
 DOUBTFUL_ADDRESS: Final = re.compile(
     r":.*[@%]|//[^/\s]*:(?![0-9]{1,5}(?:[/?#\s\"'`]|$))", re.DOTALL
 )
-"""What may be an address with a password, well written or not."""
+"""Text that may be an address with a password, well-formed or not."""
 SECRET_WORD: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)
-"""What somebody may write a password behind."""
+"""Words that a password may follow."""
 
 
 class SettingsText(SourceText):
@@ -54,7 +54,7 @@ class SettingsText(SourceText):
 
 
 def _without_secret_line(finding: Diagnostic) -> Diagnostic:
-    """Without its line, if a password may stand in it."""
+    """Return the finding, without its line if that may contain a password."""
     line = finding.excerpt or ""
     doubtful = DOUBTFUL_ADDRESS.search(line) or SECRET_WORD.search(line)
     return replace(finding, excerpt=None) if doubtful else finding

@@ -178,9 +178,11 @@ def stations(free_run: FreeRun, step: float) -> Rows:
 
 
 SPACING: Final = 15.0
-"""mm between places on the way that are looked at; targets that are nearer are not all."""
+"""Distance in mm between poses on a path that are examined; of closer targets only some are
+examined.
+"""
 TILT_SPACING: Final = 5.0
-"""degrees of tilt after which the next place is looked at."""
+"""Tilt in degrees after which the next pose is examined."""
 MOST_PLACES: Final = 24
 """Places on the way from row to row, at most."""
 WIDEST: Final = 90.0
@@ -202,8 +204,8 @@ ROUNDING: Final = 1e-6
 class Station:
     """A row at which a turn is chosen.
 
-    turns: (k,) degrees to choose from. branches: those of the arm that are looked at. joints:
-    (k, b, a) each nearest to the middle of its range. possible: (k, b) inside limits and reach.
+    turns: (k,) degrees to choose from. branches: those of the arm that are examined. joints: (k, b,
+    a) each nearest to the middle of its range. possible: (k, b) inside limits and reach.
     """
 
     row: int
@@ -322,7 +324,9 @@ class StationBuilder:
         return order, chosen, np.take_along_axis(apart, order, axis=1) + ramp
 
     def _places(self, rows: Rows) -> tuple[Rows, Floats]:
-        """Rows (s,), the last included, and parts (s,) of the moves to them that are looked at."""
+        """Return the rows (s,), the last included, and parts (s,) of the moves to them that are
+        examined.
+        """
         if not self.free_run.same[rows].all():  # with another tool, or in another frame
             return rows[-1:], np.ones(1)
         lengths = self._lengths[rows]

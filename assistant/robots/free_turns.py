@@ -61,12 +61,14 @@ FEW_STATIONS_TOUCHING: Final = 50
 FEW_JUMPS: Final = 20
 """Joint moves up to which they are."""
 MOST_TRIES: Final = 60
-"""Ways that are looked for until one touches nothing."""
+"""Largest number of paths that are searched until one is free of contact."""
 
 StationLeg = tuple[int, tuple[int, int], tuple[int, int]]
-"""A station, and turn and branch of the one before and of its own."""
+"""A station, with turn and branch of the station before and of this one."""
 ClearTest = Callable[[Floats, Floats], Truths]
-"""Whether the straight moves of the arm from joints (n, a) to (n, a) touch nothing, (n,)."""
+"""Test whether the straight joint moves of the arm from (n, a) to (n, a) are free of contact,
+(n,).
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -323,7 +325,9 @@ def _bar(way: _GridPath, at: int, clear: ClearTest, barred: set[tuple[int, int, 
 def _with_first_turns(
     way: _GridPath, untied: list[tuple[int, int]], clear: ClearTest | None
 ) -> _GridPath | NoTurn:
-    """The way when targets that are come back to have the turn that they were first found with."""
+    """Search the path again so that repeated targets keep the turn that was first found for
+    them.
+    """
     grid, free_run = way.grid, way.grid.free_run
     fixed = free_run.fixed.copy()
     for one, _ in untied:
@@ -345,7 +349,7 @@ def _with_target(free_run: FreeRun, row: int) -> Rows:
 
 
 LEAST_TURN: Final = 1e-9
-"""degrees that are no turn."""
+"""Least turn in degrees that counts as a turn."""
 
 
 def without_free_turns(program: Program) -> Program:
@@ -562,7 +566,7 @@ class _Turning:
         return rewrite(plain, visit)
 
     def told(self) -> Iterator[Diagnostic]:
-        """What was turned, a finding a tool."""
+        """Yield a finding for each tool whose targets were turned."""
         for name, tool in self.source.tools.items():
             turns = [abs(self.away[key]) for key, one in self.tools.items() if one is tool]
             if turns:
@@ -571,7 +575,7 @@ class _Turning:
 
 
 def _finite(run: Run) -> bool:
-    """Whether all poses are numbers; where they are not, solving tells so."""
+    """True if all poses are finite; solving reports those that are not."""
     p, q = run.flange(slice(0, len(run)))
     return bool(np.isfinite(p).all() and np.isfinite(q).all())
 
@@ -591,7 +595,9 @@ def _by_joint_moves(program: Program) -> Program:
 
 
 def _turns_alone(place: Expression, names: Names) -> tuple[bool, Expression]:
-    """Whether a turn of its target only turns a place, and what it is worked out from."""
+    """Return whether a turn of its target only turns a target expression, and the expression that
+    it is computed from.
+    """
     plain = True
     while isinstance(place, Apply) and place.arguments:
         first, *rest = place.arguments

@@ -61,11 +61,11 @@ def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic
 
 @staged(SOLVING, lambda program, *_: program.size())
 def solve_program(program: Program, robot: Robot) -> SolvedProgram:
-    """Solves every move of a program, and fills in the configurations that it leaves open.
+    """Solve every move of a program, and fill in the configurations that it leaves open.
 
-    Findings tell what is out of reach, outside joint limits, or not as stated; such
-    targets keep what they say. A target that no move names is configured for the
-    program's only tool and frame, or the flange in the base, where that is within reach.
+    Findings report targets that are out of reach, outside joint limits, or not as stated; such
+    targets stay unchanged. A target that no move names is configured for the program's only tool
+    and frame, or the flange in the base, if that is within reach.
     """
     survey = _ProgramSolver(program, robot)
     for procedure in program.procedures:
@@ -88,7 +88,7 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
 UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
 TRAITS_LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
 """Traits of statements behind which nothing tells where the arm is."""
-"""How a target would be reached that no move names."""
+"""Motion that is assumed for a target that no move names."""
 
 
 def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
@@ -99,7 +99,7 @@ def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
 
 
 UNUSED_AXIS: Final = 9e9
-"""Stands for an axis of the arm that a target says nothing of."""
+"""Value for an axis of the arm that a target does not state."""
 
 
 class _ProgramSolver:
@@ -204,7 +204,7 @@ class _ProgramSolver:
         self.rows += 1
 
     def label(self, target: Expression) -> Goal:
-        """What the next move is called in a finding."""
+        """Return the label of the next move in a finding."""
         self.count += 1
         if isinstance(target, Name):
             return Declared(target.name)
@@ -292,7 +292,9 @@ class _ProgramSolver:
                     self.done.setdefault(part.keys[i], rows[i])
 
     def move_joints(self, statement: MoveJoints) -> Floats | None:
-        """Where it goes, if the text tells and the arm can."""
+        """Return the joints at the end of the move, if the text states them and the arm can reach
+        them.
+        """
         target = self.names.joints(statement.target)
         label = self.label(statement.target)
         self.tool(statement.motion.tool, label)

@@ -73,7 +73,7 @@ class Names:
         return self.frames.get(name.lower())
 
     def place(self, expression: Expression, depth: int = 8) -> Place | None:
-        """Where a move goes; None if only running the program tells."""
+        """Return the target of a move; None if it is known only when the program runs."""
         match expression:
             case TargetValue():
                 return Place(expression.target, expression.target.pose)
@@ -194,7 +194,7 @@ class Values:
         return self.names.place(self.settled(expression))
 
     def truth(self, expression: Expression) -> bool | None:
-        """Whether a condition holds; None if only running the program tells."""
+        """True if a condition holds; None if it is known only when the program runs."""
         return self._truth(self.settled(expression))
 
     def value(self, expression: Expression) -> Expression | None:
@@ -241,7 +241,7 @@ class Values:
         return found
 
     def _result(self, function: Procedure, arguments: Sequence[Expression]) -> Expression | None:
-        """What a function gives back, if it only computes."""
+        """Return the result of a function, if it only computes."""
         if self.depth >= MOST_CALL_DEPTH:
             return None
         given = self.given(function, arguments)
@@ -331,7 +331,7 @@ def local_values(procedure: Procedure) -> KnownValues:
 
 
 def loop_rounds(first: float, last: float, step: float | None) -> int:
-    """How often a loop from first to last goes round; see `For`."""
+    """Return the number of rounds of a loop from first to last; see `For`."""
     by = step if step is not None else (1.0 if last >= first else -1.0)
     if by == 0.0 or not math.isfinite(first + last + by):
         return 0
@@ -346,7 +346,7 @@ def root_variable(target: Expression) -> str:
 
 
 def may_read(statement: Statement, name: str) -> bool:
-    """Whether a statement may read a variable; name: in lower case."""
+    """True if a statement may read a variable; name: in lower case."""
     if isinstance(statement, Opaque):
         return name in effect_of(statement).names
     parts: Any = records(statement)

@@ -190,7 +190,7 @@ JointMoveEnds = tuple[Floats, Floats]
 
 
 def _joint_move_ends(leg: Leg, row: int) -> JointMoveEnds | None:
-    """Where a row of a leg starts and ends, None if that is not known."""
+    """Return the start and end joints of a row of a leg, None if they are unknown."""
     if row >= len(leg.joints):
         return None
     start = leg.before if row == 0 else leg.joints[row - 1]
@@ -271,7 +271,7 @@ def _rounded_down(value: float) -> float:
 
 
 OTHER_SIDE: Final = 1e6
-"""What another side of shoulder, elbow or wrist counts as: more than any angle."""
+"""Cost of another side of shoulder, elbow or wrist: more than any angle."""
 
 
 def joints_on_other_arm(joints: ArrayLike, source: Robot, arm: Robot) -> Floats:

@@ -76,8 +76,9 @@ class Outline:
 class Outlines:
     """Shapes of the links of a robot.
 
-    folder: that relative names of files go from. wrong: shapes that are none. still: joints that
-    move, but are no axes of the arm, so that what hangs on them is where it is with them at 0.
+    folder: base of the relative names of files. wrong: findings for invalid shapes. still: joints
+    that move, but are not axes of the arm, so that the links on them are placed with these joints
+    at 0.
     """
 
     shapes: tuple[Outline, ...]
@@ -97,25 +98,25 @@ CHUNK: Final = 16384
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Robot:
-    """A robot of the catalogue, or one of the user's own.
+    """A robot of the catalogue, or one of the user's.
 
     Joints are degrees, of an axis that slides (J3 of a SCARA) mm.
 
     arm: its kind with its lengths. zero: (a,) of the arm's chain where the maker's joint is 0.
     limits: (a, 2). speeds: (a,) a second. home: (a,). tcp_speed: mm/s at most,
     None if not known. payload: kg, None if not known.
-    accelerations: (a,) a second squared, None if no source tells. repeatability: mm, or None.
+    accelerations: (a,) a second squared, None if no source states them. repeatability: mm, or None.
     time_to_speed: seconds that an axis takes to its full speed with up to `light` kg, or None.
     reach: mm from axis 1 to the wrist centre of the stretched arm.
-    counts: what a target's configuration says of axes 1, 4 and 6: `quadrants` (ABB) or
+    counts: form in which a target's configuration states axes 1, 4 and 6: `quadrants` (ABB) or
     only whole `turns` (Mitsubishi).
     coupling: degrees that axis 3 of the chain turns with one degree of J2; -1 where a parallel
     rod keeps the forearm level, so that the maker counts J3 from the floor and not from the
     upper arm.
-    radii: (a + 1,) mm of the capsules that stand for base and links, from the lengths of the arm.
-    outlines: what its file says its links look like, None if it does not.
-    unconfirmed: fields whose figures no source at hand confirms.
-    findings: what is assumed because the file that it was read from does not say it.
+    radii: (a + 1,) mm of the capsules for base and links, from the lengths of the arm.
+    outlines: shapes of its links from its file, None if the file has none.
+    unconfirmed: fields whose figures no available source confirms.
+    findings: assumptions for values that are missing in the file that it was read from.
     """
 
     name: str
@@ -160,7 +161,9 @@ class Robot:
         return tuple(int(name[1:]) - 1 for name in self.axes)
 
     def own_joints(self, joints: Sequence[float]) -> tuple[float, ...]:
-        """Those of the robot's axes, out of six that say nothing (0 or NaN) of any other."""
+        """Return the joints of the robot's axes, out of six of which the others are unset (0 or
+        NaN).
+        """
         others = [v for i, v in enumerate(joints) if i not in self.places]
         if len(joints) != 6 or len(self.axes) > 6 or any(v > 0.0 or v < 0.0 for v in others):
             return tuple(joints)
@@ -175,12 +178,12 @@ class Robot:
 
     @property
     def five_axis(self) -> bool:
-        """Whether the arm has no axis 4, so that its tool stays in one vertical plane."""
+        """True if the arm has no axis 4, so that its tool stays in one vertical plane."""
         return isinstance(self.arm, FiveAxis)
 
     @property
     def branches(self) -> int:
-        """How many arm branches `ik` gives."""
+        """Number of arm branches that `ik` returns."""
         return self.arm.branches
 
     @cached_property
@@ -190,7 +193,7 @@ class Robot:
 
     @cached_property
     def units(self) -> tuple[str, ...]:
-        """(a,) what the joints are measured in, as a message says it."""
+        """Units (a,) of the joints, as words for a message."""
         return tuple("mm" if slides else "degrees" for slides in self.sliding)
 
     def fk(self, joints: ArrayLike) -> tuple[Floats, Floats]:
@@ -328,9 +331,11 @@ class Robot:
         return out, fits
 
     def ranges(self, configurations: NDArray[np.integer]) -> tuple[Floats, Floats]:
-        """(n, a) each: the limits, of axes 1, 4 and 6 within what configurations (n, 6) say.
+        """Return the lower and upper limits, (n, a) each, of axes 1, 4 and 6 within the
+        configurations (n, 6).
 
-        Where both exclude each other the lower one is the higher.
+        If limits and configuration exclude each other, the lower limit is greater than the upper
+        one.
         """
         low, high = (np.tile(limit, (len(configurations), 1)) for limit in self.limits.T)
         for _, axis, least, most in self._stated(configurations):
@@ -368,9 +373,9 @@ class Robot:
         return tuple(int(axis) for axis in np.flatnonzero(~self.sliding))
 
     def chain(self, joints: ArrayLike) -> Floats:
-        """(n, a) joints → (n, k, 3) mm, the ends of the links from the base to the flange.
+        """Return the (n, k, 3) mm ends of the links from the base to the flange for (n, a) joints.
 
-        Of a vertical arm these are base, axis 2, axis 3, forearm, wrist centre, flange.
+        For a vertical arm these are base, axis 2, axis 3, forearm, wrist centre, flange.
         """
         return self.arm.points(self.chained(joints))
 
@@ -401,7 +406,7 @@ class Robot:
         return out
 
     def check(self, program: Program) -> tuple[Diagnostic, ...]:
-        """What of a program is out of this robot's reach or limits."""
+        """Return findings for the parts of a program out of this robot's reach or limits."""
         from assistant.robots.program_solution import configure
 
         _, findings = configure(program, self)
@@ -460,7 +465,8 @@ class Robot:
 
 
 def usual_radii(axes: int, reach: float) -> Floats:
-    """(a + 1,) mm of capsules about the base and the links of an arm that nobody has measured.
+    """Return (a + 1,) mm of capsules around the base and the links of an arm without measured
+    radii.
 
     Linear in the reach and thicker than the arms of the catalogue look; no drawing was measured.
     """
@@ -470,12 +476,12 @@ def usual_radii(axes: int, reach: float) -> Floats:
 
 
 RADIUS_SHARES: Final = (0.16, 0.15, 0.09, 0.085, 0.075, 0.05, 0.03)
-"""Of the reach, base to last link of an arm of six axes."""
+"""Radii as shares of the reach, from base to last link of an arm of six axes."""
 RADIUS_MARGINS: Final = (15.0, 15.0, 18.0, 15.0, 12.0, 14.0, 12.0)
 """mm."""
 
 IN_LINE: Final = 0.05
-"""degrees of axis 5 below which the angles of axes 4 and 6 mean nothing by themselves."""
+"""degrees of axis 5 below which the separate angles of axes 4 and 6 have no meaning."""
 
 
 def _poses(positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats]:
@@ -502,7 +508,7 @@ def programming_languages() -> tuple[str, ...]:
 
 
 def has_trait(robot: Robot, trait: Trait) -> bool:
-    """Whether a controller of the robot has a trait, in any of the robot's languages."""
+    """True if a controller of the robot has a trait, in any of the robot's languages."""
     return any(
         controller_traits()[name][trait] for name in robot.languages if name in controller_traits()
     )

@@ -76,7 +76,7 @@ def read(data: bytes, path: str | None = None) -> Robot:
 
 
 def _over(table: dict[str, Any], drawn: urdf.Drawn, path: str | None) -> Robot:
-    """What a URDF says, and over it what the table of a TOML file does."""
+    """Return the robot of a URDF, with the values of a TOML table taking precedence."""
     merged = drawn.table | table
     for key in ("axes_deg", "axes_mm"):
         known, mine = drawn.table[key], table.get(key, {})
@@ -187,7 +187,9 @@ class _Reader:
                 self.wrong(key, "is what the URDF says")
 
     def fitting(self, arm: Arm) -> None:
-        """Whether the tables hold the axes of a chain, those that slide in the one in mm."""
+        """Report tables that do not hold the axes of a chain; sliding axes belong in the one in
+        mm.
+        """
         for key, slides in (("axes_deg", False), ("axes_mm", True)):
             wanted = [n for n, s in zip(arm.axes, arm.sliding, strict=True) if bool(s) == slides]
             table = self.table.get(key, {})
@@ -221,7 +223,7 @@ class _Reader:
         return Serial.of_links(links, ranges)
 
     def kind(self, axes: tuple[str, ...]) -> str:
-        """What `arm` says, or what the axes tell."""
+        """Return the kind that `arm` states, or the one that the axes imply."""
         said = self.table.get("arm")
         usual = FiveAxis.kind if set(axes) == set(FiveAxis.axes) else SixAxis.kind
         kind = usual if said is None else said
@@ -254,7 +256,9 @@ class _Reader:
         return (FiveAxis if kind == FiveAxis.kind else SixAxis)(Lengths(**values))
 
     def radii(self, arm: Arm, reach: float) -> Floats:
-        """(a + 1,) mm of the capsules about base and links; by the reach if nothing is said."""
+        """Return (a + 1,) mm of the capsules around base and links; by the reach if the file states
+        none.
+        """
         values = usual_radii(len(arm.axes), reach)
         table = self.table.get("radii_mm", {})
         names = ("base", *arm.axes)
@@ -269,7 +273,7 @@ class _Reader:
         return values
 
     def coupling(self, arm: Arm) -> float:
-        """How axis 3 turns with J2; 0 if nothing is said."""
+        """Return how axis 3 turns with J2; 0 if the file does not state it."""
         if "coupling" not in self.table:
             return 0.0
         if not isinstance(arm, SixAxis | FiveAxis):
@@ -279,7 +283,9 @@ class _Reader:
         return self.number(self.table, "coupling", "coupling")
 
     def accelerations(self, arm: Arm, axes: dict[str, dict[str, Any]]) -> Floats | None:
-        """(a,) a second squared, None if no axis has one; some alone would say nothing."""
+        """Return (a,) a second squared, None if no axis has one; values for some axes alone are not
+        usable.
+        """
         rates = [axes[name]["acceleration"] for name in arm.axes]
         known = [rate for rate in rates if rate is not None]
         if not known:
@@ -342,7 +348,7 @@ class _Reader:
         return self.number(entry, "speed", f"{where}.speed", least=1e-9)
 
     def left_out(self, where: str, field: str) -> bool:
-        """Whether it is the URDF that leaves a field of an axis out, which is told of it."""
+        """True if the URDF is the file that leaves out a field of an axis; a finding reports it."""
         axis = where.split(".")[1]
         missing = None if self.drawn is None else self.drawn.missing.get((axis, field))
         if missing is not None:
@@ -426,7 +432,7 @@ def names() -> tuple[str, ...]:
 
 
 def get(name: str) -> Robot:
-    """The robot of that name; raises KeyError, with the names there are, if there is none."""
+    """Return the robot of that name; raise KeyError, with the known names, if it is unknown."""
     known = {n.lower(): n for n in names()}
     if name.lower() not in known:
         raise KeyError(f"no robot {name!r}; there are {', '.join(known.values())}")

@@ -19,9 +19,9 @@ from assistant.robots.robot import Robot
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SolvedRun:
-    """A run, solved.
+    """A solved run.
 
-    joints: (n, a) deg, NaN where there are none. configurations: (n, 6).
+    joints: (n, a) deg, NaN if missing. configurations: (n, 6).
     """
 
     run: Run
@@ -31,11 +31,11 @@ class SolvedRun:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """What one motion statement moves through.
+    """Motion of one motion statement.
 
     solved_run: the run that it is part of, with these of its rows; None for a move to joints, and
-    where only running the program tells the target. joints: (m, a) deg at its targets, NaN
-    where there are none. before: (a,) deg where it starts, None where that is not known.
+    for a target that is known only when the program runs. joints: (m, a) deg at its targets, NaN if
+    missing. before: (a,) deg at its start, None if unknown.
     """
 
     statement: Moving

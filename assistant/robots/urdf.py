@@ -126,14 +126,16 @@ JOINT_KINDS: Final = (*MOVING_JOINTS, "fixed", "floating", "planar")
 FLANGE_NAMES: Final = ("tool0", "flange")
 """Names of links that are the flange, by convention of ROS-Industrial; the first that is there."""
 LARGEST: Final = 1e6
-"""m, radians or these a second: the largest number that is taken for one of a robot."""
+"""m, radians or these a second: the largest number that is accepted for a robot."""
 LEAST_DECIMALS: Final = 2
 """Decimals from which on an angle that is printed short of a quarter turn counts as one."""
 
 
 @dataclass(frozen=True, slots=True)
 class UrdfJoint:
-    """xyz: m. rpy: radians. limits: radians or m, None if there are none. velocity: a second."""
+    """A joint of a URDF. xyz: m. rpy: radians. limits: radians or m, None if missing. velocity: a
+    second.
+    """
 
     name: str
     kind: str
@@ -195,7 +197,9 @@ class UrdfReader:
     def origin(
         self, element: XmlElement
     ) -> tuple[tuple[float, float, float], tuple[float, float, float], bool]:
-        """Its xyz in m and rpy in radians, and whether an angle was taken for a quarter turn."""
+        """Return its xyz in m and rpy in radians, and whether an angle was rounded to a quarter
+        turn.
+        """
         origin = element.first("origin")
         xyz = self.vector(element, origin, "xyz", (0.0, 0.0, 0.0))
         rpy = self.vector(element, origin, "rpy", (0.0, 0.0, 0.0))
@@ -362,7 +366,7 @@ def exact_quarter_turn(angle: float, text: str) -> float:
 
 
 def _is_called(link: str, wanted: str) -> bool:
-    """Whether a link has a name, alone or behind a prefix."""
+    """True if a link has a name, alone or after a prefix."""
     return link == wanted or link.endswith(("_" + wanted, "-" + wanted, "/" + wanted))
 
 
@@ -402,7 +406,8 @@ def link_outlines(
     arm: Arm,
     path: str | None,
 ) -> Outlines | None:
-    """Of the links of a tree, of which joints lead to the flange of an arm; None if none has any.
+    """Return the outlines of the links of a tree whose joints lead to the flange of an arm; None if
+    no link has any.
 
     carried: link → the joint that carries it.
     """
@@ -438,7 +443,7 @@ def _carriers(arm: Arm) -> tuple[str, ...]:
 
 
 def _frames(arm: Arm) -> list[Pose]:
-    """Of what carries bodies, with all joints at 0."""
+    """Return the frames of the carriers of bodies, with all joints at 0."""
     found = arm.whole_chain.along(np.zeros((1, len(arm.axes))))
     turns = rotations.from_matrix(found.frames[0])
     return [IDENTITY, *(Pose.of(p, q) for p, q in zip(found.origins[0], turns, strict=True))]
@@ -465,7 +470,9 @@ def _placed(
 
 
 def _rest_value(joint: UrdfJoint) -> Pose:
-    """What a joint that is no axis of the arm turns or slides by: 0, or the limit nearest to it."""
+    """Return the pose of a joint that is not an axis of the arm: at 0, or at the limit nearest to
+    0.
+    """
     low, high = joint.limits or (0.0, 0.0)
     value = min(max(0.0, low), high)
     x, y, z = joint.axis
@@ -476,7 +483,7 @@ def _rest_value(joint: UrdfJoint) -> Pose:
 
 
 def _origin_pose(xyz: Vector, rpy: Vector) -> Pose:
-    """Of metres and of radians about fixed axes."""
+    """Return the pose of metres and of radians about fixed axes."""
     roll, pitch, yaw = (math.degrees(angle) for angle in rpy)
     return Pose.of(np.array(xyz) * METRE, rotations.from_euler([yaw, pitch, roll]))
 
@@ -535,19 +542,20 @@ ASSUMED: Final = info(
     "write a TOML file with the key `urdf` and what you know better",
 )
 NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
-"""What the name of a robot cannot hold, see `robot_file`."""
+"""Characters that the name of a robot cannot hold, see `robot_file`."""
 MOST_AXES: Final = 32
-"""Of a chain; more than any arm has."""
+"""Largest number of axes of a chain; more than any arm has."""
 ENDLESS_TURN: Final = 360.0
 """degrees to either side for an axis that turns without end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """arm: in closed form where there is one. table: what a robot file would say of the rest.
+    """A robot in a URDF. arm: in closed form where possible. table: the remaining values, as in a
+    robot file.
 
-    missing: of an axis and field of the table that the file leaves out, what to tell.
-    findings: what is taken although the file does not say it. outlines: of the links.
+    missing: finding for each axis and field of the table that the file leaves out. findings:
+    assumptions for values that the file does not state. outlines: of the links.
     """
 
     arm: Arm
@@ -604,7 +612,7 @@ def _refuse_unfit(joints: tuple[UrdfJoint, ...], path: str | None) -> None:
 
 
 def _serial_arm(joints: tuple[UrdfJoint, ...]) -> Serial:
-    """The chain, fixed joints made part of the moving ones behind them."""
+    """Return the chain, with fixed joints merged into the moving joints after them."""
     axes, pose = [], IDENTITY
     for joint in joints:
         roll, pitch, yaw = (math.degrees(angle) for angle in joint.rpy)

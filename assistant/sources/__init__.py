@@ -91,7 +91,9 @@ def read(
 
 
 def _stage(source: FilePath) -> AbstractContextManager[None]:
-    """Reading a table; a drawing has stages of its own, as it stands for more than its bytes."""
+    """Return the reading stage of a table; a drawing has separate stages, as it expands to more
+    than its bytes.
+    """
     if source.suffix.lower() == ".dxf":
         return contextlib.nullcontext()
     return within(TABLE, str(source), _size(source))

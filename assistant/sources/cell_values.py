@@ -66,7 +66,7 @@ from assistant.sources.process.file import process_in
 V = TypeVar("V")
 
 OPEN_VALUE: Final = "?"
-"""Stands where a value is to be filled in."""
+"""Placeholder for a value that is still to be filled in."""
 TABLE_OF_KIND: Final[Mapping[WantedKind, str]] = {
     "tool": "tools", "frame": "frames", "speed": "speeds", "blend": "blends",
     "position": "positions", "joints": "positions", "signal": "signals", "data": "data",
@@ -125,7 +125,7 @@ ARM_KEYS: Final[Mapping[str, Read]] = {"arm": settings_tables.text}
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """What a cell file says.
+    """Content of a cell file.
 
     process: its tools, frames, signals and joint speed. given: values of other names, by their
     table and their name in lower case. types: of data, by name in lower case. known: all of its
@@ -141,7 +141,9 @@ class Cell:
     text: str = ""
 
     def value(self, wanted: Wanted) -> SuppliedValue | None:
-        """What the file says of a name, None if nothing or if that is not filled in."""
+        """Return the value that the file states for a name, None if it is missing or not filled
+        in.
+        """
         low = wanted.name.lower()
         if wanted.kind == "tool":
             return _entries_of(self.process.tools, low)
@@ -165,9 +167,9 @@ def _entries_of(table: Mapping[str, V], low: str) -> V | None:
 
 
 def read_cell(path: str | FilePath) -> Cell:
-    """What a cell file says; an empty one where there is no such file.
+    """Read a cell file; return an empty one if the file does not exist.
 
-    Raises Unreadable for what is no TOML, Refused, with every finding, for what is wrong in it.
+    Raises Unreadable if it is not TOML, Refused, with every finding, if the content has errors.
     """
     if not FilePath(path).exists():
         return NO_CELL
@@ -175,7 +177,7 @@ def read_cell(path: str | FilePath) -> Cell:
 
 
 def parse_cell(source: SourceText) -> Cell:
-    """As `read_cell`, from a text."""
+    """Parse a cell file from text, like `read_cell`."""
     top = read_toml(source)
     known, opened = set[tuple[str, str]](), set[tuple[str, str]]()
     content = dict(top.content)
@@ -254,9 +256,9 @@ CELL_FILE_HEAD: Final = (
 
 
 def with_entries(text: str, entries: Iterable[tuple[Wanted, SuppliedValue | None]]) -> str:
-    """A cell file's text with entries behind it, a value or a place for one each.
+    """Append entries to a cell file's text, with a value or a placeholder for each.
 
-    None: a place. A signal's value is in its `Wanted`, without a number for a place.
+    None: a placeholder. A signal's value is in its `Wanted`, without a number for a placeholder.
     """
     parts = [text.rstrip("\n")] if text.strip() else ["\n".join(CELL_FILE_HEAD)]
     for wanted, value in entries:
@@ -274,9 +276,10 @@ def open_keys(wanted: Wanted) -> Iterator[tuple[str, str]]:
 
 
 def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
-    """A cell file's text with an answer in the first open place of a key of an entry.
+    """Return a cell file's text with an answer in the first open placeholder of a key of an entry.
 
-    The answer is TOML; what is none is a text. The text itself, if there is no such place.
+    The answer is TOML; an answer that is not TOML is a text. The text is returned unchanged if it
+    has no such placeholder.
     """
     head = re.search(
         rf"^\[{TABLE_OF_KIND[wanted.kind]}\.{re.escape(wanted.name)}\]",
@@ -328,7 +331,7 @@ _WORDS: Final[Mapping[WantedKind, str]] = {
 
 
 def wanted_in_words(wanted: Wanted) -> str:
-    """What a wanted name is, in words: `tool tGrip`."""
+    """Describe a wanted name in words: `tool tGrip`."""
     return _wanted_words(wanted)
 
 

@@ -1,4 +1,4 @@
-"""What reading a source gives."""
+"""Result of reading a source."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where objects were seen, as a file of what was found says it, and how far that is trusted.
+"""Read a file of the objects that were found, and check how far their poses are trusted.
 
     [found.bracket]
     position = [312.4, -20.1, 15.0]     # mm
@@ -9,7 +9,7 @@
     seen = 2026-01-31T13:01:30+01:00    # without an offset: in the time of this computer
     frame = "base"                      # of the robot; or "world", of the cell
 
-Other keys are left aside.
+Other keys are ignored.
 """
 
 from __future__ import annotations
@@ -75,8 +75,8 @@ QUESTION: Final = "see"
 FOUND: Final = 1
 NOT_THERE: Final = 0
 DOUBTFUL: Final = 2
-"""The first of the seven numbers that it is answered; x, y, z and the degrees about x, y and z of
-R = Rz·Ry·Rx follow, in the robot's base, each in a line of its own.
+"""The first of the seven numbers in the answer; x, y, z and the degrees about x, y and z of R =
+Rz·Ry·Rx follow, in the robot's base, each on a separate line.
 """
 CLOCKS: Final = 2.0
 """Seconds by which the clocks of two computers may differ."""
@@ -102,10 +102,10 @@ class Sight:
 
 @dataclass(frozen=True, slots=True)
 class Seeing:
-    """Where frames that are seen are taken from.
+    """Sources of the poses of frames that are seen.
 
-    found: what was found, by name; None if nobody named a file. ask: whom the program asks as it
-    runs. trust: how far sights are trusted.
+    found: the objects that were found, by name; None if no file is named. ask: the server that the
+    program asks as it runs. trust: limits of trust in sights.
     """
 
     found: Mapping[str, Sight] | None = field(default=None, hash=False)
@@ -113,9 +113,9 @@ class Seeing:
     trust: Trust = DEFAULT_TRUST
 
     def beside(self, stated: SeenSettings) -> Seeing:
-        """With what a process file says, where nothing else was said.
+        """Add the settings of a process file for all values that are not set.
 
-        Raises Unreadable or Refused for the file of what was found that it names.
+        Raises Unreadable or Refused for the file of found objects that it names.
         """
         if stated == NOT_STATED:
             return self
@@ -127,7 +127,9 @@ NOTHING_SEEN: Final = Seeing()
 
 
 def seeing(found: str | FilePath | None = None, ask: str | None = None) -> Seeing:
-    """What a file says was found, and whom a program asks; raises Unreadable or Refused."""
+    """Return the objects found in a file, and the server that a program asks; raises Unreadable or
+    Refused.
+    """
     asked = None
     if ask is not None:
         try:
@@ -138,9 +140,9 @@ def seeing(found: str | FilePath | None = None, ask: str | None = None) -> Seein
 
 
 def read_sights(path: str | FilePath) -> Mapping[str, Sight]:
-    """What a file says was found, by the names of the objects.
+    """Read the objects found in a file, by their names.
 
-    Raises Unreadable for what is no TOML, Refused, with every finding, for what is wrong in it.
+    Raises Unreadable if it is not TOML, Refused, with every finding, if the content has errors.
     """
     source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
     top = read_toml(source)

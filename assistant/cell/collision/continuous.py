@@ -26,9 +26,9 @@ COARSE_GROUPS: Final = (4096, 1024, 256, 64)
 FINE_GROUPS: Final = (16, 4, 1)
 """Stretches of a group, each size a part of the one before it."""
 LEAST_MEASURED_GROUP: Final = 16
-"""From groups of so many on, distances are looked at as well, which clear more than boxes do."""
+"""Smallest group for which distances are measured as well, which clear more than boxes do."""
 GROUP_PAIRS_AT_ONCE: Final = 100_000
-"""Pairs of groups and items that are looked at together."""
+"""Pairs of groups and items that are processed together."""
 
 
 def near_pairs(
@@ -60,7 +60,9 @@ class _Within:
         self.model, self.low, self.high, self.limit = model, low, high, limit
 
     def parts(self, group: Rows, pair: Rows, size: int, sizes: Sequence[int]) -> tuple[Rows, Rows]:
-        """Of groups (k,) of a size with pairs (k,) the groups of the last of sizes not clear."""
+        """Return the groups of the last of sizes that are not clear, from groups (k,) of a size
+        with pairs (k,).
+        """
         for smaller in sizes:
             parts = size // smaller
             group = (group[:, None] * parts + np.arange(parts)).reshape(-1)
@@ -72,7 +74,7 @@ class _Within:
         return group[order], pair[order]
 
     def _open(self, group: Rows, pair: Rows, size: int) -> tuple[Rows, Rows]:
-        """What is not far away, of groups (k,) with pairs (k,)."""
+        """Return the groups (k,) with pairs (k,) that are not far apart."""
         starts = np.arange(0, len(self.low), size)
         low = np.minimum.reduceat(self.low, starts)
         high = np.maximum.reduceat(self.high, starts)
@@ -99,7 +101,7 @@ RESOLUTION: Final = 0.1
 SHORTEST_PART: Final = 2.0**-30
 """Smallest part of a stretch that is divided: joints that still differ at its ends jump."""
 PAIRS_AT_ONCE: Final = 500_000
-"""Stretches times pairs that are looked at together: each takes some hundred bytes at most."""
+"""Stretches times pairs that are processed together: each takes some hundred bytes at most."""
 MOST_STRETCHES: Final = 65536
 """Stretches of which a chunk has no more."""
 CURVE_TOLERANCE: Final = 0.1
@@ -117,10 +119,10 @@ Curve = Callable[[Rows, Floats], tuple[Floats, Truths]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointPath:
-    """Rows (n, j) of joints that are gone through, along straight lines of the joints.
+    """Rows (n, j) of joints that are passed in order, along straight lines of the joints.
 
-    slack: (n - 1, j) how far a joint may be from the line of its stretch; None for not at all.
-    curve: where it is, None if nothing but the slack is known.
+    slack: (n - 1, j) largest deviation of a joint from the line of its stretch; None for no
+    deviation. curve: the exact joints in between, None if only the slack is known.
     """
 
     rows: Floats
@@ -130,9 +132,9 @@ class JointPath:
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """Where a way is too near to something.
+    """Point of a path at which a pair is closer than its margin.
 
-    at: of the way, the number of its stretch plus the part of it. joints: (j,) there.
+    at: position on the path, the number of the stretch plus the fraction of it. joints: (j,) there.
     """
 
     at: float
@@ -176,7 +178,7 @@ def hits(
 
 
 def clear(model: Model, way: JointPath, margin: float | Floats = 0.0) -> bool:
-    """Whether nothing comes nearer than margin (p,) mm on a way."""
+    """True if no pair comes closer than margin (p,) mm on a path."""
     return not hits(model, way, margin)
 
 
@@ -458,7 +460,7 @@ HIT_SEPARATION: Final = 1.0
 
 
 def _first_of_runs(found: list[Hit]) -> list[Hit]:
-    """Of hits of a pair beside each other the first, in order of the way."""
+    """Return the first of adjacent hits of each pair, in order along the path."""
     last: dict[int, float] = {}
     out = []
     for hit in sorted(found, key=lambda hit: hit.at):

@@ -269,7 +269,7 @@ def coal_library() -> ModuleType:
 
 
 def distance_request() -> Any:
-    """What is asked of a distance."""
+    """Return the settings of a distance request to coal."""
     wanted = coal_library().DistanceRequest()
     wanted.gjk_tolerance = COAL_TOLERANCE
     wanted.gjk_max_iterations = COAL_ITERATIONS
@@ -358,7 +358,7 @@ RAYS: Final = (
 
 
 class InsideTest:
-    """Of shapes by their numbers."""
+    """Test whether a shape lies inside another; shapes are given by number."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
         self._shapes = shapes
@@ -380,7 +380,9 @@ class InsideTest:
         return distance
 
     def _some_point(self, number: int) -> Floats:
-        """Of a shape, in its frame: a corner of what has some, else the middle."""
+        """Return a point of a shape, in its frame: a corner if it has corners, otherwise the
+        centre.
+        """
         shape = self._shapes[number]
         if isinstance(shape, Mesh):
             return np.asarray(shape.points[shape.triangles[0, 0]])

@@ -59,7 +59,7 @@ class Carriers:
 
     @property
     def joints(self) -> int:
-        """How many a row has."""
+        """Number of joints in a row."""
         return sum(len(placed.robot.axes) for placed in self.robots)
 
     @cached_property
@@ -121,7 +121,7 @@ class Carriers:
         return out
 
     def coupled(self, chain: Floats) -> Floats:
-        """What joints of the chain move things (j, ...), as what the joints of rows move them."""
+        """Convert displacements (j, ...) per joint of the chain to those per joint of rows."""
         out = chain.copy()
         for placed, columns in zip(self.robots, self.columns, strict=True):
             if placed.robot.coupling:  # J2 also turns what J3 turns
@@ -151,9 +151,9 @@ def link_lengths(robot: Robot) -> Floats:
 
 
 def carrier_of(scene: Scene, body: Body, carriers: Carriers) -> tuple[int, Pose]:
-    """What carries a body, and its pose in the frame of that.
+    """Return the carrier of a body, and the body's pose in the frame of the carrier.
 
-    Raises Refused for a parent that the scene has not, or that is carried by the body itself.
+    Raises Refused for a parent that is not in the scene, or that the body itself carries.
     """
     pose, parent, seen = body.pose, body.parent, {body.name}
     while parent not in carriers.names:
@@ -198,10 +198,10 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """How near two bodies are.
+    """Distance between two bodies.
 
-    distance: mm, below 0 by how deep they are in each other as far as that is known. points: of
-    the one and of the other, in the world. normal: from the one to the other.
+    distance: mm, negative by the penetration depth as far as it is known. points: on the one and on
+    the other, in the world. normal: from the one to the other.
     """
 
     one: str
@@ -237,7 +237,7 @@ class Model:
             coal_library()
 
     def __len__(self) -> int:
-        """How many pairs there are."""
+        """Return the number of pairs."""
         return len(self.one)
 
     def _items(self) -> Iterator[Item]:
@@ -363,7 +363,7 @@ class Model:
         return self.exact_at(origins, turns, row, pair)
 
     def exact_at(self, origins: Floats, turns: Floats, row: Rows, pair: Rows) -> Floats:
-        """As `exact`, with the carriers as `Carriers.at` gives them."""
+        """Return `exact` for carriers in the form that `Carriers.at` returns."""
         one, other = self.one[pair], self.other[pair]
         ends = [self._placed(origins, turns, row, item) for item in (one, other)]
         found = self.distances.signed(one, other, *ends)
@@ -411,7 +411,7 @@ class Model:
         return best, which
 
     def contact(self, joints: Floats, pair: int) -> Contact:
-        """How near a pair is for joints (j,)."""
+        """Return the contact of a pair for joints (j,)."""
         origins, turns = self.carriers.at(joints[None])
         one, other = self.items[self.one[pair]], self.items[self.other[pair]]
         row = np.zeros(1, dtype=np.intp)

@@ -28,20 +28,20 @@ CELL_SIZE: Final = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """A contact. point: mm in the world, on what was touched; None where only a signal told of it:
-    then nothing is marked, as it may be anywhere on the robot.
+    """A contact. point: mm in the world, on the touched object; None if only a signal reported the
+    contact: then no cell is marked, as the contact may be anywhere on the robot.
     """
 
     point: Vector | None = None
 
 
 class Explorer:
-    """A robot of a scene, and the map of what it knows.
+    """A robot of a scene, and the map of the space that it has explored.
 
-    scene: the robots with their bodies, tools among them; the map is of space that these fill, so
-    where they are rounder than the arm is, `thinner_shape` tells by how many mm at most.
-    findings: bodies that explore nothing. Raises Refused for a robot that the scene has not, a size
-    that is none, or a map of another robot.
+    scene: the robots with their bodies, tools among them; the map is of space that these fill,
+    which may be rounder than the arm by at most `thinner` mm, see `thinner_shape`. findings: bodies
+    that explore nothing. Raises Refused for a robot that is not in the scene, an invalid size, or a
+    map of another robot.
     """
 
     def __init__(
@@ -150,7 +150,7 @@ class Explorer:
 
 
 def touch_of(model: Model, hit: Hit, placed: PlacedRobot) -> Touch:
-    """Where a robot touched what is not itself, of a hit."""
+    """Return the contact of a hit, at the point on the object that the robot does not carry."""
     contact = model.contact(hit.joints, hit.pair)
     bodies = [model.items[int(i[hit.pair])] for i in (model.one, model.other)]
     number = model.scene.robots.index(next(p for p in model.scene.robots if p.name == placed.name))
@@ -160,7 +160,7 @@ def touch_of(model: Model, hit: Hit, placed: PlacedRobot) -> Touch:
 
 
 TARGETS_PER_MOVE: Final = 6
-"""Places that are drawn for each move; the one that tells most of new space is gone to."""
+"""Number of targets drawn for each move; the arm moves to the one that adds most new space."""
 ROWS_BACK: Final = 2
 """Rows that it goes back from a contact."""
 
@@ -255,7 +255,7 @@ def way_to(explorer: Explorer, known: Model, at: Floats, target: Floats) -> Floa
 
 
 def asked(touching: Callable[[Floats], Touch | None]) -> ContactIndicator:
-    """What a callback tells that is asked at each row (j,): a key, a digital input, a camera."""
+    """Return an indicator that calls back at each row (j,): a key, a digital input, a camera."""
 
     def indicated(rows: Floats) -> tuple[int, Touch] | None:
         for n, row in enumerate(rows):
@@ -268,7 +268,9 @@ def asked(touching: Callable[[Floats], Touch | None]) -> ContactIndicator:
 
 
 def in_scene(hidden: Scene, placed: PlacedRobot) -> ContactIndicator:
-    """What a scene tells that the explorer does not know; placed: the robot that moves in it."""
+    """Return an indicator of contacts with a scene that the explorer does not have; placed: the
+    robot that moves in it.
+    """
     model = Model(hidden)
 
     def indicated(rows: Floats) -> tuple[int, Touch] | None:

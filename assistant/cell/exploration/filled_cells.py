@@ -94,7 +94,9 @@ def _capsule(radius: float, length: float, x: Floats, y: Floats, z: Floats) -> F
 
 
 def _planes(shape: Convex) -> Floats:
-    """(k, 4) unit normals of the faces, outwards, and how far the origin is behind each."""
+    """Return the (k, 4) outward unit normals of the faces, and the distance of the origin on the
+    inner side of each face.
+    """
     from scipy.spatial import ConvexHull  # type: ignore[import-untyped]
 
     found = np.unique(np.round(ConvexHull(shape.points).equations, 12), axis=0)
@@ -161,9 +163,9 @@ def _inside(mesh: Mesh, points: Floats) -> Truths:
 
 
 def thinner_shape(shape: Shape, by: float) -> Shape:
-    """A shape that lacks `by` mm all round, or as much as leaves `LEAST_LEFT` of it.
+    """Return a shape that is `by` mm thinner all round, but at least `LEAST_LEFT` thick.
 
-    Of a mesh its convex hull is taken, which is more than the mesh.
+    A mesh is replaced by its convex hull, which is larger than the mesh.
     """
     match shape:
         case Sphere(radius=r):
@@ -193,7 +195,7 @@ def _thinner_hull(shape: Convex, by: float) -> Convex:
 
 
 STEP_IN_CELLS: Final = 0.5
-"""Sizes of a cell that a body moves between two places at which it is looked at."""
+"""Largest movement of a body between two poses that are checked, in sizes of a cell."""
 MOST_CELLS: Final = 1 << 28
 """Cells of the box about all that a run fills: a byte each."""
 HALF_DIAGONAL: Final = 3.0**0.5 / 2.0
@@ -290,9 +292,9 @@ class Filler:
         return keys_of(np.argwhere(marks) + first)
 
     def inside(self, body: Body, pose: Pose) -> Ints:
-        """Keys of the cells that lie wholly inside a body that stands at a pose in the base.
+        """Return the keys of the cells that lie completely inside a body at a pose in the base.
 
-        Of open meshes none.
+        Open meshes have none.
         """
         found = [np.zeros(0, dtype=np.int64)]
         for part in body.parts:
@@ -303,7 +305,7 @@ class Filler:
         return np.unique(np.concatenate(found))
 
     def _still(self, part: MovedPart) -> Ints:
-        """As `points_inside`, of one part, whose pose is in the base."""
+        """Return the keys of the cells inside one part, whose pose is in the base; see `inside`."""
         at = np.array([part.pose.position])
         turn = rotations.to_matrix(np.array([part.pose.quaternion]))
         low, high = _bounds(part, at, turn)

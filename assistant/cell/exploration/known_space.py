@@ -61,10 +61,11 @@ def boxes_of(cells: Truths) -> Ints:
 
 
 def surface_of(cells: Truths) -> tuple[Ints, Ints]:
-    """The surface of the true cells (x, y, z): corners (n, 3) and triangles (m, 3) of their rows.
+    """Return the surface of the true cells (x, y, z): corners (n, 3) and triangles (m, 3) of their
+    rows.
 
-    Each rectangle of faces that lie in one plane has corners of its own and two triangles, which
-    are counter-clockwise as seen from outside.
+    Each rectangle of faces in one plane has separate corners and two triangles, which are
+    counter-clockwise as seen from outside.
     """
     padded = np.pad(cells, 1).astype(np.int8)
     rectangles = [np.zeros((0, 4, 3), dtype=np.int64)]
@@ -156,8 +157,9 @@ def with_map(
 def mapped(
     scene: Scene, occupancy: Occupancy, name: str | None = None, *, blocked: bool = True
 ) -> tuple[Scene, tuple[Diagnostic, ...]]:
-    """As `with_map`, with findings: how much of a body unknown space may have, and bodies that have
-    explored nothing, so that they are in unknown space wherever no other has been.
+    """Return the scene of `with_map` with findings: how much unknown space may overlap a body, and
+    bodies that have explored nothing, so that they are in unknown space wherever no other body has
+    been.
     """
     filler = Filler(scene, name, occupancy.size)
     placed = filler.placed
@@ -296,6 +298,6 @@ def _core(body: Body, by: float) -> Body:
 
 
 def _core_on(body: Body, robot: str, by: float) -> Body:
-    """Of what a program takes: it goes where that goes."""
+    """Return the core of a body that a program takes: it moves with that body."""
     core = _core(body, by)
     return replace(core, name=f"{robot}.{core.name}", parent=body.name, pose=Pose())

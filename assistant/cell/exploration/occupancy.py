@@ -56,14 +56,14 @@ class Occupancy:
 
     @staticmethod
     def unknown(size: float, robot: str) -> Occupancy:
-        """A map of which nothing is known. Raises Refused for a size that is none."""
+        """Return a map in which all space is unknown. Raises Refused for an invalid size."""
         if not (np.isfinite(size) and size > 0.0):
             raise Refused(WRONG_CELL_SIZE(size=f"{size:g}"), exit_status=2)
         none = np.zeros(0, dtype=np.int64)
         return Occupancy(float(size), robot, none, none, none, none.astype(np.bool_))
 
     def counts(self) -> Mapping[CellState, int]:
-        """How many cells are free and occupied; of unknown ones there is no end."""
+        """Return the numbers of free and occupied cells; unknown cells are unlimited."""
         free = int(self.free.sum())
         return {CellState.FREE: free, CellState.OCCUPIED: len(self.keys) - free}
 
@@ -90,7 +90,7 @@ class Occupancy:
         return out
 
     def new_in(self, keys: Ints) -> int:
-        """How many of some keys are not free yet."""
+        """Return how many of the cells with these keys are not free yet."""
         return int((self._of(keys) != CellState.FREE).sum())
 
     def cells(self, state: CellState) -> Ints:
@@ -114,7 +114,7 @@ class Occupancy:
         )
 
     def merged(self, other: Occupancy) -> Occupancy:
-        """What both know together. What one has free and the other occupied is occupied.
+        """Merge two maps. A cell that is free in one and occupied in the other is occupied.
 
         Raises Refused for maps of other robots or sizes of cells.
         """
@@ -133,7 +133,7 @@ class Occupancy:
         )
 
     def compared(self, newer: Occupancy) -> Comparison:
-        """What a newer map knows that this one does not, and where they differ.
+        """Compare a newer map with this one: cells that are newly known, and cells that differ.
 
         Raises Refused for maps of other robots or sizes of cells.
         """
@@ -218,7 +218,7 @@ def save_map(occupancy: Occupancy, path: str | FilePath) -> None:
 
 
 def load_map(path: str | FilePath) -> Occupancy:
-    """The map of a file. Raises Unreadable or Refused, with a finding, for whatever is none."""
+    """Load the map of a file. Raises Unreadable or Refused, with a finding, if it is not a map."""
     arrays, texts = read_npz(read_bytes(path), str(path))
     if texts.get("kind") != MAP_KIND or "robot" not in texts:
         raise Unreadable(NO_MAP(path=str(path), reason="it says to be something else"))
@@ -242,7 +242,7 @@ def load_map(path: str | FilePath) -> Occupancy:
 
 
 def _map_fault(arrays: dict[str, Floats], about: Floats) -> str:
-    """What keeps columns from being a map, nothing if they are one."""
+    """Return the reason why columns are not a map, empty if they are one."""
     if about.shape != (3,) or not (np.isfinite(about).all() and about[1] > 0.0 and about[2] >= 0.0):
         return "its `about` is not version, size of cells and number of runs"
     missing = [name for name in MAP_COLUMNS if name not in arrays]

@@ -128,7 +128,9 @@ def _columns(
 
 
 def _left(times: Floats, touching: Truths) -> Truths:
-    """What is in contact, or so shortly before it or before the end that a signal may be late."""
+    """Return the samples in contact, or so shortly before contact or the end that a signal may be
+    late.
+    """
     ends = np.append(times[touching], times[-1:])
     following = ends[np.searchsorted(ends, times)]
     return np.asarray(touching | (following - times < SETTLING))

@@ -47,7 +47,7 @@ TILTS: Final = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
 TILT_SIDES: Final = 8
 """Sides to which it is tilted, of each angle."""
 DIRECTION_DECIMALS: Final = 3
-"""Decimals of a direction: it stands in the program."""
+"""Decimals of a direction that is written to the program."""
 
 
 def approach_directions() -> Iterator[tuple[float, tuple[Vector, ...]]]:
@@ -92,10 +92,11 @@ class CellSurroundings:
         return np.asarray(scaled[np.arange(len(joints)), chosen])
 
     def way_in(self, pose: Pose, tool: Pose, distance: float, place: str) -> WayIn:
-        """The first direction on which the margins are kept, or else nothing touches.
+        """Return the first direction that keeps the margins, or else the first without contact.
 
-        What is within its margin at the place itself, such as the work, may be as near on the way.
-        A place that is out of reach, or in contact itself, is told by whoever looks at the program.
+        A body that is within its margin at the target itself, such as the work, may be as near on
+        the approach. A target that is out of reach, or in contact itself, is reported by the check
+        of the program.
         """
         along = _Line(pose, np.array(ALONG_TOOL), distance, tool)
         rows = list[Floats]()
@@ -230,7 +231,8 @@ MARGIN_LESS: Final = 0.5
 PATH_ROOM: Final = 0.1
 """mm that the way between two looked at places may be from what the joints go in between."""
 APPROACH_STEP: Final = 4.0
-"""mm between places that are looked at; what lies in between is proven. A line of that length is
-0.02 mm from the arc of a joint 100 mm away."""
+"""Distance in mm between poses that are examined; the stretch in between is proven clear. A line of
+that length is 0.02 mm from the arc of a joint 100 mm away.
+"""
 MOST_TURNED: Final = 45.0
 """degrees or mm that a joint moves in a step at most, in one branch."""

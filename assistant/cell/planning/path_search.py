@@ -27,7 +27,7 @@ from assistant.cell.planning.space import Cone, Space
 CONE_INSIDE: Final = 10.0
 """degrees that joints are brought inside the edge of a cone: moves between them bulge outwards."""
 CONE_ROUNDS: Final = 12
-"""Of bringing joints into the cone."""
+"""Rounds of moving joints into the cone."""
 MOST_TURN_A_ROUND: Final = 45.0
 """degrees that the tool is turned in a round."""
 CONE_TOLERANCE: Final = 0.02
@@ -35,13 +35,17 @@ CONE_TOLERANCE: Final = 0.02
 DIFFERENCE_STEP: Final = 0.01
 """degrees (mm) that joints are moved by to see how the tool turns."""
 WEAKEST_TURN: Final = 1e-2
-"""Of the strongest, how weakly joints may turn the tool to be used for it."""
+"""Weakest effect, as a share of the strongest, that a joint may have on the tool's turn to be used
+for it.
+"""
 MOST_HALVINGS: Final = 7
 """Times that a move is halved until its parts stay in the cone."""
 MOST_DETOUR: Final = 2.5
-"""Of a move, how long the two may be that lead by way of its middle in the cone."""
+"""Greatest length, as a multiple of a move, of the two moves that detour by way of its middle in
+the cone.
+"""
 LONGEST_STEP: Final = 0.15
-"""Of the way from one corner of the limits to the other, the longest step towards a place."""
+"""Longest step towards a sample, as a share of the diagonal between the corners of the limits."""
 
 
 DRAWN_AT_ONCE: Final = 64
@@ -127,7 +131,7 @@ class ConeMoves:
         return rows if proven.all() else rows[: int(np.argmin(proven)) + 1]
 
     def clear_chain(self, start: Floats, end: Floats) -> Floats:
-        """As `chain`, up to where a body is in the way."""
+        """Return the chain of `chain` up to the first move that a body blocks."""
         rows = self.chain(start, end)
         free = self.space.clear(rows[:-1], rows[1:])
         return rows if free.all() else rows[: int(np.argmin(free)) + 1]
@@ -222,22 +226,22 @@ class ConeTrees:
         return np.array([*self.here.back(here)[::-1], *self.there.back(there)[1:]])
 
     def nearest(self) -> Floats:
-        """Of all that moves lead to from the start, what is nearest to a goal."""
+        """Return the joints nearest to a goal among all that moves reach from the start."""
         rows = np.array(self.here.rows)
         return np.asarray(rows[int(np.argmin(self.space.length(rows[:, None], self.goals).min(1)))])
 
 
 LONGEST_MOVE: Final = 0.15
-"""Of the way from one corner of the limits to the other, the longest move of a tree."""
+"""Longest move of a tree, as a share of the diagonal between the corners of the limits."""
 ENDLESS_AXIS_RANGE: Final = 360.0
 """degrees (mm) about start and goals, to which an axis without an end is held."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SearchResult:
-    """What a search found: rows (n, a) of joints from start to a goal, None if nothing.
+    """Result of a search: rows (n, a) of joints from start to a goal, None if no path was found.
 
-    nearest: (a,) what came nearest to a goal of all that can be reached. seconds: it took.
+    nearest: (a,) the reachable joints that are nearest to a goal. seconds: duration of the search.
     """
 
     rows: Floats | None
@@ -271,7 +275,7 @@ def search_path(
 
 
 def joint_bounds(space: Space, start: Floats, goals: Floats) -> tuple[Floats, Floats]:
-    """(a,) the least and the largest joints that are gone through between joints (k, a)."""
+    """Return the least and the largest joints (a,) that a path between joints (k, a) may use."""
     ends = np.vstack([goals, start])
     low, high = space.robot.limits.T
     return (
@@ -328,7 +332,7 @@ class _PlannerTrees:
         return rows
 
     def nearest(self) -> Floats:
-        """Of all that moves lead to from the start, what is nearest to a goal."""
+        """Return the joints nearest to a goal among all that moves reach from the start."""
         after: dict[bytes, list[Floats]] = {}
         for one, other in self.moves:
             after.setdefault(one.tobytes(), []).append(other)
@@ -372,7 +376,7 @@ class _PlannerTrees:
 BOUND_MARGIN: Final = 1e-9
 """seconds by which the bounds are wider than the limits: start and goal may lie on them."""
 STATE_DIGITS: Final = 6
-"""Of joints in degrees and mm."""
+"""Decimals of joints in degrees and mm."""
 
 
 def planner_library() -> tuple[Any, Any, Any]:
@@ -389,7 +393,7 @@ def planner_library() -> tuple[Any, Any, Any]:
 
 def _validator(base: Any, info: Any, clear: Any) -> Any:
     class Moves(base.MotionValidator):  # type: ignore[misc]
-        """What asks us about a whole move."""
+        """Validator by which OMPL asks whether a complete move is clear."""
 
         def checkMotion(self, one: Any, other: Any, *_: Any) -> bool:  # noqa: N802 - OMPL's
             return bool(clear(one, other))
@@ -404,11 +408,11 @@ SHORTCUTS_AT_ONCE: Final = 8
 CORNER_ROOM: Final = 4.0
 """mm beyond the margins that are left in a shortcut for its corners to be rounded in."""
 NO_LENGTH: Final = 1e-12
-"""seconds of a way that is none."""
+"""Duration in seconds below which a path has no length."""
 PROGRAM_DIGITS: Final = 2
-"""Of joints in degrees and mm between start and goal: with them every language says the same."""
+"""Decimals of joints in degrees and mm between start and goal: every language can express them."""
 LEAST_SAVING: Final = 1e-3
-"""Of the length of a way, what a shortcut must save."""
+"""Least saving of a shortcut, as a share of the length of a path."""
 
 
 def shorten_path(

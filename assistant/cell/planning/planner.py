@@ -56,10 +56,10 @@ SECONDS: Final = 10.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planned:
-    """A way that is proven clear.
+    """A motion that is proven clear.
 
-    route: its joints, moves and blends. seconds: that the search took. moves_tried: how many moves
-    were looked at. findings: what is less than was asked for.
+    route: its joints, moves and blends. seconds: duration of the search. moves_tried: number of
+    moves that were examined. findings: requests that are not fully met.
     """
 
     route: Route
@@ -195,7 +195,7 @@ def _route(space: Space, rows: Floats, linear: bool) -> tuple[Route, RouteCheck]
 
 
 def _told(route: Route, linear: bool) -> Iterator[Diagnostic]:
-    """What a way has less of than was asked for."""
+    """Yield findings for requests that the route does not fully meet."""
     stops = int((route.radii[:-1] == 0.0).sum())
     if stops:
         yield STOPS_AT_CORNERS(count=stops, total=len(route.radii) - 1)
@@ -233,7 +233,7 @@ def _is_pose(pose: Pose) -> bool:
 
 
 def _is_vector(values: tuple[float, ...]) -> bool:
-    """Whether numbers are finite and not all 0."""
+    """True if the numbers are finite and not all 0."""
     return bool(np.isfinite(values).all()) and float(np.square(values).sum()) > 0.0
 
 
@@ -309,7 +309,7 @@ def _less(space: Space, row: Floats, distances: Floats, where: str) -> Iterator[
 def _goals(
     space: Space, start: Floats, goal: Pose | ArrayLike
 ) -> tuple[Floats, tuple[Diagnostic, ...]]:
-    """Joints (k, a) at the goal that are free; raises Refused if there are none."""
+    """Return the free joints (k, a) at the goal; raises Refused if all are blocked."""
     if isinstance(goal, Pose):
         goals = goal_joints(space.robot, goal, start, space.tool)
         if not len(goals):

@@ -53,7 +53,7 @@ def _rounded_pose(pose: Pose) -> Pose:
 
 
 POSE_DIGITS: Final = (6, 12)
-"""Of positions in mm and of quaternions."""
+"""Decimals of positions in mm and of quaternions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,11 +99,11 @@ class Route:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RouteCheck:
-    """What a route meets as the controller goes it.
+    """Result of checking a route as the controller runs it.
 
-    driven: whether the arm goes all of it as its moves say: within reach and limits, in the branch
-    that they begin with, and to the joints of the route. hits: where it is too near to something.
-    moves: the numbers of the moves that are, or that tilt the tool too far.
+    driven: True if the arm runs all of it as its moves state: within reach and limits, in the
+    branch that they begin with, and to the joints of the route. hits: points that are closer than
+    the margins. moves: the numbers of the moves that have hits, or that tilt the tool too far.
     """
 
     driven: bool
@@ -112,7 +112,7 @@ class RouteCheck:
 
     @property
     def good(self) -> bool:
-        """Whether the route is proven."""
+        """True if the route is proven."""
         return self.driven and not self.moves
 
 
@@ -148,7 +148,7 @@ def round_corners(space: Space, rows: Floats, linear: Truths) -> RoundedCorners:
 
 
 def check_route(space: Space, route: Route) -> RouteCheck:
-    """What is met on a route."""
+    """Check a route for reach, branch, tilt and collisions."""
     solved = solve_program(route.program("way"), space.robot)
     usual = {one.code for one in space.robot.findings}
     bad = [f for f in solved.findings if f.severity is not Severity.INFO and f.code not in usual]
@@ -232,7 +232,7 @@ def _farthest(space: Space, places: Floats, at: int) -> int:
 
 
 def in_branch(space: Space, start: Floats, goals: Floats) -> Floats:
-    """Of goals (k, a) those that the arm holds in the branch of joints (a,)."""
+    """Return the goals (k, a) that the arm holds in the branch of joints (a,)."""
     shapes = space.robot.configuration(np.vstack([start, goals]))[:, : QUADRANTS.start]
     return np.asarray(goals[(shapes[1:] == shapes[0]).all(axis=1)])
 
@@ -247,7 +247,7 @@ def _cut(space: Space, start: Floats, end: Floats, parts: int) -> Floats:
 
 
 def line_is_clear(space: Space, start: Floats, end: Floats) -> bool:
-    """Whether the tip can go straight from joints (a,) to joints (a,), with margins and tilt."""
+    """True if the tip can move in a line from joints (a,) to joints (a,), with margins and tilt."""
     rows = np.stack([start, end])
     tips, _ = space.tip(rows)
     if np.linalg.norm(tips[1] - tips[0]) < SHORTEST_LINE:

@@ -26,7 +26,7 @@ from assistant.robots.robot import Robot
 from assistant.robots.timing.uninterrupted_moves import Stretches
 
 FINEST: Final = 0.1
-"""mm that anything moves in the shortest part of a move that is looked at."""
+"""Largest movement in mm of any body in the shortest part of a move that is examined."""
 COARSEST: Final = 120.0
 """mm that anything moves in the parts that a move is cut into at first."""
 MOST_PARTS: Final = 64
@@ -34,15 +34,15 @@ MOST_PARTS: Final = 64
 COARSEST_TURN: Final = 10.0
 """degrees that the tool turns in the parts that a move is cut into at first for its tilt."""
 FINEST_TURN: Final = 0.05
-"""degrees that the tool turns in the shortest part of a move whose tilt is looked at."""
+"""Turn of the tool in degrees in the shortest part of a move whose tilt is examined."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cone:
-    """How the tool may be tilted: an axis of it by at most `angle` degrees from a direction.
+    """Limit of the tilt of the tool: one of its axes by at most `angle` degrees from a direction.
 
-    direction: in the base of the robot. axis: in the frame of the tip, z if it is not said; both
-    of any length but 0.
+    direction: in the base of the robot. axis: in the frame of the tip, z by default; both of any
+    length but 0.
     """
 
     direction: Vector
@@ -134,7 +134,9 @@ class Space:
         return self.model.contact(self.all_joints(row[None])[0], pair)
 
     def hits(self, rows: Floats) -> list[Hit]:
-        """Where the way through joints (n, a) comes nearer than the margins, by `continuous`."""
+        """Return the hits on the path through joints (n, a) closer than the margins, by
+        `continuous`.
+        """
         return hits(self.model, JointPath(self.all_joints(rows)), self.margins)
 
     def free(self, rows: Floats) -> Truths:
@@ -201,10 +203,10 @@ class Space:
     def upright(
         self, starts: Floats, ends: Floats, beyond: float | None = None, slack: Floats | None = None
     ) -> Truths:
-        """(n,) whether the tool stays in the cone: it tilts by no more than it turns.
+        """Return (n,) whether the tool stays in the cone: it tilts by no more than it turns.
 
-        beyond: degrees that it may be tilted further, `TILT_TOLERANCE` if it is not said. slack:
-        (n, a) how far the joints may be from a straight move.
+        beyond: degrees by which it may be tilted further, `TILT_TOLERANCE` by default. slack: (n,
+        a) how far the joints may be from a straight move.
         """
         if self.cone is None:
             return np.ones(len(starts), dtype=bool)
@@ -248,10 +250,11 @@ SAME_JOINTS: Final = 1e-3
 
 
 def goal_joints(robot: Robot, pose: Pose, near: Floats, tool: Pose = IDENTITY) -> Floats:
-    """(k, a) joints that hold the tip of a tool at a pose, inside the limits, the nearest first.
+    """Return the joints (k, a) that hold the tip of a tool at a pose, inside the limits, the
+    nearest first.
 
-    pose: in the base of the robot. near: (a,) joints where the arm comes from. tool: the tip in
-    the flange. A turn of an axis that its limits allow is a way of its own.
+    pose: in the base of the robot. near: (a,) joints from which the arm starts. tool: the tip in
+    the flange. Each further turn of an axis that its limits allow is a separate solution.
     """
     flange = pose @ tool.inverse()
     joints, valid = robot.ik([flange.position], [flange.quaternion])

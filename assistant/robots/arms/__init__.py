@@ -1,4 +1,4 @@
-"""Kinds of arms: each with its kinematics, its branches and what is said of them."""
+"""Kinds of arms: each with its kinematics, its branches and their descriptions."""
 
 from __future__ import annotations
 

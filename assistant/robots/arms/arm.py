@@ -107,7 +107,7 @@ class Arm(ABC):
 
     @abstractmethod
     def words(self, shape: NDArray[np.integer]) -> str:
-        """Columns (3,) back, down, flip as they are said of such an arm."""
+        """Describe the columns (3,) back, down, flip in the words for such an arm."""
 
     @abstractmethod
     def points(self, joints: Floats) -> Floats:
@@ -118,8 +118,8 @@ class Arm(ABC):
         return None
 
     def wrist(self, joints: Floats) -> Floats | None:  # noqa: ARG002 - of some
-        """(n,) mm of the wrist centre in front of axis 1, less than 0 behind it; None for an
-        arm without one.
+        """Return the (n,) mm of the wrist centre in front of axis 1, negative on the other side;
+        None for an arm without one.
         """
         return None
 
@@ -171,10 +171,10 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class ChainPoses:
-    """What n values of a chain of a joints lead to.
+    """Poses along a chain of a joints for n sets of joint values.
 
-    origins: (n, a + 1, 3) mm of the joints and the flange. axes: (n, a, 3) unit vectors.
-    frames: (n, a + 1, 3, 3) rotations of the links behind the joints, and of the flange.
+    origins: (n, a + 1, 3) mm of the joints and the flange. axes: (n, a, 3) unit vectors. frames:
+    (n, a + 1, 3, 3) rotations of the links after the joints, and of the flange.
     """
 
     origins: Floats
@@ -196,7 +196,7 @@ class Chain:
 
     @staticmethod
     def of_links(links: Sequence[Link], ranges: Sequence[tuple[float, float]]) -> Chain:
-        """Of links with the ranges of their joints, radians or mm."""
+        """Build a chain from links with the ranges of their joints, radians or mm."""
         joints, tail = [], IDENTITY
         for link, (low, high) in zip(links, ranges, strict=True):
             turn = Pose(quaternion=_rotation_about_axis(2, link.theta))
@@ -253,8 +253,8 @@ class Chain:
 
     @cached_property
     def _rotations(self) -> tuple[tuple[Floats, Floats, Floats], ...]:
-        """Of each joint at 0, and the cross product K with its axis and K², by which Rodrigues'
-        formula turns: 1 + sin · K + (1 - cos) · K².
+        """Rotation of each joint at 0, the cross product K with its axis, and K², for Rodrigues'
+        formula: 1 + sin · K + (1 - cos) · K².
         """
         out = []
         for joint in self.joints:

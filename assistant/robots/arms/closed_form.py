@@ -56,7 +56,7 @@ def two_links(upper: float, fore: float, distance: Floats) -> tuple[Floats, Floa
 
 
 def reach_excess(upper: float, fore: float, distance: Floats) -> Floats:
-    """How many mm a wrist at that distance from axis 2 is too far or too near, else 0."""
+    """Return by how many mm a wrist at that distance from axis 2 is too far or too near, else 0."""
     far, near = distance - (upper + fore), abs(upper - fore) - distance
     return np.maximum(np.maximum(far, near), 0.0)
 
@@ -287,7 +287,7 @@ def six_axis_ik(
 
 
 ON_AXIS_1: Final = 1e-6
-"""mm; a point nearer to axis 1 has no azimuth of its own and gets 0."""
+"""mm; a point nearer to axis 1 has no azimuth and gets 0."""
 
 
 @dataclass(frozen=True, slots=True)

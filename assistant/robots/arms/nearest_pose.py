@@ -91,14 +91,15 @@ RINGS: Final = (100, 30)
 """Directions, the same for every pose, and distances in which the wanted orientation is tried."""
 
 ROUNDING_GRIDS: Final = (0.0, 0.01, 0.05, 0.2)
-"""mm about the rounded position in which one is looked for that is not just out of reach."""
+"""mm around the rounded position in which to search for one that is not just out of reach."""
 
 
 def nearest_pose_text(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool) -> str:
-    """What `find_nearest_pose` finds as a message says it, rounded so that the arm takes it.
+    """Return the pose of `find_nearest_pose` as text for a message, rounded so that the arm reaches
+    it.
 
-    In the way of the maker: X Y Z A B C of Mitsubishi (X Y Z A B with five axes), else position
-    and quaternion. keep: see `find_nearest_pose`.
+    The text has the maker's notation: X Y Z A B C for Mitsubishi (X Y Z A B with five axes), else
+    position and quaternion. keep: see `find_nearest_pose`.
     """
     pose = find_nearest_pose(robot, wanted, tip, keep=keep)
     if robot.counts == "quadrants":

@@ -1,12 +1,13 @@
 """Arms of any chain of turning and sliding joints, without a closed form.
 
-Forward kinematics is in columns. The way back is roboticstoolbox's numerical solver, started from
-joints near the pose out of a fixed set, so that the same pose always gives the same joints.
+Forward kinematics is in columns. Inverse kinematics is roboticstoolbox's numerical solver, started
+from the joints of a fixed set that are near the pose, so that the same pose always gives the same
+joints.
 
-No maker names the branches of such an arm. Three signs tell its solutions apart: whether the
-wrist is in front of axis 1 or behind it, to which side the elbow is bent, and to which side the
-wrist. Where an arm has more solutions than these signs tell apart, one of each is found, beside the
-one before it in a column of poses.
+No maker names the branches of such an arm. Three signs distinguish its solutions: whether the wrist
+is in front of or behind axis 1, to which side the elbow is bent, and to which side the wrist. If an
+arm has more solutions than these signs distinguish, one of each is found, next to the solution
+before it in a column of poses.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ SIGNS: Final = 3
 STARTS: Final = (16384, 5)
 """Random joints out of which the starts for a pose are taken, and how many for each branch."""
 STEPS: Final = 40
-"""Of the solver from one start."""
+"""Steps of the solver from one start."""
 RESIDUAL: Final = 1e-21
 """Half the square of what is left over in metres and radians when the solver ends."""
 PARALLEL: Final = 1e-9
@@ -50,7 +51,7 @@ SAME: Final = 1e-6
 
 
 class _Rank(enum.IntEnum):
-    """What joints are as a solution: inside the limits, outside them, not closing, or none."""
+    """Rank of joints as a solution: inside the limits, outside them, not closing, or missing."""
 
     INSIDE = 0
     OUTSIDE = 1
@@ -122,9 +123,10 @@ class Serial(Arm):
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
     ) -> tuple[Floats, Floats]:
-        """Where nothing closes, what came nearest; its distance in mm or, if more, degrees.
+        """Return the joints per branch; without a solution, the closest approach and its distance
+        in mm or, if more, degrees.
 
-        All branches are solved, whichever are asked for: a search for one may find another.
+        All branches are solved, even if only some are requested: a search for one may find another.
         """
         key = (positions.tobytes(), quaternions.tobytes())
         if self._last.get("key") != key:
@@ -135,7 +137,9 @@ class Serial(Arm):
 
     @cached_property
     def _last(self) -> dict[str, Any]:
-        """The last column and what was found, as one is asked for several times."""
+        """Cache of the last column and its solution, as the same column is requested several
+        times.
+        """
         return {}
 
     def _all(self, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
@@ -192,8 +196,8 @@ class Serial(Arm):
 
     @cached_property
     def _bend(self) -> tuple[int, int | None]:
-        """The elbow: the first of two axes that are parallel and follow each other, or else the
-        second axis that turns, and the joint behind them if it is parallel too.
+        """Return the elbow: the first of two axes that are parallel and follow each other, or else
+        the second axis that turns, and the joint after them if it is parallel too.
         """
         _, axes, _ = self.at_zero()
 
@@ -317,9 +321,9 @@ class Serial(Arm):
         return self.chain.elementary()
 
     def _solved(self, poses: Floats, starts: Floats) -> Floats:
-        """What the solver finds for poses (n, 4, 4) in metres from starts (n, a).
+        """Solve poses (n, 4, 4) in metres numerically from starts (n, a).
 
-        An axis that turns stays within half a turn of where it starts.
+        An axis that turns stays within half a turn of its start.
         """
         scale = np.where(self.sliding, 1.0 / METRE, 1.0)
         solve, found = self._transforms.ik_LM, np.empty_like(starts)

@@ -25,8 +25,8 @@ from assistant.robots.arms.serial import Serial
 class Placed(Arm):
     """The closed form of `arm`, whose angles are senses · joints + zeros (radians).
 
-    base: of that arm in the base of the file. flange: the file's in that of the arm.
-    chain: the same as the file says it.
+    base: of that arm in the base of the file. flange: the file's in that of the arm. chain: the
+    same chain as the file states it.
     """
 
     arm: SixAxis
@@ -130,7 +130,7 @@ def _taken(positions: Floats, quaternions: Floats, part: Pose) -> tuple[Floats, 
 AXES_MEET: Final = 1e-6
 """mm between the axes of a wrist, and what a cosine may be off."""
 QUATERNION_ROUNDING: Final = 1e-12
-"""Of a quaternion; what is below has come out of arithmetic."""
+"""Rounding of the components of a quaternion; smaller values result from arithmetic."""
 KINEMATICS_AGREE: Final = 1e-9
 """By which forward kinematics of both may differ: in part of the reach, and radians."""
 TRIAL_JOINTS: Final = 50
@@ -241,13 +241,13 @@ def _agree(arm: Placed, chain: Serial) -> bool:
 
 
 def _close(left: Floats, right: Floats) -> bool:
-    """Whether quaternions are the same within `KINEMATICS_AGREE`, their signs aside."""
+    """True if quaternions are the same within `KINEMATICS_AGREE`, regardless of sign."""
     same = np.where(np.einsum("ij,ij->i", left, right)[:, None] < 0.0, -right, right)
     return bool(np.abs(left - same).max() < KINEMATICS_AGREE)
 
 
 def _meeting(origins: Floats, axes: Floats) -> Floats | None:
-    """Where three axes meet, None if they do not."""
+    """Return the point where three axes meet, None if they do not."""
     # Least squares of the distances: (1 - z zᵀ) (x - o) = 0 for each axis.
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     total = across.sum(axis=0)

@@ -196,5 +196,5 @@ def _pose(matrix: Floats) -> Pose:
 
 
 def _robot_name(given: object) -> str:
-    """What a robot may be called, see `robot_file`."""
+    """Return a valid robot name, see `robot_file`."""
     return NOT_IN_NAMES.sub("-", " ".join(str(given).split())).strip("-_.").lower()[:64] or "robot"

@@ -44,12 +44,12 @@ better."""
 
 @dataclass(frozen=True, slots=True)
 class MotionBetweenTargets:
-    """What the arm does on the way to m rows that are looked at.
+    """Motion of the arm on the paths to m rows that are examined.
 
-    rows: (m,). winding: (m, a) whole turns that an axis makes beyond the shorter way from the
-    row before. below, above: (m, a) degrees or mm by which an axis goes below and above where it
-    is at the row, at most 0 and at least 0. short: (m,) mm that the way is out of reach. jumps:
-    what an arm without named branches cannot do.
+    rows: (m,). winding: (m, a) whole turns that an axis makes beyond the shorter direction from the
+    row before. below, above: (m, a) degrees or mm by which an axis goes below and above its value
+    at the row, at most 0 and at least 0. short: (m,) mm that the path is out of reach. jumps: moves
+    that an arm without named branches cannot do.
     """
 
     rows: Rows
@@ -60,7 +60,7 @@ class MotionBetweenTargets:
     jumps: tuple[tuple[int, str], ...]
 
     def of(self, axis: int, count: int) -> AxisBetweenTargets:
-        """What one axis does on the way to each of `count` rows."""
+        """Return the motion of one axis on the path to each of `count` rows."""
         winding = np.zeros(count, dtype=np.int64)
         below, above = np.zeros(count), np.zeros(count)
         winding[self.rows], below[self.rows] = self.winding[:, axis], self.below[:, axis]
@@ -224,7 +224,7 @@ class MoveSampler:
         return np.asarray((norms(p1 - p0) > TurnSampling.LONG) | (turn > TurnSampling.WIDE))
 
     def seen(self, rows: Rows, way: SampledJoints) -> MotionBetweenTargets:
-        """What the ways to some rows (k,) come to."""
+        """Summarise the sampled paths to some rows (k,)."""
         end = way.turned[:, -1]
         whole = end - self.robot.wound(self.joints[rows] - self.before(rows))
         away = way.turned - end[:, None]
@@ -258,9 +258,9 @@ class MoveSampler:
         return row, part, way
 
     def crosses(self, row: Rows, part: Floats, pair: int, ends: Floats) -> bool:
-        """Whether the way to one row (1,) goes through the singularity of the wrist.
+        """True if the path to one row (1,) passes through the singularity of the wrist.
 
-        ends: (2, 2) what its ends bend to, of the first branch of a pair.
+        ends: (2, 2) directions of the wrist's bend at its ends, of the first branch of a pair.
         """
         for _ in range(TurnSampling.SPLITS):
             found, _ = self.on_the_way(row, part[None], 2 * pair)
@@ -363,10 +363,9 @@ def _divided(part: Floats, solved_runs: Rows) -> Floats:
 def motion_between_targets(
     run: Run, robot: Robot, joints: Floats, branch: Rows
 ) -> MotionBetweenTargets:
-    """Looks at the linear and circular moves of a run whose joints (n, a) deg are up to whole
-    turns.
+    """Examine the linear and circular moves of a run whose joints (n, a) deg are up to whole turns.
 
-    branch: (n,) of each row, -1 where there is none.
+    branch: (n,) of each row, -1 if missing.
     """
     look = MoveSampler(run, robot, joints)
     axes = len(robot.axes)

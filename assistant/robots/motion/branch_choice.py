@@ -51,7 +51,9 @@ SINGLE_PRECISION: Final = 1e-3
 JOINT_MOVES_AT_ONCE: Final = 512
 """Chains whose joint moves are computed at once: 64 pairs of branches stay in the cache."""
 BRANCHES_ALIKE: Final = (4, 2, 2, 1, 1, 1)
-"""Of an arm with a spherical wrist, how many branches in a row have the same angle of each axis."""
+"""Number of consecutive branches with the same angle of each axis, of an arm with a spherical
+wrist.
+"""
 FREE_RANGE: Final = 540.0
 """degrees between the limits of an axis from which on it can go the short way round between any
 two angles within half a turn of its middle: one of the two can be wound towards the other."""
@@ -359,13 +361,13 @@ class Choice:
 
 @dataclass(slots=True)
 class Choices:
-    """What there is to choose from.
+    """Branches to choose from.
 
-    bound: (b, n) what rows allow and, where the run goes on from where the arm is, the branch
-    that it has there. starts: (c,) first rows of the chains. same: (b,) branches of where the
-    arm is. sheet, crossed: see `singularities`, None where nothing is crossed. All are by sheet
-    instead of by branch where there are sheets. barred: ways that a closer look has ruled out, as
-    sheet and row each.
+    bound: (b, n) branches that rows allow and, if the run continues from the present position, the
+    branch that the arm has there. starts: (c,) first rows of the chains. same: (b,) branches of the
+    present position. sheet, crossed: see `singularities`, None if no singularity is crossed. All
+    are by sheet instead of by branch if there are sheets. barred: paths that a closer check has
+    ruled out, as sheet and row each.
     """
 
     starts: Rows
@@ -398,7 +400,7 @@ class Choices:
         return self._choice(np.repeat(found.branches, lengths), np.empty(0, np.intp))
 
     def _stated(self, said: NDArray[np.integer]) -> list[StatedTurns]:
-        """Of each winding axis the whole turns that rows state."""
+        """Return the whole turns that rows state, for each winding axis."""
         robot = self.travel.robot
         row = np.flatnonzero(said[:, BACK] != UNSTATED)
         branch = robot.branch_of(said[row])

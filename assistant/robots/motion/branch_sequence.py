@@ -29,9 +29,9 @@ from assistant.robots.robot import CHUNK, Robot
 BRANCH_CHANGE_COST: Final = 0.5
 """Seconds of joint travel that a change of branch at a joint move must save to be worth it."""
 BROKEN_CHAIN_COST: Final = 1e6
-"""What a change of branch where no joint move allows it counts: more than any path takes."""
+"""Cost of a change of branch where no joint move allows it: more than any path takes."""
 CHAINS_AT_ONCE: Final = 16384
-"""Chains that are looked at together."""
+"""Chains that are processed together."""
 FEW_CHAINS: Final = 64
 """Chains up to which one after the other is faster than side by side."""
 MANY_BRANCHES: Final = 12
@@ -40,11 +40,11 @@ MANY_BRANCHES: Final = 12
 
 @dataclass(frozen=True, slots=True)
 class BranchCosts:
-    """What branches cost, in seconds.
+    """Costs of branches, in seconds.
 
-    first: (b,) to the first chain from where the arm is. chains: (b, c) within each chain.
-    between: chains (m,), none of them the first → (b, b, m) from a branch of the chain before
-    to a branch of it.
+    first: (b,) to the first chain from the position of the arm. chains: (b, c) within each chain.
+    between: chains (m,), without the first → (b, b, m) from a branch of the chain before to a
+    branch of it.
     """
 
     first: Floats
@@ -100,12 +100,12 @@ def choose_branches(
 
 
 def cheapest_branches(possible: Truths, costs: BranchCosts, change: Floats | None = None) -> Rows:
-    """(c,) the branch of each chain with the smallest sum of costs.
+    """Return (c,) the branch of each chain with the smallest sum of costs.
 
-    possible: (b, c). change: (c,) what a branch other than that of the chain before costs
-    beside the travel; None where `costs` say that themselves. A block of chains is cut into
-    sections that are looked at side by side: first from every branch at the start of each, then
-    from what each start really costs.
+    possible: (b, c). change: (c,) cost, in addition to the travel, of a branch other than that of
+    the chain before; None if `costs` include it. A block of chains is cut into sections that are
+    processed side by side: first from every branch at the start of each, then from the true costs
+    of each start.
     """
     branches, count = possible.shape
     costs_so_far = np.where(possible[:, 0], costs.first + costs.chains[:, 0], np.inf)
@@ -215,7 +215,7 @@ class TurnedAxis:
 
 @dataclass(frozen=True, slots=True)
 class AxisBetweenTargets:
-    """What one axis does on the way to each of n rows; see `MotionBetweenTargets`."""
+    """Motion of one axis on the path to each of n rows; see `MotionBetweenTargets`."""
 
     winding: Ints
     below: Floats
@@ -280,7 +280,7 @@ def open_turns(
     stated: Ints | None = None,
     way: AxisBetweenTargets | None = None,
 ) -> OpenTurns:
-    """What there is to choose from; the same as `add_whole_turns` chooses from."""
+    """Return the whole turns to choose from; `add_whole_turns` chooses from the same."""
     wrapped = _filled_by_chain(angles, starts)
     turns = np.cumsum(_turn_steps(wrapped, way))
     chains = _by_chain(angles, wrapped, turns, starts, limits, stated, way)
@@ -294,7 +294,7 @@ reads a target rounded, and near a singularity that turns the wrist."""
 LIMIT_ROUNDING: Final = 1e-6
 """degrees by which an angle may pass a limit."""
 TURNS_NOT_STATED: Final = np.iinfo(np.int64).min
-"""In `stated`: the row says nothing of its turns."""
+"""Value in `stated` for a row that does not state its turns."""
 
 
 def filled_forward(angles: Floats) -> Floats:
@@ -335,10 +335,11 @@ def _filled_by_chain(angles: Floats, starts: Rows) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class _AxisChains:
-    """starts: (c,) rows. of_row: (n,) chain of each row. offsets: (c,) turns at the starts.
-    least, most: (c,) turns with which every row of the chain is inside, and clear of the limits if
-    it is so with any; the first is more where there are none. clear: whether all of them are that.
-    lowest, highest: turns with which an angle of half a turn about the middle can be inside.
+    """Chains of one axis. starts: (c,) rows. of_row: (n,) chain of each row. offsets: (c,) turns at
+    the starts. least, most: (c,) turns with which every row of the chain is inside, and clear of
+    the limits if any turns allow it; the first is greater if no turns fit. clear: whether all of
+    them are that. lowest, highest: turns with which an angle of half a turn about the middle can be
+    inside.
     """
 
     starts: Rows
@@ -443,16 +444,16 @@ same time the one on which the others turn the least."""
 LEAST_SAVING: Final = 1e-6
 """Seconds by which a joint move is quicker that is worth a look: no rounding."""
 MOST_STATES: Final = 256
-"""States of a chain up to which they are looked at one by one."""
+"""Largest number of states of a chain that are examined one by one."""
 STATE_PAIRS_AT_ONCE: Final = 32768
 """Pairs of states whose joint moves are computed at once: they stay in the cache."""
 
 
 def may_be_quicker(run: Run, robot: Robot, joints: Floats, starts: Rows) -> bool:
-    """Whether a joint move to the chains with these first rows (c,) would take less time with
-    other whole turns of joints (n, a) deg, be they possible or not.
+    """True if a joint move to the chains with these first rows (c,) would take less time with other
+    whole turns of joints (n, a) deg, whether they are possible or not.
 
-    Not so where rows have no joints: that is told of, and what is left is no program.
+    False if rows have no joints: that is reported elsewhere, and the rest is not a program.
     """
     if not np.isfinite(joints).all():
         return False
@@ -504,7 +505,7 @@ class BranchChains:
 
     firsts, lasts: (a, b, c) deg at their first and last rows, each axis unwound within the chain.
     least, most: (w, b, c) turns by which all rows of a chain may be wound on, of the winding axes.
-    within: (b, c) seconds that a chain costs by itself; infinite where it is not possible.
+    within: (b, c) seconds that a chain costs alone; infinite if it is not possible.
     """
 
     run: Run
@@ -516,7 +517,9 @@ class BranchChains:
     within: Floats
 
     def quickest(self) -> Quickest | None:
-        """What takes the least time; None if that is too much to look at."""
+        """Return the choice that takes the least time; None if there are too many states to
+        examine.
+        """
         states = _states_of(self)
         if states is None:
             return None
@@ -556,7 +559,7 @@ def _states_of(chains: BranchChains) -> _States | None:
 
 
 def _padded_states(states: TurnCounts | Rows | Truths, count: int) -> NDArray[np.int8]:
-    """(..., s, m) states with more that are none, `count` of them."""
+    """Pad (..., s, m) states with empty ones to `count`."""
     out = np.zeros((*states.shape[:-2], count, states.shape[-1]), dtype=np.int8)
     out[..., : states.shape[-2], :] = states
     return out
@@ -572,7 +575,7 @@ class _States:
     there: Truths
 
     def within(self) -> Floats:
-        """(s, c) seconds of each chain by itself."""
+        """Return (s, c) seconds of each chain alone."""
         return self.chains.within[self.branches, np.arange(self.there.shape[1])]
 
     def start(self) -> Floats:

@@ -109,20 +109,23 @@ class Arcs:
         return at[on], on
 
     def points(self, at: Rows, part: Floats) -> Floats:
-        """Of some of the moves (k,), each at its parts (k,) or (k, s): (k, 3) or (k, s, 3) mm."""
+        """Return points of some of the moves (k,), each at its parts (k,) or (k, s): (k, 3) or (k,
+        s, 3) mm.
+        """
         many = (slice(None), *[None] * (part.ndim - 1))
         return self.circles.of(at).points(self.first[at][many] + part * self.angles[at][many])
 
 
 def vias_of(kinds: NDArray[np.uint8]) -> Rows:
-    """Rows of the via points, each with the end of its arc behind it."""
+    """Return the rows of the via points, each followed by the end of its arc."""
     return np.flatnonzero((kinds[:-1] == Kind.VIA) & (kinds[1:] == Kind.END))
 
 
 def arcs_of(via_rows: Rows, starts: Floats, vias: Floats, ends: Floats) -> Arcs | None:
-    """The arcs with via points in some rows (k,) and points (k, 3) each; None if there are none.
+    """Return the arcs with via points in some rows (k,) and points (k, 3) each; None if no row is
+    an arc.
 
-    Those that are no arcs, and those of a point that is no number, go straight.
+    Rows that are not arcs, and those with a point that is not finite, are straight.
     """
     on = circles(starts, vias, ends)
     at = np.flatnonzero(on.ends > 0.0)
@@ -203,26 +206,30 @@ class TurnSampling:
     """
 
     WIDE: Final = 20.0
-    """degrees or mm that an axis moves in one move from which on the way is looked at."""
+    """Least movement of an axis in one move, in degrees or mm, from which its path is sampled."""
     LONG: Final = 50.0
-    """mm of a move from which on the way is looked at all the same."""
+    """Least length of a move in mm from which its path is sampled in any case."""
     BULGE: Final = 1.0
-    """mm that an arc is off the straight line from which on it is looked at all the same."""
+    """Least mm of an arc off the straight line from which its path is sampled in any case."""
     SAMPLES: Final = np.array([3, 12, 40])
     """Poses on a way: the second for a line, and for an arc as few as leave bulges of about
     `BULGE` between them."""
     FINE: Final = 240
-    """Parts of a way that is looked at again, since its poses leave a doubt."""
+    """Parts of a path that is sampled again, since its poses leave a doubt."""
     LEAP: Final = 45.0
-    """degrees or mm of an axis from pose to pose from which on more poses are looked at."""
+    """Least step of an axis from pose to pose, in degrees or mm, from which more poses are
+    sampled.
+    """
     NEAR: Final = 2.0
-    """degrees or mm from a limit, beside the largest step, from which on more are looked at."""
+    """Distance from a limit in degrees or mm, beyond the largest step, within which more poses are
+    sampled.
+    """
     STRETCHED: Final = 0.3
     """Sine of the elbow within which the end of the reach may be between two poses."""
     SPLIT: Final = 8
     """Parts of each stretch on which an axis still leaps, looked at again."""
     SPLITS: Final = 6
-    """How often they are divided, for a tool that passes axis 1 at a micrometre."""
+    """Number of times that stretches are divided, for a tool that passes axis 1 at a micrometre."""
     PEAK: Final = 64
     """Parts between the poses beside a peak, where an axis turns back near to a limit."""
 
@@ -235,9 +242,11 @@ class PeakSampling:
     """
 
     STRAIGHT: Final = 5.0
-    """degrees, or mm, of every axis up to which a move is looked at by its ends alone."""
+    """Largest movement of every axis, in degrees or mm, for which only the ends of a move are
+    sampled.
+    """
     PARTS: Final = ((30.0, 24), (90.0, 64), (float("inf"), 192))
-    """Up to so many degrees of an axis a move is looked at in so many parts."""
+    """Number of parts in which a move is sampled, by the largest movement of an axis in degrees."""
     MOST_PLACES: Final = 1_000_000
     """Places on the ways of a run; longer runs get fewer on each move."""
     MOST_FOLLOWED: Final = 20_000
@@ -245,11 +254,13 @@ class PeakSampling:
     LEAST_PARTS: Final = 4
     """Parts of a move in the longest runs."""
     UNEVEN: Final = 1.5
-    """How much faster than on average a joint is somewhere in a move that is looked at again."""
+    """Least ratio of a joint's greatest to average speed in a move from which it is sampled
+    again.
+    """
     MOST_PARTS: Final = 1500
-    """Parts at most of a move that is looked at again."""
+    """Largest number of parts of a move that is sampled again."""
     CLOSER: Final = 6
-    """How often at most the fastest step of such a move is divided again."""
+    """Largest number of times that the fastest step of such a move is divided again."""
     CLOSER_PARTS: Final = 24
     """Parts that its fastest step is divided into."""
     FASTER: Final = 1.01

@@ -35,7 +35,9 @@ TYPED_QUATERNION_UNIT: Final = 1e-6
 """Unit of a quaternion of fewer decimals, which is typed (0.5, 0.7071) and no less meant."""
 ANGLE_DECIMALS: Final = (2, 3, 4)
 SAME_DECIMAL: Final = 1e-3
-"""Of the last decimal, within which a number counts as printed with so many."""
+"""Tolerance, as a share of the last decimal, within which a number counts as printed with so many
+decimals.
+"""
 
 
 def roundings(robot: Robot, positions: Floats, quaternions: Floats) -> Floats:
@@ -276,8 +278,8 @@ def _over_axis(robot: Robot, joints: Floats) -> Truths:
 
 
 def placed_within(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
-    """Joints (k, a) put between low and high (k, a): by whole turns, then axes 4 and 6 of a
-    straight wrist together, then each by itself.
+    """Return joints (k, a) moved between low and high (k, a): by whole turns, then axes 4 and 6 of
+    a straight wrist together, then each axis alone.
     """
     out = joints.copy()
     middle = (low + high) / 2.0

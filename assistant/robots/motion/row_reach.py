@@ -34,23 +34,26 @@ from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
 MOST_BEYOND_REACH: Final = 0.2
 """mm that a pose may be out of reach by rounding at most."""
 AT_LIMIT_TOLERANCE: Final = 0.01
-"""degrees or mm beyond a limit up to which a target is taken at the limit, with a warning: its
-printed decimals are no finer than that."""
+"""degrees or mm beyond a limit up to which a target is accepted at the limit, with a warning: its
+printed decimals are no finer than that.
+"""
 COARSE_ROUNDINGS: Final = 20.0
-"""Roundings by which a target that is taken at a limit may be missed."""
+"""Roundings by which a target that is accepted at a limit may be missed."""
 STRAIGHT_WRIST_REST: Final = 2e-6
-"""degrees of axis 5 that are left of a straight wrist, so that its branch can be told."""
+"""degrees of axis 5 that remain in a straight wrist, so that its branch can be determined."""
 
 
 @dataclass(slots=True)
 class RoundingTolerance:
-    """Joints (m, a) deg that are taken for rows (m,) in branches (m,)."""
+    """Joints (m, a) deg that replace those of rows (m,) in branches (m,)."""
 
     rows: list[Rows] = field(default_factory=list)
     branches: list[Rows] = field(default_factory=list)
     joints: list[Floats] = field(default_factory=list)
     beyond: list[tuple[Rows, Rows, Floats]] = field(default_factory=list)
-    """Rows (m,) that are taken at a limit, their axes there, and how far they are beyond (m,)."""
+    """Rows (m,) that are accepted at a limit, their axes there, and how far they are beyond
+    (m,).
+    """
 
     def add(self, rows: Rows, branches: Rows, joints: Floats) -> None:
         self.rows.append(rows)
@@ -97,7 +100,9 @@ def straighten_wrists(run: Run, robot: Robot, joints: Floats, start: int) -> Tru
 
 
 def rounded_poses(run: Run, robot: Robot, p: Floats, q: Floats, rows: Rows) -> RoundedPoses:
-    """What some rows (k,) of a run want, whose poses of the flange are (k, 3), (k, 4)."""
+    """Return the poses, with rounding, of some rows (k,) of a run, whose poses of the flange are
+    (k, 3), (k, 4).
+    """
     return RoundedPoses(p, q, run.mounting.arms(p, q, rows), roundings(robot, *run.targets(rows)))
 
 
@@ -219,7 +224,9 @@ class NearestPoseCures:
     told: dict[tuple[Pose, Pose, bool], str] = field(default_factory=dict)
 
     def nearest(self, run: Run, row: int, *, keep: bool = False) -> str:
-        """What a cure adds: the pose of the tip in the robot's base that it can take instead."""
+        """Return the text that a cure adds: the nearest reachable pose of the tip in the robot's
+        base.
+        """
         from assistant.robots.arms.nearest_pose import nearest_pose_text
 
         tip = run.mounting.tip(row)
@@ -236,10 +243,10 @@ class NearestPoseCures:
 
 @dataclass(slots=True)
 class RowSurvey:
-    """What a first look at every row says.
+    """Result of a first check of every row.
 
     allowed: (b, n) branches inside reach and limits. bends: see `singularities.directions`; None
-    for a run that needs none. slack: the joints of what is allowed by rounding alone.
+    for a run that needs none. slack: the joints of rows that are allowed by rounding alone.
     """
 
     allowed: Truths
@@ -390,7 +397,7 @@ def distance_text(millimetres: float) -> str:
 
 
 def finite_poses(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:
-    """Poses of the flange; those that are no number are replaced and marked False."""
+    """Return the poses of the flange; those that are not finite are replaced and marked False."""
     p, q = run.flange(rows)
     finite = np.asarray(all_of(np.isfinite(p)) & all_of(np.isfinite(q)))
     if not finite.all():

@@ -25,7 +25,7 @@ from assistant.robots.configurations import BACK
 from assistant.robots.program_values import Place
 
 MOST_NAMED_ROWS: Final = 3
-"""How many rows, or ranges of rows, a finding names before it counts the rest."""
+"""Largest number of rows, or ranges of rows, that a finding names before it counts the rest."""
 LEAST_NAMED_RANGE: Final = 4
 """Neighbouring rows from which on a finding names the first and the last alone."""
 
@@ -65,7 +65,7 @@ class Mounting:
         return Pose.of(position, quaternion)
 
     def tip(self, row: int) -> Pose:
-        """The tip on the flange at a row; none for a tool that stands in the room."""
+        """Return the tip on the flange at a row; the identity for a stationary tool."""
         tool, frame = self.tools[self.tool[row]], self.frames[self.frame[row]]
         return tool.tip if tool.held and not frame.held else Pose()
 
@@ -91,7 +91,7 @@ class Mounting:
 
 @dataclass(frozen=True, slots=True)
 class SpeedsAndBlends:
-    """How fast the rows are reached and how their corners are rounded.
+    """Speeds of the rows and blends at their corners.
 
     speed, blend: (n,) rows of the tables speeds and blends.
     """
@@ -175,17 +175,17 @@ class Run:
 
 
 def continued(run: Run) -> bool:
-    """Whether the first move goes on without a joint move from where the arm is."""
+    """True if the first move continues from the position of the arm without a joint move."""
     return run.joined and bool(run.kinds[0] != Kind.JOINT)
 
 
 def to_flange(
     positions: Floats, quaternions: Floats, tool: Tool, frame: Frame
 ) -> tuple[Floats, Floats]:
-    """Targets of a tool in a frame → poses of the flange in the base of the robot.
+    """Convert targets of a tool in a frame to poses of the flange in the base of the robot.
 
-    Carried tool: flange = frame · target · tip⁻¹. A tool that stands in the room and a
-    work piece that the robot carries: flange = tip · (frame · target)⁻¹.
+    Carried tool: flange = frame · target · tip⁻¹. Stationary tool and a work piece that the robot
+    carries: flange = tip · (frame · target)⁻¹.
     """
     placed = frame.pose
     with np.errstate(invalid="ignore", divide="ignore"):  # of no length: found as no number
@@ -243,10 +243,10 @@ class SingleMove:
 
 @dataclass(frozen=True, slots=True)
 class RunPart:
-    """A path, or moves that stand by themselves, n rows of either.
+    """A path, or separate moves, n rows of either.
 
-    keys: ids of what the configurations belong to: of the path, or of the target of each row.
-    exact: see `Run`.
+    keys: ids of the owners of the configurations: of the path, or of the target of each row. exact:
+    see `Run`.
     """
 
     name: str

@@ -46,8 +46,8 @@ have to be longer than they could be."""
 
 @dataclass(frozen=True, slots=True)
 class RunSolution:
-    """joints: (n, a) deg, NaN where there are none. configurations: (n, 6), as stated, else
-    those of the joints, UNSTATED where there are none.
+    """Solution of a run. joints: (n, a) deg, NaN if missing. configurations: (n, 6), as stated,
+    else those of the joints, UNSTATED if missing.
     """
 
     joints: Floats
@@ -58,11 +58,11 @@ class RunSolution:
 def solve_run(
     run: Run, robot: Robot, cures: NearestPoseCures, theirs: Truths | None = None
 ) -> RunSolution:
-    """Chooses the configurations that a run of at least one move leaves open.
+    """Choose the configurations that a run of at least one move leaves open.
 
-    What cannot be done is reported; of rows that state their branches themselves a change
-    of branch is a warning only: their controller may have been told to allow it. theirs: (n,)
-    which rows do, where configurations come from elsewhere as well; None: all that have one.
+    Moves that cannot be done are reported; for rows that state their branches a change of branch is
+    only a warning: their controller may be configured to allow it. theirs: (n,) rows that state
+    them, if configurations have other sources as well; None: all that have one.
     """
     stated = np.asarray(run.configurations[:, BACK] != UNSTATED) & robot.arm.named
     own = np.where(stated, robot.branch_of(run.configurations), -1)
@@ -103,11 +103,11 @@ def solve_run(
 
 @dataclass(frozen=True, slots=True)
 class _Attempt:
-    """A choice of branches with what a closer look at it shows.
+    """A choice of branches with the results of a closer check.
 
-    joints: (n, a) deg. wound: by axis, the rows before which it would be wound back. off: rows
-    that state a quadrant (or turn) which their axes cannot have. bad: rows to which the way
-    is none in the chosen branch. longer: whether a joint move takes longer than by the short way.
+    joints: (n, a) deg. wound: by axis, the rows before which it would be wound back. off: rows that
+    state a quadrant (or turn) which their axes cannot have. bad: rows that have no path to them in
+    the chosen branch. longer: whether a joint move takes longer than in the short direction.
     """
 
     choice: Choice
@@ -121,10 +121,10 @@ class _Attempt:
 
 @dataclass(frozen=True, slots=True)
 class _RunProblem:
-    """What every choice of branches is tried with.
+    """Inputs with which every choice of branches is tried.
 
     said: (n, 6) configurations that rows state and can have, else UNSTATED. slack: see `RowSurvey`.
-    look: whether to look at what is between the rows.
+    look: True to check the motion between the rows.
     """
 
     said: NDArray[np.integer]
@@ -264,8 +264,8 @@ def _turned(
 def _hold(
     joints: Floats, straight: Truths, before: float, robot: Robot, said: NDArray[np.integer]
 ) -> None:
-    """Axes 4 and 6 in line: leaves axis 4 where it was, as far as limits and what is said allow,
-    and lets axis 6 do the turn, nearest to the middle of its range.
+    """Hold axis 4 where axes 4 and 6 are in line, as far as limits and stated configurations allow,
+    and let axis 6 do the turn, nearest to the middle of its range.
     """
     four = np.where(straight, np.nan, joints[:, 3])
     rows = np.flatnonzero(straight)
@@ -287,7 +287,7 @@ def _hold(
 def _branch_change(
     run: Run, robot: Robot, rows: Rows, joints: Floats, severity: Severity | None
 ) -> Diagnostic:
-    """What keeps the first of some rows from having the branch of the row before it."""
+    """Return the finding why the first of some rows cannot have the branch of the row before it."""
     row = int(rows[0])
     solved = np.flatnonzero(np.isfinite(joints[:row]).all(axis=1))
     last = joints[solved[-1]] if len(solved) else run.before

@@ -25,13 +25,16 @@ THROUGH: Final = np.float32(np.sin(np.radians(0.1)))
 """Sine of the least angle of axis 5 on the way that still counts as through the point: a
 robot cannot turn axis 4 by half a turn on so short a way."""
 IN_LINE: Final = np.float32(1e-5)
-"""Sine of axis 5 below which axis 4 has no angle of its own."""
+"""Sine of axis 5 below which axis 4 has no defined angle."""
 
 SMALL: Final = 0.01
-"""How far the wrist's bend (see `directions`) may move in one step that is as good as straight,
-beside the least angle of axis 5 that counts."""
+"""Largest change of the wrist's bend (see `directions`) in one step that counts as straight, beyond
+the least angle of axis 5 that counts.
+"""
 EVEN: Final = 0.5
-"""How far the bend of the wrist (see `directions`) may move in one step to be even on the way."""
+"""Largest change of the wrist's bend (see `directions`) in one step that counts as even on the
+path.
+"""
 
 
 def directions(joints: Floats) -> Singles:
@@ -101,16 +104,16 @@ def _opposite(first: Singles, last: Singles) -> Truths:
 
 
 def _near(first: Singles, last: Singles) -> Truths:
-    """Whether the straight line between two bends (2, ...) comes near to none."""
+    """True if the straight line between two bends (2, ...) passes near zero."""
     length = np.maximum(np.hypot(*(last - first)), np.float32(1e-12))
     return np.asarray(np.abs(last[0] * first[1] - last[1] * first[0]) / length < THROUGH)
 
 
 def least_bends(bends: Singles, kinds: NDArray[np.uint8]) -> Singles:
-    """(4, n) the least sine of axis 5 of each pair on the way to each row.
+    """Return (4, n) the least sine of axis 5 of each pair on the path to each row.
 
     bends: (4, 2, n) of `directions`. A linear or circular move that bends the wrist little
-    elsewhere is taken to bend it evenly on the way; of others only both ends are looked at.
+    elsewhere is assumed to bend it evenly on the path; of other moves only both ends are checked.
     """
     out = np.hypot(bends[:, 0], bends[:, 1])
     along = np.flatnonzero(kinds[1:] != Kind.JOINT) + 1

@@ -49,14 +49,14 @@ def simulate(
     drive: Drive | None = None,
     carried: Carried | None = None,
 ) -> Simulation:
-    """How long a solved program takes, and how the arm moves while it runs.
+    """Compute the duration of a solved program, and the motion of the arm while it runs.
 
     period: seconds between samples; None for 0.01, or longer if those would be too many.
-    acceleration: mm/s² of the tool on lines and arcs at most; None if only the axes bound it.
-    start: (a,) joints where the program begins, None for home. drive: speeds and accelerations
-    of the axes, None for those of the robot. carried: what the arm carries at first, None if that
-    need not be known; `Segment.carried` of what is passed then tells it.
-    Raises Refused if the solution has errors: what cannot be reached has no time.
+    acceleration: largest mm/s² of the tool on lines and arcs; None if only the axes bound it.
+    start: (a,) joints at the start of the program, None for home. drive: speeds and accelerations
+    of the axes, None for those of the robot. carried: the bodies that the arm carries at first,
+    None if they are not needed; `Segment.carried` of the segments in `passed` then states them.
+    Raises Refused if the solution has errors: an unreachable target has no time.
     """
     if has_errors(solution.findings):
         raise Refused(*solution.findings)

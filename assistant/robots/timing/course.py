@@ -125,7 +125,7 @@ def join_moves(parts: Sequence[Moves]) -> Moves:
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What statements before a move say of it: factors of its speed and accelerations."""
+    """Settings of a move from earlier statements: factors of its speed and accelerations."""
 
     override: float = 1.0
     acceleration: float = 1.0
@@ -142,10 +142,10 @@ def moves_of(
     tables: tuple[Mapping[str, Speed], Mapping[str, Blend]],
     settings: Settings,
 ) -> Moves:
-    """Columns of moves whose speeds and blends are those of some rows of a pace.
+    """Return columns of moves with the speeds and blends of some rows of a pace.
 
-    tables: named speeds and blends by their names in lower case. A name that is in none gives
-    a speed that is no number, or a stop.
+    tables: named speeds and blends by their names in lower case. A name that is in neither gives a
+    speed that is not a number, or a stop.
     """
     speeds = [_speed(speed, tables[0]) for speed in pace.speeds]
     blends = [_blend(blend, tables[1]) for blend in pace.blends]
@@ -278,10 +278,11 @@ def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
 
 
 class MoveEnds:
-    """Where n moves start, with their own tool and frame, and how long their ways are.
+    """Start poses of n moves, with their tool and frame, and the lengths of their paths.
 
-    j0 (n, a), p0 (n, 3), q0 (n, 4). lengths (n,) mm, turns (n,) deg; of joint moves straight.
-    remounted: (n,) whether the tool or frame is another one than before, whose tip is elsewhere.
+    j0 (n, a), p0 (n, 3), q0 (n, 4). lengths (n,) mm, turns (n,) deg; straight for joint moves.
+    remounted: (n,) whether the tool or frame differs from the one before, so that the tip is
+    elsewhere.
     """
 
     def __init__(self, moves: Moves, start: Floats, robot: Robot) -> None:
@@ -409,9 +410,9 @@ def _unwind(
     ends: MoveEnds,
     robot: Robot,
 ) -> Rows:
-    """Makes the joints of inner knots continuous from the start of each move to its end.
+    """Make the joints of inner knots continuous from the start of each move to its end.
 
-    Where that cannot be, they are set to `between`, and the rows are given.
+    If that is not possible, they are set to `between`, and the rows are returned.
     """
     if robot.arm.spherical:
         line = solved & (np.abs(joints[:, 4]) < IN_LINE)
@@ -444,8 +445,8 @@ CornerPoses = tuple[Floats, Floats, Floats]
 class Corners:
     """c corners.
 
-    step: (s,) rows of the knots that are no standing still. d: (s,) their lengths. at: (c,) the
-    step before each corner. zone: (c,) how far it reaches, before and behind.
+    step: (s,) rows of the knots that move. d: (s,) their lengths. at: (c,) the step before each
+    corner. zone: (c,) how far it reaches, before and after.
     """
 
     def __init__(
@@ -562,7 +563,7 @@ class Corners:
 
 
 NO_STEP: Final = 1e-9
-"""mm or degrees below which a step is none."""
+"""mm or degrees below which a step counts as no movement."""
 ON_THE_SPOT: Final = 1e-3
 """mm of way for a degree of turn below which a move is a turn on the spot."""
 TURN_OF_ZONE: Final = 0.15
@@ -585,17 +586,17 @@ class Zones:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Course:
-    """s steps of knots that are no standing still, and s + 1 knots between them.
+    """s steps of knots that move, and s + 1 knots between them.
 
-    step: (s,) rows of the knots. distance: (s,) along the way, mm (degrees where the tool turns
-    on the spot, or the arm moves around it), as if no corner were cut. room: (s + 1,) the same
-    before and behind each knot in which the way is bent; 0 for a stop. corner: (s + 1,) whether
-    the knot belongs to a corner that is cut. inside: (s,) whether a step lies between knots of
-    one corner. loose: (s,) whether it is of a joint move, or lies in the corner of one. axes:
-    (a, s) and tool: (3, s) what moves in a step for each mm of it. straight: (s,) whether it is of
-    joint moves alone, so that its joints are nowhere else than on the lines between the knots and
-    the parabolas of the corners. moves, robot: what the course was made of. scale: (n,) how long
-    each of the moves is. zones: its corners.
+    step: (s,) rows of the knots. distance: (s,) along the path, mm (degrees where the tool turns on
+    the spot, or the arm moves around it), as if no corner were cut. room: (s + 1,) the same before
+    and after each knot at which the path is bent; 0 for a stop. corner: (s + 1,) whether the knot
+    belongs to a corner that is cut. inside: (s,) whether a step lies between knots of one corner.
+    loose: (s,) whether it is of a joint move, or lies in the corner of one. axes: (a, s) and tool:
+    (3, s) movement in a step for each mm of it. straight: (s,) whether it is of joint moves alone,
+    so that its joints are nowhere else than on the lines between the knots and the parabolas of the
+    corners. moves, robot: inputs of the course. scale: (n,) length of each of the moves. zones: its
+    corners.
     """
 
     knots: Knots
@@ -620,7 +621,7 @@ class Course:
 
 
 def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
-    """The course of moves that are gone through at knots."""
+    """Return the course of moves that pass through knots."""
     lengths, turns = (sums_by_move(knots.row, x, len(moves)) for x in (knots.length, knots.turn))
     scale, kind = _scales(knots, lengths, turns)
     distance = knots.part * scale[knots.row]

@@ -50,10 +50,10 @@ class Drive:
 def drive_of(
     robot: Robot, tcp_acceleration: float | None = None, load: float | None = None
 ) -> Drive:
-    """What the catalogue says of a robot, and `TIME_TO_SPEED` where it says nothing.
+    """Return the drive of a robot in the catalogue, with `TIME_TO_SPEED` for missing values.
 
-    load: kg that it carries, None if not known. A time to speed of the robot's own holds up to
-    the load that it was fitted with; with more, an arm is never quicker than with less.
+    load: kg that it carries, None if not known. The robot's time to speed holds up to the load that
+    it was fitted with; with more, an arm is never quicker than with less.
     """
     given, time = robot.accelerations, TIME_TO_SPEED
     if robot.time_to_speed is not None:
@@ -82,11 +82,11 @@ SpeedLimits = tuple[Floats, NDArray[np.uint8]]
 
 
 class Bounds:
-    """Of s steps of a course.
+    """Speed and acceleration bounds of s steps of a course.
 
     length, turn: (s,) mm and degrees of the tool for each mm of it. caps: (s,) the highest speeds
     with their reasons. straight: (s,) each, the most acceleration for the axes and for the tool
-    where the way is straight; bends: (s + 1,) each, the part of it that the bend at a knot takes
+    where the path is straight; bends: (s + 1,) each, the part of it that the bend at a knot takes
     at a speed of 1. bend: the most of them.
     """
 
@@ -127,9 +127,9 @@ class Bounds:
         return np.maximum(most * self.up, LEAST_MOTION), np.maximum(most * self.down, LEAST_MOTION)
 
     def limits(self, at: Any, axes: Floats, length: Floats, turn: Floats) -> Floats:
-        """(5, p) the highest speeds, by the tool, its turn, the robot, percent and axes.
+        """Return (5, p) the highest speeds, by the tool, its turn, the robot, percent and axes.
 
-        at: steps (p,). axes: (a, p), length: (p,), turn: (p,) what moves there for each mm.
+        at: steps (p,). axes: (a, p), length: (p,), turn: (p,) movement there for each mm.
         """
         moves, free, row = self.moves, self.free[at], self.row[at]
         override = moves.override[row]
@@ -206,7 +206,7 @@ def column_norms(vectors: Floats) -> Floats:
 
 
 LITTLE_BEND: Final = 0.02
-"""Part of an acceleration that a bend takes at most to be in no section of its own."""
+"""Largest part of an acceleration that a bend may take without a separate section."""
 MOST_BEND: Final = 0.999
 """Part of an acceleration that a bend takes at most; the rest changes the speed."""
 SPEED_PASSES: Final = 3
@@ -335,9 +335,11 @@ class Bends:
         self.highest = np.minimum(near[knot], MOST_BEND / bounds.bend[knot])
 
     def accelerations(self) -> tuple[Floats, Floats]:
-        """(b,) to more and to less speed, for every w up to the highest.
+        """Return (b,) the acceleration and the deceleration that hold for every w up to the
+        highest.
 
-        What is asked of an axis is linear in its rate and in w: it is enough to look at the ends.
+        The demand on an axis is linear in its rate and in w, so that only the ends need to be
+        checked.
         """
         bounds, w = self.bounds, self.highest
         up, down = bounds.up[self.step], bounds.down[self.step]
@@ -402,7 +404,7 @@ def _largest(most: Floats, rises: Floats, falls: Floats) -> Floats:
 
 
 ACCELERATION, SPEED, ROTATION, ROBOT_SPEED, PERCENT, FIRST_AXIS = range(6)
-"""What binds a move; from FIRST_AXIS on the axes."""
+"""Limits that bind a move; from FIRST_AXIS on the axes."""
 BINDING_WORDS: Final = ("acceleration", "speed", "reorientation", "speed of the robot", "percent")
 
 
@@ -480,7 +482,9 @@ class Plan:
         return float(self.profile.times[-1])
 
     def passing(self, places: Floats) -> Floats:
-        """When places (m,) along the course are come to, seconds from the start of the plan."""
+        """Return the times at which positions (m,) along the course are passed, seconds from the
+        start of the plan.
+        """
         profile = self.profile
         if not len(profile.step):
             return np.zeros(len(places))
@@ -498,7 +502,7 @@ class Plan:
         return np.asarray(np.where(left < drop, behind, profile.times[index] + up + even))
 
     def place(self, seconds: float) -> tuple[float, float]:
-        """How far along the course the arm is, and how fast it goes along it."""
+        """Return how far along the course the arm is, and its speed along it."""
         profile = self.profile
         if not len(profile.step):
             return 0.0, 0.0
@@ -509,7 +513,7 @@ class Plan:
         return float(profile.distance[: index[0]].sum() + done[0]), float(speed[0])
 
     def at(self, times: Floats) -> Moment:
-        """Where everything is at times (m,), seconds from the start of the plan."""
+        """Return the poses, joints and speeds at times (m,), seconds from the start of the plan."""
         profile, knots = self.profile, self.course.knots
         if not len(profile.step):
             still = np.zeros(len(times))
@@ -602,7 +606,9 @@ def _rates(course: Course, values: Floats, at: Rows) -> Floats:
 
 
 def _within(profile: Profile, index: Rows, gone: Floats) -> tuple[Floats, Floats]:
-    """How far (m,) in sections the arm is after so many seconds in them, and the speed then."""
+    """Return how far (m,) in sections the arm is after so many seconds in them, and its speed
+    then.
+    """
     v0, v1 = profile.speed[index], profile.speed[index + 1]
     peak, rise, fall = profile.peak[index], profile.rise[index], profile.fall[index]
     distance = profile.distance[index]

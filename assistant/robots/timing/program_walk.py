@@ -81,7 +81,7 @@ from assistant.robots.timing.simulation import Ledger
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop
 
 MOST_ROUNDS: Final = 8
-"""Rounds of a loop that may begin in states of their own."""
+"""Largest number of rounds of a loop that may begin in different states."""
 
 
 def time_one_round(walker: Walker, body: Body, state: State, *, ever: bool) -> State | None:
@@ -103,7 +103,9 @@ def time_one_round(walker: Walker, body: Body, state: State, *, ever: bool) -> S
 def _further_rounds(
     walker: Walker, body: Body, begin: State, end: State, done: State, assigned: set[str]
 ) -> list[State]:
-    """How the rounds behind the first end, until they begin as others began."""
+    """Return the end states of the rounds after the first, until a round begins like an earlier
+    one.
+    """
     begun, ends, mark = [begin], list[State](), len(walker.returned)
     with _uncounted(walker):
         for _ in range(MOST_ROUNDS):
@@ -131,7 +133,9 @@ def _after_same_time(done: State, other: State) -> State:
 
 @contextmanager
 def _uncounted(walker: Walker) -> Iterator[None]:
-    """What is gone through within takes no time, and is noted only if it is not known."""
+    """Walk statements without counting their time; keep only notes about motions that are not
+    timed.
+    """
     ledger, procedures = walker.ledger, dict(walker.procedures)
     counts = walker.statements, walker.called
     walker.ledger = Ledger()
@@ -144,7 +148,9 @@ def _uncounted(walker: Walker) -> Iterator[None]:
 
 
 class VendorMotion:
-    """Of a program's kept text, as far as the program holds the routines that are called."""
+    """Motion in a program's vendor statements, as far as the program holds the routines that they
+    call.
+    """
 
     def __init__(self, program: Program) -> None:
         self._program = program
@@ -156,11 +162,11 @@ class VendorMotion:
         self._moving: dict[str, bool] = {}
 
     def possible(self, effect: Effect) -> bool:
-        """Whether the arm may be elsewhere behind it."""
+        """True if the arm may be elsewhere after a statement with this effect."""
         return effect.moves or any(map(self._moves, sorted(effect.calls)))
 
     def _moves(self, name: str) -> bool:
-        """Whether a routine, in lower case, or one that it calls may move the arm."""
+        """True if a routine, in lower case, or one that it calls may move the arm."""
         if name not in self._moving:
             reached, pending = {name}, [name]
             while pending and name not in self._moving:
@@ -173,7 +179,9 @@ class VendorMotion:
         return self._moving[name]
 
     def _does(self, name: str) -> tuple[bool, set[str]]:
-        """Whether a routine moves by itself, as one that is not there may; and what it calls."""
+        """Return whether a routine itself moves the arm, as a missing routine may, and the routines
+        that it calls.
+        """
         procedure = self._program.procedure(name)
         if procedure is None:
             effects = self._declared.get(name)
@@ -268,7 +276,7 @@ class Walker:
         return None if state is None else self.flush(state)
 
     def inner(self, body: Sequence[Statement], state: State) -> State | None:
-        """A body that is entered in a state, counted by itself."""
+        """Walk a body that is entered in a state, with a separate count."""
         mark = len(self.returned)
         end = self.body(body, state.begun())
         self.returned[mark:] = [state.then(one) for one in self.returned[mark:]]
@@ -356,7 +364,9 @@ class Walker:
     # ---------------------------------------------------------------------- other statements
 
     def setting(self, statement: Statement, state: State) -> State | None:
-        """What does not keep the arm from moving on; None for any other statement."""
+        """Apply a statement that does not interrupt the motion; return None for any other
+        statement.
+        """
         match statement:
             case SetOverride(percent=percent):
                 value = self.number(percent, "the override")
@@ -375,7 +385,7 @@ class Walker:
         return None if standing else state
 
     def acting(self, statement: Statement, state: State) -> State | None:
-        """What the arm stands still for; None if nothing behind it is reached."""
+        """Apply a statement for which the arm stops; return None if nothing after it is reached."""
         self.names.own = dict(state.known)
         match statement:
             case Wait(seconds=seconds):
@@ -461,7 +471,9 @@ class Walker:
         return None if done is None else state.then(done)
 
     def counted(self, statement: For, state: State) -> State | None:
-        """As many rounds as the text tells, else one; alike ones are walked once."""
+        """Walk as many rounds as the text states, else one; rounds that are alike are walked
+        once.
+        """
         first, last = self.values.number(statement.first), self.values.number(statement.last)
         step = None if statement.step is None else self.values.number(statement.step)
         name = statement.variable.lower()
@@ -514,7 +526,7 @@ class Walker:
         return time_one_round(self, statement.body, state, ever=ever)
 
     def repeats(self, start: State, end: State, alike: bool) -> bool:
-        """Whether the rounds to come are as this one; also when there have been too many.
+        """True if the remaining rounds equal this one; also if there have been too many.
 
         alike: the count of the loop makes no difference to its rounds.
         """
@@ -526,7 +538,7 @@ class Walker:
         return True
 
     def reads(self, statement: For, name: str) -> bool:
-        """Whether the body of a loop may read its variable."""
+        """True if the body of a loop may read its variable."""
         inner = list(walk(statement.body))
         if name in self.shared and any(isinstance(s, Call | Opaque) for s in inner):
             return True
@@ -571,13 +583,13 @@ MOVING_FUNCTION: Final = Doubt(
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """The program comes to a travel.
+    """The program's arrival at a travel.
 
-    number: of the travel among those of the program, from 0, in order of text. places: joints
-    where the arm may stand. carried: by it. doubt: why `places` may lack one, None if none does.
-    goal: the pose in its frame, or the joints, that its target means then, None if only running the
-    program tells. external: it moves external axes. first: nothing moved before it. joints: (a,) of
-    the move that stands right behind it, None if they are not known.
+    number: of the travel among those of the program, from 0, in order of text. places: possible
+    joints of the arm. carried: by it. doubt: reason why `places` may be incomplete, None if it is
+    complete. goal: the pose in its frame, or the joints, to which its target evaluates then, None
+    if it is known only when the program runs. external: it moves external axes. first: nothing
+    moved before it. joints: (a,) of the move that follows directly, None if they are not known.
     """
 
     number: int
@@ -695,7 +707,7 @@ class _ArrivalWalker(Walker):
         return super().setting(statement, state)
 
     def functions(self, statement: Statement) -> None:
-        """Doubts what stands behind a statement that calls a function which moves the arm."""
+        """Set the doubt for all after a statement that calls a function which moves the arm."""
         for part in records(head(statement)) if self.moving_functions else ():
             match part:
                 case Apply(name) if name.lower() in self.moving_functions:
@@ -732,7 +744,7 @@ class _ArrivalWalker(Walker):
 
     @contextmanager
     def rounds(self) -> Iterator[None]:
-        """What is doubted in a round, is so in those that come after it as well."""
+        """Extend a doubt that arises in one round of a loop to all arrivals of its rounds."""
         first, before = len(self.found), self.doubt
         yield
         if self.doubt != before:

@@ -53,8 +53,8 @@ class Duration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class History:
-    """What was done, the last thing first: a plan, seconds of waiting, or another history as
-    often as its count says.
+    """History of a program, the last entry first: a plan, seconds of waiting, or another history as
+    often as its count states.
 
     start: seconds of all before it. seconds: of all with it. last: the last plan of all.
     """
@@ -80,7 +80,7 @@ class History:
         object.__setattr__(self, "last", last)
 
     def chain(self) -> list[History]:
-        """What was done, the first thing first."""
+        """Return the history with the first entry first."""
         nodes = []
         node: History | None = self
         while node is not None:
@@ -91,11 +91,11 @@ class History:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """Where a program is after one way through it, or after several that met again.
+    """State of a program after one branch through it, or after several that met again.
 
-    places: joints where the arm may be; none if that is not known. known: values of variables
-    in lower case, None for one that is not known. history: of the way that takes the longest.
-    carried: what the arm carries, None if nobody wants to know.
+    places: joints where the arm may be; empty if they are not known. known: values of variables in
+    lower case, None for one that is not known. history: of the branch that takes the longest.
+    carried: the bodies that the arm carries, None if they are not needed.
     """
 
     least: float = 0.0
@@ -122,7 +122,7 @@ class State:
         return replace(self, known={**self.known, **changed}) if changed else self
 
     def begun(self) -> State:
-        """A state from which a way of its own begins."""
+        """Return a state from which a separate branch begins."""
         return replace(self, least=0.0, most=0.0, history=None)
 
     def then(self, other: State, times: int = 1) -> State:
@@ -138,7 +138,7 @@ class State:
         )
 
     def same_state(self, other: State) -> bool:
-        """Whether the arm, the settings and the variables are as in another state."""
+        """True if the arm, the settings and the variables are as in another state."""
         return (
             self.places == other.places
             and self.settings == other.settings
@@ -148,7 +148,7 @@ class State:
 
 
 def merged_state(states: Sequence[State]) -> State | None:
-    """The state where ways meet again; None if there are none."""
+    """Return the state at which branches meet again; None if no state is given."""
     if len(states) < 2:
         return states[0] if states else None
     longest = max(states, key=lambda state: state.most)
@@ -172,11 +172,11 @@ def merged_state(states: Sequence[State]) -> State | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
-    """One motion statement, ready to be timed.
+    """One motion statement, ready for timing.
 
-    number: of the motion statement in its procedure, counted from 1. key: the same for pieces
-    that are alike in everything. triggers: what it sets on its way. carried: by the arm meanwhile.
-    lines: whether each of its moves has a line of its own in the text.
+    number: of the motion statement in its procedure, counted from 1. key: the same for pieces that
+    are alike in everything. triggers: outputs that it sets during the motion. carried: by the arm
+    meanwhile. lines: whether each of its moves has a separate line in the text.
     """
 
     procedure: str
@@ -327,7 +327,7 @@ class Segments:
 
 
 def label_of(statement: Moving) -> str:
-    """What a statement moves to, in words of the pseudo-program."""
+    """Return the target of a statement, in words of the pseudo-program."""
     if isinstance(statement, Follow):
         return f"path {statement.path.name}"
     return f"`{expression_text(statement.target)}`"
@@ -374,7 +374,7 @@ def _of_run(leg: Leg, tables: tuple, settings: Settings) -> Moves:  # type: igno
 
 
 class Carried(Protocol):
-    """What an arm carries, as far as is known; equal where it is alike."""
+    """Bodies that an arm carries, as far as known; states that are alike compare equal."""
 
     def switched(self, name: str, value: float | None, joints: JointValues | None) -> Carried:
         """The same after an output, or `hand 1` (1 for closed), is set where the arm stands.
@@ -383,15 +383,16 @@ class Carried(Protocol):
         """
 
     def met(self, other: Carried) -> Carried:
-        """Where two ways of a program meet."""
+        """Merge the carried bodies where two branches of a program meet."""
 
 
 def with_carried(
     statement: Statement, state: State, waiting: Sequence[Segment], values: Values
 ) -> State:
-    """The state after a statement, with what the arm carries then.
+    """Return the state after a statement, with the bodies that the arm carries then.
 
-    What a move sets on its way counts from its end on, a pulse as if it stayed.
+    An output that a move sets during its motion counts from the end of the move, a pulse as if it
+    stayed.
     """
     carried = state.carried
     assert carried is not None

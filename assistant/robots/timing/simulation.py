@@ -143,7 +143,9 @@ class OutputTime:
 def output_times(
     plan: Plan, rows: slice, triggers: tuple[Trigger, ...], procedure: str, number: int
 ) -> Iterator[OutputTime]:
-    """Of the move that is some rows of a plan; places that are worked out are left out."""
+    """Yield the output times of the move that spans some rows of a plan; computed positions are
+    left out.
+    """
     times = np.concatenate([[0.0], np.cumsum(plan.profile.seconds)])
     begin, end = float(times[rows.start]), float(times[rows.stop])
     at = np.linspace(begin, end, TIME_PARTS + 1)
@@ -208,9 +210,9 @@ class MoveTimes:
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """What the times do not hold, or only as assumed.
+    """Effect that the times leave out, or include only as assumed.
 
-    procedure: where. what: a clause. times: how often it was met.
+    procedure: its procedure. what: a clause. times: number of occurrences.
     """
 
     procedure: str
@@ -224,14 +226,13 @@ class Unknown:
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """How long a program takes on a robot.
+    """Duration of a program on a robot.
 
-    duration: of the entry. procedures: name → how long a call takes, over all calls.
-    outputs: what moves set on their way, in order of text.
-    labels: procedure and number of each of its motion statements → what it moves to.
-    history: of the way through the entry that takes the longest. start: (a,) joints where it
-    begins. passed: every stretch of moves that was timed, also beside that way.
-    wanted_period: see `period`.
+    duration: of the entry. procedures: name → duration of a call, over all calls. outputs: outputs
+    that moves set during motion, in order of text. labels: procedure and number of each of its
+    motion statements → its target. history: of the branch through the entry that takes the longest.
+    start: (a,) joints where it begins. passed: every stretch of moves that was timed, also outside
+    that branch. wanted_period: see `period`.
     """
 
     robot: Robot
@@ -248,7 +249,7 @@ class Simulation:
 
     @property
     def seconds(self) -> float:
-        """Of the entry, on the way that takes the longest."""
+        """Seconds of the entry, in the branch that takes the longest."""
         return self.duration.most
 
     @property
@@ -281,7 +282,7 @@ class Simulation:
         return samples_of(self.history, self.seconds, self.period, self.robot, self.start)
 
     def bound_by(self, binds: int) -> str:
-        """What a value of `MoveTimes.binds` means, in words."""
+        """Describe a value of `MoveTimes.binds` in words."""
         return self.robot.axes[binds - FIRST_AXIS] if binds >= FIRST_AXIS else BINDING_WORDS[binds]
 
 

@@ -174,7 +174,7 @@ class CourseJoints:
 
 
 BEND_PARTS: Final = 4
-"""Parts that each half of a bend is looked at in."""
+"""Parts in which each half of a bend is examined."""
 LINE_SAFETY: Final = 1.5
 """By how much more than its second difference tells a joint may be off the line between knots."""
 

@@ -41,9 +41,11 @@ _ASIDE: Final = (0.618034 * np.arange(INTERVAL_SAMPLES) % 1.0 - 0.5) * (
     0.6 / (INTERVAL_SAMPLES - 1)
 )
 SAMPLE_PARTS: Final = np.where((_EVEN > 0) & (_EVEN < 1), _EVEN + _ASIDE, _EVEN)
-"""Where in an interval they stand: unevenly, lest a curve that repeats looks straight."""
+"""Positions of the samples in an interval: uneven, so that a curve that repeats does not look
+straight.
+"""
 END_DIRECTION_PARTS: Final = np.array([1e-4, 2e-4, 1 - 1e-4, 1 - 2e-4])
-"""Where the directions at the ends are taken from."""
+"""Positions in an interval at which the directions at the ends are computed."""
 
 Flags = NDArray[np.bool_]
 

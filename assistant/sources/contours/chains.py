@@ -177,7 +177,7 @@ class Contour:
 
     @property
     def end(self) -> Vector:
-        """Where it ends; the start again for a closed one, gaps left aside."""
+        """Return its end; the start again for a closed one, regardless of gaps."""
         return self.start if self.closed else self.curves[-1].end
 
     @property
@@ -186,7 +186,9 @@ class Contour:
 
     @property
     def vertices(self) -> Points:
-        """Where a closed contour may start, (m, 3): its joints, the quadrants of a circle."""
+        """Return the points at which a closed contour may start, (m, 3): its joints, the quadrants
+        of a circle.
+        """
         if self.starts:
             return np.concatenate([self.curves[i].at([part]) for i, part in self.starts])
         only = self.curves[0]
@@ -456,7 +458,7 @@ class _Graph:
 
 
 def _degrees(nodes: Rows) -> Rows:
-    """How many ends of open curves each node has."""
+    """Return the number of ends of open curves at each node."""
     open_ = nodes[nodes[:, 0] != nodes[:, 1]]
     return np.bincount(open_.ravel(), minlength=nodes.size).astype(np.intp)
 
@@ -524,9 +526,11 @@ OVERLAP = warning(
     "trim them in the drawing; move one that is meant to be run twice to a layer of its own",
 )
 MOST_NEIGHBOURS: Final = 64
-"""Neighbours of a curve that are looked at, on the mean: crowds of them are no outline."""
+"""Largest mean number of neighbours of a curve that are examined: crowds of them are not an
+outline.
+"""
 OVERLAP_BATCH: Final = 256
-"""Curves whose neighbours are looked for at once."""
+"""Curves whose neighbours are searched together."""
 
 LineOrArc = Line | Arc
 CoveredStretch = tuple[float, float, Vector, Vector]

@@ -44,7 +44,7 @@ from assistant.sources.contours.curves import (
 from assistant.sources.contours.moves import level_x_axis
 
 MORTON_BITS: Final = 20
-"""Of each coordinate in a Morton key; three make 60."""
+"""Bits of each coordinate in a Morton key; three make 60."""
 MORTON_SHIFTS: Final = (0.0, 0.236, 0.618)
 """Parts of the extent that the curve is moved by, so that no border is one in all of them."""
 CANDIDATES_EACH_WAY: Final = 5
@@ -57,7 +57,7 @@ BIT_SPREAD: Final = (
     (4, 0x10C30C30C30C30C3),
     (2, 0x1249249249249249),
 )
-"""Shifts and masks that put two zero bits behind each of 21 bits."""
+"""Shifts and masks that put two zero bits after each of 21 bits."""
 
 
 def near_owners(points: Points, owners: Rows, most: int) -> list[list[int]]:
@@ -114,10 +114,10 @@ TourPoint = tuple[float, ...]
 
 @dataclass(frozen=True, slots=True)
 class TravelMeasure:
-    """What travel is measured by instead of mm.
+    """Measure of travel that replaces mm.
 
-    places: points (n, 3) → (n, k), each what `apart` asks of it; None if that cannot be had.
-    apart: from place to place.
+    places: points (n, 3) → (n, k), each the arguments of `apart`; None if they are not available.
+    apart: from point to point.
     """
 
     places: Callable[[Points], Floats | None]
@@ -240,12 +240,14 @@ class _Stop:
         return _Stop(contour, vertices[rows], rows)
 
     def stand(self, places: list[TourPoint]) -> None:
-        """As given, with the places of its points."""
+        """Set the entry, the exit and the choices from the tour points of its points, in the given
+        order.
+        """
         self.entry, self.exit = places[0], places[0 if self.vertices else -1]
         self.choices = places if self.vertices else []
 
     def ends(self) -> Points:
-        """The points that stand for it when its neighbours are looked for."""
+        """Return the points that represent it in the search for its neighbours."""
         return self.points[:: max(1, len(self.choices) // 4)]
 
     def flip(self) -> None:
@@ -287,10 +289,10 @@ class _Tour:
             self.place[stop] = place
 
     def _nearest_first(self, curve: list[int]) -> list[int]:
-        """From the first contour on to the nearest neighbour left.
+        """Order the contours from the first to the nearest neighbour left.
 
-        Where all the neighbours are done, the next one on the curve follows. A holder waits
-        for what it holds, and is the next one then if no neighbour is left.
+        If all the neighbours are done, the next one on the curve follows. A holder waits for the
+        contours that it holds, and is the next one then if no neighbour is left.
         """
         done = [False] * len(self.stops)
         waits = [len(held) for held in self.held]
@@ -406,7 +408,7 @@ class _Tour:
         return self.free or self._keeps_holders(low, high, to, backwards)
 
     def _keeps_holders(self, low: int, high: int, to: int, backwards: bool) -> bool:
-        """Whether after a change each stop still comes before its holder."""
+        """True if after a change each stop still comes before its holder."""
         place, holders = self.place, self.holders
         moved = self.order[low:high]
         later = [place[holders[s]] if holders[s] != FREE_CONTOUR else math.inf for s in moved]
@@ -472,9 +474,9 @@ class _Tour:
 
 NO_HOLDER: Final = -1
 HOLDER_BATCH: Final = 256
-"""Contours whose holders are looked for at once."""
+"""Contours whose holders are searched together."""
 MOST_CROSSINGS: Final = 1 << 20
-"""Sides of polygons times points that are looked at at once; bounds memory."""
+"""Sides of polygons times points that are processed together; bounds memory."""
 PROBED_PARTS: Final = (0.17, 0.5, 0.83)
 """Parts of a contour's way that have to be inside, most of them: ends may touch the outline."""
 
@@ -560,7 +562,7 @@ def _polygon_outline(contour: Contour, tolerance: float) -> Points:
 
 
 def _polygon_area(outline: Points) -> float:
-    """Of a polygon (n, 2), by the shoelace formula."""
+    """Return the area of a polygon (n, 2), by the shoelace formula."""
     x, y = (outline - outline[0]).T
     return 0.5 * abs(float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()))
 
@@ -620,7 +622,7 @@ NUMBER_TEXT: Final = re.compile(r"[#(\s]*(\d{1,9})[.):\s]*")
 LEAST_DISTANCE_GAP: Final = 0.1
 """mm by which the nearest contour has to be nearer than the next one."""
 OUTLINE_CHORDS: Final = 64
-"""Of each curve that is no line, to which a text's distance is measured."""
+"""Chords of each curve that is not a line, to which a text's distance is measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -634,7 +636,7 @@ class LayerText:
 
     @property
     def number(self) -> int | None:
-        """What it numbers a contour by, None for a text that is no number."""
+        """Number that the text gives to a contour, None for a text that is not a number."""
         found = NUMBER_TEXT.fullmatch(self.text)
         return None if found is None else int(found[1])
 

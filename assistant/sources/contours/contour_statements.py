@@ -1,9 +1,9 @@
 """Statements of one contour: approach, switch on, follow, switch off, retract.
 
-The start and the end of a contour are targets with names of their own. The targets above them are
-given relative to those, so that teaching one of them again moves all of it. `contour_outputs` sets
-outputs at other positions on the contour than its ends; `FramedSurroundings` asks the surroundings
-of the process for a motion in its frame with its tool.
+The start and the end of a contour are named targets. The targets above them are given relative to
+those, so that teaching one of them again moves all of it. `contour_outputs` sets outputs at other
+positions on the contour than its ends; `FramedSurroundings` asks the surroundings of the process
+for a motion in its frame with its tool.
 """
 
 from __future__ import annotations
@@ -81,11 +81,13 @@ SWITCHED_OFF_TOO_LATE = error(
 SAME_POSITION: Final = 1e-6
 """mm that make no other place."""
 TRIGGER_DECIMALS: Final = 3
-"""Of mm on the way of a move."""
+"""Decimals of mm along a move."""
 
 
 class NoRoomForOutputs(ValueError):
-    """What a contour has no room for: the rule, and fields of its finding but the layer."""
+    """A contour has no room for an output: the rule, and the fields of its finding except the
+    layer.
+    """
 
     def __init__(self, rule: Rule, **fields: Any) -> None:
         super().__init__()
@@ -95,10 +97,11 @@ class NoRoomForOutputs(ValueError):
 
 @dataclass(slots=True)
 class ContourOutputs:
-    """Of one contour.
+    """Outputs of one contour.
 
-    first, last: what the moves to the start and up from the end set on their way. on_way: by the
-    row of the path that ends the move. before, after: statements at the start and at the end.
+    first, last: outputs that the moves to the start and up from the end set during the motion.
+    on_way: by the row of the path that ends the move. before, after: statements at the start and at
+    the end.
     """
 
     first: tuple[Trigger, ...] = ()
@@ -125,10 +128,10 @@ def divided_at(layer: Layer, total: float) -> tuple[float, ...]:
 
 
 def contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -> ContourOutputs:
-    """What is set where along a contour.
+    """Return the outputs along a contour.
 
-    lengths, speeds: mm and mm/s of the rows of its path, (n,). up: mm of the way up from its end.
-    Raises Unfit for what has no room on it.
+    lengths, speeds: mm and mm/s of the rows of its path, (n,). up: mm of the retract from its end.
+    Raises NoRoomForOutputs for an output that has no room on it.
     """
     made, said = ContourOutputs(), layer.switching
     total = float(lengths.sum())
@@ -219,7 +222,9 @@ class FramedSurroundings:
         return FramedSurroundings(process.around, frame.pose, tool.tip)
 
     def places(self, positions: Floats, quaternions: Floats) -> Floats | None:
-        """As of `Surroundings`, in the frame; one quaternion (4,) may be that of all."""
+        """Return the `places` of `Surroundings` for poses in the frame; one quaternion (4,) may
+        serve all.
+        """
         turn = self.frame.quaternion
         turned = rotations.multiply(np.array(turn), np.atleast_2d(quaternions))
         return self.around.places(
@@ -277,7 +282,7 @@ HALF_TURN: Final = 180.0 + 1e-6
 """Degrees that a tool is wound up by over which the way back is another one."""
 
 PEAK_CHORD: Final = 1e-3
-"""mm that chords of a free curve are off where its highest point is looked for."""
+"""Largest deviation in mm of chords of a free curve in the search for its highest point."""
 
 SAME_POSE: Final = 1e-6
 """mm, degrees and parts of a quaternion that tell no two places apart."""
@@ -285,7 +290,7 @@ SAME_POSE: Final = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class PlacedLayer:
-    """How the drawing stands in a layer's frame, and where the tool points there."""
+    """Pose of the drawing in a layer's frame, and direction of the tool there."""
 
     pose: Pose
     direction: Vector
@@ -517,16 +522,17 @@ def travel_measure(
 
 
 def _are_same_poses(one: Pose, other: Pose) -> bool:
-    """Whether poses are the same but for the noise of computing them."""
+    """True if poses are the same except for rounding errors."""
     numbers = (*one.position, *one.quaternion), (*other.position, *other.quaternion)
     return bool(np.allclose(*numbers, rtol=0.0, atol=SAME_POSE))
 
 
 def _travel_kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
-    """How the tool comes from one contour, along which it has turned by degrees, to the next.
+    """Return the kind of the move from one contour, along which the tool has turned by degrees, to
+    the next.
 
-    A line turns it the shorter way, so that a tool that follows closed contours would wind up
-    with each of them; a joint move lets the wrist turn back. It is made above the work only.
+    A line turns it in the shorter direction, so that a tool that follows closed contours would wind
+    up with each of them; a joint move lets the wrist turn back. It is made above the work only.
     """
     if wound is None:
         return "joint"
@@ -546,10 +552,10 @@ def _slower_motion(motion: Motion, travel: Speed) -> Speed:
 def _contour_path(
     name: str, made: MovesWithSpeeds, layer: Layer, direction: Vector, tolerance: float
 ) -> tuple[Pose, Path]:
-    """The start's pose, and the path of the rows; it stops at its end and where it turns.
+    """Return the start's pose, and the path of the rows; it stops at its end and where it turns.
 
-    tolerance: mm that cutting a corner may leave the drawing by, with what fitting has used.
-    Where a move was divided nothing stops.
+    tolerance: mm by which cutting a corner may depart from the drawing, including the deviation of
+    fitting. The path does not stop where a move was divided.
     """
     rows = made.rows
     if layer.tangential:

@@ -34,7 +34,7 @@ MOST_CHORDS: Final = 20_000
 FEWEST_CHORDS: Final = 16
 MOST_HALVINGS: Final = 20
 CHORD_PARTS: Final = np.array([0.23, 0.52, 0.79])
-"""Where in a chord a free curve is looked at: unevenly, as many of them repeat."""
+"""Positions in a chord at which a free curve is sampled: uneven, as many curves repeat."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,7 +368,7 @@ PlanePoints = NDArray[np.float64]
 """(n, 2) mm."""
 
 HEIGHT_PARTS: Final = np.linspace(0.0, 1.0, 5)
-"""Parts of a piece at which its height is looked at."""
+"""Positions in a piece at which its height is sampled."""
 CHORD_TOLERANCE: Final = 0.05
 """Part of the tolerance that chords of an arc may be off where polygons stand for contours."""
 
@@ -423,7 +423,7 @@ def chord_counts(pieces: Sequence[Piece], off: float) -> NDArray[np.intp]:
 
 
 def chord_count(piece: Piece, off: float) -> int:
-    """How many chords stand for a piece, at most `off` mm off."""
+    """Return the number of chords that replace a piece, at most `off` mm off."""
     if isinstance(piece, Line):
         return 1
     step = 2.0 * math.acos(max(1.0 - off / piece.radius, 0.5))
@@ -431,7 +431,7 @@ def chord_count(piece: Piece, off: float) -> int:
 
 
 def signed_area(outline: PlanePoints) -> float:
-    """Of a closed polygon by the shoelace formula; below 0 if it runs clockwise."""
+    """Return the area of a closed polygon by the shoelace formula; below 0 if it runs clockwise."""
     x, y = (outline - outline[0]).T
     return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 

@@ -175,7 +175,9 @@ def contour_program(
 
 
 def _procedure_name(layer: str, taken: TakenNames) -> str:
-    """Of the procedure; a signal is often called as its layer is, and needs the name more."""
+    """Return the name of the procedure; a signal often has the name of its layer, and takes
+    precedence.
+    """
     name = identifier(layer)
     return name if identifier(layer, taken) == name else identifier(f"{name}_contours", taken)
 
@@ -310,7 +312,7 @@ def _layer_procedure(
 
 
 def _remaining_holders(around: Sequence[int], shaped: Sequence[ShapedContour | None]) -> list[int]:
-    """What each contour that is left lies inside, by rows of those that are left."""
+    """Return the holder of each remaining contour, by rows of the remaining contours."""
     rows = [i for i, one in enumerate(shaped) if one is not None]
     number = {row: i for i, row in enumerate(rows)}
 
@@ -324,7 +326,7 @@ def _remaining_holders(around: Sequence[int], shaped: Sequence[ShapedContour | N
 
 
 def _is_reached_by_lines(before: Layer, layer: Layer) -> bool:
-    """Whether the tool comes from one layer to the next as it does within them.
+    """True if the tool moves from one layer to the next as it does within them.
 
     A joint move needs room above the work.
     """

@@ -45,7 +45,7 @@ LEAST_SWEEP: Final = 4.04
 """Degrees of one circular move, whose via and end are seen a quarter of it apart from its start;
 RAPID's MoveC asks for 1 degree."""
 WIDEST_ARC: Final = 240.0
-"""Degrees of one circular move; ABB advises no more, and 360 cannot be said at all."""
+"""Degrees of one circular move; ABB advises no more, and 360 cannot be expressed."""
 FITTING_PART: Final = 0.5
 """Part of the tolerance that fitting a free curve may use."""
 FLATTENING_PART: Final = 0.4
@@ -140,7 +140,7 @@ def close_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
 
 
 def _closed_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line | Arc]]:
-    """What each of the pieces becomes, as of `tight`."""
+    """Return the parts that replace each of the pieces in `close_gaps`."""
     if not pieces:
         return []
     joints = [_joint_of(one, two) for one, two in pairwise(pieces)]
@@ -154,7 +154,7 @@ def _closed_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line |
 
 
 def _joint_of(one: Line | Arc, two: Line | Arc) -> Vector:
-    """Where one piece ends and the next begins."""
+    """Return the point where one piece ends and the next begins."""
     if one.end == two.start or math.dist(one.end, two.start) <= EXACT_MEETING:
         return two.start
     return midpoint(one.end, two.start)
@@ -186,7 +186,7 @@ def possible_moves(piece: Line | Arc, flat: float, widest: float) -> list[Line |
 
 
 def _is_distinct(arc: Arc, count: int) -> bool:
-    """Whether via and end, as they stand, make out the circle."""
+    """True if via and end, as they are, determine the circle."""
     if count > 1:
         return True
     start, via, end = arc.start, arc.via, arc.end
@@ -454,7 +454,9 @@ def _speed_spans(
 def _spans_on_path(
     low: float, high: float, total: float, rows: Moves
 ) -> Iterator[tuple[float, float]]:
-    """What of a stretch lies on the way; of a closed contour what reaches over its start too."""
+    """Yield the parts of a stretch that are on the path; on a closed contour also the part across
+    its start.
+    """
     yield max(low, 0.0), min(high, total)
     if _is_closed(rows):
         if low < 0.0:
@@ -470,7 +472,7 @@ def _is_closed(rows: Moves) -> bool:
 def _corner_spans(
     rows: Moves, pieces: Sequence[LineOrArc], ends: Floats, pace: SpeedProfile
 ) -> Iterator[tuple[float, float]]:
-    """Where corners begin and end; one at the start of a closed contour does at 0."""
+    """Yield the spans of corners; a corner at the start of a closed contour is at 0."""
     if not pieces:
         return
     angle = math.cos(math.radians(pace.angle)) + 1e-9

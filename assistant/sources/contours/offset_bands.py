@@ -203,7 +203,9 @@ class OffsetSource:
         return np.asarray(np.where(before, arriving, 0.0) + np.where(after, leaving, 0.0))
 
     def runs_back(self, ends: PlanePoints, labels: NDArray[np.intp]) -> bool:
-        """Whether the longest side between ends (m + 1, 2) runs against what it is beside."""
+        """True if the longest side between ends (m + 1, 2) runs against the piece or joint next to
+        it.
+        """
         ways = np.diff(ends, axis=0)
         sizes = np.linalg.norm(ways, axis=1) * (1.0 + (labels < self.count) * ends.size)
         k = int(sizes.argmax())
@@ -217,7 +219,7 @@ class OffsetSource:
         return float(ways[k] @ along) < 0.0
 
     def curve(self, label: int, offset: float, near: PlanePoint) -> OffsetCurve:
-        """What runs at the offset beside a piece or around a joint, past a point."""
+        """Return the curve at the offset from a piece or around a joint, past a point."""
         if label >= self.count:
             return OffsetCurve(self.corner(label), None, offset)
         x, y = near
@@ -231,12 +233,14 @@ class OffsetSource:
         return OffsetCurve((sx - side * uy, sy + side * ux), (ux, uy), 0.0)
 
     def corner(self, label: int) -> PlanePoint:
-        """Where the joint of a label is."""
+        """Return the position of the joint of a label."""
         joint = label - self.count
         return self._place(self.end, -1) if joint >= self.count else self._place(self.start, joint)
 
     def mitre(self, label: int, offset: float, near: PlanePoint) -> tuple[PlanePoint, float]:
-        """Where the ways beside both sides of a joint meet, and mm from there to its round."""
+        """Return the point where the paths along both sides of a joint meet, and mm from there to
+        its round.
+        """
         joint = label - self.count
         (ax, ay), (bx, by) = self._place(self.arriving, joint - 1), self._place(self.leaving, joint)
         x, y = ay + by, -ax - bx  # to the right of both
@@ -256,7 +260,7 @@ class OffsetSource:
 
 @dataclass(frozen=True, slots=True)
 class OffsetCurve:
-    """A line through a point along a unit direction, or a circle about it if that is None."""
+    """A line through a point along a unit direction, or without a direction a circle about it."""
 
     point: PlanePoint
     along: PlanePoint | None
@@ -275,7 +279,7 @@ class OffsetCurve:
         return self.point[0] + part * x, self.point[1] + part * y
 
     def meets(self, other: OffsetCurve, near: PlanePoint) -> PlanePoint | None:
-        """Where they cross or touch, the place that is nearest to a point."""
+        """Return the crossing or touching point that is nearest to a point."""
         if self.along is None and other.along is not None:
             return other.meets(self, near)
         bx, by = other.point[0] - self.point[0], other.point[1] - self.point[1]

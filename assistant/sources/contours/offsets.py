@@ -1,13 +1,13 @@
-"""Contours beside contours: the path of a tool's centre whose edge follows them.
+"""Offset contours: the path of a tool's centre whose edge follows them.
 
-What the tool's centre must not enter is the union of bands, one around each line and arc of the
-contour, as wide as the offset on either side; shapely (GEOS) unites them, so that islands, necks
-and collapsing come out right. The borders of that union are polygons. Each of their sides is then
-given back to what made it: beside a line it is a line, beside an arc an arc about the same centre,
-around a corner an arc about the corner; and these meet where they cross each other, in closed
-form. So arcs stay arcs, and nothing of the polygons is left in the result.
+The space that the tool's centre must not enter is the union of bands, one around each line and arc
+of the contour, as wide as the offset on either side; shapely (GEOS) unites them, so that islands,
+necks and collapsing are correct. The borders of that union are polygons. Each of their sides is
+then mapped back to its origin: next to a line it is a line, next to an arc an arc about the same
+centre, around a corner an arc about the corner; and these meet where they cross each other, in
+closed form. So arcs stay arcs, and nothing of the polygons is left in the result.
 
-`ClearRoom` measures how near a tool path comes to the contours that it must not cut into.
+`ClearRoom` measures how near a tool path runs to the contours that it must not cut into.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from assistant.sources.contours.offset_bands import (
 from assistant.sources.contours.path_tolerance import shortest_piece
 
 LEAST_CORNER_TURN: Final = math.radians(15.0)
-"""Of a corner."""
+"""Least turn of a corner."""
 BAND_TOLERANCE: Final = 0.15
 """Part of the tolerance that the polygons of bands may be off: they only tell what meets what."""
 PIECE_QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
@@ -96,14 +96,14 @@ class OffsetRing:
 
 
 def contour_polygon(pieces: Sequence[Piece], tolerance: float) -> Any:
-    """What a closed contour is around, as shapely knows it."""
+    """Return the area inside a closed contour, as a polygon of shapely."""
     import shapely
 
     return shapely.Polygon(polyline(pieces, tolerance * CHORD_TOLERANCE, closed=True))
 
 
 def crosses_itself(pieces: Sequence[Piece], tolerance: float) -> bool:
-    """Whether a closed contour is around nothing, or touches itself."""
+    """True if a closed contour encloses nothing, or touches itself."""
     import shapely
 
     outline = polyline(pieces, tolerance * CHORD_TOLERANCE, closed=True)
@@ -193,7 +193,7 @@ def _turn_between(one: Piece, other: Piece) -> float:
 
 
 def _side_middles(points: PlanePoints) -> PlanePoints:
-    """Of the sides of a closed polygon."""
+    """Return the midpoints of the sides of a closed polygon."""
     return np.asarray(0.5 * (points + np.roll(points, -1, axis=0)))
 
 
@@ -252,7 +252,7 @@ class _SideRun:
         return replace(self, end=other.end, length=self.length + other.length, turn=turn)
 
     def piece(self, start: PlanePoint, end: PlanePoint) -> Piece | None:
-        """What runs from one point to another; None where that is backwards."""
+        """Return the piece from one point to another; None if it would run backwards."""
         curve = self.curve
         dx, dy = end[0] - start[0], end[1] - start[1]
         if curve.along is not None:
@@ -386,7 +386,9 @@ def _long_runs(
 def _joint_of_runs(
     one: _SideRun, two: _SideRun, between: Sequence[_SideRun], limit: float
 ) -> PlanePoint:
-    """Where a run goes over into the next one. between: what is left out there."""
+    """Return the point where a run continues in the next one. between: runs that are left out
+    there.
+    """
     if len(between) == 1 and between[0].mitre is not None:
         return between[0].mitre
     near = _midpoint(one.end, two.begin)
@@ -455,7 +457,9 @@ class ClearRoom:
     def beside(
         self, key: tuple[int, int], own: OffsetRing, offset: float
     ) -> Callable[[Sequence[Piece]], bool]:
-        """Whether pieces have room that lead onto a contour or off it. own: as it was drawn."""
+        """Return a test whether pieces that lead onto a contour or off it have room. own: as it was
+        drawn.
+        """
         if offset > 0.0:
             away = self._away(offset)
             return lambda pieces: (
@@ -481,7 +485,9 @@ class ClearRoom:
         )
 
     def _kept(self, own: OffsetRing) -> Callable[[Any], bool]:
-        """Whether a line that begins or ends on a contour stays on the side of the tool."""
+        """Return a test whether a line that begins or ends on a contour stays on the side of the
+        tool.
+        """
         import shapely
 
         if own.closed:

@@ -270,14 +270,14 @@ ROUNDING_RADII: Final = np.array([0.01, 0.02, 0.05, 0.1, 0.3, 1.0, 5.0, 10.0, 20
 def rounding_radii(
     positions: Floats, kinds: NDArray[np.uint8], whole: Truths, tolerance: float
 ) -> Floats:
-    """How far (n,) each corner may be rounded, in mm, one of `SIZES` or 0 for a stop.
+    """Return (n,) the largest radius in mm of each corner, one of `SIZES` or 0 for a stop.
 
     positions: (n, 3) mm. kinds: (n,). whole: (n - 1,), whether rows i and i + 1 are in one frame
-    with one tool. The rounded way lies between the corner and the chord between the points where
-    it leaves and comes back, which is r·sin(turn / 2) off the corner: that stays within the
-    tolerance. So does half of r²/R where an arc of radius R runs into the corner. No
-    corner takes more than half of the way to a neighbour. Moves of joints count as lines. The
-    first and the last row, and those without a way on a side, are stops.
+    with one tool. The rounded path lies between the corner and the chord between the points where
+    it leaves and returns, which is r·sin(turn / 2) off the corner: that stays within the tolerance.
+    So does half of r²/R where an arc of radius R runs into the corner. No corner takes more than
+    half of the distance to a neighbour. Joint moves count as lines. The first and the last row, and
+    those without a path on a side, are stops.
     """
     n = len(positions)
     found = np.zeros(n)

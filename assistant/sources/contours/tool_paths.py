@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 
 MOST_STARTS_TRIED: Final = 24
-"""Places of a contour that are looked at as its start."""
+"""Largest number of points of a contour that are tried as its start."""
 LEAD_QUARTERS: Final = (0.0, 0.25, 0.5, 0.75)
 
 
@@ -124,7 +124,9 @@ def starts_with_room(
 def starts_of(
     ring: OffsetRing, shaping: Shaping, mark: Points | None
 ) -> tuple[tuple[int, float], ...]:
-    """Where a closed ring may start as the process says; anywhere if it has no such place."""
+    """Return the points at which a closed ring may start by the process; any points if it has no
+    such point.
+    """
     pieces = ring.pieces
     if shaping.start == "point" and mark is not None:
         return (nearest_place(pieces, mark),)
@@ -275,7 +277,7 @@ class ContourOffsets:
 
     @property
     def fixed(self) -> bool:
-        """Of an open contour: whether it is not to be run backwards."""
+        """True if an open contour must not be run backwards."""
         return self.sided or self.shaping.way_round == "drawn"
 
     @property
@@ -284,7 +286,7 @@ class ContourOffsets:
 
     @property
     def outside(self) -> bool:
-        """Of a closed contour: whether the tool is outside of it."""
+        """True if the tool is outside of a closed contour."""
         side = self.shaping.side
         if side == "nesting":
             return self.depth % 2 == 0
@@ -361,7 +363,9 @@ class ContourOffsets:
         return ring if ring.left == wanted else ring.back()
 
     def _placed(self, ring: OffsetRing, mark: Points | None) -> OffsetRing:
-        """With its starts, the first of which it starts at; where leads have no room it is told."""
+        """Return the ring with its possible starts, rotated to the first of them; report leads
+        without room.
+        """
         shaping, length = self.shaping, ring.length
         if ring.closed and shaping.overlap > length:
             self._say(OVERLAP_TOO_LONG, overlap=shaping.overlap, length=length)
@@ -392,7 +396,7 @@ class ContourOffsets:
         return replace(ring, pieces=started_at(ring.pieces, *first), starts=rest)
 
     def _tell_what_is_left(self, rings: Sequence[OffsetRing]) -> None:
-        """Where the tool, on its last way, does not come to."""
+        """Report the material that the tool does not reach on its last round."""
         import shapely
 
         offset = self.shaping.offset + self.shaping.allowances[-1]
@@ -499,7 +503,7 @@ ContourKey = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class ToolPath:
-    """What is followed at once: a contour with leads and all, `below` mm under the drawing."""
+    """One continuous tool path: a contour including its leads, `below` mm under the drawing."""
 
     contour: Contour
     below: float = 0.0
@@ -529,7 +533,7 @@ class ShapedContour:
     dropped: int = 0
 
     def ways(self, contour: Contour, shaping: Shaping) -> Iterator[ToolPath]:
-        """What is followed, in order. contour: `main`, as it was put in order."""
+        """Yield the tool paths in order. contour: `main`, after ordering."""
         if self.view is None:
             yield ToolPath(contour)
             return
@@ -717,7 +721,7 @@ class PathShaper:
 
 
 def _holder_count(row: int, around: Sequence[int]) -> int:
-    """How many contours are around one."""
+    """Return the number of contours around a contour."""
     depth = 0
     while around[row] != NO_HOLDER:
         row, depth = around[row], depth + 1

@@ -134,7 +134,7 @@ class Tags:
         return next(tag for tag, m in self.meanings.items() if m == meaning)
 
     def make_location(self, tags: Iterable[str]) -> bool:
-        """Whether a block with these tags is a location (see above)."""
+        """True if a block with these tags is a location (see above)."""
         found = [self.meaning(tag) for tag in tags]
         known = [m for m in found if m is not None]
         return any(TAG_MEANINGS[m].decides for m in known) or bool(known and None not in found)

@@ -1,6 +1,7 @@
 """Contents of a drawing that a robot can use: curves, locations and numbering texts, in mm.
 
-What is not used is counted and reported. Everything is where the process file places the drawing.
+Entities that are not used are counted and reported. Everything is where the process file places the
+drawing.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ TEXT_TYPES: Final = frozenset(("TEXT", "MTEXT"))
 
 
 def is_number_text(entity: DXFGraphic) -> bool:
-    """Whether an entity is a text that is a number."""
+    """True if an entity is a text that is a number."""
     return (
         entity.dxftype() in TEXT_TYPES
         and _layer_text_at(entity, (0.0, 0.0, 0.0)).number is not None
@@ -77,8 +78,8 @@ def _layer_text_at(
 class Contents:
     """Curves and locations in order of drawing, in mm, where the process places the drawing.
 
-    marks: points that are no locations but say where the contours of their layer start.
-    texts: of the layers whose contours are numbered by them.
+    marks: points that are not locations but state where the contours of their layer start. texts:
+    of the layers whose contours are numbered by them.
     """
 
     unit: str
@@ -90,10 +91,10 @@ class Contents:
 
 
 def read_contents(path: FilePath, process: Process) -> Contents:
-    """Everything in a drawing; raises Unreadable or Refused if it cannot be gone through.
+    """Read everything in a drawing; raises Unreadable or Refused if it cannot be traversed.
 
-    What is wrong with single entities is in the findings, with severity error where a robot
-    might miss it.
+    Faults of single entities are in the findings, with severity error if a robot might miss the
+    entity.
     """
     name = str(path)
     _check_defaults(process, name)
@@ -186,10 +187,10 @@ def _check_defaults(process: Process, path: str) -> None:
 
 
 def ucs_of(document: Drawing, path: str) -> tuple[Diagnostic, ...]:
-    """A finding if people drew in a coordinate system of their own.
+    """Return a finding if the drawing uses a user coordinate system.
 
-    Entities are stored in world coordinates whatever it is; but who reads coordinates off the
-    screen sees others.
+    Entities are stored in world coordinates in any case; but the screen shows other coordinates to
+    a reader.
     """
     axes = (("$UCSORG", (0, 0, 0)), ("$UCSXDIR", (1, 0, 0)), ("$UCSYDIR", (0, 1, 0)))
     world = all(np.allclose(tuple(document.header.get(name, usual)), usual) for name, usual in axes)

@@ -57,7 +57,7 @@ ESCAPE_MARK: Final = b"\\U+"
 
 
 def malformed_numbers(data: bytes, path: str) -> list[Diagnostic]:
-    """Return findings for values that are no numbers but have to be, the first ones of them.
+    """Return findings for the first values that are not numbers but have to be.
 
     It ends where lines are no longer codes and values in turn: that is damage of another kind.
     """
@@ -126,7 +126,7 @@ TAIL_BYTES: Final = 1 << 16
 """Bytes at the end of a file in which the end mark has to stand."""
 
 PADDING: Final = b"\x00\x1a \t\r\n"
-"""What old systems and transfers fill the last block of a file with."""
+"""Bytes with which old systems and transfers pad the last block of a file."""
 
 DAMAGE_ERRORS: Final = (
     ArithmeticError,
@@ -140,7 +140,7 @@ DAMAGE_ERRORS: Final = (
     ValueError,
     struct.error,
 )
-"""What a damaged file or entity raises inside ezdxf, besides its own errors."""
+"""Exceptions that a damaged file or entity raises inside ezdxf, besides its own errors."""
 
 LOSING_REPAIRS: Final = frozenset(
     {
@@ -165,7 +165,7 @@ HANDLE_OR_LINE: Final = re.compile(r"#[0-9A-Fa-f]+|\bline \d+")
 MOST_REPAIRS: Final = 3
 """Kinds of repairs that a finding names."""
 MOST_NOTES: Final = 20
-"""How many notes are told one by one."""
+"""Largest number of notes that are reported individually."""
 
 
 def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
@@ -209,7 +209,7 @@ def _note_findings(notes: list[str], path: str) -> list[Diagnostic]:
 
 
 def library_errors() -> tuple[type[Exception], ...]:
-    """What ezdxf raises for a damaged file or entity."""
+    """Return the exceptions that ezdxf raises for a damaged file or entity."""
     from ezdxf.lldxf.const import DXFError
 
     return (DXFError, *DAMAGE_ERRORS)
@@ -273,9 +273,9 @@ def _repaired(notes: list[str], path: str) -> Diagnostic:
 
 
 def _with_checked_names(document: Drawing) -> Drawing:
-    """The document, if all its spaces and layers have names; raises DXFStructureError.
+    """Return the document, if all its spaces and layers have names; raises DXFStructureError.
 
-    ezdxf reads block records and layers without one, and fails where it is asked for.
+    ezdxf reads block records and layers without a name, and fails when the name is requested.
     """
     from ezdxf.lldxf.const import DXFStructureError
 

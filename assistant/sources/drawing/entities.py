@@ -2,8 +2,8 @@
 
 The primitives are closed under any affine transform: a conic given by two conjugate radii becomes
 such a conic again, and a spline the spline of the moved control points. So nested, mirrored and
-unevenly scaled inserts need no cases of their own; only at the end it is known whether a conic is
-a circle. Readers answer in the coordinates of the entity's layout.
+unevenly scaled inserts need no special cases; only at the end it is known whether a conic is a
+circle. Readers answer in the coordinates of the entity's layout.
 """
 
 from __future__ import annotations
@@ -206,10 +206,10 @@ FEWEST_FIT_POINTS: Final = 2
 
 
 def primitives(entity: DXFGraphic) -> list[Primitive]:
-    """What an entity is made of, in world or block coordinates.
+    """Return the primitives of an entity, in world or block coordinates.
 
-    The entity's type has to be one of `READERS`. Raises Degenerate for one without any
-    length, ValueError or ezdxf's errors for one that says nothing sensible.
+    The entity's type has to be one of `PRIMITIVE_READERS`. Raises Degenerate for one without any
+    length, ValueError or ezdxf's errors for one with invalid data.
     """
     check_stated(entity)
     return PRIMITIVE_READERS[entity.dxftype()](entity)
@@ -223,7 +223,7 @@ def check_stated(entity: DXFGraphic) -> None:
 
 
 def is_followed(entity: DXFGraphic) -> bool:
-    """Whether an entity is a curve that can be followed; a mesh, though a POLYLINE, is not."""
+    """True if an entity is a curve that can be followed; a mesh, though a POLYLINE, is not."""
     kind = entity.dxftype()
     if kind == "POLYLINE":
         polyline = cast("Polyline", entity)
@@ -232,7 +232,7 @@ def is_followed(entity: DXFGraphic) -> bool:
 
 
 def ignored_properties(entity: DXFGraphic) -> list[str]:
-    """What an entity says beyond its curve: thickness, width."""
+    """Return the properties of an entity beyond its curve: thickness, width."""
     found = []
     if entity.dxf.is_supported("thickness") and entity.dxf.get("thickness", 0):
         found.append("thickness")
@@ -359,7 +359,7 @@ def _turned_left(v: Floats) -> Floats:
 
 
 LARGEST_BULGE: Final = 1e6
-"""Beyond it start and end of the arc cannot be told apart."""
+"""Largest bulge; beyond it start and end of the arc cannot be distinguished."""
 
 FLATTEST_BULGE: Final = 1e-9
 """Angle times chord of a bulge below which the arc is straight to any printed decimal."""
@@ -446,7 +446,7 @@ STATED_ATTRIBUTES: Final[dict[str, tuple[str, ...]]] = {
     "POINT": ("location",),
     "INSERT": ("name", "insert"),
 }
-"""What an entity has to state itself: with a default instead, a robot would go elsewhere."""
+"""Attributes that an entity has to state: with a default instead, a robot would move elsewhere."""
 
 PRIMITIVE_READERS: Final[dict[str, Callable[[Any], list[Primitive]]]] = {
     "LINE": _line,

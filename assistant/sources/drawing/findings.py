@@ -1,4 +1,4 @@
-"""What can be found wrong with a drawing: the table of its rules, and how it is counted."""
+"""Findings in a drawing: the table of their rules, and their counts."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ LONGEST_SHOWN: Final = 80
 
 
 def shown(text: str) -> str:
-    """Text from a drawing as it may stand in a message or comment: one line, printable."""
+    """Return text from a drawing in a form for messages and comments: one line, printable."""
     cut = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 1] + "…"
     return "".join(
         c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut
@@ -177,7 +177,7 @@ def shown(text: str) -> str:
 
 
 MOST_HANDLES: Final = 3
-"""How many entities a count names."""
+"""Largest number of entities that a count names."""
 
 
 @dataclass(slots=True)

@@ -68,7 +68,7 @@ NOTED_LENGTH: Final = 1e-6
 """A quaternion this near to unit length has only been rounded, and is not worth a warning."""
 
 REPAIRED_LENGTH: Final = 1e-3
-"""Beyond it a quaternion is taken for a mistake, not for rounding."""
+"""Deviation from unit length beyond which a quaternion counts as a mistake, not as rounding."""
 
 TOOL_DOWN: Final = rotations.about((1.0, 0.0, 0.0), 180.0)
 """Tool against the axes of the location: half a turn about x."""
@@ -229,10 +229,10 @@ class LocationReader:
         return Pose.of(position, rotations.from_matrix(rotation))
 
     def _facing(self, placed: PlacedEntity, rotation: Floats, name: str) -> Floats:
-        """The tool of a location that states no orientation.
+        """Return the tool orientation of a location that states no orientation.
 
-        As the layer's process says, unless the location is drawn on a slope; against its axes
-        where there is no such process.
+        The layer's process states it, unless the location is drawn on a slope; without such a
+        process the tool points against the location's axes.
         """
         kind, handle = placed.entity.dxftype(), placed.entity.dxf.handle or ""
         upwards = np.array(self.process.placed(UPWARDS))

@@ -113,9 +113,11 @@ def _calls_from_home(
 def _visit_procedure(
     locations: Sequence[Location], names: Sequence[str], rows: Sequence[int], process: Process
 ) -> tuple[list[Procedure], list[Diagnostic]]:
-    """The procedure through the locations, or none if there are none, and what is said of it.
+    """Return the procedure through the locations, empty if the drawing has no locations, and
+    findings.
 
-    To the first one no line leads from wherever the arm stands, unless it says so.
+    The first location is not approached in a line from an unknown position, unless it states a
+    line.
     """
     statements: list[Statement] = []
     findings: list[Diagnostic] = []
@@ -206,10 +208,10 @@ class LocationOrder:
 def visiting_order(
     locations: Sequence[Location], path: str, process: Process = NO_PROCESS
 ) -> LocationOrder:
-    """By the order that locations state, as drawn where it is the same; the others follow.
+    """Order locations by the order that they state, as drawn if it is equal; the others follow.
 
-    Where ways are planned and none states an order or another motion, as travel between them is
-    short.
+    If motions are planned and no location states an order or another motion, the order with the
+    shortest travel is used.
     """
     free = all(entry.order is None and entry.kind in (None, "travel") for entry in locations)
     if process.defaults.travels and free:

@@ -1,4 +1,4 @@
-"""What is in a drawing before anybody says what is to be done with it: sizes, layers, blocks."""
+"""Survey of a drawing before a process is stated: sizes, layers, blocks."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ezdxf.entities.insert import Insert
 
 CHORDS: Final = 0.001
-"""mm that chords of a curve may be off where its extents are looked for."""
+"""Largest deviation in mm of chords of a curve when its extents are computed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Extents:
 
     @staticmethod
     def around(points: Sequence[Floats]) -> Extents | None:
-        """Of arrays (n, 3), None without a point."""
+        """Return the extents of arrays (n, 3), None without a point."""
         every = np.vstack(points) if points else np.empty((0, 3))
         every = every[np.isfinite(every).all(axis=1)]
         if not len(every):
@@ -57,11 +57,11 @@ class Extents:
 
 @dataclass(frozen=True, slots=True)
 class SurveyedLayer:
-    """name: as drawn. colour: number of AutoCAD's colours, None for a layer that no table has.
-    state: "on", "off" or "frozen". kinds: entities by type, with all inserts; unused: those that no
-    robot follows or visits, as they are hidden, for people to read, or of a kind that is no line.
-    closed, open: contours, with curves joined end to end. length: of them, mm. locations: points
-    and blocks with attributes. use: what the process file makes of it.
+    """A layer of a drawing. name: as drawn. colour: number of AutoCAD's colours, None for a layer
+    that no table has. state: "on", "off" or "frozen". kinds: entities by type, with all inserts;
+    unused: those that no robot follows or visits, as they are hidden, for people to read, or of a
+    kind that is not a line. closed, open: contours, with curves joined end to end. length: of them,
+    mm. locations: points and blocks with attributes. use: its use by the process file.
     """
 
     name: str
@@ -122,9 +122,9 @@ class _Layer:
 
 
 def survey(path: FilePath, process: Process, stated: str = "as stated") -> Survey:
-    """What a drawing holds, in mm of its own world, and what its process would use.
+    """Survey a drawing in mm of its world, and the parts that its process would use.
 
-    stated: who says so, where the process gives the unit. Raises Unreadable or Refused.
+    stated: source of the unit, if the process gives it. Raises Unreadable or Refused.
     """
     name, tally = str(path), Tally()
     process = replace(process, placement=None)
@@ -216,7 +216,7 @@ def _layer(
 
 
 def _use(layer: _Layer, state: str, process: Process) -> str:
-    """What becomes of a layer, in words."""
+    """Describe the use of a layer, in words."""
     known = {name.casefold(): name for name in process.layers}
     if not layer.curves and not layer.places:
         hidden = f"nothing: the layer is {state}" if state != "on" else "nothing"

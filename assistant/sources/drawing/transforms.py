@@ -23,7 +23,7 @@ ARBITRARY_AXIS_BOUND: Final = 1.0 / 64.0
 """DXF reference, arbitrary axis algorithm: closer than this to z, x comes from the y axis."""
 
 LARGEST: Final = 1e20
-"""Of the numbers of an insert in the drawing's unit, be it the finest; squares stay finite."""
+"""Largest number of an insert in the drawing's unit, even the finest unit; squares stay finite."""
 
 EVEN: Final = 1e-6
 """Relative difference in scale, and cosine, below which a transform keeps angles."""
@@ -95,7 +95,7 @@ def cells(insert: Insert) -> Iterator[tuple[float, float]]:
 
 
 def copies(insert: Insert) -> tuple[int, int]:
-    """How many columns and rows of an insert there are, see `cells`."""
+    """Return the number of columns and rows of an insert, see `cells`."""
     dxf = insert.dxf
     columns = dxf.column_count if dxf.column_spacing else 1
     rows = dxf.row_count if dxf.row_spacing else 1
@@ -118,7 +118,7 @@ def insert_axes(insert: Insert) -> Floats:
 
 
 def insert_origin(insert: Insert, cell: tuple[float, float] = (0.0, 0.0)) -> Floats:
-    """Where an insert puts the base point of its block.
+    """Return the position at which an insert puts the base point of its block.
 
     The grid of a multiple insert is turned with it, but not scaled.
     """
@@ -129,7 +129,7 @@ def insert_origin(insert: Insert, cell: tuple[float, float] = (0.0, 0.0)) -> Flo
 def insert_matrix(
     insert: Insert, base: ArrayLike = (0.0, 0.0, 0.0), cell: tuple[float, float] = (0.0, 0.0)
 ) -> Floats:
-    """Block coordinates to those that the insert stands in.
+    """Return the transform from block coordinates to those of the insert's container.
 
     base: base point of the block. cell: offset of one copy of a multiple insert.
     """
@@ -143,7 +143,7 @@ def mirrors(matrix: Floats) -> bool:
 
 
 def skews(matrix: Floats) -> bool:
-    """Whether a matrix changes angles, as an uneven scale does."""
+    """True if a matrix changes angles, as an uneven scale does."""
     gram = matrix[:3, :3].T @ matrix[:3, :3]
     even = np.eye(3) * np.trace(gram) / 3.0
     return bool(np.abs(gram - even).max() > EVEN * np.trace(gram))

@@ -1,13 +1,14 @@
-"""Traversal of a drawing: every entity once for each place where inserts put it.
+"""Traversal of a drawing: every entity once for each placement by inserts.
 
-A block on a frozen layer is not seen at all; on a layer that is off, only what is on layer 0 of
-the block goes with it. In a block, layer 0 stands for the layer of the insert. What is on a frozen
-or switched-off layer, invisible, or in paper space is left out and counted. The geometry of a
-location block is its symbol, for people: it is counted, not read. Locations inside it are read.
+A block on a frozen layer is not visible at all; on a layer that is off, only the entities on layer
+0 of the block are hidden with it. In a block, layer 0 means the layer of the insert. Entities on a
+frozen or switched-off layer, invisible ones, and those in paper space are left out and counted. The
+geometry of a location block is its symbol, for people: it is counted, not read. Locations inside it
+are read.
 
-`EntityCount` counts what a drawing has with all its inserts without inserting a block: each block
-counts once for each layer that layer 0 stands for in it and each depth where it occurs. Forty
-blocks in each other stand for 2⁴⁰ entities, which is known after looking at forty blocks.
+`EntityCount` counts the entities of a drawing with all its inserts without inserting a block: each
+block counts once for each layer that layer 0 means in it and each depth where it occurs. Forty
+blocks in each other expand to 2⁴⁰ entities, which is known after examining forty blocks.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ LayerInBlock = Callable[["DXFGraphic", str], tuple[str, bool]]
 
 
 class EntityCount:
-    """Of a document. most_nested: blocks in each other that are followed."""
+    """Entity counts of a document. most_nested: depth of nested blocks that are followed."""
 
     def __init__(self, document: Drawing, layered: LayerInBlock, most_nested: int) -> None:
         self._blocks, self._layered, self._most = document.blocks, layered, most_nested
@@ -88,7 +89,7 @@ MOST_ENTITIES: Final = 1_000_000
 MOST_NESTED: Final = 100
 
 DIMENSION_LAYER: Final = "defpoints"
-"""Where CAD systems put the construction points of dimensions; never plotted."""
+"""Layer on which CAD systems put the construction points of dimensions; never plotted."""
 
 ANNOTATION: Final = frozenset(
     {
@@ -122,11 +123,11 @@ def _never(_: str) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlacedEntity:
-    """An entity at one of its places.
+    """An entity at one of its placements.
 
-    matrix: from the coordinates that it stands in to the drawing's world, in mm. layer: in
-    effect. place: the inserts it is in and its handle, for people. cell: of a multiple insert.
-    inserted: the outermost insert that it came with, None for what stands in no block.
+    matrix: from the coordinates of its container to the drawing's world, in mm. layer: in effect.
+    place: the inserts it is in and its handle, for people. cell: of a multiple insert. inserted:
+    the outermost insert that contains it, None outside blocks.
     """
 
     entity: DXFGraphic
@@ -197,7 +198,7 @@ class Traversal:
         return layer, self._hidden(entity, layer) in (None, LAYER_OFF)
 
     def paper(self) -> None:
-        """Counts what stands in paper space; viewports there are windows, no drawing."""
+        """Count the entities in paper space; viewports there are windows, not part of a drawing."""
         for layout in self.document.layouts:
             if layout.is_modelspace:
                 continue
@@ -309,7 +310,7 @@ class Traversal:
 
 
 def _is_clipped(insert: Insert) -> bool:
-    """Whether only a part of the block is shown; a robot must not follow the rest."""
+    """True if only a part of the block is shown; a robot must not follow the rest."""
     from ezdxf.xclip import XClip
 
     clip = XClip(insert)
@@ -332,7 +333,7 @@ LAYER_OFF: Final = "the layer is off"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _BlockOwner:
-    """What the content of a block gets from the inserts around it."""
+    """Properties that the content of a block gets from the inserts around it."""
 
     matrix: Floats
     layer: str = "0"

@@ -97,7 +97,7 @@ class Shaping:
 
     @property
     def sided(self) -> bool:
-        """Whether it matters on which side of a closed contour the tool is."""
+        """True if the side of a closed contour on which the tool runs matters."""
         return self.sided_open or bool(self.leads)
 
     @property
@@ -183,7 +183,7 @@ def shaping_of(table: Table, found: dict[str, Any]) -> Shaping:
 
 
 OrderKind = Literal["travel", "drawing", "text"]
-"""Of contours: as travel is shortest, as they were drawn, by the numbers written beside them."""
+"""Order of contours: for the shortest travel, as drawn, or by the numbers next to them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,13 +205,13 @@ class SpeedProfile:
 
     @property
     def even(self) -> bool:
-        """Whether the whole contour has one speed."""
+        """True if the complete contour has one speed."""
         return self.corner is None and self.start is None and self.end is None
 
 
 @dataclass(frozen=True, slots=True)
 class SwitchPoint:
-    """A place on the way and a time, mm and seconds before or behind the start or the end."""
+    """A position on the path and a time, mm and seconds before or after the start or the end."""
 
     mm: float = 0.0
     seconds: float = 0.0
@@ -259,11 +259,11 @@ MOST_PORT: Final = 65535
 
 @dataclass(frozen=True, slots=True)
 class Trust:
-    """How far sights are trusted.
+    """Limits of trust in sights.
 
-    oldest: seconds that one counts for. sigma_mm, sigma_deg: that it may be unsure by, one standard
-    deviation. confidence: 0 to 1, that it must at least have. within: mm from its usual place that
-    an answer may lie which a program gets as it runs: farther away nothing was looked at.
+    oldest: seconds for which a sight is valid. sigma_mm, sigma_deg: largest uncertainty, one
+    standard deviation. confidence: 0 to 1, the least that is accepted. within: mm from its usual
+    position within which an answer to a running program may be: nothing farther away was checked.
     """
 
     oldest: float = 600.0
@@ -314,9 +314,9 @@ class PoseServer:
 
 @dataclass(frozen=True, slots=True)
 class SeenSettings:
-    """What a process file says under [seen].
+    """Settings of a process file under [seen].
 
-    found: path of a file of what was found, empty for none.
+    found: path of a file of objects that were found, empty if the file names none.
     """
 
     ask: PoseServer | None = None
@@ -351,7 +351,7 @@ SEEN_KEYS: Final[Mapping[str, Read]] = {
 
 
 def seen_of(said: Mapping[str, Any], path: str | None) -> SeenSettings:
-    """From the values of KEYS that are there. path: of the file that says them."""
+    """Build the settings from the given values of KEYS. path: of the file that states them."""
     trust = {key: value for key, value in said.items() if key not in ("ask", "found")}
     found = str(FilePath(path or "").parent / said["found"]) if "found" in said else ""
     return SeenSettings(said.get("ask"), Trust(**trust), found)
@@ -362,14 +362,16 @@ ALONG_TOOL: Vector = (0.0, 0.0, -1.0)
 
 
 def travel_seconds(one: tuple[float, ...], other: tuple[float, ...]) -> float:
-    """Of a joint move between two of `Surroundings.places`: the axes move together."""
+    """Return the seconds of a joint move between two of `Surroundings.places`: the axes move
+    together.
+    """
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
 class WayIn:
-    """direction: of unit length, in the tool's axes, from the place to where the tool comes from
-    or goes to. findings: what is said of it.
+    """Direction of an approach or a retract. direction: of unit length, in the tool's axes, from
+    the target to where the tool starts or goes. findings: findings about it.
     """
 
     direction: Vector = ALONG_TOOL
@@ -401,9 +403,9 @@ DEFAULT_SPEED: Final = Speed(100.0)
 
 @dataclass(frozen=True, slots=True)
 class Defaults:
-    """How a source moves where it does not say so itself.
+    """Default motion for a source that does not state it.
 
-    kind: `travel` for ways that are planned through the cell, between single targets and between
+    kind: `travel` for motions that are planned through the cell, between single targets and between
     contours. speed is deliberately slow: 100 mm/s. blend: None for a stop at single targets, and on
     paths for corners that are rounded within the tolerance. approach, retract: mm along the tool
     axis in a line to single targets of a drawing, and away from them.
@@ -423,7 +425,7 @@ class Defaults:
 
     @property
     def motion(self) -> Motion:
-        """Of single targets."""
+        """Return the motion of single targets."""
         return Motion(self.speed, self.blend or FINE, self.tool, self.frame)
 
 
@@ -433,17 +435,17 @@ DEFAULT_TRAVEL_SPEED: Final = Speed(200.0)
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """What is done along the contours of a layer (gluing, painting, cutting …).
+    """Process along the contours of a layer (gluing, painting, cutting …).
 
     process: name for people. motion: along the contour; the blend holds between its pieces.
     on, off: signals and the values they get at the start and at the end of each contour.
     approach, retract: mm along the tool axis above the first and last point.
     travel: speed of the moves between contours. direction: where the tool points, in the
     drawing's frame (0, 0, -1: down). tangential: the tool's x axis follows the contour.
-    delay: seconds after switching on. inside_first: contours that lie inside closed ones come
+    delay: seconds after switching on. inside_first: contours that lie inside closed ones are run
     before them. rounded: the file states no blend, and corners are rounded within the tolerance.
-    shaping: where beside a contour the tool runs, and how it comes onto it.
-    order: of the contours. pace, switching, above: where speed and outputs change, and the way
+    shaping: offset of the tool from a contour, and its leads.
+    order: of the contours. pace, switching, above: where speed and outputs change, and the motion
     between contours.
     """
 
@@ -468,24 +470,23 @@ class Layer:
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """Everything a process file says.
+    """Content of a process file.
 
     layers: by layer name, compared without case. tags: attribute tag by meaning (`name`,
     `x_rotation`, …), for locations in drawings. tolerance: mm for chaining, fitting, rounding.
-    unit: short name of the unit of drawings, whatever they say, and of arrays that say none.
-    robot: name of the arm that joints were taught on and that runs the program, None if not said.
-    leave_out: layers that nobody wants, compared without case, `*` being any letters.
-    placement: the drawing's world in the default frame, None where it is that frame.
-    joint_speed: mm/s of joint moves of a robot program whose percentage cannot be said in mm/s.
-    joint_percent: of joint moves whose mm/s cannot be said, None to take the share of the fastest.
-    lines: by their numbers on the source's controller.
-    interface: how the program stands among others, None if nothing is said of it.
-    home: degrees of the axes (mm of sliding ones) at which the program of a drawing begins and
-    ends, None for wherever the arm is.
-    seen: of frames that are seen, how far sights are trusted, and whom a program asks.
-    around: what stands around the work, which no process file says; None if nobody knows.
-    merges: rows that repeat the place of the row before are left out; no process file says so.
-    findings: warnings about the process file itself.
+    unit: short name of the unit of drawings, overriding theirs, and of arrays that state no unit.
+    robot: name of the arm that joints were taught on and that runs the program, None if not stated.
+    leave_out: layers that are not wanted, compared without case, `*` being any letters. placement:
+    the drawing's world in the default frame, None where it is that frame. joint_speed: mm/s of
+    joint moves of a robot program whose percentage has no equivalent in mm/s. joint_percent: of
+    joint moves whose mm/s cannot be expressed, None for the share of the fastest. lines: by their
+    numbers on the source's controller. interface: place of the program among other programs, None
+    if not stated. home: degrees of the axes (mm of sliding ones) at which the program of a drawing
+    begins and ends, None for the position of the arm. seen: for frames that are seen, the limits of
+    trust in sights, and the server that a program asks. around: bodies around the work, which no
+    process file states; None if they are unknown. merges: rows that repeat the pose of the row
+    before are left out; no process file states it. findings: warnings about the process file
+    itself.
     """
 
     defaults: Defaults = DEFAULT_MOTION
@@ -510,14 +511,14 @@ class Process:
     findings: tuple[Diagnostic, ...] = ()
 
     def leaves_out(self, layer: str) -> bool:
-        """Whether nobody wants a layer; one with a table of its own is wanted."""
+        """True if a layer is left out; a layer with a separate table is never left out."""
         name = layer.casefold()
         if name in {one.casefold() for one in self.layers}:
             return False
         return any(_matches_pattern(pattern.casefold(), name) for pattern in self.leave_out)
 
     def placed(self, direction: Vector) -> Vector:
-        """A direction of the drawing as the drawing stands in the default frame."""
+        """Rotate a direction of the drawing into the default frame by the placement."""
         if self.placement is None:
             return direction
         x, y, z = rotations.rotate(
@@ -527,7 +528,9 @@ class Process:
 
 
 def _matches_pattern(pattern: str, name: str) -> bool:
-    """Whether a name is of a pattern, in which `*` stands for any letters and nothing else does."""
+    """True if a name matches a pattern, in which `*` matches any letters and all else is
+    literal.
+    """
     return re.fullmatch(".*".join(map(re.escape, pattern.split("*"))), name, re.DOTALL) is not None
 
 

@@ -1,28 +1,28 @@
-"""Process files: what a drawing or table leaves open, as TOML.
+"""Process files: the values that a drawing or table leaves open, as TOML.
 
-Every part may be left out. Lengths are mm, speeds mm/s, times seconds, angles degrees,
-masses kg; names are letters, digits and `_`, a letter first.
+Every part may be left out. Lengths are mm, speeds mm/s, times seconds, angles degrees, masses kg;
+names are letters, digits and `_`, a letter first.
 
-    robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or will be run by
+    robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or that runs them
     tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
-    unit = "mm"                   # of a drawing, whatever it says itself
+    unit = "mm"                   # of a drawing, overriding the drawing's own unit
     leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"]
     home = [0, 0, 0, 0, 30, 0]    # of the axes: there a drawing's program begins and ends
     joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
     joint_percent = 20            # of joint moves, where a controller takes no mm/s
 
-    [program]                     # how it stands among other programs of its controller
-    as = "Glue_Left"              # what others call it by
-    main = true                   # false: none that runs all of it; others call its procedures
-    prefix = "left_"              # before every name that it declares, but that one
-    local = false                 # true: what nobody else calls is seen in its own module only
+    [program]                     # its interface to other programs of its controller
+    as = "Glue_Left"              # the name by which others call it
+    main = true                   # false: no main procedure; others call its procedures
+    prefix = "left_"              # before every name that it declares, except that one
+    local = false                 # true: names that no other program uses are local to its module
 
-    [motion]                      # where the source itself does not say how to move
-    kind = "linear"               # or "joint"; of a drawing "travel": ways planned in the cell
+    [motion]                      # for a source that does not state its motion
+    kind = "linear"               # or "joint"; of a drawing "travel": motions planned in the cell
     speed = 100                   # mm/s
     blend = "fine"                # or mm; left out: paths round corners within the tolerance
     tool = "nozzle"               # a tool of this file, or tool0, the bare flange
-    frame = "table"               # a frame of this file, or base, the robot's own
+    frame = "table"               # a frame of this file, or base, the robot's base frame
     approach = 0                  # mm in a line to locations of a drawing, along the tool axis
     retract = 0                   # and away from them
 
@@ -32,20 +32,20 @@ masses kg; names are letters, digits and `_`, a letter first.
     # euler_zyx = [0, 90, 0]      # about z, then the new y, then the new x
     mass = 1.2
     centre = [0, 0, 60]           # of gravity; needs a mass
-    held = true                   # false: stands in the room
+    held = true                   # false: a stationary tool
     on_controller = false         # true: the controller has it already; it is named, not written
-    # number = 2                  # that it has there then, for controllers that count tools
+    # number = 2                  # its number there, for controllers that count tools
     free_turn = false             # true: its turn about its axis is free, as of a round nozzle
 
     [frames.table]
     position = [400, 0, 20]       # in the robot's base frame
     euler_zyx = [90, 0, 0]        # or quaternion, as for tools
     held = false                  # true: the robot carries the work piece
-    seen = "bracket"              # it is where this object is seen; position: where that usually is
+    seen = "bracket"              # it is where this object is seen; position: its usual position
     on_controller = false         # and number, as for tools
 
     [seen]                        # of such frames: see `process.SeenSettings`
-    ask = "192.168.0.5:10010"     # whom the program asks as it runs
+    ask = "192.168.0.5:10010"     # server that the program asks as it runs
 
     [signals.glue]
     kind = "digital"              # or "analog", "group"
@@ -56,7 +56,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     [lines.line_3]                # line 3 of the controller that a program was written for
     role = "server"               # or "client", "serial"
     port = 10003                  # of TCP; of a serial line the number of the other one's port
-    address = "192.168.125.1"     # as server its own, as client the other computer's
+    address = "192.168.125.1"     # as server its address, as client the other computer's
 
     [layers."GLUE"]               # by layer name, compared without case
     process = "gluing"            # for people; the layer's name if left out
@@ -72,36 +72,36 @@ masses kg; names are letters, digits and `_`, a letter first.
     travel = 200                  # speed between contours
     direction = [0, 0, -1]        # where the tool points, in the frame
     tangential = false            # true: the tool's x axis follows the contour
-    inside_first = true           # contours inside others first; false: as travel is shortest
+    inside_first = true           # contours inside others first; false: for the shortest travel
     offset = 3                    # from the contour to the tool's centre: its radius, half a kerf
     side = "nesting"              # outlines outside, holes inside; or inside, outside, left, right
     way_round = "climb"           # or conventional, clockwise, anticlockwise, drawn
     start = "nearest"             # of closed contours; or corner, longest, point
     lead_in = {arc = 5, angle = 90}    # radius; or {line = 5, angle = 60}, {tangent = 5}
-    lead_out = {line = 5}         # on the side where the tool is
-    overlap = 8                   # that a closed contour goes on over its own start
+    lead_out = {line = 5}         # on the side of the tool
+    overlap = 8                   # by which a closed contour continues over its start
     depth = 12                    # of the last pass below the drawing, along the tool
     passes = 3                    # equal steps down to it
-    allowances = [0.5, 0]         # more than the offset, once around for each: rough, then finish
-    order = "travel"              # or "drawing"; "text": by the numbers beside contours
-    corner_speed = 20             # where the contour turns, and mm before and behind there
-    corner_angle = 30             # turns by fewer degrees are no corners
+    allowances = [0.5, 0]         # added to the offset, one round for each: rough, then finish
+    order = "travel"              # or "drawing"; "text": by the numbers next to contours
+    corner_speed = 20             # where the contour turns, and mm before and after there
+    corner_angle = 30             # turns by fewer degrees are not corners
     corner_radius = 0             # arcs of up to that radius are corners too
     corner_length = 5
     start_speed = 30              # over the first mm
     start_length = 5
     end_speed = 30                # over the last mm
     end_length = 5
-    on_before = {seconds = 0.03}  # `on` on the way to the start; mm, seconds, or both
-    # on_after = {mm = 5}         # `on` that far behind the start
+    on_before = {seconds = 0.03}  # `on` during the approach; mm, seconds, or both
+    # on_after = {mm = 5}         # `on` that far past the start
     off_before = {mm = 5}         # `off` before the end; mm, seconds, or both
-    # off_after = {mm = 5}        # `off` on the way up, or seconds after the end
-    # travel_height = 80          # for retract: so far above the highest point of the layer
-    travel_blend = 10             # mm, of the places above the work; "fine" if left out
+    # off_after = {mm = 5}        # `off` during the retract, or seconds after the end
+    # travel_height = 80          # for retract: height above the highest point of the layer
+    travel_blend = 10             # mm, of the targets above the work; "fine" if left out
     travel_kind = "linear"        # or "joint"; left out: joint where the tool would wind up
 
     [placement]                   # of a drawing in the frame of [motion]; moves all that is drawn
-    position = [300, 0, 0]        # mm, where its origin comes to
+    position = [300, 0, 0]        # mm, of its origin
     euler_zyx = [90, 0, 0]        # or quaternion, as for tools
     # or three marks, each as it is drawn and as it was taught in that frame, both in mm:
     # drawing = [[0, 0], [200, 0], [0, 100]]
@@ -285,9 +285,9 @@ def contour_motion_of(table: Table, found: dict[str, Any]) -> dict[str, Any]:
 
 
 def check_contour_motion(table: Table, layer: Layer, *, planned: bool) -> None:
-    """What does not fit the ways to the contours and from them.
+    """Report settings that do not fit the motions to the contours and away from them.
 
-    planned: whether travel is, through the cell.
+    planned: True if travel is planned through the cell.
     """
     above, switching, speed = layer.above, layer.switching, layer.motion.speed
     approach, retract, travel = layer.approach, layer.retract, layer.travel.tcp
@@ -461,7 +461,9 @@ ON_CONTROLLER_KEYS: Final[Mapping[str, Read]] = {
 
 
 def interface_of(top: Table) -> Interface | None:
-    """What [program] says, with the tools and frames that the controller has; None for nothing."""
+    """Return the interface of [program], with the tools and frames that the controller has; None if
+    empty.
+    """
     found = top.table("program").read(PROGRAM_KEYS)
     there: dict[str, int | None] = {}
     for kind in ("tools", "frames"):
@@ -576,15 +578,15 @@ LINE_KEYS: Final[Mapping[str, Read]] = {
 
 
 def read_process(path: str | FilePath) -> Process:
-    """What a process file says; its `findings` hold the warnings.
+    """Read a process file; `findings` of the result hold the warnings.
 
-    Raises Unreadable for what is no TOML, Refused, with every finding, for what is wrong in it.
+    Raises Unreadable if it is not TOML, Refused, with every finding, if the content has errors.
     """
     return parse_process(decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS))
 
 
 def parse_process(source: SourceText) -> Process:
-    """As `read_process`, from a text."""
+    """Parse a process file from text, like `read_process`."""
     return process_in(read_toml(source))
 
 

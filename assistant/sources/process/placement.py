@@ -91,7 +91,7 @@ PLACEMENT_KEYS: Final[Mapping[str, Read]] = {
 
 
 def placement_fault(given: Mapping[str, Any]) -> str | None:
-    """What is wrong with the keys of a placement that were given together."""
+    """Return the fault of the keys of a placement that are given together."""
     marks, pose = {"drawing", "cell"} & given.keys(), {"position", "quaternion", "euler_zyx"}
     if marks and pose & given.keys():
         return "the drawing is placed in two ways"
@@ -118,7 +118,7 @@ class MarkPlacement:
 def placement_by_marks(
     drawing: Sequence[Sequence[float]], cell: Sequence[Sequence[float]], most: float = MOST_MISFIT
 ) -> MarkPlacement:
-    """Where three marks put a drawing. drawing, cell: (3, 3) mm. most: mm that one may be off."""
+    """Place a drawing by three marks. drawing, cell: (3, 3) mm. most: mm that a mark may be off."""
     drawn, taught = np.array(drawing, dtype=np.float64), np.array(cell, dtype=np.float64)
     for where, marks in (("drawing", drawn), ("cell", taught)):
         reason = _marks_fault(marks)
@@ -164,7 +164,7 @@ def _frame_of_marks(marks: Floats) -> Pose:
 
 
 def _mark_distances(drawn: Floats, taught: Floats) -> str:
-    """How far the marks are from each other, drawn and taught."""
+    """Describe the distances between the marks, drawn and taught."""
     said = []
     for one, other in ((0, 1), (0, 2), (1, 2)):
         here, there = (float(np.linalg.norm(m[one] - m[other])) for m in (drawn, taught))
@@ -199,7 +199,9 @@ DRAWING_SUFFIXES: Final = (".dxf",)
 
 @dataclass(frozen=True, slots=True)
 class DrawingPlacement:
-    """pose: the drawing's world in the default frame. findings: what is said of it."""
+    """Placement of a drawing. pose: the drawing's world in the default frame. findings: findings
+    about it.
+    """
 
     pose: Pose
     findings: tuple[Diagnostic, ...] = ()
@@ -212,9 +214,10 @@ def check_drawn(source: FilePath) -> None:
 
 
 def placement_of_options(place: str | None, marks: Sequence[str]) -> DrawingPlacement | None:
-    """What `--place X,Y,Z,A,B,C` or three `--mark X,Y=X,Y,Z` say, None for neither.
+    """Return the placement of `--place X,Y,Z,A,B,C` or three `--mark X,Y=X,Y,Z`, None if neither is
+    given.
 
-    Raises Refused (exit status 2) for what says no place.
+    Raises Refused (exit status 2) if they do not state a placement.
     """
     if place is None and not marks:
         return None

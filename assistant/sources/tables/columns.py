@@ -220,7 +220,9 @@ def _group_columns(columns: list[Column], values: Floats, group: str, size: int)
 def _locate(
     cells: Cells, columns: list[Column], group: str, at: Rows | None = None
 ) -> rows.RowPlace:
-    """Where the rows, or of them those `at`, are in the first column of a group."""
+    """Return a function for the source location of a row, or of its row in `at`, in the first
+    column of a group.
+    """
     column = _first_column(columns, group)
     return lambda row: cells.place(int(at[row]) if at is not None else row, column)
 

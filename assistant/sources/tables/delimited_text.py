@@ -49,7 +49,7 @@ _NUMBER_HINTS: Final = (
     (re.compile(r"(?s)[=@].*"), FORMULA),
     (re.compile(r"[+-]?[\d.]+\s*(mm|cm|m|in|deg|rad|°|mm/s|m/s|s|%)"), UNIT_IN_CELL),
 )
-"""What a cell that is no number looks like, and the rule that says what to do about it."""
+"""Patterns of cells that are not numbers, each with the rule that states the cure."""
 
 
 Offsets = NDArray[np.int32] | NDArray[np.int64]
@@ -89,7 +89,7 @@ class Cells:
         return unescaped_cell(self.data[self.starts[row, column] : self.ends[row, column]])
 
     def place(self, row: int, column: int | None = None) -> dict[str, Any]:
-        """Where a cell is, as the arguments of a rule."""
+        """Return the source location of a cell, as the arguments of a rule."""
         offset = int(self.starts[row, column or 0])
         label = f"column {shown(self.header[column])}" if column is not None else None
         return {"path": self.path, "place": label, **line_at(self.data, offset)}
@@ -99,9 +99,9 @@ class Cells:
         return {"path": self.path, "place": label, "line": self.header_line}
 
     def numbers(self, columns: list[int]) -> NDArray[np.float64]:
-        """The numbers (n, c) of some columns in the file's order, NaN for empty cells.
+        """Return the numbers (n, c) of some columns in the file's order, NaN for empty cells.
 
-        Raises Refused with the first cell of each column that is no number.
+        Raises Refused with the first cell of each column that is not a number.
         """
         columns = sorted(columns)
         values = np.full((len(self), len(columns)), np.nan)
@@ -236,11 +236,11 @@ HeaderCheck = Callable[[tuple[str, ...], Mapping[str, Any]], None]
 
 
 def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
-    """The cells of a delimited text; the delimiter is the one that the header uses.
+    """Return the cells of a delimited text; the delimiter is the one that the header uses.
 
-    check: raises what is wrong with the header, before a row is looked at.
-    Lines before the header that begin with `#` are comments; blank lines do not count.
-    Raises Unreadable if it is no text, Refused for ragged rows or loose quotation marks.
+    check: raises the faults of the header before any row is checked. Lines before the header that
+    begin with `#` are comments; blank lines do not count. Raises Unreadable if it is not text,
+    Refused for ragged rows or loose quotation marks.
     """
     text = _as_text(data, path)
     comments: list[str] = []
@@ -292,7 +292,9 @@ def _as_text(data: bytes, path: str) -> bytes:
 
 
 def _check_returns(data: bytes, path: str) -> None:
-    """Raises Refused for a carriage return alone that is no row's end for some readers."""
+    """Raise Refused for a lone carriage return that some readers do not take as the end of a
+    row.
+    """
     if b"\n" not in data or data.count(b"\r") == data.count(b"\r\n"):
         return
     quoted = False
@@ -374,7 +376,7 @@ def _check_quotes(
 def _is_at_cell_edge(
     body: NDArray[np.uint8], quote: int, step: int, blanks: list[int], edges: list[int]
 ) -> bool:
-    """Whether only blanks are between a quote and the edge of its cell."""
+    """True if only blanks are between a quote and the edge of its cell."""
     at = quote + step
     while 0 <= at < len(body) and body[at] in blanks:
         at += step

@@ -69,17 +69,17 @@ ANGLES: Final = {"deg": 1.0, "rad": math.degrees(1.0)}
 ORIENTATIONS: Final = ("quaternion", "euler_zyx", "euler_xyz", "euler_zyz", "rotvec")
 MOST_JOINTS: Final = 8
 MOST_UNKNOWN: Final = 10
-"""Columns of unknown names that have a finding each; the nearest name is looked for among all."""
+"""Largest number of unknown columns with a finding each; the nearest name is searched among all."""
 AFTER_MOVE: Final = ("wait", "set", "comment")
 EXAMPLE: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """What a column holds.
+    """Content of a column.
 
-    group: quantity it is a part of; part: which part, from 0. factor: to mm, degrees, mm/s.
-    detail: name of the signal of a `set_…` column.
+    group: quantity it is a part of; part: which part, from 0. factor: to mm, degrees, mm/s. detail:
+    name of the signal of a `set_…` column.
     """
 
     group: str
@@ -200,7 +200,9 @@ _AXIS_OF: Final = {"roll": "x", "pitch": "y", "yaw": "z", "a": "x", "b": "y", "c
 
 
 def _column(index: int, given: str) -> tuple[Column | None, Problem | None]:
-    """What a column holds, or what is wrong with its name; neither for a name that is unknown."""
+    """Return the content of a column, or the fault of its name; neither for a name that is
+    unknown.
+    """
     name = given.strip().lower()
     if not name:
         return None, Problem(UNNAMED_COLUMN, index, {"number": index + 1})

@@ -59,13 +59,13 @@ BROKEN_ZIP: Final = (
     OSError,
     ValueError,
 )
-"""What the zip reader raises for damaged, encrypted and unknown content."""
+"""Exceptions that the zip reader raises for damaged, encrypted and unknown content."""
 _NUMBER_TYPES: Final = {("f", 4), ("f", 8), *((kind, 2**i) for kind in "iu" for i in range(4))}
 """Kinds and sizes of elements that are taken."""
 _NPY_MAGIC: Final = b"\x93NUMPY"
 _MOST_DIMENSIONS: Final = 64
 _MOST_SIZE: Final = 2**63 - 1
-"""Of arrays of numpy 2: how many extents, and bytes, extents of 0 not counted."""
+"""Largest number of elements, and of bytes, of arrays of numpy 2, extents of 0 not counted."""
 _LONGEST_HEADER: Final = 1 << 16
 _LONGEST_TEXT: Final = 1000
 
@@ -121,7 +121,7 @@ def _archive_members(data: bytes, path: str) -> list[tuple[str, bytes]]:
 
 @dataclass(frozen=True, slots=True)
 class _NpyHeader:
-    """What an NPY header says; descr: byte order, kind and size of an element; start: offset."""
+    """An NPY header; descr: byte order, kind and size of an element; start: offset."""
 
     descr: str
     fortran: bool

@@ -103,7 +103,7 @@ RowPlace = Callable[[int], Mapping[str, Any]]
 class RowMotions:
     """Index columns (n,) into tables of speeds, blends, tools and frames, as in a `Path`.
 
-    A blend that is None is not stated.
+    A blend of None is not stated.
     """
 
     speed: NDArray[np.int32]
@@ -315,7 +315,9 @@ def broken_arcs(kinds: NDArray[np.uint8]) -> list[tuple[int, str]]:
 
 
 def known_entry(name: str, table: Mapping[str, Any], builtin: str) -> str | None:
-    """The entry of that name, compared without case; None if there is none."""
+    """Return the entry of that name, compared without case; None if the table does not contain
+    it.
+    """
     if name.lower() == builtin.lower():
         return builtin
     return next((entry for entry in table if entry.lower() == name.lower()), None)
@@ -480,7 +482,7 @@ LARGEST_POSITION: Final = 1e6
 LARGEST_ANGLE: Final = 1e5
 """degrees."""
 SILENT_DEVIATION: Final = 1e-6
-"""Deviation from unit length that is taken for rounding in the last decimal."""
+"""Deviation from unit length that counts as rounding in the last decimal."""
 REPAIRABLE_DEVIATION: Final = 1e-3
 """Deviation from unit length up to which it is repaired with a warning."""
 LIKE_METRES: Final = 3.0
@@ -497,7 +499,7 @@ def position_findings(
     *,
     most: float = LARGEST_POSITION,
 ) -> list[Diagnostic]:
-    """What is wrong with the numbers (n, k) of n rows: not finite, or beyond `most`."""
+    """Return findings for the numbers (n, k) of n rows that are not finite, or beyond `most`."""
     if values.size:
         low, high = values.min(), values.max()  # no number if one of them is none
         if np.isfinite(low) and np.isfinite(high) and -most <= low and high <= most:

@@ -266,7 +266,7 @@ class _TargetReader:
             yield Move("joint" if one.kind is Kind.JOINT else "linear", Name(one.name), motion)
 
     def _is_complete(self, one: _StatedTarget) -> bool:
-        """Whether the target is a pose or joints, and says what belongs to that alone."""
+        """True if the target is a pose or joints, and states only the keys of that form."""
         there, table, name = one.table.content, one.table, marked(one.name)
         turns = [key for key in ORIENTATIONS if key in there]
         if "joints" in there:
@@ -377,10 +377,10 @@ JOINT_KEYS: Final = ("joints",)
 
 @dataclass(frozen=True, slots=True)
 class TaughtTarget:
-    """A target as a file of targets says it.
+    """A target from a file of targets.
 
-    values: TOML by key, of POSE or of JOINTS, in their order. more: tool and frame, which only
-    a new target gets. robot: that it was taught on, None if nobody knows.
+    values: TOML by key, of POSE or of JOINTS, in their order. more: tool and frame, which only a
+    new target gets. robot: the robot that it was taught on, None if unknown.
     """
 
     name: str
@@ -509,7 +509,7 @@ class _Reteaching:
         return line.start + len(text.rstrip("\r\n"))
 
     def _successor(self, key: str, rest: Mapping[str, str]) -> str | None:
-        """What takes the place of a key: the same, or what says the same in other words."""
+        """Return the key that replaces a key: the same, or one with the same meaning."""
         if key in rest:
             return key
         if key in ORIENTATIONS and "quaternion" in rest and "quaternion" not in self.entry:
@@ -518,7 +518,7 @@ class _Reteaching:
         return next((p for p in places if key in places and p in rest), None)
 
     def _line(self, pair: Span) -> Span:
-        """The whole lines of a pair, with a comment behind it."""
+        """Return the complete lines of a pair, with a comment after it."""
         text = self.source.text
         start = text.rfind("\n", 0, pair.start) + 1
         end = text.find("\n", pair.end)
@@ -526,7 +526,7 @@ class _Reteaching:
 
 
 def is_otherwise_equal(before: str, after: str, name: str) -> bool:
-    """Whether a text says of all but one target what another one says."""
+    """True if two texts are equal except for one target."""
     return _without_target(before, name) == _without_target(after, name)
 
 
