@@ -86,9 +86,9 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
 
 
 UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
+"""Motion that is assumed for a target that no move names."""
 TRAITS_LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
 """Traits of statements behind which nothing tells where the arm is."""
-"""Motion that is assumed for a target that no move names."""
 
 
 def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
