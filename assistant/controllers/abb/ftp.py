@@ -63,8 +63,11 @@ FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError)
 """Exceptions of ftplib for a lost connection or a senseless answer: no port is that large."""
 
 
-class FtpSession(FileSession):
-    """A session with the file server of a controller; a context manager.
+class Ftp(FileSession):
+    """Programs on an IRC5 by FTP, see `Programs`; a context manager.
+
+    The address may say `?mode=active`: the controller connects to this computer for each file then,
+    instead of this computer to the controller.
 
     timeout: seconds for an answer; more is granted after a long file.
     certificate: file with the certificate to trust (`ftps`), None for the system's own.
@@ -325,342 +328,6 @@ class FtpSession(FileSession):
             self._ftp.close()
             self._ftp = None
 
-
-Progress = Callable[[int, int | None], None]
-"""Receives the bytes transferred and the total, None if the server does not report it."""
-
-COMPARED_OVERLAP: Final = 4096
-"""Bytes at the end of a part that are fetched again and compared."""
-UNTOUCHED: Final = "nothing was changed by that"
-
-
-def file_size(session: FtpSession, name: str) -> int | None:
-    """Bytes of a file; in binary mode, for in ASCII mode servers refuse or count otherwise."""
-    told = _status_text(session, f"SIZE {name}")
-    return int(told) if told is not None and told.isdecimal() else None
-
-
-def read_whole(session: FtpSession, name: str) -> bytes:
-    """A file with as many bytes as the server says that it has, where it says so."""
-    data = session.retrieve(name, UNTOUCHED)
-    length = file_size(session, name)
-    if length not in (None, len(data)):
-        raise Refused(rules.SHORT(place=name, name=name, there=length, back=len(data)))
-    return data
-
-
-def download(session: FtpSession, name: str, to: FilePath, progress: Progress | None) -> int:
-    to = FilePath(os.path.realpath(to))  # a link stays one
-    part, note = to.with_name(f"{to.name}.part"), to.with_name(f"{to.name}.part.json")
-    stamp = _size_and_time(session, name)
-    whole = None if stamp is None else int(stamp[0])
-    try:
-        start = _partial_size(part, note, stamp)
-        if start == 0:
-            part.write_bytes(b"")
-            if stamp is not None:
-                note.write_text(json.dumps(stamp), encoding="utf-8")
-        with part.open("r+b") as file:
-            if not _went_on(session, name, file, start, whole, progress):
-                _fetch_rest(session, name, file, 0, whole, progress)
-            file.flush()
-            os.fsync(file.fileno())
-        length = part.stat().st_size
-        if stamp != _size_and_time(session, name) or (whole is not None and length != whole):
-            part.unlink()
-            raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
-        part.replace(to)
-        file_access.sync_folder(to.parent)
-        note.unlink(missing_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise Refused(rules.NOT_KEPT(path=str(to), name=name, reason=reason)) from None
-    return length
-
-
-def upload(session: FtpSession, name: str, data: bytes) -> None:
-    """Puts a file whole under its temporary name."""
-    temporary, doing = TEMPORARY.format(name=name), f"storing `{name}`"
-    state = f"`{name}` there is as it was"
-    there = file_size(session, temporary) or 0
-    begun = 0
-    if 0 < there <= len(data) and session.retrieve(temporary, state) == data[:there]:
-        begun = there
-    if begun:
-        try:
-            session.store(temporary, data[begun:], doing, state, command="APPE")
-        except rules.Lost:
-            raise
-        except Refused:
-            begun = 0  # a server that takes no parts
-    if not begun:
-        session.store(temporary, data, doing, state)
-    back = session.retrieve(temporary, state, start=begun)
-    if back != data[begun:] or file_size(session, temporary) not in (None, len(data)):
-        session.discard(temporary)
-        raise Refused(
-            rules.ALTERED(
-                place=name,
-                name=name,
-                sent=len(data),
-                back=begun + len(back),
-                at=begun + first_difference(data[begun:], back),
-                state=state,
-            )
-        )
-
-
-def _went_on(
-    session: FtpSession,
-    name: str,
-    file: BinaryIO,
-    start: int,
-    whole: int | None,
-    progress: Progress | None,
-) -> bool:
-    """True if the rest was fetched and continues the existing part."""
-    try:
-        return start > 0 and _fetch_rest(session, name, file, start, whole, progress)
-    except rules.Lost:
-        raise
-    except Refused:
-        return False  # a server that only sends whole files
-
-
-def _fetch_rest(
-    session: FtpSession,
-    name: str,
-    file: BinaryIO,
-    start: int,
-    whole: int | None,
-    progress: Progress | None,
-) -> bool:
-    """Fetch into a file from an offset on; False if the existing part no longer matches."""
-    begin = max(0, start - COMPARED_OVERLAP)
-    file.seek(begin)
-    known = file.read(start - begin)
-    file.seek(begin)
-    file.truncate()
-    seen = bytearray()
-
-    def keep(piece: bytes) -> None:
-        if len(seen) < len(known):
-            seen.extend(piece)
-        file.write(piece)
-        if progress is not None:
-            progress(file.tell(), whole)
-
-    session.retrieve_into(name, UNTOUCHED, keep, begin)
-    return bytes(seen[: len(known)]) == known
-
-
-def _partial_size(part: FilePath, note: FilePath, stamp: tuple[str, str] | None) -> int:
-    """Bytes that an earlier transfer left of the same file."""
-    if stamp is None or not part.is_file() or not note.is_file():
-        return 0
-    try:
-        same = json.loads(read_text(note)) == list(stamp)
-    except ValueError:
-        return 0
-    length = part.stat().st_size
-    return length if same and length <= int(stamp[0]) else 0
-
-
-def _size_and_time(session: FtpSession, name: str) -> tuple[str, str] | None:
-    """Size and time of a file, None if the server does not tell both."""
-    length, changed = file_size(session, name), _status_text(session, f"MDTM {name}")
-    return None if length is None or changed is None else (str(length), changed)
-
-
-def _status_text(session: FtpSession, command: str) -> str | None:
-    """Return the text after `213` in the answer to a command, None for another answer."""
-    with session.during(f"asking `{command.split()[0]}`", UNTOUCHED):
-        try:
-            session.session.voidcmd("TYPE I")
-            answer = session.session.sendcmd(command)
-        except ftplib.error_perm:
-            return None
-    return answer[4:].strip() if answer.startswith("213") else None
-
-
-EntryKind = Literal["file", "folder", "other"]
-"""Links and devices are others: they are never followed, for they may lead in circles."""
-FOLDER_KIND: Final = "abb files"
-"""Kind in the index of a folder of files: not a backup of a complete controller."""
-
-UNIX_LINE: Final = re.compile(
-    r"(?P<type>[-dlbcps])[-rwxsStTlL]{9}[.+@]?\s+\d+\s+(?:\S+\s+){1,2}(?P<size>\d+)\s+"
-    r"(?:[A-Za-z]{3,9}\.?\s+\d{1,2}|\d{1,2}\s+[A-Za-z]{3,9}\.?|\d{4}-\d\d-\d\d)\s+"
-    r"(?:\d{1,2}:\d\d(?::\d\d)?|\d{4})\s(?P<name>.+)"
-)
-"""Line in the form of `ls -l`: mode, links, owner, group, size, date, time or year, name."""
-DOS_LINE: Final = re.compile(
-    r"\d\d-\d\d-(?:\d\d|\d{4})\s+\d\d:\d\d(?:[AP]M)?\s+(?:(?P<folder><DIR>)|(?P<size>\d+))\s+"
-    r"(?P<name>.+)",
-    re.IGNORECASE,
-)
-UNIX_TYPES: Final[dict[str, EntryKind]] = {"-": "file", "d": "folder"}
-MLSD_TYPES: Final[dict[str, EntryKind]] = {"file": "file", "dir": "folder"}
-
-
-@dataclass(frozen=True, slots=True, order=True)
-class Entry:
-    """path: relative to the requested folder. size: bytes, None if not reported."""
-
-    path: str
-    kind: EntryKind
-    size: int | None = None
-
-
-def folder_tree(session: FtpSession, folder: str = "") -> tuple[Entry, ...]:
-    """All below a folder, sorted; the session is in its own folder again afterwards."""
-    with session.during("asking for the folder", UNTOUCHED):
-        home = session.session.pwd()
-    found: list[Entry] = []
-    try:
-        if folder:
-            _enter(session, folder)
-        with session.during("asking for the folder", UNTOUCHED):
-            top = session.session.pwd()
-        spelling = session.session.spelling
-        _walk(session, top.rstrip("/"), "", 0, found)
-        if session.session.spelling != spelling:  # what was read before is spelled anew
-            found.clear()
-            _enter(session, top)
-            _walk(session, top.rstrip("/"), "", 0, found)
-    except rules.Lost:
-        raise
-    except Refused:
-        _enter(session, home)
-        raise
-    _enter(session, home)
-    return tuple(sorted(found))
-
-
-def fetch_tree(session: FtpSession, folder: str, into: FilePath) -> tuple[str, ...]:
-    """Fetches all files below a folder into a new one."""
-    files = [entry.path for entry in folder_tree(session, folder) if entry.kind == "file"]
-    start = f"{folder.rstrip('/')}/" if folder else ""
-    with backup_folder.appearing_folder(into, FOLDER_KIND) as new:
-        for path in files:
-            backup_folder.put_file(new, path, read_whole(session, start + path))
-    return tuple(files)
-
-
-def parse_list(lines: Iterable[str]) -> list[Entry] | None:
-    """Parse the lines of LIST, None if one of them has an unknown form."""
-    found = []
-    for line in lines:
-        if re.fullmatch(r"(total \d+)?\s*", line):
-            continue
-        unix, dos = UNIX_LINE.fullmatch(line), DOS_LINE.fullmatch(line)
-        if unix is not None:
-            kind = UNIX_TYPES.get(unix["type"], "other")
-            name = unix["name"].split(" -> ")[0] if unix["type"] == "l" else unix["name"]
-            found.append(Entry(name, kind, int(unix["size"]) if kind == "file" else None))
-        elif dos is not None:
-            size = None if dos["folder"] else int(dos["size"])
-            found.append(Entry(dos["name"], "folder" if dos["folder"] else "file", size))
-        else:
-            return None
-    return found
-
-
-def parse_mlsd(lines: Iterable[str]) -> list[Entry] | None:
-    """Parse the lines of MLSD: facts, a blank, the name. None if one of them has another form."""
-    found = []
-    for line in lines:
-        facts, blank, name = line.partition(" ")
-        pairs = dict(fact.lower().partition("=")[::2] for fact in facts.rstrip(";").split(";"))
-        if not blank or "type" not in pairs:
-            return None
-        if pairs["type"] in ("cdir", "pdir"):
-            continue
-        size = pairs.get("size", "")
-        kind = MLSD_TYPES.get(pairs["type"], "other")
-        found.append(Entry(name, kind, int(size) if size.isdecimal() else None))
-    return found
-
-
-def _walk(session: FtpSession, top: str, below: str, depth: int, found: list[Entry]) -> None:
-    """Gathers what is in a folder, which the session is in, and in those inside of it."""
-    if depth > MOST_FOLDERS:
-        reason = f"folders are more than {MOST_FOLDERS} deep"
-        raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
-    if len(found) > MOST_ENTRIES:
-        reason = f"there are more than {MOST_ENTRIES} files and folders"
-        raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
-    inner = []
-    for entry in _entries(session):
-        if entry.path in (".", ".."):
-            continue
-        path = f"{below}{told_name(entry.path)}"
-        found.append(Entry(path, entry.kind, entry.size))
-        if entry.kind == "folder":
-            inner.append(path)
-    for path in inner:
-        _enter(session, f"{top}/{path}")
-        _walk(session, top, f"{path}/", depth + 1, found)
-
-
-def _entries(session: FtpSession) -> list[Entry]:
-    ways: tuple[tuple[str, Callable[[Iterable[str]], list[Entry] | None]], ...] = (
-        ("MLSD", parse_mlsd),
-        ("LIST", parse_list),
-    )
-    for command, read in ways:
-        try:
-            found = read(_listing_lines(session, command))
-        except rules.Lost:
-            raise
-        except Refused:
-            continue
-        if found is not None:
-            return found
-    return list(_entries_by_name(session))
-
-
-def _listing_lines(session: FtpSession, command: str) -> list[str]:
-    with session.during("listing a folder", UNTOUCHED):
-        return session.lines(command)
-
-
-def _entries_by_name(session: FtpSession) -> Iterator[Entry]:
-    """By names alone: what can be entered is a folder."""
-    names = [line.rsplit("/", 1)[-1] for line in _listing_lines(session, "NLST")]
-    with session.during("asking for the folder", UNTOUCHED):
-        here = session.session.pwd()
-    for name in sorted(set(names) - {".", ".."}):
-        try:
-            _enter(session, told_name(name))
-        except rules.Lost:
-            raise
-        except Refused:
-            yield Entry(name, "file")
-        else:
-            _enter(session, here)
-            yield Entry(name, "folder")
-
-
-def _enter(session: FtpSession, folder: str) -> None:
-    if re.search(r"[\x00-\x1f\x7f]", folder):
-        reason = "it holds a control character"
-        raise Refused(rules.FILE_NAME(place=repr(folder), name=repr(folder), reason=reason))
-    with session.during(f"entering `{folder}`", UNTOUCHED):
-        session.session.cwd(folder)
-
-
-NOT_NOW: Final = ("550", "450")
-"""Replies for a file that is missing, or that another client has open (RFC 959, 5.4)."""
-
-
-class Ftp(FtpSession):
-    """Programs on an IRC5 by FTP; see `Programs`.
-
-    The address may say `?mode=active`: the controller connects to this computer for each file then,
-    instead of this computer to the controller.
-    """
-
     def names(self) -> tuple[str, ...]:
         found: list[str] = []
         with self.during("listing the folder", "nothing was changed by that"):
@@ -819,3 +486,331 @@ class Ftp(FtpSession):
             raise
         with self.during(f"deleting `{aside}`", f"`{name}` is the new file"):
             session.delete(aside)
+
+
+Progress = Callable[[int, int | None], None]
+"""Receives the bytes transferred and the total, None if the server does not report it."""
+
+COMPARED_OVERLAP: Final = 4096
+"""Bytes at the end of a part that are fetched again and compared."""
+UNTOUCHED: Final = "nothing was changed by that"
+
+
+def file_size(session: Ftp, name: str) -> int | None:
+    """Bytes of a file; in binary mode, for in ASCII mode servers refuse or count otherwise."""
+    told = _status_text(session, f"SIZE {name}")
+    return int(told) if told is not None and told.isdecimal() else None
+
+
+def read_whole(session: Ftp, name: str) -> bytes:
+    """A file with as many bytes as the server says that it has, where it says so."""
+    data = session.retrieve(name, UNTOUCHED)
+    length = file_size(session, name)
+    if length not in (None, len(data)):
+        raise Refused(rules.SHORT(place=name, name=name, there=length, back=len(data)))
+    return data
+
+
+def download(session: Ftp, name: str, to: FilePath, progress: Progress | None) -> int:
+    to = FilePath(os.path.realpath(to))  # a link stays one
+    part, note = to.with_name(f"{to.name}.part"), to.with_name(f"{to.name}.part.json")
+    stamp = _size_and_time(session, name)
+    whole = None if stamp is None else int(stamp[0])
+    try:
+        start = _partial_size(part, note, stamp)
+        if start == 0:
+            part.write_bytes(b"")
+            if stamp is not None:
+                note.write_text(json.dumps(stamp), encoding="utf-8")
+        with part.open("r+b") as file:
+            if not _went_on(session, name, file, start, whole, progress):
+                _fetch_rest(session, name, file, 0, whole, progress)
+            file.flush()
+            os.fsync(file.fileno())
+        length = part.stat().st_size
+        if stamp != _size_and_time(session, name) or (whole is not None and length != whole):
+            part.unlink()
+            raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
+        part.replace(to)
+        file_access.sync_folder(to.parent)
+        note.unlink(missing_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise Refused(rules.NOT_KEPT(path=str(to), name=name, reason=reason)) from None
+    return length
+
+
+def upload(session: Ftp, name: str, data: bytes) -> None:
+    """Puts a file whole under its temporary name."""
+    temporary, doing = TEMPORARY.format(name=name), f"storing `{name}`"
+    state = f"`{name}` there is as it was"
+    there = file_size(session, temporary) or 0
+    begun = 0
+    if 0 < there <= len(data) and session.retrieve(temporary, state) == data[:there]:
+        begun = there
+    if begun:
+        try:
+            session.store(temporary, data[begun:], doing, state, command="APPE")
+        except rules.Lost:
+            raise
+        except Refused:
+            begun = 0  # a server that takes no parts
+    if not begun:
+        session.store(temporary, data, doing, state)
+    back = session.retrieve(temporary, state, start=begun)
+    if back != data[begun:] or file_size(session, temporary) not in (None, len(data)):
+        session.discard(temporary)
+        raise Refused(
+            rules.ALTERED(
+                place=name,
+                name=name,
+                sent=len(data),
+                back=begun + len(back),
+                at=begun + first_difference(data[begun:], back),
+                state=state,
+            )
+        )
+
+
+def _went_on(
+    session: Ftp,
+    name: str,
+    file: BinaryIO,
+    start: int,
+    whole: int | None,
+    progress: Progress | None,
+) -> bool:
+    """True if the rest was fetched and continues the existing part."""
+    try:
+        return start > 0 and _fetch_rest(session, name, file, start, whole, progress)
+    except rules.Lost:
+        raise
+    except Refused:
+        return False  # a server that only sends whole files
+
+
+def _fetch_rest(
+    session: Ftp,
+    name: str,
+    file: BinaryIO,
+    start: int,
+    whole: int | None,
+    progress: Progress | None,
+) -> bool:
+    """Fetch into a file from an offset on; False if the existing part no longer matches."""
+    begin = max(0, start - COMPARED_OVERLAP)
+    file.seek(begin)
+    known = file.read(start - begin)
+    file.seek(begin)
+    file.truncate()
+    seen = bytearray()
+
+    def keep(piece: bytes) -> None:
+        if len(seen) < len(known):
+            seen.extend(piece)
+        file.write(piece)
+        if progress is not None:
+            progress(file.tell(), whole)
+
+    session.retrieve_into(name, UNTOUCHED, keep, begin)
+    return bytes(seen[: len(known)]) == known
+
+
+def _partial_size(part: FilePath, note: FilePath, stamp: tuple[str, str] | None) -> int:
+    """Bytes that an earlier transfer left of the same file."""
+    if stamp is None or not part.is_file() or not note.is_file():
+        return 0
+    try:
+        same = json.loads(read_text(note)) == list(stamp)
+    except ValueError:
+        return 0
+    length = part.stat().st_size
+    return length if same and length <= int(stamp[0]) else 0
+
+
+def _size_and_time(session: Ftp, name: str) -> tuple[str, str] | None:
+    """Size and time of a file, None if the server does not tell both."""
+    length, changed = file_size(session, name), _status_text(session, f"MDTM {name}")
+    return None if length is None or changed is None else (str(length), changed)
+
+
+def _status_text(session: Ftp, command: str) -> str | None:
+    """Return the text after `213` in the answer to a command, None for another answer."""
+    with session.during(f"asking `{command.split()[0]}`", UNTOUCHED):
+        try:
+            session.session.voidcmd("TYPE I")
+            answer = session.session.sendcmd(command)
+        except ftplib.error_perm:
+            return None
+    return answer[4:].strip() if answer.startswith("213") else None
+
+
+EntryKind = Literal["file", "folder", "other"]
+"""Links and devices are others: they are never followed, for they may lead in circles."""
+FOLDER_KIND: Final = "abb files"
+"""Kind in the index of a folder of files: not a backup of a complete controller."""
+
+UNIX_LINE: Final = re.compile(
+    r"(?P<type>[-dlbcps])[-rwxsStTlL]{9}[.+@]?\s+\d+\s+(?:\S+\s+){1,2}(?P<size>\d+)\s+"
+    r"(?:[A-Za-z]{3,9}\.?\s+\d{1,2}|\d{1,2}\s+[A-Za-z]{3,9}\.?|\d{4}-\d\d-\d\d)\s+"
+    r"(?:\d{1,2}:\d\d(?::\d\d)?|\d{4})\s(?P<name>.+)"
+)
+"""Line in the form of `ls -l`: mode, links, owner, group, size, date, time or year, name."""
+DOS_LINE: Final = re.compile(
+    r"\d\d-\d\d-(?:\d\d|\d{4})\s+\d\d:\d\d(?:[AP]M)?\s+(?:(?P<folder><DIR>)|(?P<size>\d+))\s+"
+    r"(?P<name>.+)",
+    re.IGNORECASE,
+)
+UNIX_TYPES: Final[dict[str, EntryKind]] = {"-": "file", "d": "folder"}
+MLSD_TYPES: Final[dict[str, EntryKind]] = {"file": "file", "dir": "folder"}
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Entry:
+    """path: relative to the requested folder. size: bytes, None if not reported."""
+
+    path: str
+    kind: EntryKind
+    size: int | None = None
+
+
+def folder_tree(session: Ftp, folder: str = "") -> tuple[Entry, ...]:
+    """All below a folder, sorted; the session is in its own folder again afterwards."""
+    with session.during("asking for the folder", UNTOUCHED):
+        home = session.session.pwd()
+    found: list[Entry] = []
+    try:
+        if folder:
+            _enter(session, folder)
+        with session.during("asking for the folder", UNTOUCHED):
+            top = session.session.pwd()
+        spelling = session.session.spelling
+        _walk(session, top.rstrip("/"), "", 0, found)
+        if session.session.spelling != spelling:  # what was read before is spelled anew
+            found.clear()
+            _enter(session, top)
+            _walk(session, top.rstrip("/"), "", 0, found)
+    except rules.Lost:
+        raise
+    except Refused:
+        _enter(session, home)
+        raise
+    _enter(session, home)
+    return tuple(sorted(found))
+
+
+def fetch_tree(session: Ftp, folder: str, into: FilePath) -> tuple[str, ...]:
+    """Fetches all files below a folder into a new one."""
+    files = [entry.path for entry in folder_tree(session, folder) if entry.kind == "file"]
+    start = f"{folder.rstrip('/')}/" if folder else ""
+    with backup_folder.appearing_folder(into, FOLDER_KIND) as new:
+        for path in files:
+            backup_folder.put_file(new, path, read_whole(session, start + path))
+    return tuple(files)
+
+
+def parse_list(lines: Iterable[str]) -> list[Entry] | None:
+    """Parse the lines of LIST, None if one of them has an unknown form."""
+    found = []
+    for line in lines:
+        if re.fullmatch(r"(total \d+)?\s*", line):
+            continue
+        unix, dos = UNIX_LINE.fullmatch(line), DOS_LINE.fullmatch(line)
+        if unix is not None:
+            kind = UNIX_TYPES.get(unix["type"], "other")
+            name = unix["name"].split(" -> ")[0] if unix["type"] == "l" else unix["name"]
+            found.append(Entry(name, kind, int(unix["size"]) if kind == "file" else None))
+        elif dos is not None:
+            size = None if dos["folder"] else int(dos["size"])
+            found.append(Entry(dos["name"], "folder" if dos["folder"] else "file", size))
+        else:
+            return None
+    return found
+
+
+def parse_mlsd(lines: Iterable[str]) -> list[Entry] | None:
+    """Parse the lines of MLSD: facts, a blank, the name. None if one of them has another form."""
+    found = []
+    for line in lines:
+        facts, blank, name = line.partition(" ")
+        pairs = dict(fact.lower().partition("=")[::2] for fact in facts.rstrip(";").split(";"))
+        if not blank or "type" not in pairs:
+            return None
+        if pairs["type"] in ("cdir", "pdir"):
+            continue
+        size = pairs.get("size", "")
+        kind = MLSD_TYPES.get(pairs["type"], "other")
+        found.append(Entry(name, kind, int(size) if size.isdecimal() else None))
+    return found
+
+
+def _walk(session: Ftp, top: str, below: str, depth: int, found: list[Entry]) -> None:
+    """Gathers what is in a folder, which the session is in, and in those inside of it."""
+    if depth > MOST_FOLDERS:
+        reason = f"folders are more than {MOST_FOLDERS} deep"
+        raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
+    if len(found) > MOST_ENTRIES:
+        reason = f"there are more than {MOST_ENTRIES} files and folders"
+        raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
+    inner = []
+    for entry in _entries(session):
+        if entry.path in (".", ".."):
+            continue
+        path = f"{below}{told_name(entry.path)}"
+        found.append(Entry(path, entry.kind, entry.size))
+        if entry.kind == "folder":
+            inner.append(path)
+    for path in inner:
+        _enter(session, f"{top}/{path}")
+        _walk(session, top, f"{path}/", depth + 1, found)
+
+
+def _entries(session: Ftp) -> list[Entry]:
+    ways: tuple[tuple[str, Callable[[Iterable[str]], list[Entry] | None]], ...] = (
+        ("MLSD", parse_mlsd),
+        ("LIST", parse_list),
+    )
+    for command, read in ways:
+        try:
+            found = read(_listing_lines(session, command))
+        except rules.Lost:
+            raise
+        except Refused:
+            continue
+        if found is not None:
+            return found
+    return list(_entries_by_name(session))
+
+
+def _listing_lines(session: Ftp, command: str) -> list[str]:
+    with session.during("listing a folder", UNTOUCHED):
+        return session.lines(command)
+
+
+def _entries_by_name(session: Ftp) -> Iterator[Entry]:
+    """By names alone: what can be entered is a folder."""
+    names = [line.rsplit("/", 1)[-1] for line in _listing_lines(session, "NLST")]
+    with session.during("asking for the folder", UNTOUCHED):
+        here = session.session.pwd()
+    for name in sorted(set(names) - {".", ".."}):
+        try:
+            _enter(session, told_name(name))
+        except rules.Lost:
+            raise
+        except Refused:
+            yield Entry(name, "file")
+        else:
+            _enter(session, here)
+            yield Entry(name, "folder")
+
+
+def _enter(session: Ftp, folder: str) -> None:
+    if re.search(r"[\x00-\x1f\x7f]", folder):
+        reason = "it holds a control character"
+        raise Refused(rules.FILE_NAME(place=repr(folder), name=repr(folder), reason=reason))
+    with session.during(f"entering `{folder}`", UNTOUCHED):
+        session.session.cwd(folder)
+
+
+NOT_NOW: Final = ("550", "450")
+"""Replies for a file that is missing, or that another client has open (RFC 959, 5.4)."""

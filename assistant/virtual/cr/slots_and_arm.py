@@ -1,8 +1,8 @@
 """Slots, arm and signals of a virtual CR controller, in a kernel thread.
 
 Everything that touches them runs in the thread of the kernel, between two statements; the methods
-here may be called from any thread. `Machinery` is `Powered` with what the commands of the link ask
-for: run, stop and step programs, set breakpoints, read positions and variables, jog.
+here may be called from any thread: commands of the link run, stop and step programs, set
+breakpoints, read positions and variables, and jog.
 """
 
 from __future__ import annotations
@@ -139,8 +139,10 @@ class Equipment:
     contact: Contact | None = None
 
 
-class Powered:
-    """A controller that is switched on. joints: (a,) degrees, those of the arm. slots: their
+class Machinery:
+    """A controller that is switched on: its slots and its arm.
+
+    joints: (a,) degrees, those of the arm. slots: their
     number, including the one for editing.
 
     source: returns a stored program by its name, None if it is missing.
@@ -310,41 +312,6 @@ class Powered:
         del before
         if found := HAND.fullmatch(name):
             self.told.hand_moved(int(found[1]), value > 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class SlotNow:
-    """Present state of a slot. line: number of the next line. step: its position, from 1.
-
-    runs, waits: both False if its program is reset. ends_cycle: True if it stops at the end of the
-    cycle. moves: True if it has the arm. is_task: False for the slot for editing.
-    """
-
-    program: str = ""
-    line: int = 0
-    step: int = 1
-    mode: str = "REP"
-    runs: bool = False
-    waits: bool = False
-    ends_cycle: bool = False
-    moves: bool = False
-    is_task: bool = True
-
-
-class Standing(NamedTuple):
-    """Present state of the arm. now, joints: (a,) degrees, actual and commanded joints. speed: that
-    of the tool in mm/s. tool: pose on the flange. foot: frame of the positions.
-    """
-
-    now: tuple[float, ...]
-    joints: tuple[float, ...]
-    speed: float
-    tool: Pose
-    foot: Pose
-
-
-class Machinery(Powered):
-    """Commands that run, stop and move."""
 
     # ----------------------------------------------------------------------------- slots
 
@@ -634,3 +601,34 @@ class Machinery(Powered):
             return Standing(now, self._goal() or now if goal else now, speed, arm.tip, arm.foot)
 
         return self.do(act)
+
+
+@dataclass(frozen=True, slots=True)
+class SlotNow:
+    """Present state of a slot. line: number of the next line. step: its position, from 1.
+
+    runs, waits: both False if its program is reset. ends_cycle: True if it stops at the end of the
+    cycle. moves: True if it has the arm. is_task: False for the slot for editing.
+    """
+
+    program: str = ""
+    line: int = 0
+    step: int = 1
+    mode: str = "REP"
+    runs: bool = False
+    waits: bool = False
+    ends_cycle: bool = False
+    moves: bool = False
+    is_task: bool = True
+
+
+class Standing(NamedTuple):
+    """Present state of the arm. now, joints: (a,) degrees, actual and commanded joints. speed: that
+    of the tool in mm/s. tool: pose on the flange. foot: frame of the positions.
+    """
+
+    now: tuple[float, ...]
+    joints: tuple[float, ...]
+    speed: float
+    tool: Pose
+    foot: Pose

@@ -116,8 +116,11 @@ def are_truth_operands(*operands: s.Expression) -> bool:
     return True
 
 
-class Types:
-    """The types of the expressions in one file."""
+class Expressions:
+    """Lift the expressions of one file, and determine their types.
+
+    What has no equivalent raises Unliftable.
+    """
 
     def __init__(self, symbols: Symbols) -> None:
         self.m = symbols
@@ -212,165 +215,6 @@ class Types:
             case s.Variable() if node.key in self.m.routines:
                 return self.m.routines[node.key].result not in (None, "truth")
         return True
-
-
-def file_timers(code: Sequence[s.Entry], header: Header, own: bool) -> dict[int, str]:
-    """Names of the timers, by number, that are set to zero and read in values and conditions.
-
-    Any other use of a timer, such as in an interrupt or another value, keeps all its lines as
-    they are. One that a wait with a time limit has made for itself is no timer of the program.
-    """
-    if own:
-        return {int(k): name for k, name in header.names["timer"].items() if k.isdigit()}
-    started: set[int] = set()
-    other: set[int] = set()
-    for at, item in enumerate(code):
-        numbers = map(timer_number, nodes(item.statement))
-        mentioned = [n for n in numbers if n is not None]
-        if not mentioned:
-            continue
-        if 0 in mentioned:  # any timer
-            return {}
-        plain = list(_statement_timers(item.statement))
-        of_wait = at + 1 < len(code) and _is_waiting_line(code[at + 1])
-        started.update(n for n, starts in plain if starts and not of_wait)
-        if of_wait or sorted(mentioned) != sorted(n for n, _ in plain):
-            other.update(mentioned)
-    return {n: f"timer_{n}" for n in sorted(started - other) if n <= MOST_TIMERS}
-
-
-def _is_waiting_line(line: s.Entry) -> bool:
-    return line.label is not None and line.label[:1] == "W" and line.label[1:].isdigit()
-
-
-def _statement_timers(statement: Any) -> Iterator[tuple[int, bool]]:
-    """Timers of a statement where the pseudo-program has them, and whether it starts them."""
-    match statement:
-        case s.Assign(target=target, value=value, delay=None) if n := timer_number(target):
-            if literal(value) == 0:
-                yield n, True
-        case s.Assign(value=value):
-            yield from _timers_read(value)
-        case s.If(condition=condition, then=then, otherwise=otherwise):
-            yield from _timers_read(condition)
-            yield from _statement_timers(then)
-            yield from _statement_timers(otherwise)
-        case s.ElseIf(condition=value):
-            yield from _timers_read(value)
-        case s.Command(keyword="While" | "Wait" | "Dly", arguments=(value,)):
-            yield from _timers_read(value)
-
-
-def _timers_read(value: Any) -> Iterator[tuple[int, bool]]:
-    for node in nodes(value):
-        if number := timer_number(node):
-            yield number, False
-
-
-def elapsed_timer(node: s.Expression, timers: Mapping[int, str]) -> e.Elapsed | None:
-    """The timer that a node reads."""
-    name = timers.get(timer_number(node) or 0)
-    return None if name is None else e.Elapsed(name)
-
-
-def seconds_of(milliseconds: float) -> e.Number:
-    return e.number_of(milliseconds / MILLISECONDS)
-
-
-class ArgumentReader(Protocol):
-    """Lift of the expressions of a file."""
-
-    m: Symbols
-
-    def plain(self, node: s.Expression) -> e.Expression:
-        """Any value."""
-
-    def number(self, node: s.Expression) -> e.Expression:
-        """Lift a value that is not a truth."""
-
-    def rounded(self, node: s.Expression) -> e.Expression:
-        """One that is whole."""
-
-    def type_of(self, node: s.Expression | None) -> ValueType:
-        """Its type."""
-
-
-def library_function(key: str, given: Sequence[s.Expression], lift: ArgumentReader) -> e.Expression:
-    """Lift a call of a function: to plain words, an input, or mostly a procedure of the library.
-
-    key: in upper case. Raises Unliftable if the function has no equivalent.
-    """
-    match key, given:
-        case "LEFT", (whole, s.Number(count) as number) if count >= 1:
-            return e.Apply("part", (lift.plain(whole), e.Number(1), lift.rounded(number)))
-        case "RIGHT", (s.Variable(arguments=None) as whole, s.Number(count)) if count >= 1:
-            text, last = lift.plain(whole), round(count)
-            first = e.Binary("-", e.Apply("length", (text,)), e.Number(last - 1))
-            return e.Apply("part", (text, first, e.Number(last)))
-        case "M_HNDCQ", (hand,) if isinstance(known := lift.m.value(hand), float):
-            if 1 <= round(known) <= HAND_CHECKS:
-                return e.Name(lift.m.signal("M_IN", FIRST_HAND_CHECK - 1 + round(known)))
-        case "ZONE", (_, _, _):
-            elements = (
-                e.Member(_position_with_elements(one, lift), field)
-                for one in given
-                for field in POSE_FIELDS
-            )
-            return e.Apply(VENDOR_ONLY_NAME.format("in_box"), tuple(elements))
-    name = LIBRARY_FUNCTIONS.get(key, {}).get(len(given))
-    if name is None:
-        raise Unliftable
-    kinds = [one.type for one in library()[name].parameters]
-    if any(
-        (kind == "position") != (lift.type_of(value) == "position")
-        for kind, value in zip(kinds, given, strict=True)
-    ):
-        raise Unliftable
-    values = (
-        lift.rounded(value) if kind == "integer" else lift.number(value)
-        for kind, value in zip(kinds, given, strict=True)
-    )
-    return e.Apply(VENDOR_ONLY_NAME.format(name), tuple(values))
-
-
-def _position_with_elements(node: s.Expression, lift: ArgumentReader) -> e.Expression:
-    """A position whose elements can be named."""
-    made = lift.plain(node)
-    if lift.type_of(node) != "position" or not isinstance(made, e.Name | e.Index | e.Here):
-        raise Unliftable
-    return made
-
-
-T = TypeVar("T")
-
-# PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
-_SAME_UNIT_NAMES: Final = {melfa.upper(): name for name, melfa in SAME_UNIT_FUNCTIONS.items()}
-_NAMES_OF_ANGLES: Final = {melfa.upper(): name for name, melfa in FUNCTIONS_OF_ANGLES.items()}
-_ARM_NAMES: Final = {melfa.upper(): name for name, melfa in ARM_FUNCTIONS.items()}
-_NAMES_TO_ANGLES: Final = {melfa.upper(): name for name, melfa in FUNCTIONS_TO_ANGLES.items()}
-_CLOCK: Final = {
-    melfa.upper(): name for name, melfa in STATUS_FUNCTIONS.items() if melfa != "J_Curr"
-}
-_PLACE_TYPES: Final = frozenset(("position", "pose"))
-"""Types of located values; the product of two places the second in the first."""
-_ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}
-ADDITIONAL: Final = {melfa: name for name, written in poses.ADDITIONAL.items() for melfa in written}
-_STATUS_NUMBERS: Final = {
-    "M_ON": e.Number(1),
-    "M_OFF": e.Number(0),
-    "M_PI": e.Number(math.pi),
-    **{key: e.Number(round(value)) for key, value in INITIAL_STATUS.items()},
-}
-"""Values of status variables that never change."""
-ZERO_POSITION: Final = s.Constant((0.0,) * 6, (0, 0))
-"""Value of `P_Zero`."""
-_ROBOT_POSITIONS: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
-"""Status variables of where the robot stands, as commanded or as measured."""
-DEGREE: Final = math.pi / 180.0
-
-
-class Expressions(Types):
-    """Lifts the expressions of one file; what it has no words for raises Unliftable."""
 
     # ------------------------------------------------------------------------- any value
 
@@ -778,6 +622,161 @@ class Expressions(Types):
     @property
     def five_axis(self) -> bool:
         return self.m.robot is not None and self.m.robot.five_axis
+
+
+def file_timers(code: Sequence[s.Entry], header: Header, own: bool) -> dict[int, str]:
+    """Names of the timers, by number, that are set to zero and read in values and conditions.
+
+    Any other use of a timer, such as in an interrupt or another value, keeps all its lines as
+    they are. One that a wait with a time limit has made for itself is no timer of the program.
+    """
+    if own:
+        return {int(k): name for k, name in header.names["timer"].items() if k.isdigit()}
+    started: set[int] = set()
+    other: set[int] = set()
+    for at, item in enumerate(code):
+        numbers = map(timer_number, nodes(item.statement))
+        mentioned = [n for n in numbers if n is not None]
+        if not mentioned:
+            continue
+        if 0 in mentioned:  # any timer
+            return {}
+        plain = list(_statement_timers(item.statement))
+        of_wait = at + 1 < len(code) and _is_waiting_line(code[at + 1])
+        started.update(n for n, starts in plain if starts and not of_wait)
+        if of_wait or sorted(mentioned) != sorted(n for n, _ in plain):
+            other.update(mentioned)
+    return {n: f"timer_{n}" for n in sorted(started - other) if n <= MOST_TIMERS}
+
+
+def _is_waiting_line(line: s.Entry) -> bool:
+    return line.label is not None and line.label[:1] == "W" and line.label[1:].isdigit()
+
+
+def _statement_timers(statement: Any) -> Iterator[tuple[int, bool]]:
+    """Timers of a statement where the pseudo-program has them, and whether it starts them."""
+    match statement:
+        case s.Assign(target=target, value=value, delay=None) if n := timer_number(target):
+            if literal(value) == 0:
+                yield n, True
+        case s.Assign(value=value):
+            yield from _timers_read(value)
+        case s.If(condition=condition, then=then, otherwise=otherwise):
+            yield from _timers_read(condition)
+            yield from _statement_timers(then)
+            yield from _statement_timers(otherwise)
+        case s.ElseIf(condition=value):
+            yield from _timers_read(value)
+        case s.Command(keyword="While" | "Wait" | "Dly", arguments=(value,)):
+            yield from _timers_read(value)
+
+
+def _timers_read(value: Any) -> Iterator[tuple[int, bool]]:
+    for node in nodes(value):
+        if number := timer_number(node):
+            yield number, False
+
+
+def elapsed_timer(node: s.Expression, timers: Mapping[int, str]) -> e.Elapsed | None:
+    """The timer that a node reads."""
+    name = timers.get(timer_number(node) or 0)
+    return None if name is None else e.Elapsed(name)
+
+
+def seconds_of(milliseconds: float) -> e.Number:
+    return e.number_of(milliseconds / MILLISECONDS)
+
+
+class ArgumentReader(Protocol):
+    """Lift of the expressions of a file."""
+
+    m: Symbols
+
+    def plain(self, node: s.Expression) -> e.Expression:
+        """Any value."""
+
+    def number(self, node: s.Expression) -> e.Expression:
+        """Lift a value that is not a truth."""
+
+    def rounded(self, node: s.Expression) -> e.Expression:
+        """One that is whole."""
+
+    def type_of(self, node: s.Expression | None) -> ValueType:
+        """Its type."""
+
+
+def library_function(key: str, given: Sequence[s.Expression], lift: ArgumentReader) -> e.Expression:
+    """Lift a call of a function: to plain words, an input, or mostly a procedure of the library.
+
+    key: in upper case. Raises Unliftable if the function has no equivalent.
+    """
+    match key, given:
+        case "LEFT", (whole, s.Number(count) as number) if count >= 1:
+            return e.Apply("part", (lift.plain(whole), e.Number(1), lift.rounded(number)))
+        case "RIGHT", (s.Variable(arguments=None) as whole, s.Number(count)) if count >= 1:
+            text, last = lift.plain(whole), round(count)
+            first = e.Binary("-", e.Apply("length", (text,)), e.Number(last - 1))
+            return e.Apply("part", (text, first, e.Number(last)))
+        case "M_HNDCQ", (hand,) if isinstance(known := lift.m.value(hand), float):
+            if 1 <= round(known) <= HAND_CHECKS:
+                return e.Name(lift.m.signal("M_IN", FIRST_HAND_CHECK - 1 + round(known)))
+        case "ZONE", (_, _, _):
+            elements = (
+                e.Member(_position_with_elements(one, lift), field)
+                for one in given
+                for field in POSE_FIELDS
+            )
+            return e.Apply(VENDOR_ONLY_NAME.format("in_box"), tuple(elements))
+    name = LIBRARY_FUNCTIONS.get(key, {}).get(len(given))
+    if name is None:
+        raise Unliftable
+    kinds = [one.type for one in library()[name].parameters]
+    if any(
+        (kind == "position") != (lift.type_of(value) == "position")
+        for kind, value in zip(kinds, given, strict=True)
+    ):
+        raise Unliftable
+    values = (
+        lift.rounded(value) if kind == "integer" else lift.number(value)
+        for kind, value in zip(kinds, given, strict=True)
+    )
+    return e.Apply(VENDOR_ONLY_NAME.format(name), tuple(values))
+
+
+def _position_with_elements(node: s.Expression, lift: ArgumentReader) -> e.Expression:
+    """A position whose elements can be named."""
+    made = lift.plain(node)
+    if lift.type_of(node) != "position" or not isinstance(made, e.Name | e.Index | e.Here):
+        raise Unliftable
+    return made
+
+
+T = TypeVar("T")
+
+# PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
+_SAME_UNIT_NAMES: Final = {melfa.upper(): name for name, melfa in SAME_UNIT_FUNCTIONS.items()}
+_NAMES_OF_ANGLES: Final = {melfa.upper(): name for name, melfa in FUNCTIONS_OF_ANGLES.items()}
+_ARM_NAMES: Final = {melfa.upper(): name for name, melfa in ARM_FUNCTIONS.items()}
+_NAMES_TO_ANGLES: Final = {melfa.upper(): name for name, melfa in FUNCTIONS_TO_ANGLES.items()}
+_CLOCK: Final = {
+    melfa.upper(): name for name, melfa in STATUS_FUNCTIONS.items() if melfa != "J_Curr"
+}
+_PLACE_TYPES: Final = frozenset(("position", "pose"))
+"""Types of located values; the product of two places the second in the first."""
+_ANGLES: Final = {melfa: name for name, melfa in ANGLES.items()}
+ADDITIONAL: Final = {melfa: name for name, written in poses.ADDITIONAL.items() for melfa in written}
+_STATUS_NUMBERS: Final = {
+    "M_ON": e.Number(1),
+    "M_OFF": e.Number(0),
+    "M_PI": e.Number(math.pi),
+    **{key: e.Number(round(value)) for key, value in INITIAL_STATUS.items()},
+}
+"""Values of status variables that never change."""
+ZERO_POSITION: Final = s.Constant((0.0,) * 6, (0, 0))
+"""Value of `P_Zero`."""
+_ROBOT_POSITIONS: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
+"""Status variables of where the robot stands, as commanded or as measured."""
+DEGREE: Final = math.pi / 180.0
 
 
 def _is_translated(record: Any) -> bool:

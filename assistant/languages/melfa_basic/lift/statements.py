@@ -1,6 +1,6 @@
 """Readers of statements: code lines and blocks as statements of the pseudo-program.
 
-`Statements` lifts single lines, `Control` blocks, branches and jumps. A line that the
+`Control` lifts single lines, blocks, branches and jumps. A line that the
 pseudo-program cannot express becomes a vendor statement. `Def Act` and `Act` become interrupts if
 the program was written here or leads them to procedures; Mo triggers are conditions that they may
 ask.
@@ -103,8 +103,8 @@ StatementLift = Callable[[Any, Any], list[p.Statement]]
 """Function that lifts a statement, given the reader and the statement; raises Unliftable."""
 
 
-class Statements:
-    """Lifts what is no block.
+class Control:
+    """Lift single lines, and what decides the order of the lines; raise Unliftable.
 
     routines: what each region is called, and what `GoSub` and functions mean. units, firsts:
     the programs that `CallP` names, and the procedures that those begin with. kept: lines whose
@@ -368,136 +368,6 @@ class Statements:
         starts = {*places[:1], *lines.lost.intersection(places)}
         return reachable(starts, lambda at: after.get(at, ()))
 
-
-def define_interrupt(reader: Statements, node: s.DefAct) -> list[p.Statement]:
-    """An interrupt that calls a procedure and goes on where the program was, or ends it."""
-    condition = reader.expressions.condition(node.condition)
-    answer = reader.answers.get(target_name(node.target))
-    if answer is not None and node.keyword == "GoSub" and not node.stop:
-        call, ends = answer
-        over = None if ends is None else reader.expressions.condition(ends)
-        return [
-            p.Interrupt(
-                _interrupt_name(reader, node.number),
-                condition,
-                p.Call(_called_procedure(reader, call)),
-                over,
-            )
-        ]
-    called = _answering_procedure(reader, node)
-    if called is None:
-        raise Unliftable(vendor_statements.INTERRUPTS)
-    over = e.Number(1) if node.keyword == "GoTo" else None
-    return [p.Interrupt(_interrupt_name(reader, node.number), condition, p.Call(called), over)]
-
-
-def _answering_procedure(reader: Statements, node: s.DefAct) -> str | None:
-    """Return the name of the procedure that interrupts alone lead to; None if there is no such
-    procedure in a single plain form.
-    """
-    number = reader.by_label.get(target_name(node.target))
-    if number is None or not reader.regions[number].answers:
-        return None
-    forms = [*reader.called.forms[number].values()]
-    return forms[0].name if len(forms) == 1 and not forms[0].passes else None
-
-
-def switch_interrupt(reader: Statements, node: s.Command) -> list[p.Statement]:
-    (given,) = node.arguments
-    if not isinstance(given, s.Binary):
-        raise Unliftable(vendor_statements.INTERRUPTS)
-    state = literal(given.right)
-    if state not in (0, 1):
-        raise Unliftable(vendor_statements.INTERRUPTS)
-    switched: p.SwitchInterrupt | p.SwitchInterrupts
-    if literal(given.left) == ALL_INTERRUPTS:
-        if not reader.answers and None in _defined_interrupts(reader).values():
-            raise Unliftable(vendor_statements.INTERRUPTS)
-        switched = p.SwitchInterrupts("on" if state else "off")
-    else:
-        switched = p.SwitchInterrupt(_interrupt_name(reader, given.left), "on" if state else "off")
-    return [switched]
-
-
-def _defined_interrupts(reader: Statements) -> dict[float | None, str | None]:
-    """Return the procedure that each interrupt calls, by number; None for one without
-    equivalent.
-    """
-    found: dict[float | None, str | None] = {}
-    for node, alone in reader.definitions:
-        number, called = literal(node.number), _answering_procedure(reader, node)
-        same = found.get(number, called) == called and alone
-        found[number] = called if same and number is not None else None
-    return found
-
-
-def _interrupt_name(reader: Statements, node: s.Expression) -> str:
-    number = literal(node)
-    if number is None:
-        raise Unliftable(vendor_statements.INTERRUPTS)
-    known = reader.symbols.header.names["interrupt"].get(f"{number:g}")
-    if known is None and _defined_interrupts(reader).get(number) is not None:
-        known = f"act_{number:g}"
-    if known is None:
-        raise Unliftable(vendor_statements.INTERRUPTS)
-    return known
-
-
-def _called_procedure(reader: Statements, call: s.Jump | s.Call) -> str:
-    """The procedure that answers."""
-    if isinstance(call, s.Jump):
-        number = reader.by_label.get(target_name(call.target))
-        if number is None:
-            raise Unliftable(vendor_statements.INTERRUPTS)
-        return reader.routines[number].name
-    routine = reader.symbols.routines.get(call.function.key)
-    if routine is None:
-        raise Unliftable(vendor_statements.INTERRUPTS)
-    return routine.name
-
-
-# ------------------------------------------------------------------------------ Mo triggers
-
-
-def mo_triggers(code: Code, symbols: Symbols) -> dict[int, tuple[str, s.Expression]]:
-    """The condition of each Mo trigger that has one definition, and a name for whether it is on."""
-    found: dict[int, list[s.Expression | None]] = {}
-    for item in code:
-        node = statement_of(item)
-        if isinstance(node, s.DefOther) and node.kind == "MoTrg" and len(node.arguments) == 2:
-            number = symbols.constants.value(node.arguments[0])
-            if not isinstance(number, float):
-                return {}
-            found.setdefault(round(number), []).append(node.arguments[1])
-    return {
-        number: (symbols.free(f"mo_trigger_{number}"), conditions[0])
-        for number, conditions in found.items()
-        if len(conditions) == 1 and conditions[0] is not None
-    }
-
-
-def watch_mo_triggers(reader: Statements, node: s.Command) -> list[p.Statement]:
-    """`SetMoTrg n`: from here on a Mo trigger is watched; with 0 none is."""
-    symbols = reader.symbols
-    number = symbols.value(node.arguments[0])
-    if not symbols.telling or not isinstance(number, float) or not symbols.mo_triggers:
-        raise Unliftable
-    wanted = [round(number)] if number else sorted(symbols.mo_triggers)
-    if not set(wanted) <= symbols.mo_triggers.keys():
-        raise Unliftable
-    names = [symbols.mo_triggers[one][0] for one in wanted]
-    for name in names:
-        symbols.variables.setdefault(name, Variable("integer", e.Number(0)))
-    return [p.Assign(e.Name(name), e.Number(int(number != 0))) for name in names]
-
-
-DEEPEST: Final = 50
-"""Deepest nesting of blocks that are read as blocks; controllers stop at 16."""
-
-
-class Control(Statements):
-    """Lifts what decides the order of the lines; raises Unliftable."""
-
     @abstractmethod
     def body(self, low: int, high: int) -> tuple[p.Statement, ...]:
         """The statements of a range of lines."""
@@ -712,6 +582,132 @@ class Control(Statements):
         return [p.Goto(block.label)]
 
 
+def define_interrupt(reader: Control, node: s.DefAct) -> list[p.Statement]:
+    """An interrupt that calls a procedure and goes on where the program was, or ends it."""
+    condition = reader.expressions.condition(node.condition)
+    answer = reader.answers.get(target_name(node.target))
+    if answer is not None and node.keyword == "GoSub" and not node.stop:
+        call, ends = answer
+        over = None if ends is None else reader.expressions.condition(ends)
+        return [
+            p.Interrupt(
+                _interrupt_name(reader, node.number),
+                condition,
+                p.Call(_called_procedure(reader, call)),
+                over,
+            )
+        ]
+    called = _answering_procedure(reader, node)
+    if called is None:
+        raise Unliftable(vendor_statements.INTERRUPTS)
+    over = e.Number(1) if node.keyword == "GoTo" else None
+    return [p.Interrupt(_interrupt_name(reader, node.number), condition, p.Call(called), over)]
+
+
+def _answering_procedure(reader: Control, node: s.DefAct) -> str | None:
+    """Return the name of the procedure that interrupts alone lead to; None if there is no such
+    procedure in a single plain form.
+    """
+    number = reader.by_label.get(target_name(node.target))
+    if number is None or not reader.regions[number].answers:
+        return None
+    forms = [*reader.called.forms[number].values()]
+    return forms[0].name if len(forms) == 1 and not forms[0].passes else None
+
+
+def switch_interrupt(reader: Control, node: s.Command) -> list[p.Statement]:
+    (given,) = node.arguments
+    if not isinstance(given, s.Binary):
+        raise Unliftable(vendor_statements.INTERRUPTS)
+    state = literal(given.right)
+    if state not in (0, 1):
+        raise Unliftable(vendor_statements.INTERRUPTS)
+    switched: p.SwitchInterrupt | p.SwitchInterrupts
+    if literal(given.left) == ALL_INTERRUPTS:
+        if not reader.answers and None in _defined_interrupts(reader).values():
+            raise Unliftable(vendor_statements.INTERRUPTS)
+        switched = p.SwitchInterrupts("on" if state else "off")
+    else:
+        switched = p.SwitchInterrupt(_interrupt_name(reader, given.left), "on" if state else "off")
+    return [switched]
+
+
+def _defined_interrupts(reader: Control) -> dict[float | None, str | None]:
+    """Return the procedure that each interrupt calls, by number; None for one without
+    equivalent.
+    """
+    found: dict[float | None, str | None] = {}
+    for node, alone in reader.definitions:
+        number, called = literal(node.number), _answering_procedure(reader, node)
+        same = found.get(number, called) == called and alone
+        found[number] = called if same and number is not None else None
+    return found
+
+
+def _interrupt_name(reader: Control, node: s.Expression) -> str:
+    number = literal(node)
+    if number is None:
+        raise Unliftable(vendor_statements.INTERRUPTS)
+    known = reader.symbols.header.names["interrupt"].get(f"{number:g}")
+    if known is None and _defined_interrupts(reader).get(number) is not None:
+        known = f"act_{number:g}"
+    if known is None:
+        raise Unliftable(vendor_statements.INTERRUPTS)
+    return known
+
+
+def _called_procedure(reader: Control, call: s.Jump | s.Call) -> str:
+    """The procedure that answers."""
+    if isinstance(call, s.Jump):
+        number = reader.by_label.get(target_name(call.target))
+        if number is None:
+            raise Unliftable(vendor_statements.INTERRUPTS)
+        return reader.routines[number].name
+    routine = reader.symbols.routines.get(call.function.key)
+    if routine is None:
+        raise Unliftable(vendor_statements.INTERRUPTS)
+    return routine.name
+
+
+# ------------------------------------------------------------------------------ Mo triggers
+
+
+def mo_triggers(code: Code, symbols: Symbols) -> dict[int, tuple[str, s.Expression]]:
+    """The condition of each Mo trigger that has one definition, and a name for whether it is on."""
+    found: dict[int, list[s.Expression | None]] = {}
+    for item in code:
+        node = statement_of(item)
+        if isinstance(node, s.DefOther) and node.kind == "MoTrg" and len(node.arguments) == 2:
+            number = symbols.constants.value(node.arguments[0])
+            if not isinstance(number, float):
+                return {}
+            found.setdefault(round(number), []).append(node.arguments[1])
+    return {
+        number: (symbols.free(f"mo_trigger_{number}"), conditions[0])
+        for number, conditions in found.items()
+        if len(conditions) == 1 and conditions[0] is not None
+    }
+
+
+def watch_mo_triggers(reader: Control, node: s.Command) -> list[p.Statement]:
+    """`SetMoTrg n`: from here on a Mo trigger is watched; with 0 none is."""
+    symbols = reader.symbols
+    number = symbols.value(node.arguments[0])
+    if not symbols.telling or not isinstance(number, float) or not symbols.mo_triggers:
+        raise Unliftable
+    wanted = [round(number)] if number else sorted(symbols.mo_triggers)
+    if not set(wanted) <= symbols.mo_triggers.keys():
+        raise Unliftable
+    names = [symbols.mo_triggers[one][0] for one in wanted]
+    for name in names:
+        symbols.variables.setdefault(name, Variable("integer", e.Number(0)))
+    return [p.Assign(e.Name(name), e.Number(int(number != 0))) for name in names]
+
+
+DEEPEST: Final = 50
+"""Deepest nesting of blocks that are read as blocks; controllers stop at 16."""
+
+
 def _is_single_value(item: s.CaseRange | s.CaseIs) -> bool:
     """True if the item of a case tests for a single value."""
     return item.operator == "=" if isinstance(item, s.CaseIs) else item.last is None
@@ -719,7 +715,7 @@ def _is_single_value(item: s.CaseRange | s.CaseIs) -> bool:
 
 STATEMENT_LIFTS: Final[Mapping[type, StatementLift]] = {
     s.Motion: lambda reader, node: reader.moves.move(node, reader.values),
-    s.Command: Statements.command,
+    s.Command: Control.command,
     s.Assign: lambda reader, node: simple_statements.lift_assignment(
         node, reader.expressions, reader.runs
     ),
@@ -732,8 +728,8 @@ STATEMENT_LIFTS: Final[Mapping[type, StatementLift]] = {
     s.If: Control.one_line_if,
     s.Jump: Control.jump,
     s.OnJump: Control.on_jump,
-    s.Call: Statements.call,
-    s.CallP: Statements.callp,
+    s.Call: Control.call,
+    s.CallP: Control.callp,
     s.DefNames: lambda reader, node: simple_statements.declare_variables(
         node.variables, reader.expressions
     ),
@@ -754,10 +750,10 @@ STATEMENT_LIFTS: Final[Mapping[type, StatementLift]] = {
     ),
 }
 COMMAND_LIFTS: Final[Mapping[str, tuple[int, StatementLift]]] = {
-    "Wait": (1, Statements.wait),
-    "End": (0, Statements.end),
-    "Return": (0, Statements.returned),
-    "Exit Function": (0, Statements.left),
+    "Wait": (1, Control.wait),
+    "End": (0, Control.end),
+    "Return": (0, Control.returned),
+    "Exit Function": (0, Control.left),
     "Break": (0, Control.broken),
     "Act": (1, switch_interrupt),
     "SetMoTrg": (1, watch_mo_triggers),
