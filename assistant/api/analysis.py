@@ -127,7 +127,7 @@ class Simulated:
 
     def _repr_png_(self) -> bytes | None:
         """Joints and speed of the tool over time; None without matplotlib."""
-        return motion_png(self.simulation)
+        return _motion_png(self.simulation)
 
 
 def simulate(
@@ -180,18 +180,18 @@ def simulate(
     return Simulated(loaded.program.name, done, told)
 
 
-MOST_PICTURE_ROWS: Final = 4000
+_MOST_PICTURE_ROWS: Final = 4000
 """Most samples drawn; of more, only every second, third … is drawn."""
 
 
-def motion_png(simulation: Simulation) -> bytes | None:
+def _motion_png(simulation: Simulation) -> bytes | None:
     """None without matplotlib, which the extra `plot` brings."""
     try:
         drawn = new_figure(7.0, 3.5)
     except Refused:
         return None
     samples, robot = simulation.samples, simulation.robot
-    every = slice(None, None, max(1, len(samples) // MOST_PICTURE_ROWS))
+    every = slice(None, None, max(1, len(samples) // _MOST_PICTURE_ROWS))
     upper, lower = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for name, unit, joint in zip(robot.axes, robot.units, samples.joints.T, strict=True):
         upper.plot(samples.t[every], joint[every], label=f"{name}, {unit}", lw=1.2)

@@ -27,31 +27,31 @@ from assistant.sources.tables.headers import shown
 from assistant.sources.tables.rows import NOT_FINITE
 from assistant.sources.tables.waypoints import Unit, read_poses
 
-NO_JOINTS = error(
+_NO_JOINTS = error(
     "TB431",
     "`{given}` is no array of joints",
     "give an array (n, {axes}), a row for each point, or what jtraj of roboticstoolbox returns",
 )
-JOINT_SHAPE = error(
+_JOINT_SHAPE = error(
     "TB432",
     "the shape is {shape}, and {robot} has {axes} axes: {names}",
     "give a row of {axes} values for each point",
 )
-JOINT_UNIT = error(
+_JOINT_UNIT = error(
     "TB433", "the unit {unit} of joints is not known", 'write unit="rad" or unit="deg"'
 )
-NO_ARM = error(
+_NO_ARM = error(
     "TB434",
     "joint angles mean a place on one arm only, and none is named",
     'name it: robot="irb1200-7-0.7"; assistant.robots.names() lists them',
 )
-TOO_MUCH = error(
+_TOO_MUCH = error(
     "TB435", "{value:g} percent is no part of the joints' speed", "write a number from 1 to 100"
 )
-BLEND_WORD = error(
+_BLEND_WORD = error(
     "TB437", "the blend {given} is not known", 'write mm as a number, or blend="fine" to stop'
 )
-NO_PLACE = error(
+_NO_PLACE = error(
     "TB436",
     "`{given}` is no {kind}",
     "give the name of one in the process file, three numbers in mm, a Pose or a {type}",
@@ -126,9 +126,9 @@ def from_joints(
     stated = _process(process, speed, percent, blend, tool, None, robot)
     arm = robot_of(stated.robot if robot is None else robot)
     if arm is None:
-        raise Refused(NO_ARM(place="robot"))
+        raise Refused(_NO_ARM(place="robot"))
     if unit not in ("rad", "deg"):
-        raise Refused(JOINT_UNIT(place="unit", unit=shown(str(unit))))
+        raise Refused(_JOINT_UNIT(place="unit", unit=shown(str(unit))))
     values = _in_degrees(_array_of(joints, arm), unit, arm)
     found = rows.default_findings(stated, None)
     if has_errors(found):
@@ -184,7 +184,7 @@ def _speed(stated: Process, tcp: float | None, percent: float | None) -> Speed:
     if tcp is not None and not tcp > 0.0:
         raise Refused(rows.TOO_SLOW(place="speed", what="the speed", value=tcp, more=""))
     if percent is not None and not 0.0 < percent <= 100.0:
-        raise Refused(TOO_MUCH(place="percent", value=percent))
+        raise Refused(_TOO_MUCH(place="percent", value=percent))
     known = stated.defaults.speed
     base = known if isinstance(known, Speed) else Speed(100.0)
     changed = {"tcp": tcp, "joint": percent}
@@ -195,7 +195,7 @@ def _blend(blend: float | Literal["fine"]) -> Blend:
     if isinstance(blend, str):
         if blend == "fine":
             return FINE
-        raise Refused(BLEND_WORD(place="blend", given=shown(blend)))
+        raise Refused(_BLEND_WORD(place="blend", given=shown(blend)))
     radius = number_of(blend, "blend")
     if not radius >= 0.0:
         raise Refused(rows.NEGATIVE(place="blend", what="the blend", value=radius, more=""))
@@ -210,7 +210,7 @@ def _declared(given: Any, name: str, kind: type[Tool] | type[Frame], table: dict
         try:
             x, y, z = (float(value) for value in given)
         except (TypeError, ValueError):
-            finding = NO_PLACE(place=name, given=str(given)[:80], kind=name, type=kind.__name__)
+            finding = _NO_PLACE(place=name, given=str(given)[:80], kind=name, type=kind.__name__)
             raise Refused(finding) from None
         given = Pose((x, y, z))
     pose = given if isinstance(given, Pose) else None
@@ -225,7 +225,7 @@ def _declared(given: Any, name: str, kind: type[Tool] | type[Frame], table: dict
 def _array_of(joints: Any, arm: Robot) -> Floats:
     """Return the joints as rows (n, a); raise Refused."""
     given = getattr(joints, "q", joints)
-    wrong = NO_JOINTS(place="joints", given=type(joints).__name__, axes=len(arm.axes))
+    wrong = _NO_JOINTS(place="joints", given=type(joints).__name__, axes=len(arm.axes))
     try:
         array = reals(given)
     except (TypeError, ValueError):
@@ -236,7 +236,7 @@ def _array_of(joints: Any, arm: Robot) -> Floats:
     if array.ndim != 2 or array.shape[1] != len(arm.axes) or not len(array):
         shape = "(" + ", ".join(map(str, np.shape(given))) + ")"
         said: Mapping[str, Any] = {"robot": arm.name, "names": ", ".join(arm.axes)}
-        raise Refused(JOINT_SHAPE(place="joints", shape=shape, axes=len(arm.axes), **said))
+        raise Refused(_JOINT_SHAPE(place="joints", shape=shape, axes=len(arm.axes), **said))
     return array
 
 

@@ -1,7 +1,7 @@
 """Notebook pages: programs, findings, compilations, simulations, robots, paths and recordings.
 
-Everything from a program is escaped. A page holds at most `MOST_FINDINGS` findings and `MOST_LINES`
-lines; the rest is counted.
+Everything from a program is escaped. A page holds at most `_MOST_FINDINGS` findings and
+`_MOST_LINES` lines; the rest is counted.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ if TYPE_CHECKING:
     from assistant.robots.timing.simulation import Samples
 
 
-WIDTH: Final = 300.0
-HEIGHT: Final = 220.0
-MARGIN: Final = 10.0
+_WIDTH: Final = 300.0
+_HEIGHT: Final = 220.0
+_MARGIN: Final = 10.0
 """px of one view of a picture, and what is left free at its edges."""
-MOST_POINTS: Final = 2000
+_MOST_POINTS: Final = 2000
 """Points of a way that are drawn; of more, every second, third …"""
-MOST_FINDINGS: Final = 50
-MOST_LINES: Final = 200
+_MOST_FINDINGS: Final = 50
+_MOST_LINES: Final = 200
 """Findings, and lines of a file, that are shown; the rest is counted."""
-COLOURS: Final = {Severity.ERROR: "#b3261e", Severity.WARNING: "#8a5a00", Severity.INFO: "#1f5f8b"}
-VIEWS: Final = (("from above", 0, 1), ("from the side", 0, 2))
+_COLOURS: Final = {Severity.ERROR: "#b3261e", Severity.WARNING: "#8a5a00", Severity.INFO: "#1f5f8b"}
+_VIEWS: Final = (("from above", 0, 1), ("from the side", 0, 2))
 """Views of a picture, with the axes that lead to the right and up."""
-JOINT_INK: Final = "#9a9a9a"
-WORK_INK: Final = "#1f5f8b"
+_JOINT_INK: Final = "#9a9a9a"
+_WORK_INK: Final = "#1f5f8b"
 
 
 def program_html(program: Program) -> str:
@@ -55,21 +55,21 @@ def program_html(program: Program) -> str:
 
 
 def finding_html(finding: Diagnostic) -> str:
-    return findings_html([finding])
+    return _findings_html([finding])
 
 
-def findings_html(findings: Sequence[Diagnostic]) -> str:
+def _findings_html(findings: Sequence[Diagnostic]) -> str:
     """A table of findings, and how many more there are."""
     if not findings:
         return "<p>no findings</p>"
-    lines = [_finding_row(finding) for finding in findings[:MOST_FINDINGS]]
+    lines = [_finding_row(finding) for finding in findings[:_MOST_FINDINGS]]
     more = len(findings) - len(lines)
     rest = f"<p>and {more} more</p>" if more > 0 else ""
     return f"<table><tbody>{''.join(lines)}</tbody></table>{rest}"
 
 
 def check_html(check: Check) -> str:
-    return f"<div><p>{_cut_text(repr(check)[1:-1])}</p>{findings_html(check.findings)}</div>"
+    return f"<div><p>{_cut_text(repr(check)[1:-1])}</p>{_findings_html(check.findings)}</div>"
 
 
 def compiled_html(compiled: Compiled) -> str:
@@ -77,7 +77,7 @@ def compiled_html(compiled: Compiled) -> str:
     files.
     """
     told = [repr(compiled)[1:-1], *compiled.proof_lines()]
-    parts = [_path_picture(compiled.source), findings_html(compiled.findings)]
+    parts = [_path_picture(compiled.source), _findings_html(compiled.findings)]
     return _html_page(told, parts, compiled.files.items())
 
 
@@ -90,7 +90,7 @@ def translation_html(translation: Translation) -> str:
     source = translation.compiled.source
     return _html_page(
         told,
-        [_path_picture(source), findings_html(translation.findings)],
+        [_path_picture(source), _findings_html(translation.findings)],
         translation.files.items(),
     )
 
@@ -101,7 +101,7 @@ def simulated_html(done: Simulated) -> str:
     told += [
         f"{name}: {time.most:.2f} s a call" for name, time in done.simulation.procedures.items()
     ]
-    return _html_page(told, [findings_html(done.findings)], ())
+    return _html_page(told, [_findings_html(done.findings)], ())
 
 
 def _html_page(
@@ -113,14 +113,14 @@ def _html_page(
 
 def _file_html(name: str, data: bytes) -> str:
     lines = lines_of(data.decode("utf-8", "replace"))
-    shown = "\n".join(_cut_text(line.expandtabs(4)) for line in lines[:MOST_LINES])
-    more = len(lines) - MOST_LINES
+    shown = "\n".join(_cut_text(line.expandtabs(4)) for line in lines[:_MOST_LINES])
+    more = len(lines) - _MOST_LINES
     rest = f"\n… {more} more lines" if more > 0 else ""
     return f"<details><summary>{_cut_text(name)}</summary><pre>{shown}{rest}</pre></details>"
 
 
 def _finding_row(finding: Diagnostic) -> str:
-    colour = COLOURS[finding.severity]
+    colour = _COLOURS[finding.severity]
     cure = f"<br><small>{_cut_text(finding.cure)}</small>" if finding.cure else ""
     head = f'<td style="color:{colour}">{_cut_text(finding.code)} {finding.severity}</td>'
     where = f"<td>{_cut_text(finding.where())}</td>"
@@ -136,17 +136,17 @@ def _path_picture(program: Program) -> str:
     points, joint = _tool_path(program)
     if len(points) < 2:
         return ""
-    every = -(-len(points) // MOST_POINTS)
+    every = -(-len(points) // _MOST_POINTS)
     kept = np.unique(np.append(np.arange(0, len(points), every), len(points) - 1))
     points, joint = points[kept], joint[kept]
     low, high = points.min(axis=0), points.max(axis=0)
     extents = ", ".join(f"{axis} {low[i]:.1f} to {high[i]:.1f} mm" for i, axis in enumerate("xyz"))
     views = "".join(
-        _path_view(label, points[:, [x, y]], joint, number * WIDTH)
-        for number, (label, x, y) in enumerate(VIEWS)
+        _path_view(label, points[:, [x, y]], joint, number * _WIDTH)
+        for number, (label, x, y) in enumerate(_VIEWS)
     )
-    size = f'width="{2 * WIDTH:.0f}" height="{HEIGHT:.0f}"'
-    box = f'viewBox="0 0 {2 * WIDTH:.0f} {HEIGHT:.0f}"'
+    size = f'width="{2 * _WIDTH:.0f}" height="{_HEIGHT:.0f}"'
+    box = f'viewBox="0 0 {2 * _WIDTH:.0f} {_HEIGHT:.0f}"'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} {box} fill="none" '
         f'style="background:white">{views}</svg><p><small>{extents}; '
@@ -157,18 +157,19 @@ def _path_picture(program: Program) -> str:
 def _path_view(label: str, points: Floats, joint: Floats, left: float) -> str:
     """Points (n, 2) mm, scaled alike along both axes into one view, y upwards. left: its edge."""
     low, high = points.min(axis=0), points.max(axis=0)
-    room = np.array([WIDTH, HEIGHT]) - 2 * MARGIN
+    room = np.array([_WIDTH, _HEIGHT]) - 2 * _MARGIN
     span = high - low
     scale = float(np.min(room / np.maximum(span, 1e-9))) if span.max() > 1e-9 else 1.0
-    middle = np.array([left + WIDTH / 2, HEIGHT / 2])
+    middle = np.array([left + _WIDTH / 2, _HEIGHT / 2])
     places = (points - (low + high) / 2) * scale * [1.0, -1.0] + middle
     lines = [
-        f'<polyline points="{one}" stroke="{JOINT_INK if grey else WORK_INK}" stroke-width="1.2"/>'
+        f'<polyline points="{one}" stroke="{_JOINT_INK if grey else _WORK_INK}" '
+        'stroke-width="1.2"/>'
         for one, grey in _motion_stretches(places, joint)
     ]
     x, y = places[0]
-    start = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{WORK_INK}"/>'
-    text = f'<text x="{left + MARGIN:.0f}" y="14" fill="#555" font-size="11">{label}</text>'
+    start = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{_WORK_INK}"/>'
+    text = f'<text x="{left + _MARGIN:.0f}" y="14" fill="#555" font-size="11">{label}</text>'
     return f"{''.join(lines)}{start}{text}"
 
 
@@ -211,7 +212,7 @@ def _program_joints(program: Program) -> Iterable[tuple[Sequence[float], str]]:
                 yield program.joint_targets[target.name].joints, statement.motion.tool
 
 
-ARM_SIZE: Final = 260.0
+_ARM_SIZE: Final = 260.0
 """px of the picture of an arm."""
 
 
@@ -273,14 +274,14 @@ def _links_at_home(robot: Robot) -> str:
     way = points[-1, :2] / out if out > 1.0 else np.array([1.0, 0.0])
     flat = np.column_stack([points[:, :2] @ way, points[:, 2]])
     low, high = flat.min(axis=0), flat.max(axis=0)
-    scale = (ARM_SIZE - 40.0) / max(float((high - low).max()), 1e-9)
-    places = (flat - (low + high) / 2.0) * scale * [1.0, -1.0] + ARM_SIZE / 2.0
+    scale = (_ARM_SIZE - 40.0) / max(float((high - low).max()), 1e-9)
+    places = (flat - (low + high) / 2.0) * scale * [1.0, -1.0] + _ARM_SIZE / 2.0
     line = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
     dots = "".join(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4"/>' for x, y in places)
     x, y, z = robot.fk(robot.home)[0][0]
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{ARM_SIZE:.0f}" height="{ARM_SIZE:.0f}" '
-        f'viewBox="0 0 {ARM_SIZE:.0f} {ARM_SIZE:.0f}" style="background:white" fill="#1f5f8b">'
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_ARM_SIZE:.0f}" height="{_ARM_SIZE:.0f}" '
+        f'viewBox="0 0 {_ARM_SIZE:.0f} {_ARM_SIZE:.0f}" style="background:white" fill="#1f5f8b">'
         f'<polyline points="{line}" fill="none" stroke="#1f5f8b" stroke-width="5" '
         f'stroke-linecap="round" stroke-linejoin="round"/>{dots}</svg>'
         f"<p><small>at home, from the side; flange at {x:.1f}, {y:.1f}, {z:.1f} mm</small></p>"

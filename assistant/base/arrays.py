@@ -19,13 +19,13 @@ Rows = NDArray[np.intp]
 """Places in other columns."""
 Truths = NDArray[np.bool_]
 
-SHAPE: Final = error(
+_SHAPE: Final = error(
     "TB441",
     "{what}: the shape is {shape}, not (n, {width})",
     "give a row of {width} numbers for each; transpose columns",
 )
-NO_REALS: Final = error("TB442", "{what}: {reason}", "give real numbers")
-UNEVEN: Final = error(
+_NO_REALS: Final = error("TB442", "{what}: {reason}", "give real numbers")
+_UNEVEN: Final = error(
     "TB443",
     "{count} {what} but {others} {other}",
     "give as many of the one as of the other",
@@ -55,13 +55,13 @@ def rows_of(values: ArrayLike, width: int, what: str) -> Floats:
         _check_real(given)
         array = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as reason:
-        raise Refused(NO_REALS(what=what, reason=str(reason))) from None
+        raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
     if array.shape[-1:] == (width,):
         return array if array.ndim == 2 else array.reshape(-1, width)
     if array.shape == (0,):
         return array.reshape(0, width)
     shape = "(" + ", ".join(map(str, array.shape)) + ")"
-    raise Refused(SHAPE(what=what, shape=shape, width=width))
+    raise Refused(_SHAPE(what=what, shape=shape, width=width))
 
 
 def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:
@@ -69,7 +69,7 @@ def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:
     given = np.asarray(values)
     found = rows_of(given, width, what)
     if given.dtype.kind not in "iu" and not (found == np.rint(found)).all():
-        raise Refused(NO_REALS(what=what, reason="they are no whole numbers"))
+        raise Refused(_NO_REALS(what=what, reason="they are no whole numbers"))
     return np.asarray(found, dtype=np.int64)
 
 
@@ -79,13 +79,13 @@ def number_of(value: object, what: str) -> float:
         found = float(value)
         if not np.isinf(found):
             return found
-    raise Refused(NO_REALS(what=what, reason=f"`{value!r:.40}` is no finite number"))
+    raise Refused(_NO_REALS(what=what, reason=f"`{value!r:.40}` is no finite number"))
 
 
 def require_same_length(one: Floats, other: Floats, what: str, others: str) -> None:
     """Raises Refused for columns of different lengths."""
     if len(one) != len(other):
-        finding = UNEVEN(what=what, other=others, count=len(one), others=len(other))
+        finding = _UNEVEN(what=what, other=others, count=len(one), others=len(other))
         raise Refused(finding)
 
 

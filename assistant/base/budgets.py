@@ -37,17 +37,17 @@ from weakref import ReferenceType, ref
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
 
-PERIOD: Final = 0.05
+_PERIOD: Final = 0.05
 """Seconds between two looks."""
-REPEAT_AFTER: Final = 1.0
+_REPEAT_AFTER: Final = 1.0
 """Seconds after which the watchdog raises `Reached` again in a stage that has not ended."""
-MOST_TIMES: Final = 5
+_MOST_TIMES: Final = 5
 """Most times to raise `Reached` for one charge: one raised as a stage is left reaches no code."""
-RESTS: Final = 20
+_RESTS: Final = 20
 """Looks at nothing after which the thread waits to be woken."""
-RESERVED_MARGIN: Final = 1 << 31
+_RESERVED_MARGIN: Final = 1 << 31
 """Bytes beyond a charge that may be reserved, as libraries do for their threads, but not used."""
-MARGIN_PER_PROCESSOR: Final = 1 << 26
+_MARGIN_PER_PROCESSOR: Final = 1 << 26
 
 
 class Reached(BaseException):
@@ -140,12 +140,12 @@ class Watchdog:
         while True:
             with self._lock:
                 idle = idle + 1 if self._tell() == 0 else 0
-                self._resting = idle > RESTS
+                self._resting = idle > _RESTS
             if self._resting:
                 self._woken.get()
                 idle = 0
             else:
-                time.sleep(PERIOD)
+                time.sleep(_PERIOD)
 
     def _tell(self) -> int:
         """Looks at each charge and returns how many there are."""
@@ -156,7 +156,7 @@ class Watchdog:
         now, (resident, _) = time.monotonic(), memory_in_use()
         worst: Charge | None = None
         for one in charges:
-            if (one.times and now - one.told < REPEAT_AFTER) or one.times >= MOST_TIMES:
+            if (one.times and now - one.told < _REPEAT_AFTER) or one.times >= _MOST_TIMES:
                 continue
             with contextlib.suppress(OSError):  # a thread that has ended
                 if one.clock() - one.began > one.seconds:
@@ -187,8 +187,8 @@ class Watchdog:
                 room = (
                     one.data
                     + one.bytes
-                    + RESERVED_MARGIN
-                    + MARGIN_PER_PROCESSOR * (os.cpu_count() or 1)
+                    + _RESERVED_MARGIN
+                    + _MARGIN_PER_PROCESSOR * (os.cpu_count() or 1)
                 )
                 least[one.thread] = min(room, least.get(one.thread, room))
             wanted = int(max(least.values()))
@@ -296,22 +296,22 @@ MEMORY: Final = error(
     "look for what multiplies, as arrays and blocks do, or split it; or give it"
     " more: `robot-assistant --budget 10 …`",
 )
-TOO_DEEP: Final = error(
+_TOO_DEEP: Final = error(
     "LM003",
     "{stage} meets what is nested too deeply to be followed",
     "take the inner parts out: parentheses, blocks, calls or tables in each other",
 )
-TOO_GREAT: Final = error(
+_TOO_GREAT: Final = error(
     "LM004",
     "{stage} meets a number that is too large to calculate with ({reason})",
     "write a number that a robot can have",
 )
-NO_MEMORY: Final = error(
+_NO_MEMORY: Final = error(
     "LM005",
     "there is not enough memory for {stage}",
     "close other programs, or split the input",
 )
-NO_FACTOR: Final = error(
+_NO_FACTOR: Final = error(
     "LM006",
     "`{value}` is no factor for budgets",
     "give a number from {least:g} to {most:g}, such as 10",
@@ -418,7 +418,7 @@ def read_budget_factor(text: str) -> float:
     except ValueError:
         value = math.nan
     if not least <= value <= most:
-        raise Refused(NO_FACTOR(value=text, least=least, most=most), exit_status=2)
+        raise Refused(_NO_FACTOR(value=text, least=least, most=most), exit_status=2)
     return value
 
 
@@ -491,11 +491,11 @@ def overrun(
 ) -> Diagnostic | None:
     """The finding for what Python itself has no more of, None for any other exception."""
     if isinstance(raised, RecursionError):
-        return TOO_DEEP(path=place, stage=stage)
+        return _TOO_DEEP(path=place, stage=stage)
     if isinstance(raised, OverflowError):
-        return TOO_GREAT(path=place, stage=stage, reason=raised)
+        return _TOO_GREAT(path=place, stage=stage, reason=raised)
     if isinstance(raised, MemoryError | Reached):
-        return NO_MEMORY(path=place, stage=stage)
+        return _NO_MEMORY(path=place, stage=stage)
     return None
 
 

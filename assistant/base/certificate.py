@@ -11,7 +11,7 @@ from typing import Final
 
 from assistant.base.file_access import write_whole
 
-CERTIFICATE_LIFETIME: Final = timedelta(days=30)
+_CERTIFICATE_LIFETIME: Final = timedelta(days=30)
 
 
 def self_signed_context(host: str, name: str, file: FilePath) -> ssl.SSLContext:
@@ -40,7 +40,7 @@ def self_signed_context(host: str, name: str, file: FilePath) -> ssl.SSLContext:
         .public_key(key.public_key())
         .serial_number(x509.random_serial_number())
         .not_valid_before(now - timedelta(days=1))
-        .not_valid_after(now + CERTIFICATE_LIFETIME)
+        .not_valid_after(now + _CERTIFICATE_LIFETIME)
         .add_extension(x509.SubjectAlternativeName(names), critical=False)
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .sign(key, hashes.SHA256())

@@ -23,13 +23,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from assistant.base.source_text import visible
 
-Bytes = NDArray[np.uint8]
-Mask = NDArray[np.bool_]
+_Bytes = NDArray[np.uint8]
+_Mask = NDArray[np.bool_]
 
 CHUNK: Final = 8192
 """Rows set at a time: the matrices of one chunk fit the processor's cache."""
 
-LARGEST_EXACT: Final = 2**53
+_LARGEST_EXACT: Final = 2**53
 """Scaled values at or above this have no exact digits in a double."""
 
 
@@ -71,10 +71,10 @@ def rows_text(pieces: Sequence[Piece], n: int) -> bytes:
 
     Raises ValueError for infinity, NaN without a `missing`, or more digits than a double has.
     """
-    return b"".join(row_chunks(pieces, n))
+    return b"".join(_row_chunks(pieces, n))
 
 
-def row_chunks(pieces: Sequence[Piece], n: int) -> Iterator[bytes]:
+def _row_chunks(pieces: Sequence[Piece], n: int) -> Iterator[bytes]:
     """The text of `rows_text` in parts of `CHUNK` rows."""
     merged = _merged(pieces)
     for start in range(0, n, CHUNK):
@@ -104,7 +104,7 @@ class _Field(Protocol):
     @property
     def width(self) -> int: ...
 
-    def write(self, text: Bytes, keep: Mask) -> None:
+    def write(self, text: _Bytes, keep: _Mask) -> None:
         """Fills the columns of all rows, and clears `keep` for the bytes that do not count."""
 
 
@@ -129,7 +129,7 @@ class _Constant:
     def width(self) -> int:
         return len(self.content)
 
-    def write(self, text: Bytes, keep: Mask) -> None:  # noqa: ARG002  all of it counts
+    def write(self, text: _Bytes, keep: _Mask) -> None:  # noqa: ARG002  all of it counts
         text[:] = np.frombuffer(self.content, dtype=np.uint8)
 
 
@@ -142,7 +142,7 @@ class _Choice:
     def width(self) -> int:
         return max((len(entry) for entry in self.table), default=0)
 
-    def write(self, text: Bytes, keep: Mask) -> None:
+    def write(self, text: _Bytes, keep: _Mask) -> None:
         entries = np.zeros((max(len(self.table), 1), self.width), dtype=np.uint8)
         lengths = np.array([len(entry) for entry in self.table] or [0])
         for row, entry in enumerate(self.table):
@@ -156,7 +156,7 @@ def _decimal(piece: Decimal, values: NDArray[np.float64]) -> _Field:
     if absent.any() and piece.missing is None:
         raise ValueError("not a number")
     scaled = np.rint(np.abs(np.where(absent, 0.0, values)) * 10.0**piece.places)
-    if not (scaled < LARGEST_EXACT).all():
+    if not (scaled < _LARGEST_EXACT).all():
         raise ValueError("a number has more digits than can be written")
     whole = scaled.astype(np.int64)
     negative = (values < 0) & (whole > 0)  # never "-0.00"
@@ -172,13 +172,13 @@ class _Gaps:
 
     numbers: _Digits
     instead: _Choice
-    absent: Mask
+    absent: _Mask
 
     @property
     def width(self) -> int:
         return self.numbers.width + self.instead.width
 
-    def write(self, text: Bytes, keep: Mask) -> None:
+    def write(self, text: _Bytes, keep: _Mask) -> None:
         edge = self.numbers.width
         self.numbers.write(text[:, :edge], keep[:, :edge])
         keep[self.absent, :edge] = False
@@ -194,7 +194,7 @@ class _Digits:
     """whole / 10**places with its sign where `negative`."""
 
     whole: NDArray[np.int64]
-    negative: Mask
+    negative: _Mask
     places: int = 0
     plus: bool = False
     strip: bool = False
@@ -208,7 +208,7 @@ class _Digits:
     def width(self) -> int:
         return 1 + self.before + (1 + self.places if self.places else 0)
 
-    def write(self, text: Bytes, keep: Mask) -> None:
+    def write(self, text: _Bytes, keep: _Mask) -> None:
         before, places = self.before, self.places
         text[:, 0] = np.where(self.negative, _MINUS, _PLUS)
         keep[:, 0] = self.negative | self.plus
@@ -226,7 +226,7 @@ class _Digits:
             keep[:, after] = tail[:, ::-1]
             keep[:, 1 + before] = tail[:, -1]
 
-    def _number(self, values: NDArray[np.int64], text: Bytes) -> None:
+    def _number(self, values: NDArray[np.int64], text: _Bytes) -> None:
         """The last digits of each value, as many as there are columns."""
         right = text.shape[1]
         while right > 4:
@@ -316,7 +316,7 @@ Offsets = NDArray[np.intp]
 Words = NDArray[np.uint64]
 
 WORD: Final = 8
-MOST_DIGITS: Final = 15
+_MOST_DIGITS: Final = 15
 """A whole number of so many digits is an exact double, and so is the power of ten below it."""
 _DIGITS: Final = np.uint64(0x3030303030303030)
 _OVER_NINE: Final = np.uint64(0x7676767676767676)
@@ -397,12 +397,12 @@ class Slots:
         if places.any():
             fraction, also = self.whole(ends, places)
             good &= also
-            places = np.minimum(places, MOST_DIGITS)
+            places = np.minimum(places, _MOST_DIGITS)
             values = (whole * _POWERS[places] + fraction) / _POWERS[places].astype(np.float64)
         else:
             values = whole.astype(np.float64)
         np.negative(values, out=values, where=negative)
-        good &= (digits >= 1) & (digits <= MOST_DIGITS)
+        good &= (digits >= 1) & (digits <= _MOST_DIGITS)
         if not good.all():
             odd = ~good
             values[odd] = self._odd(starts[odd], ends[odd], known)

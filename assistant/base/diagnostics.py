@@ -199,7 +199,7 @@ class Repeated:
 Subject: TypeAlias = Declared | PathRow | NumberedMove | SomeTargets | Several | Inner | Repeated
 
 
-MOST_IN_EXCEPTION: Final = 5
+_MOST_IN_EXCEPTION: Final = 5
 """Findings that the text of an exception tells; the rest is counted."""
 LONGEST_EXCERPT: Final = 240
 """Characters of a source line that are shown with a finding."""
@@ -381,9 +381,9 @@ class Refused(ValueError):
     exit_status: int = 1
 
     def __init__(self, *findings: Diagnostic, exit_status: int | None = None) -> None:
-        more = len(findings) - MOST_IN_EXCEPTION
+        more = len(findings) - _MOST_IN_EXCEPTION
         told = [
-            *map(str, findings[:MOST_IN_EXCEPTION]),
+            *map(str, findings[:_MOST_IN_EXCEPTION]),
             *([f"and {more} more"] if more > 0 else []),
         ]
         super().__init__("; ".join(told))
@@ -450,7 +450,7 @@ class Findings(list[Diagnostic]):
         )
 
 
-MOST_PLACES: Final = 3
+_MOST_PLACES: Final = 3
 """Source locations that a folded finding names before it counts the rest."""
 
 
@@ -471,7 +471,7 @@ def _folded(group: list[Diagnostic]) -> Diagnostic:
     first = group[0]
     if first.stretch is not None:
         return _worst_of(group)
-    named = [f.place or (f"line {f.line}" if f.line else "") for f in group[:MOST_PLACES]]
+    named = [f.place or (f"line {f.line}" if f.line else "") for f in group[:_MOST_PLACES]]
     if not any(named):
         return first
     parts = tuple(finding.about for finding in group)
@@ -498,13 +498,13 @@ def fold_files(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(
         one
         for group in groups.values()
-        for one in (group if len(group) <= MOST_PLACES else [_over_files(group)])
+        for one in (group if len(group) <= _MOST_PLACES else [_over_files(group)])
     )
 
 
 def _over_files(group: list[Diagnostic]) -> Diagnostic:
-    first, rest = group[0], len(group) - MOST_PLACES
-    named = ", ".join(f.path or "" for f in group[:MOST_PLACES])
+    first, rest = group[0], len(group) - _MOST_PLACES
+    named = ", ".join(f.path or "" for f in group[:_MOST_PLACES])
     return Diagnostic(
         first.code,
         first.severity,
@@ -514,11 +514,11 @@ def _over_files(group: list[Diagnostic]) -> Diagnostic:
     )
 
 
-LEAST_SIMILARITY: Final = 0.7
+_LEAST_SIMILARITY: Final = 0.7
 """Least similarity of two names, as `difflib` counts it: one letter in three may differ."""
-SHORTEST_PREFIX: Final = 3
+_SHORTEST_PREFIX: Final = 3
 """Fewest letters and digits by which names with that beginning are suggested."""
-MOST_SUGGESTIONS: Final = 6
+_MOST_SUGGESTIONS: Final = 6
 """Most names that are suggested."""
 
 
@@ -531,9 +531,9 @@ def near_names(given: str, known: Iterable[str]) -> tuple[str, ...]:
     for name in known:
         plain.setdefault(_letters_and_digits(name), []).append(name)
     wanted = _letters_and_digits(given)
-    begun = [one for one in plain if len(wanted) >= SHORTEST_PREFIX and one.startswith(wanted)]
-    close = begun or get_close_matches(wanted, plain, n=MOST_SUGGESTIONS, cutoff=LEAST_SIMILARITY)
-    return tuple(name for one in close for name in plain[one])[:MOST_SUGGESTIONS]
+    begun = [one for one in plain if len(wanted) >= _SHORTEST_PREFIX and one.startswith(wanted)]
+    close = begun or get_close_matches(wanted, plain, n=_MOST_SUGGESTIONS, cutoff=_LEAST_SIMILARITY)
+    return tuple(name for one in close for name in plain[one])[:_MOST_SUGGESTIONS]
 
 
 def did_you_mean(given: str, known: Iterable[str], otherwise: str) -> str:

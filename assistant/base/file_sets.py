@@ -36,25 +36,25 @@ from assistant.base import file_access
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.base.termination import defer_termination
 
-HOLDING: Final = ".robot-assistant-"
+_HOLDING: Final = ".robot-assistant-"
 """First characters of the name of a folder that holds files until all of them are written."""
 NEW: Final = "new"
-OLD: Final = "old"
+_OLD: Final = "old"
 READY: Final = "ready"
 """The note of what is to be replaced."""
-BACK: Final = "back"
+_BACK: Final = "back"
 """Name of the note once its files are to be put back."""
-STALE_AFTER: Final = 3600.0
+_STALE_AFTER: Final = 3600.0
 """Seconds after which a folder counts as left where the file system has no locks."""
-RIGHTS_OF_OTHERS: Final = 0o077
+_RIGHTS_OF_OTHERS: Final = 0o077
 """Rights of others, which no folder of ours gives."""
 
-CUT_OFF: Final = warning(
+_CUT_OFF: Final = warning(
     "CO203",
     "a run was cut off while it wrote {names}: {state}",
     "run it again, if what it was to write is wanted",
 )
-OLD_FILES_KEPT: Final = warning(
+_OLD_FILES_KEPT: Final = warning(
     "CO204",
     "`{holding}` has {names} as they were before a run that was cut off: {state}",
     "take from there what is needed, and delete that folder",
@@ -73,13 +73,13 @@ def reporting_leftovers(tell: LeftoverReporter) -> Iterator[None]:
         _reporter.reset(before)
 
 
-def recover_folder(folder: FilePath, locked: bool) -> None:
+def _recover_folder(folder: FilePath, locked: bool) -> None:
     """Recover a folder from interrupted writes while no other process uses it; raises OSError.
 
     locked: true if the file system has locks, which distinguish leftovers from writes in progress.
     """
     try:
-        found = [one for one in folder.iterdir() if one.name.startswith(HOLDING)]
+        found = [one for one in folder.iterdir() if one.name.startswith(_HOLDING)]
     except PermissionError:  # a folder that may be written but not read
         return
     for holding in sorted(found):
@@ -87,19 +87,19 @@ def recover_folder(folder: FilePath, locked: bool) -> None:
             _recover_from(folder, holding)
 
 
-def mark_for_recovery(holding: FilePath) -> None:
+def _mark_for_recovery(holding: FilePath) -> None:
     """Says that what was replaced is to be put back, also where all of it was."""
     with suppress(OSError):
-        (holding / READY).rename(holding / BACK)
+        (holding / READY).rename(holding / _BACK)
         file_access.sync_folder(holding)
 
 
-def remove_holding_folder(holding: FilePath, lock: int = file_access.NO_LOCK) -> None:
+def _remove_holding_folder(holding: FilePath, lock: int = file_access.NO_LOCK) -> None:
     """Takes a hidden folder away, and frees its lock; the note goes first."""
     with suppress(OSError):
-        for note in (READY, BACK):
+        for note in (READY, _BACK):
             (holding / note).unlink(missing_ok=True)
-        for part in (NEW, OLD):
+        for part in (NEW, _OLD):
             shutil.rmtree(holding / part, ignore_errors=True)
     with suppress(OSError):
         holding.rmdir()
@@ -111,7 +111,7 @@ def remove_holding_folder(holding: FilePath, lock: int = file_access.NO_LOCK) ->
 def _is_under_way(holding: FilePath, locked: bool) -> bool:
     with suppress(OSError):
         if not locked:
-            return time.time() - holding.stat().st_mtime < STALE_AFTER
+            return time.time() - holding.stat().st_mtime < _STALE_AFTER
         lock = file_access.take_lock(holding)
         if lock is not None:
             file_access.free_lock(lock)
@@ -122,8 +122,8 @@ def _is_under_way(holding: FilePath, locked: bool) -> bool:
 def _recover_from(folder: FilePath, holding: FilePath) -> None:
     if not _is_own_folder(holding):
         names = "files"
-        report_leftover(
-            OLD_FILES_KEPT(path=str(folder), holding=holding, names=names, state="not ours")
+        _report_leftover(
+            _OLD_FILES_KEPT(path=str(folder), holding=holding, names=names, state="not ours")
         )
         return
     rows = _read_note(holding)
@@ -134,16 +134,16 @@ def _recover_from(folder: FilePath, holding: FilePath) -> None:
         back, changed = _put_files_back(folder, holding, rows)
         if changed:
             state = "somebody has written them since"
-            report_leftover(
-                OLD_FILES_KEPT(
+            _report_leftover(
+                _OLD_FILES_KEPT(
                     path=str(folder), holding=holding, names=_first_names(changed), state=state
                 )
             )
             return
         state = "they are as they were before" if back else "they are all there"
     with defer_termination():
-        remove_holding_folder(holding)
-    report_leftover(CUT_OFF(path=str(folder), names=names, state=state))
+        _remove_holding_folder(holding)
+    _report_leftover(_CUT_OFF(path=str(folder), names=names, state=state))
 
 
 def _put_files_back(
@@ -155,14 +155,14 @@ def _put_files_back(
     existed, and the digest of the new one.
     """
     replaced = [name for name in rows if not (holding / NEW / name).exists()]
-    if len(replaced) == len(rows) and not (holding / BACK).exists():
+    if len(replaced) == len(rows) and not (holding / _BACK).exists():
         return False, []
     changed: list[str] = []
     with defer_termination():
-        mark_for_recovery(holding)
+        _mark_for_recovery(holding)
         for name in replaced:
             was_there, digest = rows[name]
-            target, old = folder / name, holding / OLD / name
+            target, old = folder / name, holding / _OLD / name
             if was_there and (not old.exists() or _are_one(target, old)):
                 continue  # it is back already
             if old.is_symlink() or not _has_digest(target, digest):
@@ -188,7 +188,7 @@ def _has_digest(file: FilePath, digest: str) -> bool:
 
 def _read_note(holding: FilePath) -> dict[str, tuple[bool, str]] | None:
     """Read which files were to be replaced, None before any was: the note is complete by then."""
-    note = BACK if (holding / BACK).exists() else READY
+    note = _BACK if (holding / _BACK).exists() else READY
     try:
         rows = json.loads((holding / note).read_bytes())
         found = {str(name): (bool(row["old"]), str(row["new"])) for name, row in rows.items()}
@@ -202,13 +202,19 @@ def _is_own_folder(holding: FilePath) -> bool:
     facts = holding.lstat()
     if not stat.S_ISDIR(facts.st_mode):
         return False
-    if os.name != "nt" and (facts.st_uid != os.geteuid() or facts.st_mode & RIGHTS_OF_OTHERS):
+    if os.name != "nt" and (facts.st_uid != os.geteuid() or facts.st_mode & _RIGHTS_OF_OTHERS):
         return False
-    return {one.name for one in holding.iterdir()} <= {NEW, OLD, READY, BACK, file_access.LOCK_FILE}
+    return {one.name for one in holding.iterdir()} <= {
+        NEW,
+        _OLD,
+        READY,
+        _BACK,
+        file_access.LOCK_FILE,
+    }
 
 
 def _names_in_folder(holding: FilePath) -> list[str]:
-    found = (one.name for part in (NEW, OLD) for one in (holding / part).glob("*"))
+    found = (one.name for part in (NEW, _OLD) for one in (holding / part).glob("*"))
     return sorted({*found})
 
 
@@ -219,7 +225,7 @@ def _first_names(names: Mapping[str, object] | list[str]) -> str:
     return (", ".join(some[:3]) or "files") + more
 
 
-def report_leftover(finding: Diagnostic) -> None:
+def _report_leftover(finding: Diagnostic) -> None:
     """Tells it to whom `told_by` named."""
     tell = _reporter.get()
     if tell is not None:
@@ -228,30 +234,30 @@ def report_leftover(finding: Diagnostic) -> None:
         warnings.warn(f"{finding.code}: {finding.message}", RuntimeWarning, stacklevel=2)
 
 
-NOT_WRITTEN: Final = error(
+_NOT_WRITTEN: Final = error(
     "CO201",
     "`{name}` cannot be written: {reason}",
     "free space, have it be writable, or name another folder; what was there before is untouched",
 )
-BAD_NAME: Final = error("CO202", "`{name}` is no plain file name", "rename the program")
-NOT_PUT_BACK: Final = error(
+_BAD_NAME: Final = error("CO202", "`{name}` is no plain file name", "rename the program")
+_NOT_PUT_BACK: Final = error(
     "CO205",
     "{names} could not be put back as they were: {reason}",
     "what they were is in `{holding}` until the next command that can write there has all of them "
     "old, or all new",
 )
-UNCONFIRMED: Final = warning(
+_UNCONFIRMED: Final = warning(
     "CO206",
     "`{name}` is there whole, but the disk does not confirm its name: {reason}",
     "look at the disk, and for the folder once more when the computer has been started again",
 )
 
 
-WRITABLE: Final = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
+_WRITABLE: Final = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 """Permissions that a protected file lacks: a new file could still take its name."""
 
 
-class Stuck(OSError):
+class _Stuck(OSError):
     """Replaced files could not be put back. names: of the files; holding: their folder."""
 
     def __init__(self, wrong: OSError, names: Iterable[str], holding: FilePath) -> None:
@@ -261,7 +267,7 @@ class Stuck(OSError):
     def told(self) -> Refused:
         names = ", ".join(f"`{name}`" for name in self.names)
         place, reason = str(self.holding.parent), self.strerror
-        finding = NOT_PUT_BACK(path=place, names=names, reason=reason, holding=self.holding)
+        finding = _NOT_PUT_BACK(path=place, names=names, reason=reason, holding=self.holding)
         return Refused(finding, exit_status=2)
 
 
@@ -276,7 +282,7 @@ def write_files(files: Mapping[str, bytes], folder: str | FilePath) -> tuple[Fil
 def file_in_folder(name: str, folder: str | FilePath) -> FilePath:
     """A file of a folder; raises Refused (exit status 2) for a name that leads elsewhere."""
     if FilePath(name).name != name or name in {"", ".", ".."}:
-        raise Refused(BAD_NAME(path=str(folder), name=name), exit_status=2)
+        raise Refused(_BAD_NAME(path=str(folder), name=name), exit_status=2)
     return FilePath(folder) / name
 
 
@@ -292,7 +298,7 @@ def write_all(files: Mapping[FilePath, bytes]) -> tuple[FilePath, ...]:
         first = next(iter(files))
         name = _name_as_given(wrong, files) or first.parent
         reason = wrong.strerror or str(wrong)
-        finding = NOT_WRITTEN(path=str(first.parent), name=name, reason=reason)
+        finding = _NOT_WRITTEN(path=str(first.parent), name=name, reason=reason)
         raise Refused(finding, exit_status=2) from None
     return tuple(files)
 
@@ -322,7 +328,7 @@ def write_or_raise(files: Mapping[FilePath, bytes]) -> None:
     except BaseException as wrong:
         with defer_termination():
             _give_up(sets, made)
-        if isinstance(wrong, Stuck):
+        if isinstance(wrong, _Stuck):
             raise wrong.told() from None
         raise
     with defer_termination():
@@ -369,7 +375,7 @@ def new_folder(target: FilePath) -> Iterator[FilePath]:
                     target.rename(new)  # what is told as not written must not be there
                 except OSError:
                     reason = wrong.strerror or str(wrong)
-                    report_leftover(UNCONFIRMED(path=str(target), name=target, reason=reason))
+                    _report_leftover(_UNCONFIRMED(path=str(target), name=target, reason=reason))
                 else:
                     raise
 
@@ -393,7 +399,7 @@ def _by_folder(files: Mapping[FilePath, bytes]) -> dict[FilePath, dict[str, byte
     return found
 
 
-def check_replaceable(target: FilePath) -> os.stat_result | None:
+def _check_replaceable(target: FilePath) -> os.stat_result | None:
     """Return the status of a file to replace, None without one; raises OSError if it may not be."""
     try:
         facts = target.lstat()
@@ -405,7 +411,7 @@ def check_replaceable(target: FilePath) -> os.stat_result | None:
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(target))
     if not stat.S_ISREG(facts.st_mode):
         raise OSError(errno.EINVAL, "it is no plain file", str(target))
-    if not facts.st_mode & WRITABLE:  # whoever asks: to the administrator it is open
+    if not facts.st_mode & _WRITABLE:  # whoever asks: to the administrator it is open
         raise PermissionError(errno.EACCES, "it is read-only", str(target))
     return facts
 
@@ -424,9 +430,9 @@ class _FileSet:
     def begin(self) -> None:
         """Makes the hidden folder; what others have left is seen to before."""
         with file_access.locked_folder(self.folder) as locked:
-            recover_folder(self.folder, locked)
+            _recover_folder(self.folder, locked)
             with defer_termination():
-                self.holding = FilePath(tempfile.mkdtemp(prefix=HOLDING, dir=self.folder))
+                self.holding = FilePath(tempfile.mkdtemp(prefix=_HOLDING, dir=self.folder))
                 lock = file_access.take_lock(self.holding)
                 self.lock = file_access.NO_LOCK if lock is None else lock
 
@@ -435,14 +441,14 @@ class _FileSet:
         new = self.inside(NEW)
         new.mkdir()
         for name, data in self.files.items():
-            facts = check_replaceable(self.folder / name)
+            facts = _check_replaceable(self.folder / name)
             file_access.write_new(new / name, data)
             if facts is not None:
                 _copy_permissions(new / name, facts)
 
     def keep_old(self) -> None:
         """Links the old files aside, and says what is to be replaced."""
-        old = self.inside(OLD)
+        old = self.inside(_OLD)
         old.mkdir()
         kept = [name for name in self.files if _link_aside(self.folder / name, old / name)]
         if len(self.files) == 1:
@@ -466,9 +472,9 @@ class _FileSet:
     def put_back(self) -> None:
         """Raises Stuck if that cannot be."""
         failed: dict[str, OSError] = {}
-        mark_for_recovery(self.inside(""))
+        _mark_for_recovery(self.inside(""))
         for name, inode in reversed(self.placed.items()):
-            target, old = self.folder / name, self.inside(OLD) / name
+            target, old = self.folder / name, self.inside(_OLD) / name
             try:
                 if not target.exists() or target.stat().st_ino != inode:
                     continue  # it was not replaced, or somebody else has written it since
@@ -480,14 +486,14 @@ class _FileSet:
                 failed[name] = wrong
         if failed:
             self.stuck = True
-            raise Stuck(next(iter(failed.values())), failed, self.inside(""))
+            raise _Stuck(next(iter(failed.values())), failed, self.inside(""))
         with suppress(OSError):
             file_access.sync_folder(self.folder)
 
     def end(self) -> None:
         """Remove the hidden folder, unless it has the only copy of a file."""
         if self.holding is not None and not self.stuck:
-            remove_holding_folder(self.holding, self.lock)
+            _remove_holding_folder(self.holding, self.lock)
         else:
             file_access.free_lock(self.lock)
         self.holding, self.lock = None, file_access.NO_LOCK
@@ -505,11 +511,11 @@ def _take_their_places(sets: Iterable[_FileSet]) -> None:
             begun.append(one)
             one.place()
     except BaseException:
-        stuck: Stuck | None = None
+        stuck: _Stuck | None = None
         for one in reversed(begun):
             try:
                 one.put_back()
-            except Stuck as wrong:
+            except _Stuck as wrong:
                 stuck = wrong
         if stuck is not None:
             raise stuck from None
@@ -540,7 +546,7 @@ def _copy_permissions(file: FilePath, facts: os.stat_result) -> None:
 def _name_as_given(wrong: OSError, files: Mapping[FilePath, bytes]) -> FilePath | str | None:
     """The file or folder that an error is about, as the user names it; None for one of ours."""
     named = str(wrong.filename or "")
-    if not named or HOLDING in named:
+    if not named or _HOLDING in named:
         return None
     for path in files:
         for one in (path, path.parent):

@@ -20,8 +20,8 @@ UNITS: Final[Mapping[str, tuple[str, float]]] = {
 }
 """Short name → name for people, millimetres."""
 
-UNKNOWN_UNIT = error("SR002", "there is no unit of length `{name}`", "choose one of {names}")
-UNIT_STATED = info(
+_UNKNOWN_UNIT = error("SR002", "there is no unit of length `{name}`", "choose one of {names}")
+_UNIT_STATED = info(
     "SR003",
     "the unit `{unit}` changes nothing here: the file states its own lengths",
     "leave --unit out, of a project's program `unit`, or correct the lengths in the file",
@@ -30,11 +30,11 @@ UNIT_STATED = info(
 
 def unit_stated(path: object, unit: str) -> Diagnostic:
     """That a file states its own lengths; raises Refused as `known_unit` does."""
-    return UNIT_STATED(path=str(path), unit=known_unit(unit))
+    return _UNIT_STATED(path=str(path), unit=known_unit(unit))
 
 
 def known_unit(name: str) -> str:
     """The name itself; raises Refused, exit status 2, if there is no such unit."""
     if name not in UNITS:
-        raise Refused(UNKNOWN_UNIT(name=name[:40], names=", ".join(UNITS)), exit_status=2)
+        raise Refused(_UNKNOWN_UNIT(name=name[:40], names=", ".join(UNITS)), exit_status=2)
     return name

@@ -135,7 +135,7 @@ def from_euler(angles: ArrayLike, order: EulerOrder = "ZYX") -> Floats:
     return canonical(multiply(multiply(first, second), third))
 
 
-LOCKED: Final = 1e-9
+_LOCKED: Final = 1e-9
 """Sine or cosine of the middle angle below which the outer two are one rotation."""
 
 
@@ -169,7 +169,7 @@ def to_euler(quaternions: ArrayLike, order: EulerOrder = "ZYX") -> Floats:
 
 def _first(y: Floats, x: Floats, flat: Floats) -> tuple[Floats, Floats, Floats]:
     """Sine, cosine and value of the first angle, 0 where it is locked to the last."""
-    angle = np.where(flat < LOCKED, 0.0, np.arctan2(y, x))
+    angle = np.where(flat < _LOCKED, 0.0, np.arctan2(y, x))
     return np.sin(angle), np.cos(angle), angle
 
 

@@ -48,22 +48,22 @@ LINE_END_INSIDE = error(
     "a {character} stands inside the line: it ends the line for some readers, not for others",
     "end the line with CR LF there, or take the character out",
 )
-TEXT_END_INSIDE = error(
+_TEXT_END_INSIDE = error(
     "IN021",
     "a {character} stands in the text: it ends the text for some readers, not for others",
     "take the character out",
 )
-MISLEADING = warning(
+_MISLEADING = warning(
     "IN022",
     "a {character} stands in the text: what people see there is not what a controller reads",
     "take the character out",
 )
-LONE_RETURNS = error(
+_LONE_RETURNS = error(
     "IN023",
     "the lines end at a carriage return alone: for a controller all may be one line",
     "save it with CR LF",
 )
-UTF_16 = error(
+_UTF_16 = error(
     "IN024",
     "the file is written in UTF-16, which no controller reads",
     "save it as ISO 8859-1, or as UTF-8",
@@ -90,7 +90,7 @@ TEXT_ENDS: Final = {
 }
 """Characters that end a text: of C, of serial lines, of files of CP/M and DOS. At its end they may
 stand."""
-MISLEADS: Final = {
+_MISLEADS: Final = {
     "\b": "backspace",
     "\x1b": "control character (escape)",
     "\x7f": "delete",
@@ -109,7 +109,7 @@ U+FEFF, the byte order mark, may begin a text.
 REST: Final = r"[^\r\n]*+(?:\r++(?!\n|\Z)[^\r\n]*+)*+"
 """Regular expression for the rest of a line, for texts whose lines end at line feeds."""
 
-_ODD_NAMES: Final = {**LINE_ENDS, **TEXT_ENDS, **MISLEADS}
+_ODD_NAMES: Final = {**LINE_ENDS, **TEXT_ENDS, **_MISLEADS}
 _ODD_CHARACTERS: Final = "".join(_ODD_NAMES.keys() - {"\r"})
 _MAY_BE_ODD: Final = {
     "\n": re.compile(rf"[{re.escape(_ODD_CHARACTERS)}]|\r(?!\r*(?:\n|\Z))"),
@@ -182,7 +182,7 @@ def odd_characters(text: str) -> Iterator[tuple[str, int]]:
         first, behind = begin + len(line) - len(line.lstrip()), begin + len(line.rstrip())
         told = set()
         for one in pattern.finditer(text, found.start(), at - 1):
-            kind = next(table for table in (LINE_ENDS, TEXT_ENDS, MISLEADS) if one[0] in table)
+            kind = next(table for table in (LINE_ENDS, TEXT_ENDS, _MISLEADS) if one[0] in table)
             if kind is LINE_ENDS:
                 matters = first <= one.start() < behind
             else:
@@ -224,36 +224,36 @@ def _find_cp932_ibm(name: str) -> codecs.CodecInfo | None:
 codecs.register(_find_cp932_ibm)
 
 
-NO_PATH = error(
+_NO_PATH = error(
     "IN011",
     "`{given}` is no source",
     "give the name of a file, or a program that was read",
 )
 NOT_FOUND = error("IN001", "there is no file `{name}`", "check the name and folder")
-IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")
-NOT_PERMITTED = error("IN003", "`{name}` may not be read", "ask for permission or copy the file")
-NOT_READ = error("IN004", "`{name}` cannot be read: {reason}", "try the file again")
+_IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")
+_NOT_PERMITTED = error("IN003", "`{name}` may not be read", "ask for permission or copy the file")
+_NOT_READ = error("IN004", "`{name}` cannot be read: {reason}", "try the file again")
 EMPTY = error("IN005", "`{name}` is empty", "export or save it again")
-NO_FILE = error(
+_NO_FILE = error(
     "IN009",
     "`{name}` cannot be read as a file: {reason}",
     "copy what it gives into a file, or hand a robot program over on standard input, as `-`",
 )
-TOO_LARGE = error(
+_TOO_LARGE = error(
     "IN010",
     "`{name}` is not read: {reason}",
     "split it; or allow more: `robot-assistant --budget 10 …`",
 )
-UNDECODABLE = error(
+_UNDECODABLE = error(
     "IN006", "`{name}` is not text in any of the encodings {encodings}", "save it as plain text"
 )
-UNWRITABLE = error(
+_UNWRITABLE = error(
     "IN007",
     "`{character}` cannot be written in the file's encoding, {encoding}",
     "write it in other characters, or save the file as UTF-8 before the change",
 )
 _WORD: Final = re.compile(r"\w+")
-SEVERAL_CODES: Final = ("cp932", CP932_IBM)
+_SEVERAL_CODES: Final = ("cp932", CP932_IBM)
 """Encodings that have characters twice, so that a text need not give its bytes back."""
 
 
@@ -347,8 +347,8 @@ class SomeLines(SourceText):
 
 _ODD_RULES: Final = (
     (LINE_END_INSIDE, LINE_ENDS),
-    (TEXT_END_INSIDE, TEXT_ENDS),
-    (MISLEADING, MISLEADS),
+    (_TEXT_END_INSIDE, TEXT_ENDS),
+    (_MISLEADING, _MISLEADS),
 )
 
 
@@ -368,7 +368,7 @@ def path_of(given: object) -> FilePath:
     """Return the path that a caller gave; raises Refused for anything else, such as None."""
     if isinstance(given, str | os.PathLike):
         return FilePath(given)
-    raise Refused(NO_PATH(given=f"{given!r:.60}"), exit_status=2)
+    raise Refused(_NO_PATH(given=f"{given!r:.60}"), exit_status=2)
 
 
 def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = FILE) -> bytes:
@@ -380,22 +380,22 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = F
     try:
         data = read_file(path, most)
     except NoFile as error:
-        raise Unreadable(NO_FILE(path=name, name=name, reason=error.strerror)) from None
+        raise Unreadable(_NO_FILE(path=name, name=name, reason=error.strerror)) from None
     except TooLarge as error:
-        raise Unreadable(TOO_LARGE(path=name, name=name, reason=error.strerror)) from None
+        raise Unreadable(_TOO_LARGE(path=name, name=name, reason=error.strerror)) from None
     except Refused:
         raise
     except FileNotFoundError:
         raise Unreadable(NOT_FOUND(path=name, name=name)) from None
     except (IsADirectoryError, NotADirectoryError):
-        raise Unreadable(IS_FOLDER(path=name, name=name)) from None
+        raise Unreadable(_IS_FOLDER(path=name, name=name)) from None
     except PermissionError:
         windows_folder = os.name == "nt" and FilePath(path).is_dir()  # which is not permitted there
-        rule = IS_FOLDER if windows_folder else NOT_PERMITTED
+        rule = _IS_FOLDER if windows_folder else _NOT_PERMITTED
         raise Unreadable(rule(path=name, name=name)) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise Unreadable(NOT_READ(path=name, name=name, reason=reason)) from None
+        raise Unreadable(_NOT_READ(path=name, name=name, reason=reason)) from None
     if not data and not allow_empty:
         raise Unreadable(EMPTY(path=name, name=name))
     return data
@@ -426,8 +426,8 @@ def folders_of(folder: str | FilePath) -> Iterator[tuple[str, list[str], list[st
     def refuse(error: OSError) -> NoReturn:
         name = str(error.filename or folder)
         if isinstance(error, PermissionError):
-            raise Unreadable(NOT_PERMITTED(path=name, name=name)) from None
-        raise Unreadable(NOT_READ(path=name, name=name, reason=error.strerror)) from None
+            raise Unreadable(_NOT_PERMITTED(path=name, name=name)) from None
+        raise Unreadable(_NOT_READ(path=name, name=name, reason=error.strerror)) from None
 
     return os.walk(os.fspath(folder), onerror=refuse)
 
@@ -437,7 +437,7 @@ def read_input(stream: BinaryIO, name: str = "standard input") -> bytes:
     try:
         data = read_stream(stream, name=name)
     except TooLarge as error:
-        raise Unreadable(TOO_LARGE(path=name, name=name, reason=error.strerror)) from None
+        raise Unreadable(_TOO_LARGE(path=name, name=name, reason=error.strerror)) from None
     if not data:
         raise Unreadable(EMPTY(path=name, name=name))
     return data
@@ -456,10 +456,10 @@ def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceTex
             text = data.decode(encoding)
         except UnicodeDecodeError:
             continue
-        if encoding not in SEVERAL_CODES or text.encode(encoding) == data:
+        if encoding not in _SEVERAL_CODES or text.encode(encoding) == data:
             return SourceText(text, path, encoding, newline)
     name = path or "input"
-    raise Unreadable(UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
+    raise Unreadable(_UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
 
 
 def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
@@ -470,7 +470,7 @@ def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
     by_line: each line is sent separately, whatever ends it here.
     """
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise Refused(UTF_16(path=path))
+        raise Refused(_UTF_16(path=path))
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -483,7 +483,7 @@ def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
     found = list(islice(odd, 10))
     if not by_line and line_end(text) == "\r" and len(lines_of(text)) > 1:
         at = text.index("\r")
-        found.append(source.finding(LONE_RETURNS, Span(at, at + 1)))
+        found.append(source.finding(_LONE_RETURNS, Span(at, at + 1)))
     if found:
         raise Refused(*found)
 
@@ -495,7 +495,7 @@ def encode(source: SourceText) -> bytes:
     except UnicodeEncodeError as error:
         character, span = source.text[error.start], Span(error.start, error.start + 1)
         raise Refused(
-            source.finding(UNWRITABLE, span, character=character, encoding=source.encoding)
+            source.finding(_UNWRITABLE, span, character=character, encoding=source.encoding)
         ) from None
 
 
@@ -520,17 +520,17 @@ def finding_in(
     return source.finding(rule, span, **fields)
 
 
-JAPANESE_CODE_PAGES: Final = ("cp932", CP932_IBM)
-WESTERN_CODE_PAGES: Final = ("cp1252", "cp1250", "cp1254")
+_JAPANESE_CODE_PAGES: Final = ("cp932", CP932_IBM)
+_WESTERN_CODE_PAGES: Final = ("cp1252", "cp1250", "cp1254")
 CODE_PAGES_READ: Final = (
     "ascii",
     "utf-8-sig",
     "utf-8",
-    *JAPANESE_CODE_PAGES,
-    *WESTERN_CODE_PAGES,
+    *_JAPANESE_CODE_PAGES,
+    *_WESTERN_CODE_PAGES,
     "latin-1",
 )
-CODE_PAGES_WRITTEN: Final = (WESTERN_CODE_PAGES[0], JAPANESE_CODE_PAGES[0], "utf-8")
+_CODE_PAGES_WRITTEN: Final = (_WESTERN_CODE_PAGES[0], _JAPANESE_CODE_PAGES[0], "utf-8")
 """New text beyond ASCII: the first that has all its characters, and is read as what it is."""
 
 _LETTERS_OF_CODE_PAGE: Final = {
@@ -543,9 +543,9 @@ _LETTERS_OF_CODE_PAGE: Final = {
 def decode_code_page(data: bytes, path: str | None) -> SourceText:
     """The text of a file. What European programs hold is not taken for Japanese."""
     source = decode(data, path, CODE_PAGES_READ)
-    if source.encoding in JAPANESE_CODE_PAGES and not _is_japanese(source.text):
-        others = [name for name in WESTERN_CODE_PAGES if _round_trips(data, name)]
-        source = decode(data, path, others or JAPANESE_CODE_PAGES)
+    if source.encoding in _JAPANESE_CODE_PAGES and not _is_japanese(source.text):
+        others = [name for name in _WESTERN_CODE_PAGES if _round_trips(data, name)]
+        source = decode(data, path, others or _JAPANESE_CODE_PAGES)
     if source.encoding == "cp1252":
         for encoding, sign in _LETTERS_OF_CODE_PAGE.items():
             if sign.search(source.text) and _round_trips(data, encoding):
@@ -563,7 +563,7 @@ def encode_code_page(text: str, source: SourceText | None) -> bytes:
         return encode(replace(source, text=text))
     if text.isascii():
         return text.encode("ascii")
-    for encoding in CODE_PAGES_WRITTEN:
+    for encoding in _CODE_PAGES_WRITTEN:
         data = text.encode(encoding, errors="ignore")
         if decode_code_page(data, None).text == text:
             return data
@@ -585,7 +585,7 @@ def _round_trips(data: bytes, encoding: str) -> bool:
         return False
 
 
-LETTERS: Final = {
+_LETTERS: Final = {
     "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "æ": "ae", "ø": "oe", "å": "aa", "œ": "oe",
     "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ẞ": "SS", "Æ": "Ae", "Ø": "Oe", "Å": "Aa", "Œ": "Oe",
     "ð": "d", "đ": "d", "ł": "l", "þ": "th", "ı": "i",
@@ -659,8 +659,8 @@ def _latin(character: str) -> str:
     """A character in the letters of ASCII, itself if nobody writes it so."""
     if character.isascii():
         return character
-    if character in LETTERS:
-        return LETTERS[character]
+    if character in _LETTERS:
+        return _LETTERS[character]
     parts = unicodedata.normalize("NFKD", character)
     bare = "".join(c for c in parts if not unicodedata.combining(c))
     if bare.isascii():

@@ -21,7 +21,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final, Never
 
-TERMINATING_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
+_TERMINATING_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
 """Signals that end a program from outside.
 
 These are Ctrl-C, a pipeline that is cancelled, a terminal that is closed, and a key next to Ctrl-C.
@@ -31,7 +31,7 @@ ORDINARY_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 """Those that end every command in order. Ctrl-Z halts it, and SIGQUIT ends it where it is."""
 SIGNAL_EXIT_STATUS: Final = 128
 """Number that shells add to a signal's number for the exit status of a program that it ended."""
-WAKE_INTERVAL: Final = 0.25
+_WAKE_INTERVAL: Final = 0.25
 """Seconds after which a signal is met at the latest that the system gave to another thread."""
 SignalHandler = Callable[[int, object], None]
 
@@ -50,7 +50,7 @@ def wait_for_termination() -> Never:
     The system may give a signal to any thread, but only the main one meets it, when it wakes.
     """
     while True:
-        time.sleep(WAKE_INTERVAL)
+        time.sleep(_WAKE_INTERVAL)
 
 
 def is_ctrl_c(caught: KeyboardInterrupt) -> bool:
@@ -103,7 +103,7 @@ _terminations: Final[list[Termination]] = []
 
 @contextmanager
 def raise_on_termination(
-    *, once: bool = False, signals: Sequence[str] = TERMINATING_SIGNALS
+    *, once: bool = False, signals: Sequence[str] = _TERMINATING_SIGNALS
 ) -> Iterator[Termination]:
     """Meanwhile whatever would end this program at once raises Ended instead.
 
@@ -122,7 +122,7 @@ def raise_on_termination(
 
 @contextmanager
 def signals_handled(
-    met: SignalHandler, signals: Sequence[str] = TERMINATING_SIGNALS
+    met: SignalHandler, signals: Sequence[str] = _TERMINATING_SIGNALS
 ) -> Iterator[None]:
     """Meanwhile that is called instead of ending this program; see `told_to_end`."""
     if threading.current_thread() is not threading.main_thread():

@@ -22,17 +22,17 @@ from assistant.base.source_text import decode, ended_lines, line_end, lines_of, 
 StoredForm = Callable[[bytes], bytes]
 """The form in which a controller compares programs; see `Programs.stored`."""
 
-ENCODINGS: Final = ("utf-8", "latin-1")
+_ENCODINGS: Final = ("utf-8", "latin-1")
 _WORD: Final = re.compile(
     r'"[^"\r\n]*"|[A-Za-z_]\w*|\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|\S'
 )
 _NUMBER: Final = re.compile(r"[+-]?\.?\d")
 _BEFORE_SIGNS: Final = frozenset("[(,=:")
 """Words behind which a sign is of the number that follows."""
-DIGITS: Final = 6
+_DIGITS: Final = 6
 """Decimals to which numbers of two texts must agree that were written by different programs."""
 
-Key = tuple[str | float, ...]
+_Key = tuple[str | float, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class _Text:
     """Lines of a text with their ends, and the content of each."""
 
     lines: list[str]
-    keys: list[Key]
+    keys: list[_Key]
     encoding: str
 
 
@@ -59,8 +59,8 @@ def in_layout(own: bytes, other: bytes, form: StoredForm, mark: str = "") -> byt
 
 def merged(base: bytes, own: bytes, other: bytes, form: StoredForm, mark: str = "") -> bytes | None:
     """`own` with the changes that lead from `base` to `other`, None where it changed there too."""
-    ground, mine = _text(base, form, DIGITS, mark), _text(own, form, DIGITS, mark)
-    theirs = _text(in_layout(base, other, form, mark), form, DIGITS, mark)
+    ground, mine = _text(base, form, _DIGITS, mark), _text(own, form, _DIGITS, mark)
+    theirs = _text(in_layout(base, other, form, mark), form, _DIGITS, mark)
     ours = _changes(ground.keys, mine.keys)
     lines, at = [], 0
     for change in _changes(ground.keys, theirs.keys):
@@ -109,7 +109,7 @@ def _heads(text: _Text) -> list[str]:
 
 def says_the_same(one: bytes, other: bytes, form: StoredForm, mark: str = "") -> bool:
     """True if two texts have the same content, numbers to DIGITS decimals."""
-    return _text(one, form, DIGITS, mark).keys == _text(other, form, DIGITS, mark).keys
+    return _text(one, form, _DIGITS, mark).keys == _text(other, form, _DIGITS, mark).keys
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ class _Change:
         return (self.first, self.stop) == (other.first, other.stop)
 
 
-def _changes(old: Sequence[Key], new: Sequence[Key]) -> list[_Change]:
+def _changes(old: Sequence[_Key], new: Sequence[_Key]) -> list[_Change]:
     """In order, line by line where as many lines are replaced."""
     found: list[_Change] = []
     for step, i1, i2, j1, j2 in _steps(old, new):
@@ -141,7 +141,7 @@ def _changes(old: Sequence[Key], new: Sequence[Key]) -> list[_Change]:
     return found
 
 
-def _steps(old: Sequence[Key], new: Sequence[Key]) -> Iterator[tuple[str, int, int, int, int]]:
+def _steps(old: Sequence[_Key], new: Sequence[_Key]) -> Iterator[tuple[str, int, int, int, int]]:
     """Yield opcodes as `SequenceMatcher.get_opcodes`, but match only between the first difference
     and the last: its time grows with the square of lines that appear often.
     """
@@ -230,13 +230,13 @@ def _end(line: str) -> str:
 
 
 def _text(data: bytes, form: StoredForm, digits: int | None = None, mark: str = "") -> _Text:
-    source = decode(data, None, ENCODINGS)
+    source = decode(data, None, _ENCODINGS)
     lines = ended_lines(source.text)
     known = {line: _word_key(line, source.encoding, form, digits, mark) for line in set(lines)}
     return _Text(lines, [known[line] for line in lines], source.encoding)
 
 
-def _word_key(line: str, encoding: str, form: StoredForm, digits: int | None, mark: str) -> Key:
+def _word_key(line: str, encoding: str, form: StoredForm, digits: int | None, mark: str) -> _Key:
     with suppress(Refused):  # a line alone may be no program
         line = form(line.encode(encoding)).decode(encoding, "replace")
     return tuple(_line_form(word, digits) for word, _ in _words(line, mark))
@@ -255,20 +255,20 @@ def _bytes(lines: Sequence[str], encoding: str) -> bytes:
 """To show a program in; differences are found on its bytes."""
 
 
-ABSENT_FILE: Final = "/dev/null"
+_ABSENT_FILE: Final = "/dev/null"
 """Where a program is that is not there, as a unified difference says it."""
 
 
 def difference(before: bytes | None, after: bytes | None, one: str, other: str) -> str:
     """Return a unified diff of two versions of a program, "" if equal. one, other: labels."""
     left, right = _shown_lines(before or b""), _shown_lines(after or b"")
-    origin = one if before is not None else ABSENT_FILE
-    target = other if after is not None else ABSENT_FILE
+    origin = one if before is not None else _ABSENT_FILE
+    target = other if after is not None else _ABSENT_FILE
     lines = difflib.unified_diff(left, right, origin, target, lineterm="")
     return "".join(f"{line}\n" for line in lines)
 
 
 def _shown_lines(data: bytes) -> list[str]:
     """The lines, with no character in them that a terminal would obey."""
-    lines = lines_of(decode(data, None, ENCODINGS).text)
+    lines = lines_of(decode(data, None, _ENCODINGS).text)
     return [visible(line) for line in lines if line]

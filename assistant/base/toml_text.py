@@ -50,13 +50,13 @@ def parse_toml(text: str, path: str | None = None) -> dict[str, Any]:
 KeyPath = tuple[str, ...]
 
 BLANK: Final = re.compile(r"[ \t]*")
-SPACE: Final = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-KEY_PART: Final = re.compile(r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""")
-QUOTED_TEXT: Final = re.compile(
+_SPACE: Final = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_KEY_PART: Final = re.compile(r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""")
+_QUOTED_TEXT: Final = re.compile(
     r'"""(?:[^\\]|\\.)*?"{3,5}|' + r"'''.*?'{3,5}|" + r"""\"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""",
     re.DOTALL,
 )
-BARE_VALUE: Final = re.compile(r"[^\s,\]}#]+(?: \d[^\s,\]}#]*)?")
+_BARE_VALUE: Final = re.compile(r"[^\s,\]}#]+(?: \d[^\s,\]}#]*)?")
 
 
 def key_spans(text: str) -> dict[KeyPath, Span]:
@@ -88,7 +88,7 @@ class _KeyReader:
 
     def document(self) -> None:
         table: KeyPath = ()
-        while self._skip(SPACE) < len(self.text):
+        while self._skip(_SPACE) < len(self.text):
             if self.text[self.at] == "[":
                 entry = self.text.startswith("[[", self.at)
                 self.at += 1 + entry
@@ -116,7 +116,7 @@ class _KeyReader:
     def _pair(self, table: KeyPath) -> None:
         path = self._key(table)
         self.at = self.text.index("=", self.at) + 1
-        start = self._skip(SPACE)
+        start = self._skip(_SPACE)
         self._value(path)
         self.values[path] = Span(start, self.at)
 
@@ -125,7 +125,7 @@ class _KeyReader:
         path = table
         while True:
             self._skip(BLANK)
-            match = KEY_PART.match(self.text, self.at)
+            match = _KEY_PART.match(self.text, self.at)
             if match is None:
                 raise ValueError(f"no key at character {self.at}")
             path = (*path, _unquoted_key(match[0]))
@@ -137,12 +137,12 @@ class _KeyReader:
             self.at += 1
 
     def _value(self, path: KeyPath) -> None:
-        self._skip(SPACE)
+        self._skip(_SPACE)
         if self.text[self.at] in "[{":
             closing = "]" if self.text[self.at] == "[" else "}"
             self.at += 1
             entry = 0
-            while self.text[self._skip(SPACE)] != closing:
+            while self.text[self._skip(_SPACE)] != closing:
                 if closing == "}":
                     self._pair(path)
                 else:
@@ -150,11 +150,11 @@ class _KeyReader:
                     self._value((*path, str(entry)))
                     self.spans.setdefault((*path, str(entry)), Span(start, self.at))
                     entry += 1
-                self._skip(SPACE)
+                self._skip(_SPACE)
                 self.at += self.text.startswith(",", self.at)
             self.at += 1
             return
-        match = QUOTED_TEXT.match(self.text, self.at) or BARE_VALUE.match(self.text, self.at)
+        match = _QUOTED_TEXT.match(self.text, self.at) or _BARE_VALUE.match(self.text, self.at)
         if match is None:
             raise ValueError(f"no value at character {self.at}")
         self.at = match.end()

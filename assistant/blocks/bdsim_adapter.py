@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 CONFIRMED: Final[ContextVar[frozenset[str]]] = ContextVar("confirmed", default=frozenset())
 """Names of the controllers whose arms may be moved by the run that begins."""
-TICK_TOLERANCE: Final = 1e-6
+_TICK_TOLERANCE: Final = 1e-6
 """Part of a period by which a moment may be beside a tick, as it is added up."""
 
 
@@ -126,7 +126,7 @@ class Stepped(Adapted):
         """Step once at a tick of its clock; bdsim calls all blocks at the ticks of any clock."""
         clock: Clock = self._clock  # type: ignore[attr-defined]
         ticks = (t - clock.offset) / clock.T
-        if t != self._taken and abs(ticks - round(ticks)) < TICK_TOLERANCE:
+        if t != self._taken and abs(ticks - round(ticks)) < _TICK_TOLERANCE:
             self._taken = t
             with errors_with_block(self._inner, t):
                 self._inner.take(t, self._given(u))

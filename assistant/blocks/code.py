@@ -35,17 +35,17 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 
-VECTOR_ROWS: Final = 200
-VECTOR_SEED: Final = 22
-LEAST_FROM_SINGULARITY: Final = 0.02
+_VECTOR_ROWS: Final = 200
+_VECTOR_SEED: Final = 22
+_LEAST_FROM_SINGULARITY: Final = 0.02
 """Least distance of the rows from a singularity, in the measure of `away`: closer to one, the
 rounding of a pose turns joints by more than the test allows.
 """
-DRAWING_ROUNDS: Final = 100
+_DRAWING_ROUNDS: Final = 100
 """Times that four times as many joints are drawn as rows are wanted."""
 
 
-def vectors_csv(robot: Robot, rows: int = VECTOR_ROWS) -> bytes:
+def _vectors_csv(robot: Robot, rows: int = _VECTOR_ROWS) -> bytes:
     """A CSV with a row of names, then joints at random inside the limits and what is of them.
 
     There are fewer rows where hardly any joints are away from singularities; raises Refused where
@@ -59,21 +59,21 @@ def vectors_csv(robot: Robot, rows: int = VECTOR_ROWS) -> bytes:
 
 def _random_joints(robot: Robot, rows: int) -> Floats:
     """(rows, a) at most, the same ones of each robot, none of them near a singularity."""
-    random, (low, high) = np.random.default_rng(VECTOR_SEED), robot.limits.T
+    random, (low, high) = np.random.default_rng(_VECTOR_SEED), robot.limits.T
     found = np.empty((0, len(low)))
-    for _ in range(DRAWING_ROUNDS):
+    for _ in range(_DRAWING_ROUNDS):
         if len(found) >= rows:
             break
         more = random.uniform(low, high, (4 * rows, len(low)))
         found = np.concatenate(
-            [found, more[distance_from_singularity(robot, more) > LEAST_FROM_SINGULARITY]]
+            [found, more[distance_from_singularity(robot, more) > _LEAST_FROM_SINGULARITY]]
         )
     if not len(found):
         raise Refused(rules.ALWAYS_SINGULAR(title=robot.title))
     return found[:rows]
 
 
-def degrees_jacobian(robot: Robot, joints: Floats) -> Floats:
+def _degrees_jacobian(robot: Robot, joints: Floats) -> Floats:
     """(n, 6, a) mm and degrees of the flange for each degree (or mm) of a joint."""
     out = jacobian(robot, joints)
     turning = ~robot.sliding
@@ -85,7 +85,7 @@ def _vector_columns(robot: Robot, joints: Floats) -> Iterator[Floats]:
     n = len(joints)
     p, q = robot.fk(joints)
     yield from (joints, p, q, robot.configuration(joints).astype(np.float64))
-    yield degrees_jacobian(robot, joints).reshape(n, -1)
+    yield _degrees_jacobian(robot, joints).reshape(n, -1)
     branches, valid = robot.ik(p, q)
     yield np.concatenate([branches, valid[..., None]], axis=2).reshape(n, -1)
 
@@ -101,9 +101,9 @@ def _column_names(robot: Robot) -> list[str]:
     return [*axes, *pose, *sides, *rates, *branches]
 
 
-LONGEST_NAME: Final = 40
+_LONGEST_NAME: Final = 40
 """Characters of a name that a file of the user's gives to what is generated."""
-LONGEST_WORDS: Final = 120
+_LONGEST_WORDS: Final = 120
 """Characters of text from such a file that are copied into a comment."""
 
 
@@ -139,12 +139,12 @@ def number_literals(values: Iterable[float]) -> tuple[str, ...]:
 def safe_text(text: str) -> str:
     """Text of the user's for a comment or a string: nothing in it can end one or begin another."""
     plain = "".join(c if c.isascii() and (c.isalnum() or c in " -_.,()/+") else " " for c in text)
-    return re.sub(r"/+", "/", " ".join(plain.split()))[:LONGEST_WORDS].strip() or "an arm"
+    return re.sub(r"/+", "/", " ".join(plain.split()))[:_LONGEST_WORDS].strip() or "an arm"
 
 
 def source_identifier(text: str) -> str:
     """Text of the user's as the name of a module and the beginning of names: `rv_2aj`."""
-    plain = re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")[:LONGEST_NAME].strip("_")
+    plain = re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")[:_LONGEST_NAME].strip("_")
     if not plain or not plain[0].isalpha():
         plain = f"arm_{plain}".strip("_")
     if keyword.iskeyword(plain) or plain in sys.stdlib_module_names or plain in _RESERVED_NAMES:
@@ -160,7 +160,7 @@ _RESERVED_NAMES: Final = frozenset(
 
 
 Language = Literal["c", "python"]
-LANGUAGES: Final[tuple[Language, ...]] = ("c", "python")
+_LANGUAGES: Final[tuple[Language, ...]] = ("c", "python")
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,7 +185,7 @@ def kinematics(robot: Robot, language: Language) -> Mapping[str, bytes]:
     files = {f"{stem}{end}": source_of(robot, named, end) for end in endings}
     check = template_environment().get_template(f"kinematics/check{endings[-1]}.j2")
     checked = check.render(_name_values(named)).encode()
-    vectors = vectors_csv(robot)
+    vectors = _vectors_csv(robot)
     return files | {f"{stem}_check{endings[-1]}": checked, f"{stem}_vectors.csv": vectors}
 
 
@@ -246,8 +246,8 @@ def _robot_values(robot: Robot) -> dict[str, Any]:
         "kind": arm.kind,
         "axes": robot.axes,
         "branches": robot.branches,
-        "branch_words": BRANCH_WORDS[arm.kind],
-        "shape_words": SHAPE_WORDS[arm.kind],
+        "branch_words": _BRANCH_WORDS[arm.kind],
+        "shape_words": _SHAPE_WORDS[arm.kind],
         "lengths": _length_rows(arm),
         "zero": number_literals(robot.zero),
         "limits": [number_literals(row) for row in robot.limits],
@@ -266,19 +266,19 @@ def _robot_values(robot: Robot) -> dict[str, Any]:
     }
 
 
-BRANCH_WORDS: Final = {
+_BRANCH_WORDS: Final = {
     SixAxis.kind: "4 * back + 2 * lower + flip, lower: the forearm is bent backwards",
     FiveAxis.kind: "2 * back + lower, lower: the forearm is bent backwards",
     Scara.kind: "0 has the elbow right (J2 below 0), 1 left",
 }
 """Kind of arm → what the number of a branch says."""
-SHAPE_WORDS: Final = {
+_SHAPE_WORDS: Final = {
     SixAxis.kind: "wrist behind axis 1, elbow down, wrist flipped",
     FiveAxis.kind: "wrist behind axis 1, elbow down, and 1",
     Scara.kind: "elbow left, 1, and 1",
 }
 """Kind of arm → what the first three numbers of a configuration say."""
-LENGTH_WORDS: Final = {
+_LENGTH_WORDS: Final = {
     "d1": "floor to axis 2",
     "a1": "axis 1 to axis 2, forward",
     "a2": "axis 2 to axis 3",
@@ -286,7 +286,7 @@ LENGTH_WORDS: Final = {
     "d4": "axis 3 to the wrist centre along the forearm",
     "d6": "wrist centre to the flange",
 }
-OPTIONAL_LENGTHS: Final = frozenset({"a1", "a3"})
+_OPTIONAL_LENGTHS: Final = frozenset({"a1", "a3"})
 """Lengths that are 0 of every arm of five axes."""
 
 
@@ -297,7 +297,9 @@ def _length_rows(arm: SixAxis | FiveAxis | Scara | Placed) -> list[tuple[str, st
         return [(f"l{i}", number_literal(value), said) for i, (value, said) in enumerate(links, 1)]
     some = [
         name
-        for name in LENGTH_WORDS
-        if not (isinstance(arm, FiveAxis) and name in OPTIONAL_LENGTHS)
+        for name in _LENGTH_WORDS
+        if not (isinstance(arm, FiveAxis) and name in _OPTIONAL_LENGTHS)
     ]
-    return [(name, number_literal(getattr(arm.lengths, name)), LENGTH_WORDS[name]) for name in some]
+    return [
+        (name, number_literal(getattr(arm.lengths, name)), _LENGTH_WORDS[name]) for name in some
+    ]

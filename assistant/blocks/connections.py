@@ -27,7 +27,7 @@ from assistant.controllers.rules import Lost
 from assistant.controllers.states import Position
 
 T_co = TypeVar("T_co", covariant=True)
-StatementJob = tuple[Sequence[str], Goal, Future[Position]]
+_StatementJob = tuple[Sequence[str], Goal, Future[Position]]
 
 STOP_TIMEOUT: Final = 10.0
 """Seconds that a statement has to come to its end once the arm was stopped."""
@@ -89,7 +89,7 @@ class Operator:
         self.session = session
         self._alone = session.address.port == 0
         self._held = True
-        self._jobs: queue.SimpleQueue[StatementJob | None] = queue.SimpleQueue()
+        self._jobs: queue.SimpleQueue[_StatementJob | None] = queue.SimpleQueue()
         self._open: Future[Position] | None = None
         self._asking = False
         self._lost = False

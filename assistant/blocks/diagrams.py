@@ -216,7 +216,7 @@ def _port_mismatch(start: PortRef, end: PortRef) -> Diagnostic | None:
     return None
 
 
-SPIN_SECONDS: Final = 2e-4
+_SPIN_SECONDS: Final = 2e-4
 """Seconds before a moment from which on it is waited for without sleeping."""
 
 
@@ -258,8 +258,8 @@ class RealTime:
     def reach(self, moment: float) -> float:
         due = self._began + moment / self.pace
         while (rest := due - time.monotonic()) > 0.0:
-            if rest > SPIN_SECONDS:
-                time.sleep(rest - SPIN_SECONDS)
+            if rest > _SPIN_SECONDS:
+                time.sleep(rest - _SPIN_SECONDS)
         return -rest * self.pace
 
 

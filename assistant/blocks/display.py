@@ -189,24 +189,24 @@ def signals_html(ran: RecordedSignals) -> str:
     return columns_html(repr(ran)[1:-1], {"s": ran.seconds, **ran.columns})
 
 
-DPI: Final = 80
-BOX_WIDTH: Final = 1.0
-BOX_HEIGHT: Final = 0.62
-COLUMN_SPACING: Final = 1.75
+_DPI: Final = 80
+_BOX_WIDTH: Final = 1.0
+_BOX_HEIGHT: Final = 0.62
+_COLUMN_SPACING: Final = 1.75
 """Width and height of a box, and from one column of them to the next; from row to row 1."""
-LINE_COLOUR: Final = "#1f5f8b"
-FILL_COLOUR: Final = "#eef4f8"
-MOST_SIGNALS: Final = 8
-MOST_DRAWN_ROWS: Final = 4000
+_LINE_COLOUR: Final = "#1f5f8b"
+_FILL_COLOUR: Final = "#eef4f8"
+_MOST_SIGNALS: Final = 8
+_MOST_DRAWN_ROWS: Final = 4000
 """Rows of a run that are drawn; of more rows every second, third … is drawn."""
-MOST_BOXES: Final = 300
+_MOST_BOXES: Final = 300
 """Blocks of a diagram that is drawn: a picture of more is as wide as a wall, and takes minutes."""
 
 
 def diagram_png(diagram: Any) -> bytes | None:
-    """A diagram of ours or of bdsim; None without matplotlib, and of more than `MOST_BOXES`."""
+    """A diagram of ours or of bdsim; None without matplotlib, and of more than `_MOST_BOXES`."""
     found = lay_out(diagram)
-    if len(found.boxes) > MOST_BOXES:
+    if len(found.boxes) > _MOST_BOXES:
         return None
     columns = max((box.column for box in found.boxes), default=0) + 1
     figure = _figure(1.6 * columns, 0.9 * _picture_height(found))
@@ -218,7 +218,7 @@ def diagram_png(diagram: Any) -> bytes | None:
 
 def run_png(ran: RecordedSignals) -> bytes | None:
     """The first signals of a run over time, one below the other; None without matplotlib."""
-    names = list(ran.columns)[:MOST_SIGNALS]
+    names = list(ran.columns)[:_MOST_SIGNALS]
     figure = _figure(8.0, 1.1 * max(len(names), 1) + 0.5)
     if figure is None:
         return None
@@ -244,7 +244,7 @@ def draw_diagram(axes: Axes, diagram: Any) -> None:
 
 def draw_signals(all_axes: Sequence[Axes], ran: RecordedSignals, names: Sequence[str]) -> None:
     """Draw each signal of a run over time into separate axes."""
-    every = slice(None, None, max(1, len(ran.seconds) // MOST_DRAWN_ROWS))
+    every = slice(None, None, max(1, len(ran.seconds) // _MOST_DRAWN_ROWS))
     for axes, name in zip(all_axes, names, strict=True):
         axes.plot(ran.seconds[every], ran.columns[name][every], lw=1.1)
         axes.set_title(_escaped_name(name), fontsize=8, loc="left", pad=2)
@@ -264,7 +264,7 @@ def _figure(width: float, height: float) -> Figure | None:
 
 def _png(figure: Figure) -> bytes:
     out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=DPI, metadata={"Software": None})
+    figure.savefig(out, format="png", dpi=_DPI, metadata={"Software": None})
     return out.getvalue()
 
 
@@ -282,21 +282,21 @@ def _picture_height(found: Outline) -> float:
 def _draw_box(axes: Axes, box: Box) -> None:
     from matplotlib.patches import FancyBboxPatch
 
-    left, top = COLUMN_SPACING * box.column, box.row - BOX_HEIGHT / 2.0
+    left, top = _COLUMN_SPACING * box.column, box.row - _BOX_HEIGHT / 2.0
     style = "round,pad=0,rounding_size=0.06"
     axes.add_patch(
         FancyBboxPatch(
             (left, top),
-            BOX_WIDTH,
-            BOX_HEIGHT,
+            _BOX_WIDTH,
+            _BOX_HEIGHT,
             boxstyle=style,
-            fc=FILL_COLOUR,
-            ec=LINE_COLOUR,
+            fc=_FILL_COLOUR,
+            ec=_LINE_COLOUR,
             lw=1.2,
             zorder=2,
         )
     )
-    middle = left + BOX_WIDTH / 2.0
+    middle = left + _BOX_WIDTH / 2.0
     axes.text(
         middle,
         box.row - 0.07,
@@ -315,8 +315,8 @@ def _draw_box(axes: Axes, box: Box) -> None:
 def _port_position(box: Box, number: int, *, output: bool) -> tuple[float, float]:
     """Return the position of a port on the edge of its box."""
     count = max(len(box.outputs if output else box.inputs), number + 1)
-    y = box.row + BOX_HEIGHT * ((number + 1) / (count + 1) - 0.5)
-    return COLUMN_SPACING * box.column + (BOX_WIDTH if output else 0.0), y
+    y = box.row + _BOX_HEIGHT * ((number + 1) / (count + 1) - 0.5)
+    return _COLUMN_SPACING * box.column + (_BOX_WIDTH if output else 0.0), y
 
 
 def _draw_wire(axes: Axes, found: Outline, wire: Wire, below: float) -> None:

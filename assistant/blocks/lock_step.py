@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.rules import OUT_OF_LOCK_STEP
 
-PATIENCE: Final = 10.0
+_PATIENCE: Final = 10.0
 LOOK: Final = 2e-5
 """Seconds between two looks whether it has."""
 
@@ -53,7 +53,7 @@ class LockStep:
         *cells: SteppedCell,
         connections: Sequence[Connection[Any]] = (),
         begins: float = 0.0,
-        patience: float = PATIENCE,
+        patience: float = _PATIENCE,
     ) -> None:
         self.cells, self.connections, self.begins = cells, connections, begins
         self.patience = patience

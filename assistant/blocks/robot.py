@@ -28,7 +28,7 @@ from assistant.blocks.bdsim_adapter import Direct, OfKind, Stepped
 from assistant.blocks.library import arms, continuous_moves, sources, stopped_moves
 from assistant.program.geometry import Pose
 
-METRE: Final = 1000.0
+_METRE: Final = 1000.0
 
 
 # ------------------------------------------------------------------- controller operation
@@ -323,7 +323,7 @@ class PoseToSE3(FunctionBlock):
         del t, x
         matrix = np.eye(4)
         matrix[:3, :3] = rotations.to_matrix(rotations.canonical(u[0][3:]))
-        matrix[:3, 3] = np.asarray(u[0][:3]) / METRE
+        matrix[:3, 3] = np.asarray(u[0][:3]) / _METRE
         return [SE3(matrix, check=False)]
 
 
@@ -337,4 +337,4 @@ class SE3ToPose(FunctionBlock):
         del t, x
         matrix = np.asarray(u[0].A)
         turn = rotations.from_matrix(matrix[:3, :3])
-        return [np.concatenate([METRE * matrix[:3, 3], np.ravel(turn)])]
+        return [np.concatenate([_METRE * matrix[:3, 3], np.ravel(turn)])]

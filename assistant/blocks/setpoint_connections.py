@@ -34,11 +34,11 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 
-CONTINUOUS_MODES: Final = tuple(name for name, mode in MODES.items() if not mode.waits)
+_CONTINUOUS_MODES: Final = tuple(name for name, mode in MODES.items() if not mode.waits)
 """Ways of leading in which the arm does not stop at each step."""
-SPEED_SECONDS: Final = 0.1
+_SPEED_SECONDS: Final = 0.1
 """Seconds of which a stream tells the mean speed; timers of controllers count milliseconds."""
-MOST_QUEUED: Final = 50
+_MOST_QUEUED: Final = 50
 """Setpoints that have not gone out yet."""
 
 
@@ -69,7 +69,7 @@ class StatusSource(Protocol):
 class StatusStream:
     """The status on a data link. real_time: both sides end it for what does not come in time.
 
-    Its speed comes from the positions of the last `SPEED_SECONDS`: `M_RSPD(1)` is the speed of the
+    Its speed comes from the positions of the last `_SPEED_SECONDS`: `M_RSPD(1)` is the speed of the
     program in slot 1, and single commands move the arm in the edit slot.
     """
 
@@ -89,7 +89,7 @@ class StatusStream:
         seen = self._seen
         if not seen or seconds != seen[-1][0]:
             seen.append((seconds, place))
-        while len(seen) > 2 and seconds - seen[1][0] >= SPEED_SECONDS:
+        while len(seen) > 2 and seconds - seen[1][0] >= _SPEED_SECONDS:
             seen.popleft()
         if len(seen) < 2:
             return math.nan
@@ -121,7 +121,7 @@ class SetpointSender:
         """Wants the arm at joints (a,) in so many seconds; raises what one before met."""
         with self._news:
             self.check()
-            if len(self._waiting) >= MOST_QUEUED:
+            if len(self._waiting) >= _MOST_QUEUED:
                 raise Refused(SETPOINTS_BEHIND(count=len(self._waiting)))
             self._waiting.append((joints, seconds))
             self.told = joints
@@ -180,16 +180,16 @@ def led(
 ) -> Connection[SetpointSender]:
     """An arm that blocks lead, without stops between their setpoints.
 
-    address: of the controller, or its name in the project. by: one of `CONTINUOUS_MODES`.
+    address: of the controller, or its name in the project. by: one of `_CONTINUOUS_MODES`.
     percent: of the speeds of its axes, which no setpoint may exceed. tool: on the flange. wishes:
     lines and ports, None for the usual ones. servo: whether the servos are switched on before and
     off after. Raises Refused for another way.
     """
-    if by not in CONTINUOUS_MODES:
+    if by not in _CONTINUOUS_MODES:
         raise Refused(
-            NO_SETPOINT_MODE(name=name, by=by, known=", ".join(CONTINUOUS_MODES)), exit_status=2
+            NO_SETPOINT_MODE(name=name, by=by, known=", ".join(_CONTINUOUS_MODES)), exit_status=2
         )
-    arm, mode, given = arm_at_percent(robot, percent, tool), MODES[by], wishes or LinkOptions()
+    arm, mode, given = _arm_at_percent(robot, percent, tool), MODES[by], wishes or LinkOptions()
 
     @contextmanager
     def opening() -> Iterator[SetpointSender]:
@@ -242,7 +242,7 @@ def measured(
     return Connection(name, opening)
 
 
-def arm_at_percent(robot: Robot, percent: float, tool: Pose = IDENTITY) -> Arm:
+def _arm_at_percent(robot: Robot, percent: float, tool: Pose = IDENTITY) -> Arm:
     """An arm whose axes go at a percentage of their speeds; raises ValueError for none."""
     if not 0.0 < percent <= 100.0:
         raise ValueError("a percentage is above 0 and at most 100")

@@ -31,14 +31,14 @@ from assistant.program import settings_tables
 from assistant.program.geometry import Pose, Vector
 from assistant.program.settings_tables import Read, Table, Wrong
 
-READ_SIZE: Final = settings_tables.number("mm", above=0.0)
+_READ_SIZE: Final = settings_tables.number("mm", above=0.0)
 
 
 def _read_sizes(count: int) -> Read:
     def read(value: Any) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != count:
             raise Wrong("is no list of lengths", f"write {count} lengths in mm in brackets")
-        return tuple(READ_SIZE(one) for one in value)
+        return tuple(_READ_SIZE(one) for one in value)
 
     return read
 
@@ -90,9 +90,9 @@ ROBOT_KEYS: Final[Mapping[str, Read]] = {
     "unknown": settings_tables.choice("blocked", "free"),
     **PLACE_KEYS,
 }
-SHAPE_KEYS: Final[Mapping[str, Read]] = {
+_SHAPE_KEYS: Final[Mapping[str, Read]] = {
     "box": _read_sizes(3),
-    "sphere": READ_SIZE,
+    "sphere": _READ_SIZE,
     "cylinder": _read_sizes(2),
     "capsule": _read_sizes(2),
     "mesh": settings_tables.text,
@@ -100,15 +100,15 @@ SHAPE_KEYS: Final[Mapping[str, Read]] = {
     "drawing": settings_tables.text,
 }
 PART_KEYS: Final[Mapping[str, Read]] = {
-    **SHAPE_KEYS,
+    **_SHAPE_KEYS,
     **PLACE_KEYS,
     "unit": settings_tables.unit,
     "off": settings_tables.number("mm", least=0.0),
 }
-PARTS_KEY: Final = "parts"
+_PARTS_KEY: Final = "parts"
 BODY_KEYS: Final[Mapping[str, Read]] = {
     **PART_KEYS,
-    PARTS_KEY: lambda value: value,
+    _PARTS_KEY: lambda value: value,
     "parent": settings_tables.text,
     "colour": _read_colour,
     "margin": settings_tables.number("mm", least=0.0),
@@ -167,15 +167,15 @@ class BodyReader:
 
     def _one(self, name: str, entry: Table, said: Mapping[str, Any]) -> Body | None:
         """A body with its shape, or with its parts."""
-        key = self._kind(name, entry, (*SHAPE_KEYS, PARTS_KEY), said)
+        key = self._kind(name, entry, (*_SHAPE_KEYS, _PARTS_KEY), said)
         if key == "drawing":
             drawing = self.drawing(said)
             return None if drawing is None else drawing.as_one(name)
-        if key == PARTS_KEY:
-            found = [self._part(*named) for named in entry.table(PARTS_KEY).named()]
-            if said[PARTS_KEY] == {}:
+        if key == _PARTS_KEY:
+            found = [self._part(*named) for named in entry.table(_PARTS_KEY).named()]
+            if said[_PARTS_KEY] == {}:
                 entry.say(
-                    NO_SHAPE, PARTS_KEY, name=name, what="no parts", cure="write some, or a shape"
+                    NO_SHAPE, _PARTS_KEY, name=name, what="no parts", cure="write some, or a shape"
                 )
             parts = tuple(part for part in found if part is not None)
             return Body(name, parts) if parts and len(parts) == len(found) else None
@@ -184,7 +184,7 @@ class BodyReader:
 
     def _part(self, name: str, entry: Table) -> Part | None:
         said = entry.read(PART_KEYS)
-        key = self._kind(name, entry, tuple(key for key in SHAPE_KEYS if key != "drawing"), said)
+        key = self._kind(name, entry, tuple(key for key in _SHAPE_KEYS if key != "drawing"), said)
         shape = None if key is None else self._shape(name, key, entry, said)
         return None if shape is None else Part(shape, pose_of(said))
 

@@ -76,7 +76,7 @@ from assistant.program import settings_tables
 from assistant.program.geometry import Frame
 from assistant.program.settings_tables import ENCODINGS, Table, read_toml
 
-MOST_NAMES: Final = 12
+_MOST_NAMES: Final = 12
 """Largest number of possible parents that a message lists."""
 
 
@@ -146,7 +146,7 @@ class _CellReader:
             return
         carriers = Carriers(scene.robots)
         frames = [*carriers.names, *scene.frames]
-        known = ", ".join(f"`{name}`" for name in frames[:MOST_NAMES])
+        known = ", ".join(f"`{name}`" for name in frames[:_MOST_NAMES])
         there = {*frames, *(body.name for body in scene.bodies)}
         for body in drawn:
             if body.parent not in there:

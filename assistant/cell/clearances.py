@@ -32,7 +32,7 @@ from assistant.robots.robot import Robot
 from assistant.robots.timing import Carried, Simulation
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop, Stretches, stretches_of
 
-POSE_DIGITS: Final = 6
+_POSE_DIGITS: Final = 6
 """Digits of a place that is kept, so that rounds of a loop are alike."""
 
 CarriedPlace: TypeAlias = tuple[str, Pose] | None
@@ -146,7 +146,7 @@ class CarriedBodies:
         ]
         there = frames[1].inverse() @ frames[0] @ pose
         turn = rotations.canonical(np.array(there.quaternion))
-        return parent, Pose.of(np.round(there.position, POSE_DIGITS), np.round(turn, 12))
+        return parent, Pose.of(np.round(there.position, _POSE_DIGITS), np.round(turn, 12))
 
     def _near(self, number: int, joints: Floats) -> bool:
         """True if a body is within its margin of the bodies that the flange carries."""
@@ -347,10 +347,10 @@ def beyond_bodies(scene: Scene, placed: PlacedRobot, tip: Pose) -> float:
 
 def way_of(scene: Scene, placed: PlacedRobot, stretches: Stretches) -> JointPath:
     """The way of the joints of all robots, of which one moves."""
-    return JointPath(*rows_of(scene, placed, stretches), curve_of(scene, placed, stretches))
+    return JointPath(*rows_of(scene, placed, stretches), _curve_of(scene, placed, stretches))
 
 
-def curve_of(scene: Scene, placed: PlacedRobot, stretches: Stretches) -> Curve:
+def _curve_of(scene: Scene, placed: PlacedRobot, stretches: Stretches) -> Curve:
     """Return the joints of all robots along stretches on which one of them moves."""
     rows, _ = rows_of(scene, placed, stretches.part(0, 0))
     columns = Carriers(scene.robots).columns

@@ -69,13 +69,13 @@ if TYPE_CHECKING:
     from ezdxf.entities.dxfgfx import DXFGraphic
 
 
-CHORD_ANGLE: Final = math.radians(3.0)
+_CHORD_ANGLE: Final = math.radians(3.0)
 """Largest angle of a chord that replaces an arc; its sagitta is 0.00034 of the radius."""
-OVAL_SIDES: Final = 120
+_OVAL_SIDES: Final = 120
 """Sides of the prism around a cylinder that a transform makes oval; it is 0.00034 of the radius
 wider.
 """
-SELF_CROSSING: Final = 1e-6
+_SELF_CROSSING: Final = 1e-6
 """Relative difference of area above which an outline crosses itself."""
 
 
@@ -134,8 +134,8 @@ class DrawnCylinder:
             length = float(norms(self.along[None])[0])
             middle = Pose.of(self.base + self.along / 2.0, turn)
             return Part(Cylinder(float(norms(self.u[None])[0]), length), middle)
-        angles = np.arange(OVAL_SIDES) * math.tau / OVAL_SIDES
-        wider = 1.0 / math.cos(math.pi / OVAL_SIDES)
+        angles = np.arange(_OVAL_SIDES) * math.tau / _OVAL_SIDES
+        wider = 1.0 / math.cos(math.pi / _OVAL_SIDES)
         ring = wider * (np.cos(angles)[:, None] * self.u + np.sin(angles)[:, None] * self.v)
         return Part(Convex(np.concatenate([ring, ring + self.along]) + self.base))
 
@@ -153,7 +153,7 @@ def solid_of(entity: DXFGraphic) -> Solid:
     kind = entity.dxftype()
     if kind in READERS:
         return READERS[kind](entity)
-    if kind in SOLID_KINDS:
+    if kind in _SOLID_KINDS:
         raise NoSolid("its surface is curved or another program's")
     thick = entity.dxf.is_supported("thickness") and entity.dxf.get("thickness", 0.0)
     if thick:
@@ -246,7 +246,7 @@ def _prism(entity: Any) -> DrawnSurface:
     outline, off = list[Floats](), 0.0
     for piece in pieces:
         if isinstance(piece, Conic):
-            count = max(2, math.ceil(piece.sweep / CHORD_ANGLE))
+            count = max(2, math.ceil(piece.sweep / _CHORD_ANGLE))
             angles = np.arange(count) * piece.sweep / count
             places = np.cos(angles)[:, None] * piece.u + np.sin(angles)[:, None] * piece.v
             outline += list(piece.centre + places)
@@ -347,7 +347,7 @@ def _cut_polygon(flat: Floats) -> Ints:
     covered = float(np.abs(areas).sum())
     if not covered > 0.0:
         raise Degenerate("without area")
-    if abs(covered - abs(stated)) > SELF_CROSSING * covered:
+    if abs(covered - abs(stated)) > _SELF_CROSSING * covered:
         raise Degenerate("its outline crosses itself")
     # The order is by the outline, whichever way around earcut gives its triangles.
     turned = areas < 0.0
@@ -355,7 +355,7 @@ def _cut_polygon(flat: Floats) -> Ints:
     return triangles if stated > 0.0 else np.ascontiguousarray(triangles[:, ::-1])
 
 
-SOLID_KINDS: Final = frozenset(
+_SOLID_KINDS: Final = frozenset(
     {
         *("SURFACE", "EXTRUDEDSURFACE", "LOFTEDSURFACE", "REVOLVEDSURFACE", "SWEPTSURFACE"),
         *("PLANESURFACE", "NURBSURFACE", "REGION", "ACAD_PROXY_ENTITY"),
@@ -378,7 +378,7 @@ def shape_of(mesh: Mesh) -> Mesh | Convex:
     """The same body as a hull where it is one: with a depth of contact, and faster."""
     from scipy.spatial import ConvexHull, QhullError  # type: ignore[import-untyped]
 
-    if not mesh.solid or mesh.off or len(mesh.points) > MOST_CORNERS:
+    if not mesh.solid or mesh.off or len(mesh.points) > _MOST_CORNERS:
         return mesh
     used = mesh.points[np.unique(mesh.triangles)]
     try:
@@ -387,18 +387,18 @@ def shape_of(mesh: Mesh) -> Mesh | Convex:
         return mesh
     a, b, c = (mesh.points[mesh.triangles[:, i]] for i in range(3))
     volume = abs(float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum())) / 6.0
-    return Convex(used) if volume >= hull.volume * (1.0 - CONVEX_DIFFERENCE) else mesh
+    return Convex(used) if volume >= hull.volume * (1.0 - _CONVEX_DIFFERENCE) else mesh
 
 
-MOST_CORNERS: Final = 2000
+_MOST_CORNERS: Final = 2000
 """Largest number of corners of a hull; a mesh with more is faster by its triangles."""
-CONVEX_DIFFERENCE: Final = 1e-9
+_CONVEX_DIFFERENCE: Final = 1e-9
 """Relative difference in volume of a body and its hull, up to which it is convex."""
 
 
-BY_BLOCK: Final = 0
-BY_LAYER: Final = 256
-OTHER_COLOURS: Final = 7
+_BY_BLOCK: Final = 0
+_BY_LAYER: Final = 256
+_OTHER_COLOURS: Final = 7
 """Colour number (DXF reference, group code 62) for black or white, depending on the background."""
 
 
@@ -624,15 +624,18 @@ def _colour(placed: PlacedEntity, document: Drawing) -> Colour | None:
     entity: DXFGraphic = placed.entity
     if not entity.dxf.is_supported("color"):
         return None
-    number, true = entity.dxf.get("color", BY_LAYER), entity.dxf.get("true_color", None)
-    if number in (BY_LAYER, BY_BLOCK) and true is None:
+    number, true = entity.dxf.get("color", _BY_LAYER), entity.dxf.get("true_color", None)
+    if number in (_BY_LAYER, _BY_BLOCK) and true is None:
         if not document.layers.has_entry(placed.layer):
             return None
         layer = document.layers.get(placed.layer)
-        number, true = abs(layer.dxf.get("color", OTHER_COLOURS)), layer.dxf.get("true_color", None)
+        number, true = (
+            abs(layer.dxf.get("color", _OTHER_COLOURS)),
+            layer.dxf.get("true_color", None),
+        )
     if true is not None:
         red, green, blue = int2rgb(true)
-    elif 0 < number < BY_LAYER and number != OTHER_COLOURS:
+    elif 0 < number < _BY_LAYER and number != _OTHER_COLOURS:
         red, green, blue = aci2rgb(number)
     else:
         return None

@@ -48,13 +48,13 @@ if TYPE_CHECKING:
     from assistant.cell.collision.model import Model
 
 
-SHORTEST_LINK: Final = 1.0
+_SHORTEST_LINK: Final = 1.0
 """Shortest link, in mm, that has its own body."""
-SEED: Final = 20
-RANDOM_POSES: Final = 1000
-POSES_AT_ONCE: Final = 50
+_SEED: Final = 20
+_RANDOM_POSES: Final = 1000
+_POSES_AT_ONCE: Final = 50
 """Random poses per batch; after each, pairs that are decided are dropped."""
-ALWAYS_TOUCHING: Final = 0.95
+_ALWAYS_TOUCHING: Final = 0.95
 """Share of random poses in which two links touch that cannot be kept apart: their bodies are
 rounder than the links."""
 
@@ -64,11 +64,11 @@ def place_robot(
 ) -> PlacedRobot:
     """A robot of a cell with the bodies of its links; by its lengths if none are given."""
     return PlacedRobot(
-        name, robot, base, tuple(link_bodies(name, robot) if links is None else links)
+        name, robot, base, tuple(_link_bodies(name, robot) if links is None else links)
     )
 
 
-def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
+def _link_bodies(name: str, robot: Robot) -> Iterator[Body]:
     """Yield bodies `NAME.base`, `NAME.J1` … of a robot, each carried by the link of its name.
 
     If axis 1 begins on the floor, the lower half of its column is the base. A horizontal arm has a
@@ -82,12 +82,12 @@ def link_bodies(name: str, robot: Robot) -> Iterator[Body]:
     origin, foot = np.zeros(3), np.zeros(3)
     for carrier, step, radius in zip(("base", *robot.axes), steps, robot.radii, strict=True):
         corners = [foot if carrier == "J1" else origin, _up(step), np.array(step)]
-        if carrier == "base" and norms(np.array([step]))[0] <= SHORTEST_LINK:
+        if carrier == "base" and norms(np.array([step]))[0] <= _SHORTEST_LINK:
             corners = [origin, foot := _up(steps[1]) / 2.0]
         parts = tuple(
             capsule_between(start, end, float(radius))
             for start, end in pairwise(corners)
-            if norms((end - start)[None])[0] > SHORTEST_LINK
+            if norms((end - start)[None])[0] > _SHORTEST_LINK
         )
         if parts:
             yield Body(f"{name}.{carrier}", parts, parent=f"{name}.{carrier}")
@@ -106,7 +106,7 @@ def _horizontal(name: str, robot: Robot) -> Iterator[Body]:
     low, high = (robot.limits[2] + robot.zero[2]) * float(chain.joints[2].axis[2])
     low, high = min(low, high), max(low, high)
     height = float(steps[0][2] + steps[1][2] + steps[2][2])
-    up = max(height + high, height) + max(one, two) - height if height <= SHORTEST_LINK else 0.0
+    up = max(height + high, height) + max(one, two) - height if height <= _SHORTEST_LINK else 0.0
     parts = {
         "base": (_upright(base, base, height + up - one - base),),
         "J1": (_between(_raised(steps[1] * [0, 0, 1], up), _raised(steps[1], up), one),),
@@ -128,7 +128,7 @@ def _upright(radius: float, low: float, high: float) -> Part | None:
 
 
 def _between(start: Floats, end: Floats, radius: float) -> Part | None:
-    long = float(norms((end - start)[None])[0]) > SHORTEST_LINK and start[2] <= end[2]
+    long = float(norms((end - start)[None])[0]) > _SHORTEST_LINK and start[2] <= end[2]
     return capsule_between(start, end, radius) if long else None
 
 
@@ -147,14 +147,14 @@ def capsule_between(start: Floats, end: Floats, radius: float) -> Part:
     )
 
 
-ALONE_NAME: Final = "robot"
+_ALONE_NAME: Final = "robot"
 """Name of an arm outside a cell, as the names of its links state it."""
-THIN_TOOL_RADIUS: Final = 1.0
+_THIN_TOOL_RADIUS: Final = 1.0
 """mm of the radius of what stands for a tool of which only the tip is known."""
 _ARMS_ALONE: Final[WeakKeyDictionary[Robot, dict[tuple[str, Vector] | None, Scene]]] = (
     WeakKeyDictionary()
 )
-MOST_SCENES_KEPT: Final = 64
+_MOST_SCENES_KEPT: Final = 64
 """Tools of an arm whose scenes are kept."""
 
 
@@ -164,16 +164,16 @@ def arm_alone(robot: Robot, tool: tuple[str, Pose] | None = None) -> Scene:
     The tool is a thin rod from the middle of the flange to its tip.
     """
     key = None if tool is None else (tool[0], tool[1].position)
-    if key is not None and float(norms(np.array([key[1]]))[0]) <= SHORTEST_LINK:
+    if key is not None and float(norms(np.array([key[1]]))[0]) <= _SHORTEST_LINK:
         key = None
     made = _ARMS_ALONE.setdefault(robot, {})
     if key not in made:
-        arm, bodies = place_robot(ALONE_NAME, robot), list[Body]()
+        arm, bodies = place_robot(_ALONE_NAME, robot), list[Body]()
         if key is not None:
-            rod = capsule_between(np.zeros(3), np.array(key[1]), THIN_TOOL_RADIUS)
-            bodies.append(Body(key[0], (rod,), parent=f"{ALONE_NAME}.{FLANGE}"))
+            rod = capsule_between(np.zeros(3), np.array(key[1]), _THIN_TOOL_RADIUS)
+            bodies.append(Body(key[0], (rod,), parent=f"{_ALONE_NAME}.{FLANGE}"))
         out = touching_links(replace(arm, links=(*arm.links, *bodies)))
-        if len(made) >= MOST_SCENES_KEPT:
+        if len(made) >= _MOST_SCENES_KEPT:
             made.clear()
         made[key] = Scene(tuple(bodies), (arm,), allowed=out, margin=0.0)
     return made[key]
@@ -189,7 +189,7 @@ def touching_links(placed: PlacedRobot) -> frozenset[tuple[str, str]]:
 
     model = Model(Scene(robots=(placed,)))
     low, high = np.clip(placed.robot.limits, -360.0, 360.0).T
-    rows = np.random.default_rng(SEED).uniform(low, high, (RANDOM_POSES, len(low)))
+    rows = np.random.default_rng(_SEED).uniform(low, high, (_RANDOM_POSES, len(low)))
     rows[0] = placed.robot.home
     order = [body.name for body in placed.links]
     names = [item.body.name for item in model.items]
@@ -198,14 +198,14 @@ def touching_links(placed: PlacedRobot) -> frozenset[tuple[str, str]]:
     out = {two for two in pairs if abs(order.index(two[0]) - order.index(two[1])) == 1}
     open_ = np.array([pair for pair, two in enumerate(pairs) if two not in out], dtype=np.intp)
     clear = np.zeros(len(pairs), dtype=np.intp)
-    for start in range(0, RANDOM_POSES, POSES_AT_ONCE):
-        some = rows[start : start + POSES_AT_ONCE]
+    for start in range(0, _RANDOM_POSES, _POSES_AT_ONCE):
+        some = rows[start : start + _POSES_AT_ONCE]
         row, pair = (x.reshape(-1) for x in np.meshgrid(np.arange(len(some)), open_, indexing="ij"))
         touch = _touching(model, some, row, pair)
         if start == 0:
             out |= {pairs[p] for p in pair[(row == 0) & touch].tolist()}
         clear += np.bincount(pair[~touch], minlength=len(pairs))
-        open_ = open_[clear[open_] <= round((1.0 - ALWAYS_TOUCHING) * RANDOM_POSES)]
+        open_ = open_[clear[open_] <= round((1.0 - _ALWAYS_TOUCHING) * _RANDOM_POSES)]
     return frozenset(out | {pairs[p] for p in open_.tolist()})
 
 
@@ -217,11 +217,11 @@ def _touching(model: Model, rows: Floats, row: Rows, pair: Rows) -> Truths:
     return out
 
 
-PACKAGE_SCHEME: Final = "package://"
-FILE_SCHEME: Final = "file://"
-NO_PACKAGE_NAMES: Final = ("", ".", "..")
+_PACKAGE_SCHEME: Final = "package://"
+_FILE_SCHEME: Final = "file://"
+_NO_PACKAGE_NAMES: Final = ("", ".", "..")
 """Folder names that every system has, which are not package names."""
-URDF_UNIT: Final = "m"
+_URDF_UNIT: Final = "m"
 """Unit of the meshes of a URDF that state no unit."""
 
 
@@ -289,7 +289,7 @@ class _Links:
             return None
         if (file, one.scale) not in self.read:
             try:
-                mesh, findings = mesh_files.read_mesh(file, URDF_UNIT, scale=one.scale)
+                mesh, findings = mesh_files.read_mesh(file, _URDF_UNIT, scale=one.scale)
                 self.found += findings
                 self.read[file, one.scale] = mesh
             except Refused as refused:
@@ -300,19 +300,19 @@ class _Links:
     def file(self, one: Outline) -> FilePath | None:
         """Return the path of a mesh; None, and a finding, if it is unknown."""
         said, folder = one.file, FilePath(self.outlines.folder)
-        if said.startswith(FILE_SCHEME):
-            return folder / unquote(said[len(FILE_SCHEME) :])
-        if not said.startswith(PACKAGE_SCHEME):
+        if said.startswith(_FILE_SCHEME):
+            return folder / unquote(said[len(_FILE_SCHEME) :])
+        if not said.startswith(_PACKAGE_SCHEME):
             if "://" not in said:
                 return folder / said
             if said not in self.missing:
                 self.wrong.append(NO_MESH_FILE(link=one.link, file=said))
             self.missing.add(said)
             return None
-        package, _, rest = unquote(said[len(PACKAGE_SCHEME) :]).partition("/")
+        package, _, rest = unquote(said[len(_PACKAGE_SCHEME) :]).partition("/")
         self.used.add(package)
         found = self.packages.get(package)
-        if found is None and package not in NO_PACKAGE_NAMES:
+        if found is None and package not in _NO_PACKAGE_NAMES:
             above = folder.resolve().parents
             found = next((up / package for up in above if (up / package).is_dir()), None)
         if found is None and package not in self.missing:

@@ -29,18 +29,18 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
-KINDS: Final = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".3mf": "3mf", ".glb": "glb",
+_KINDS: Final = {".stl": "stl", ".obj": "obj", ".ply": "ply", ".3mf": "3mf", ".glb": "glb",
                 ".gltf": "gltf"}  # fmt: skip
-CAD_SUFFIXES: Final = (".step", ".stp", ".iges", ".igs", ".sat", ".x_t", ".sldprt", ".ipt")
-IN_METRES: Final = (".glb", ".gltf")
+_CAD_SUFFIXES: Final = (".step", ".stp", ".iges", ".igs", ".sat", ".x_t", ".sldprt", ".ipt")
+_IN_METRES: Final = (".glb", ".gltf")
 """glTF's lengths are metres by its specification."""
-FARTHEST: Final = 1e7
+_FARTHEST: Final = 1e7
 """mm of a coordinate: distances of larger ones would lose their last places."""
-MOST_BYTES: Final = 1 << 30
+_MOST_BYTES: Final = 1 << 30
 """Bytes of a file."""
 MOST_TRIANGLES: Final = 200_000
 """Above that a mesh is simplified."""
-MERGE_DISTANCE: Final = 1e-6
+_MERGE_DISTANCE: Final = 1e-6
 """mm; corners that near are one: STL states each corner of each triangle anew."""
 
 
@@ -57,17 +57,17 @@ def read_mesh(
     """
     trimesh = mesh_library()
     suffix, said = path.suffix.lower(), str(path)
-    if suffix not in KINDS:
-        known = ", ".join(sorted(kind[1:].upper() for kind in KINDS))
+    if suffix not in _KINDS:
+        known = ", ".join(sorted(kind[1:].upper() for kind in _KINDS))
         cure = (
             f"convert it to one of {known} in a CAD program"
-            if suffix in CAD_SUFFIXES
+            if suffix in _CAD_SUFFIXES
             else f"use {known}"
         )
         raise Refused(NO_MESH(path=said, reason=f"`{suffix}` is not read", cure=cure))
-    data = read_bytes(path, most=MOST_BYTES)
+    data = read_bytes(path, most=_MOST_BYTES)
     try:
-        found = _loaded(trimesh, data, KINDS[suffix], path)
+        found = _loaded(trimesh, data, _KINDS[suffix], path)
         points = np.asarray(found.vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
         stated = found.units
@@ -81,8 +81,8 @@ def read_mesh(
         raise _no_mesh(said, reason)
     factor, findings = _factor(suffix, stated, unit, said)
     points = points * factor * np.array(scale)
-    if np.abs(points).max() > FARTHEST:
-        raise _no_mesh(said, f"a corner is more than {FARTHEST:g} mm away from its origin")
+    if np.abs(points).max() > _FARTHEST:
+        raise _no_mesh(said, f"a corner is more than {_FARTHEST:g} mm away from its origin")
     if np.prod(scale) < 0.0:
         triangles = triangles[:, ::-1]
     return cleaned_mesh(points, triangles, most, said, findings)
@@ -132,7 +132,7 @@ def _factor(
     suffix: str, stated: str | None, unit: str | None, path: str
 ) -> tuple[float, list[Diagnostic]]:
     """Mm of a unit of the file."""
-    if suffix in IN_METRES:
+    if suffix in _IN_METRES:
         return 1000.0, []
     known = {"millimeters": "mm", "meters": "m", "inches": "in", "centimeters": "cm"}
     short = known.get(stated or "")
@@ -153,14 +153,14 @@ def cleaned_mesh(
     """
     given, off = len(triangles), 0.0
     if given <= most:
-        points, triangles = _merged(points, triangles, MERGE_DISTANCE)
+        points, triangles = _merged(points, triangles, _MERGE_DISTANCE)
     else:
         # About three triangles for each square of a grid that a surface goes through.
         cell = max(
-            float(np.sqrt(3.0 * _areas(points, triangles).sum() / most)), 2.0 * MERGE_DISTANCE
+            float(np.sqrt(3.0 * _areas(points, triangles).sum() / most)), 2.0 * _MERGE_DISTANCE
         )
         while len((fewer := _merged(points, triangles, cell))[1]) > most:
-            cell *= GRID_GROWTH
+            cell *= _GRID_GROWTH
         points, triangles = fewer
         off = cell * float(np.sqrt(3.0))
     if off:
@@ -197,7 +197,7 @@ def _merged(points: Floats, triangles: Ints, cell: float) -> tuple[Floats, Ints]
     moved = places[triangles]
     a, b, c = moved.T
     kept = moved[(a != b) & (b != c) & (c != a)]
-    if cell > MERGE_DISTANCE and len(kept):
+    if cell > _MERGE_DISTANCE and len(kept):
         corners = np.sort(kept, axis=1)
         a, b, c = kept.T
         up = np.where(((a < b) & (b < c)) | ((b < c) & (c < a)) | ((c < a) & (a < b)), 1, -1)
@@ -216,7 +216,7 @@ def _distinct(rows: Ints) -> tuple[Ints, Ints]:
     Sorted by one number a row, ten times as fast as rows are; should two share one, as rows.
     """
     x, y, z = rows.astype(np.uint64).T
-    codes = (x * HASH_FACTORS[0]) ^ (y * HASH_FACTORS[1]) ^ (z * HASH_FACTORS[2])
+    codes = (x * _HASH_FACTORS[0]) ^ (y * _HASH_FACTORS[1]) ^ (z * _HASH_FACTORS[2])
     codes ^= codes >> np.uint64(29)
     _, first, places = np.unique(codes, return_index=True, return_inverse=True)
     if not (rows[first][places] == rows).all():
@@ -224,13 +224,13 @@ def _distinct(rows: Ints) -> tuple[Ints, Ints]:
     return first, places.reshape(-1)
 
 
-HASH_FACTORS: Final = (
+_HASH_FACTORS: Final = (
     np.uint64(0x9E3779B97F4A7C15),
     np.uint64(0xC2B2AE3D27D4EB4F),
     np.uint64(0x165667B19E3779F9),
 )
 """Odd numbers without pattern: different rows get different codes, but for one in 10¹² files."""
-GRID_GROWTH: Final = 1.25
+_GRID_GROWTH: Final = 1.25
 """By which a grid grows that leaves too many triangles."""
 
 

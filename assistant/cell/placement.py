@@ -41,14 +41,14 @@ from assistant.program.statements import MoveJoints
 from assistant.robots.motion.run import Run
 from assistant.robots.solved_program import SolvedProgram
 
-UNKNOWN_DEPTH: Final = -1.0
+_UNKNOWN_DEPTH: Final = -1.0
 """mm that stand for a depth that is not known."""
 
-OverlapDepths = dict[tuple[str, str], float]
+_OverlapDepths = dict[tuple[str, str], float]
 """Names of a moved body and of the body that it overlaps → mm that they are apart, below 0."""
 
 
-def overlap_depths(model: Model, moved: Container[str]) -> OverlapDepths:
+def _overlap_depths(model: Model, moved: Container[str]) -> _OverlapDepths:
     """Return how deep moved bodies of the world, given by name, overlap others.
 
     Pairs that the scene allows to touch are left out.
@@ -56,7 +56,7 @@ def overlap_depths(model: Model, moved: Container[str]) -> OverlapDepths:
     still = [item for item in model.items if not model.carriers.moved_by(item.carrier)]
     rows = np.concatenate([placed.robot.home for placed in model.scene.robots])[None]
     origins, turns = model.carriers.at(rows)
-    found: OverlapDepths = {}
+    found: _OverlapDepths = {}
     for i, k in _pairs(model, still, moved):
         at = [(turns[0, j.carrier], origins[0, j.carrier]) for j in (still[i], still[k])]
         if _between_spheres(still[i], still[k], at) > 0.0:
@@ -71,7 +71,7 @@ def overlap_depths(model: Model, moved: Container[str]) -> OverlapDepths:
 def _item_distance(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> float:
     """Return the mm between two items, negative by the penetration depth.
 
-    For a mesh only contact is known: the result is `UNKNOWN_DEPTH` if the item also has contact
+    For a mesh only contact is known: the result is `_UNKNOWN_DEPTH` if the item also has contact
     when it is thinner by `RESOLUTION`, or lies inside. Two meshes that touch count as overlapping.
     """
     ends = [
@@ -91,10 +91,10 @@ def _item_distance(one: Item, other: Item, at: list[tuple[Floats, Floats]]) -> f
         plain = meshes.index(False)
         shapes[plain] = thinner_shape(shapes[plain], RESOLUTION)
         found = float(Distances(shapes).signed(first, second, *ends)[0])
-    return UNKNOWN_DEPTH if found <= 0.0 else 0.0
+    return _UNKNOWN_DEPTH if found <= 0.0 else 0.0
 
 
-def deeper_overlap(now: OverlapDepths, before: OverlapDepths) -> tuple[str, str] | None:
+def _deeper_overlap(now: _OverlapDepths, before: _OverlapDepths) -> tuple[str, str] | None:
     """Return the names of two bodies that overlap deeper than before, None if no pair does."""
     for names, apart in now.items():
         if apart < before.get(names, 0.0) - RESOLUTION:
@@ -118,11 +118,11 @@ def _between_spheres(one: Item, other: Item, at: list[tuple[Floats, Floats]]) ->
     return float(np.linalg.norm(middles[0] - middles[1])) - one.radius - other.radius
 
 
-OFFSET_DIGITS: Final = 6
-MOST_PLACES: Final = 20_000
-WORLD_ITSELF: Final = 0
+_OFFSET_DIGITS: Final = 6
+_MOST_PLACES: Final = 20_000
+_WORLD_ITSELF: Final = 0
 """The carrier that does not stand on any robot."""
-MOST_POSES: Final = 5_000_000
+_MOST_POSES: Final = 5_000_000
 """Largest number of poses to examine: placements times targets times turns."""
 
 
@@ -259,7 +259,7 @@ def best_place(
     return _Search(stands, names, scene, goals, True, margin).places(offsets, f"`{name}`")
 
 
-SceneAtOffset = Callable[[Floats], tuple[Scene, PlacedRobot, Pose, Pose]]
+_SceneAtOffset = Callable[[Floats], tuple[Scene, PlacedRobot, Pose, Pose]]
 """An offset → the scene with it, the robot there, what is moved as the cell file states its pose,
 and by what targets are moved in the world.
 """
@@ -271,7 +271,7 @@ class _Search:
     world.
     """
 
-    stands: SceneAtOffset
+    stands: _SceneAtOffset
     moved: frozenset[str]
     scene: Scene
     goals: Sequence[Goals]
@@ -283,15 +283,15 @@ class _Search:
         if not total:
             raise Refused(NO_TARGETS(what=what), exit_status=2)
         poses = len(offsets) * sum(one.quaternions[..., 0].size for one in self.goals)
-        if len(offsets) > MOST_PLACES:
+        if len(offsets) > _MOST_PLACES:
             said = "places"
             raise Refused(
-                TOO_MANY_POINTS(count=len(offsets), what=said, most=MOST_PLACES), exit_status=2
+                TOO_MANY_POINTS(count=len(offsets), what=said, most=_MOST_PLACES), exit_status=2
             )
-        if poses > MOST_POSES:
+        if poses > _MOST_POSES:
             said = "places times targets times turns"
-            raise Refused(TOO_MANY_POINTS(count=poses, what=said, most=MOST_POSES), exit_status=2)
-        before = overlap_depths(Model(self.scene), self.moved) if self.bodies else {}
+            raise Refused(TOO_MANY_POINTS(count=poses, what=said, most=_MOST_POSES), exit_status=2)
+        before = _overlap_depths(Model(self.scene), self.moved) if self.bodies else {}
         found, blocked = list[Place](), Counter[tuple[str, str]]()
         for offset in offsets:
             place = self._place(offset, before)
@@ -306,12 +306,12 @@ class _Search:
         ]
         return Places(tuple(sorted(found, key=_merit)), total, tuple(said_))
 
-    def _place(self, offset: Floats, before: OverlapDepths) -> Place | tuple[str, str]:
+    def _place(self, offset: Floats, before: _OverlapDepths) -> Place | tuple[str, str]:
         """Return a placement, or the first two bodies that would overlap there."""
         scene, placed, pose, by = self.stands(offset)
         model = Model(scene) if self.bodies else None
         if model is not None:
-            inside = deeper_overlap(overlap_depths(model, self.moved), before)
+            inside = _deeper_overlap(_overlap_depths(model, self.moved), before)
             if inside is not None:
                 return inside
         names, parts = list[str](), list[Postures]()
@@ -346,10 +346,10 @@ def _merit(place: Place) -> tuple[float, ...]:
 
     Rounded, so that places that are alike do not depend on the last digits.
     """
-    far = round(float(np.linalg.norm(place.offset[:3])), OFFSET_DIGITS)
-    scarce = (-round(share, OFFSET_DIGITS) for share in place.shares)
+    far = round(float(np.linalg.norm(place.offset[:3])), _OFFSET_DIGITS)
+    scarce = (-round(share, _OFFSET_DIGITS) for share in place.shares)
     last = (
-        -round(place.mean, OFFSET_DIGITS),
+        -round(place.mean, _OFFSET_DIGITS),
         far,
         abs(float(place.offset[3])),
         *place.offset.tolist(),
@@ -360,7 +360,7 @@ def _merit(place: Place) -> tuple[float, ...]:
 def standing_body(scene: Scene, name: str) -> Body:
     """Return a body that is fixed in the world; raises Refused if no such body has that name."""
     carriers = Carriers(scene.robots)
-    still = [body for body in scene.bodies if carrier_of(scene, body, carriers)[0] == WORLD_ITSELF]
+    still = [body for body in scene.bodies if carrier_of(scene, body, carriers)[0] == _WORLD_ITSELF]
     for body in still:
         if body.name == name:
             return body
@@ -378,7 +378,7 @@ def locations(scene: Scene, name: str | None = None, tip: Pose = IDENTITY, turns
     names, poses = list[str](), list[Pose]()
     for body in scene.bodies:
         number, pose = carrier_of(scene, body, carriers)
-        if number != WORLD_ITSELF or (name is not None and name not in _below(scene, body)):
+        if number != _WORLD_ITSELF or (name is not None and name not in _below(scene, body)):
             continue
         names += [f"{body.name}.{one}" for one in body.locations]
         poses += [pose @ one for one in body.locations.values()]
@@ -409,7 +409,7 @@ def _below(scene: Scene, body: Body) -> Iterator[str]:
         one = scene.body(one.parent)
 
 
-TARGET_DIGITS: Final = 6
+_TARGET_DIGITS: Final = 6
 """Digits by which two targets are one."""
 
 
@@ -442,7 +442,9 @@ def targets_of(
                 continue
             tip = run.mounting.tip(row)
             pose = placed.base @ Pose.of(positions[row], quaternions[row]) @ tip
-            key = tuple(round(value, TARGET_DIGITS) for value in (*pose.position, *pose.quaternion))
+            key = tuple(
+                round(value, _TARGET_DIGITS) for value in (*pose.position, *pose.quaternion)
+            )
             rows.setdefault(tip, {}).setdefault(key, (str(run.label(row)), pose))
     unknown = sum(
         leg.solved_run is None and not isinstance(leg.statement, MoveJoints)

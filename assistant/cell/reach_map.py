@@ -32,9 +32,9 @@ ENOUGH_AWAY: Final = 0.1
 """See `distance_from_singularity`: axis 5 of a wrist some 8 degrees from straight."""
 ENOUGH_CLEAR: Final = 50.0
 """mm beyond the margins."""
-POSES_AT_ONCE: Final = 40_000
+_POSES_AT_ONCE: Final = 40_000
 """Poses of the flange that are solved at once."""
-PAIRS_AT_ONCE: Final = 400_000
+_PAIRS_AT_ONCE: Final = 400_000
 """Rows times pairs whose bounds are worked out at once."""
 
 
@@ -85,7 +85,7 @@ def best_postures(
     quaternions = np.asarray(quaternions, dtype=np.float64)
     if quaternions.ndim == 2:
         quaternions = np.broadcast_to(quaternions, (len(positions), *quaternions.shape))
-    size = max(POSES_AT_ONCE // max(quaternions.shape[1], 1), 1)
+    size = max(_POSES_AT_ONCE // max(quaternions.shape[1], 1), 1)
     parts = [
         _best_postures(robot, positions[i : i + size], quaternions[i : i + size], space, tip)
         for i in range(0, max(len(positions), 1), size)
@@ -161,7 +161,7 @@ def limit_shares(robot: Robot, joints: Floats) -> Floats:
     return np.asarray(np.maximum(near.min(axis=-1), 0.0))
 
 
-def nearest_bodies(space: Space, row: Floats) -> tuple[str, str]:
+def _nearest_bodies(space: Space, row: Floats) -> tuple[str, str]:
     """The two bodies that keep least of their margin with the robot at joints (a,)."""
     model = space.model
     pair = int(np.argmin(space.distances(row) - space.margins))
@@ -177,7 +177,7 @@ def clearances(space: Space, rows: Floats, most: float = ENOUGH_CLEAR) -> Floats
     its links does not describe the room around it.
     """
     own = _own(space)
-    size = max(PAIRS_AT_ONCE // max(len(space.model), 1), 1)
+    size = max(_PAIRS_AT_ONCE // max(len(space.model), 1), 1)
     parts = [_clearances(space, own, rows[i : i + size], most) for i in range(0, len(rows), size)]
     return np.concatenate(parts) if parts else np.zeros(0)
 
@@ -206,12 +206,12 @@ def _clearances(space: Space, own: Truths, rows: Floats, most: float) -> Floats:
     return out
 
 
-MOST_POINTS: Final = 200_000
+_MOST_POINTS: Final = 200_000
 """Largest number of points, or placements, that are examined."""
-MOST_TURNS: Final = 360
-CONE_DIRECTIONS: Final = 8
+_MOST_TURNS: Final = 360
+_CONE_DIRECTIONS: Final = 8
 """Directions about the middle of a cone."""
-NAMED_DIRECTIONS: Final = {"down": (0.0, 0.0, -1.0), "up": (0.0, 0.0, 1.0)}
+_NAMED_DIRECTIONS: Final = {"down": (0.0, 0.0, -1.0), "up": (0.0, 0.0, 1.0)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,10 +245,10 @@ def parse_range(text: str, what: str) -> NumberRange:
     if len(numbers) == 3 and np.isfinite(numbers).all():
         low, high, step = numbers
         if high >= low and step > 0.0 and np.isfinite((high - low) / step):
-            if (high - low) / step > MOST_POINTS:
+            if (high - low) / step > _MOST_POINTS:
                 raise Refused(
                     TOO_MANY_POINTS(
-                        count=int((high - low) / step), what=f"steps of {what}", most=MOST_POINTS
+                        count=int((high - low) / step), what=f"steps of {what}", most=_MOST_POINTS
                     ),
                     exit_status=2,
                 )
@@ -259,8 +259,8 @@ def parse_range(text: str, what: str) -> NumberRange:
 def grid(ranges: Sequence[NumberRange]) -> Floats:
     """(n, c) the points of c ranges, the last one changing first. Raises Refused for too many."""
     count = int(np.prod([float(one.count) for one in ranges]))
-    if count > MOST_POINTS:
-        raise Refused(TOO_MANY_POINTS(count=count, what="points", most=MOST_POINTS), exit_status=2)
+    if count > _MOST_POINTS:
+        raise Refused(TOO_MANY_POINTS(count=count, what="points", most=_MOST_POINTS), exit_status=2)
     axes = np.meshgrid(*(one.values() for one in ranges), indexing="ij")
     return np.stack([axis.reshape(-1) for axis in axes], axis=1)
 
@@ -295,12 +295,12 @@ def parse_directions(given: Sequence[str], turns: int) -> Directions:
 
 def check_turns(turns: int) -> None:
     """Raise Refused for an invalid number of turns, or more than are tried."""
-    if not 1 <= turns <= MOST_TURNS:
-        raise Refused(NO_TURNS(count=turns, most=MOST_TURNS), exit_status=2)
+    if not 1 <= turns <= _MOST_TURNS:
+        raise Refused(NO_TURNS(count=turns, most=_MOST_TURNS), exit_status=2)
 
 
 def _cone(text: str) -> list[tuple[str, Floats]]:
-    """The middle of a cone and, if it is one, `CONE_DIRECTIONS` directions on it."""
+    """The middle of a cone and, if it is one, `_CONE_DIRECTIONS` directions on it."""
     middle, slash, angle = text.strip().partition("/")
     axis = _axis(middle, text)
     if not slash:
@@ -310,18 +310,18 @@ def _cone(text: str) -> list[tuple[str, Floats]]:
         raise Refused(NO_DIRECTION(given=text), exit_status=2)
     x, y, z = axis.tolist()
     onto = np.array(rotation_from_z((x, y, z)))
-    around = np.arange(CONE_DIRECTIONS) * (360.0 / CONE_DIRECTIONS)
+    around = np.arange(_CONE_DIRECTIONS) * (360.0 / _CONE_DIRECTIONS)
     sine, cosine = np.sin(np.radians(tilt)), np.cos(np.radians(tilt))
     a = np.radians(around)
     circle = np.stack(
-        [sine * np.cos(a), sine * np.sin(a), np.full(CONE_DIRECTIONS, cosine)], axis=1
+        [sine * np.cos(a), sine * np.sin(a), np.full(_CONE_DIRECTIONS, cosine)], axis=1
     )
     names = [f"{middle}/{tilt:g}@{one:g}" for one in around]
     return [(middle, axis), *zip(names, rotations.rotate(onto, circle), strict=True)]
 
 
 def _axis(name: str, text: str) -> Floats:
-    found = NAMED_DIRECTIONS.get(name.strip())
+    found = _NAMED_DIRECTIONS.get(name.strip())
     axis = np.array(found) if found else _numbers(name, 3, text)
     length = float(np.linalg.norm(axis))
     if not length > 0.0:
@@ -339,7 +339,7 @@ def _numbers(text: str, count: int, whole: str) -> Floats:
     return values
 
 
-MOST_ASKED: Final = 200
+_MOST_ASKED: Final = 200
 """Largest number of positions for which the bodies that are too near are named."""
 
 
@@ -350,7 +350,7 @@ class ReachMap:
     points: (n, 3) mm of the world. reached, touching: (n, d), see `Postures`; touching is inside
     the limits, but not without coming too near to something. room: (n, d) 0 to 1, NaN where it is
     not reached. limits, away, clearance: (n, d) what it is the least of. joints: (n, d, a).
-    nearest: of two bodies, of how many of `touching`, at most `MOST_ASKED`, they keep least of
+    nearest: of two bodies, of how many of `touching`, at most `_MOST_ASKED`, they keep least of
     their margin.
     """
 
@@ -420,5 +420,5 @@ def _in_the_way(space: Space | None, columns: Sequence[Postures]) -> Mapping[tup
     rows = np.concatenate([column.joints[column.touching] for column in columns])
     if space is None or not len(rows):
         return {}
-    some = evenly_spaced(len(rows), MOST_ASKED)
-    return dict(Counter(nearest_bodies(space, row) for row in rows[some]).most_common())
+    some = evenly_spaced(len(rows), _MOST_ASKED)
+    return dict(Counter(_nearest_bodies(space, row) for row in rows[some]).most_common())

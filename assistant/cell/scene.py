@@ -279,7 +279,7 @@ class Scene:
 ROUND_SIDES: Final = 32
 """Flat sides of what is round."""
 
-Profile = Sequence[tuple[float, float]]
+_Profile = Sequence[tuple[float, float]]
 """Points (radius, z) from the lowest to the highest, to be turned about z."""
 
 
@@ -331,7 +331,7 @@ _BOX: Final[Ints] = np.array(
 )
 
 
-def _half_circles(radius: float, length: float) -> Profile:
+def _half_circles(radius: float, length: float) -> _Profile:
     """The profile of a sphere that is pulled to a length along z."""
     angles = np.linspace(-np.pi / 2.0, np.pi / 2.0, ROUND_SIDES // 2 + 1)
     half = len(angles) // 2
@@ -340,7 +340,7 @@ def _half_circles(radius: float, length: float) -> Profile:
     return [*lower, *(upper if length else upper[1:])]
 
 
-def _revolved(profiles: Sequence[Profile]) -> Surface:
+def _revolved(profiles: Sequence[_Profile]) -> Surface:
     """Profiles turned about z, with a sharp edge from each to the next."""
     angles = np.linspace(0.0, 2.0 * np.pi, ROUND_SIDES, endpoint=False)
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)

@@ -49,7 +49,7 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import IDENTIFIER
 from assistant.sources.cell_values import toml_value
 
-MESH_SUFFIX: Final = ".obj"
+_MESH_SUFFIX: Final = ".obj"
 
 
 def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
@@ -186,8 +186,8 @@ def _shape(part: Part, file: str, files: dict[str, bytes]) -> Iterator[str]:
 
 
 def _mesh(key: str, mesh: Mesh, file: str, files: dict[str, bytes]) -> Iterator[str]:
-    files[file + MESH_SUFFIX] = _obj(mesh)
-    yield f"{key} = {toml_value(file + MESH_SUFFIX)}"
+    files[file + _MESH_SUFFIX] = _obj(mesh)
+    yield f"{key} = {toml_value(file + _MESH_SUFFIX)}"
     yield 'unit = "mm"'
 
 
@@ -198,11 +198,11 @@ def _obj(mesh: Mesh) -> bytes:
     return ("\n".join(rows) + "\n").encode("ascii")
 
 
-GREY: Final[Colour] = (160, 165, 170)
-ORANGE: Final[Colour] = (230, 120, 40)
+_GREY: Final[Colour] = (160, 165, 170)
+_ORANGE: Final[Colour] = (230, 120, 40)
 """Colour of links that name no colour."""
-GLTF_FLOAT, GLTF_UNSIGNED = 5126, 5125
-Z_TO_Y: Final = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
+_GLTF_FLOAT, _GLTF_UNSIGNED = 5126, 5125
+_Z_TO_Y: Final = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
 """A quarter turn about x that leads z to y, as glTF has it (x, y, z, w)."""
 
 
@@ -216,7 +216,7 @@ def gltf(scene: Scene, joints: Mapping[str, Floats] | None = None) -> bytes:
     row = [np.asarray(given.get(p.name, p.robot.home), dtype=np.float64) for p in scene.robots]
     origins, turns = carriers.at(np.concatenate([np.zeros(0), *row])[None])
     file = _GltfFile()
-    nodes = {0: file.node("cell", rotation=Z_TO_Y, scale=[0.001] * 3)}
+    nodes = {0: file.node("cell", rotation=_Z_TO_Y, scale=[0.001] * 3)}
     for placed, first in zip(scene.robots, carriers.first, strict=True):
         names, before = ("base", *placed.robot.axes, FLANGE), IDENTITY
         for i, name in enumerate(names):
@@ -231,7 +231,7 @@ def gltf(scene: Scene, joints: Mapping[str, Floats] | None = None) -> bytes:
         if not body.shown:
             continue
         carrier, pose = carrier_of(scene, body, carriers)
-        _add_body(file, body, pose, nodes[carrier], ORANGE if id(body) in links else GREY)
+        _add_body(file, body, pose, nodes[carrier], _ORANGE if id(body) in links else _GREY)
     return file.bytes()
 
 
@@ -277,9 +277,9 @@ class _GltfFile:
         material = self.materials.setdefault(colour, len(self.materials))
         single = points.astype("<f4")
         low, high = single.min(axis=0).tolist(), single.max(axis=0).tolist()
-        where = self.accessor(single, GLTF_FLOAT, "VEC3", len(points), min=low, max=high)
+        where = self.accessor(single, _GLTF_FLOAT, "VEC3", len(points), min=low, max=high)
         corners = triangles.astype("<u4").reshape(-1)
-        indices = self.accessor(corners, GLTF_UNSIGNED, "SCALAR", len(corners))
+        indices = self.accessor(corners, _GLTF_UNSIGNED, "SCALAR", len(corners))
         piece = {"attributes": {"POSITION": where}, "indices": indices, "material": material}
         self.meshes.append({"name": name, "primitives": [piece]})
         return len(self.meshes) - 1

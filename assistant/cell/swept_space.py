@@ -25,11 +25,11 @@ from assistant.robots.timing import Simulation
 
 MOST_CELLS: Final = 1 << 24
 """Cells of the box about all that is swept: a byte each for every body."""
-STEP_IN_CELLS: Final = 0.5
+_STEP_IN_CELLS: Final = 0.5
 """Largest movement of a part between two poses that are checked, in sizes of a cell."""
-HALF_DIAGONAL: Final = 3.0**0.5 / 2.0
+_HALF_DIAGONAL: Final = 3.0**0.5 / 2.0
 """Sizes of a cell from its middle to its corners."""
-BEYOND: Final = 2.0 * HALF_DIAGONAL + STEP_IN_CELLS / 2.0
+BEYOND: Final = 2.0 * _HALF_DIAGONAL + _STEP_IN_CELLS / 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,7 +120,7 @@ def _mark(
     own = [turn[0, i] * x + turn[1, i] * y + turn[2, i] * z for i in range(3)]
     depth = places.depth(own[0], own[1], own[2])
     window = mark[start[0] : stop[0], start[1] : stop[1], start[2] : stop[2]]
-    window |= depth >= -(HALF_DIAGONAL * size + places.thicker[k])
+    window |= depth >= -(_HALF_DIAGONAL * size + places.thicker[k])
 
 
 def _places(
@@ -140,7 +140,7 @@ def _places(
                 for part in body.parts:
                     turned = pose @ part.pose
                     lever = _lever(carriers, carriers.reaches(carrier, turned, part.shape))
-                    way, thicker = _looked(rows, slack, lever, STEP_IN_CELLS * size)
+                    way, thicker = _looked(rows, slack, lever, _STEP_IN_CELLS * size)
                     origins, turns = carriers.at(way)
                     turn = turns[:, carrier]
                     yield _Places(

@@ -39,47 +39,47 @@ NEAR: Final = warning(
     "way to {label}; the margin is {margin:g} mm",
     "keep away from it, or state a smaller margin in the cell file",
 )
-NOT_PROVEN: Final = warning(
+_NOT_PROVEN: Final = warning(
     "CK428",
     "`{one}` is not proven clear of `{other}` after {time:.2f} s of `{procedure}`, on the way to "
     "{label}: {least} mm are left, and the way of the joints is known to {doubt:.2g} mm there",
     "keep away from singularities there, or leave more room",
 )
-NO_ROBOT: Final = error(
+_NO_ROBOT: Final = error(
     "CK423",
     "no robot of the cell is a {robot}, which the program is for",
     "name it under [robots] of the cell file, or name another one with --robot",
 )
-WHICH_ROBOT: Final = error(
+_WHICH_ROBOT: Final = error(
     "CK425",
     "{names} of the cell are each a {robot}, and which one runs the program is not said",
     "name it as the cell does: --robot {first}",
 )
-NOTHING_TAKEN: Final = warning(
+_NOTHING_TAKEN: Final = warning(
     "CK426",
     "`{name}` = {value:g} takes something by the cell file, and nothing is at the tool then",
     "move the tool or the body, or state a larger margin of the body",
 )
-BARE_TOOL: Final = warning(
+_BARE_TOOL: Final = warning(
     "CK427",
     "the tip of `{name}` is {far:.0f} mm from everything that the flange carries by the cell file: "
     "nothing is looked for that the tool touches",
     "write its body under [bodies], and name that as `tool` of the robot",
 )
-UNKNOWN_SPACE: Final = error(
+_UNKNOWN_SPACE: Final = error(
     "CK459",
     "`{name}` goes into space that nobody has explored after {time:.2f} s of `{procedure}`, at "
     "{point} mm, on the way to {label}",
     'explore it, go another way, or write unknown = "free" for the robot in the cell file',
 )
-NOT_LOOKED: Final = info(
+_NOT_LOOKED: Final = info(
     "CK424",
     "{what}, so that collisions there are not looked for",
     "see docs/simulating.md for what is timed",
 )
 
 
-UNSEEN: Final = (
+_UNSEEN: Final = (
     "not timed",
     "not followed",
     "only running the program tells where that is",
@@ -89,13 +89,13 @@ UNSEEN: Final = (
     "is set by the program",
 )
 """Words of what a simulation does not know by which ways of the arm are left out."""
-SHALLOW: Final = 0.05
+_SHALLOW: Final = 0.05
 """Share of the radii of two links by which their capsules may overlap where the links may not: the
 radii are not measured, and the capsules are thicker than the castings.
 """
-NEIGHBOURS: Final = 2
+_NEIGHBOURS: Final = 2
 """Moves that are at most so far apart are neighbours; the points of an arc are two apart."""
-BARE: Final = 50.0
+_BARE: Final = 50.0
 """mm from a tip to the next body; from this distance on, the tool is assumed to have no body."""
 
 
@@ -145,16 +145,16 @@ def placed_clearances(
     yield from _told_of(solution, scene, closeness(simulation, scene, placed.name))
     for name, tool in solution.tools.items():
         far = beyond_bodies(scene, placed, tool.tip) if tool.held else 0.0
-        if far > BARE:
-            yield BARE_TOOL(name=name, far=far, about=Declared(name, "tools")), None
+        if far > _BARE:
+            yield _BARE_TOOL(name=name, far=far, about=Declared(name, "tools")), None
     for name, value in sorted(holding.doubts.empty):
-        yield NOTHING_TAKEN(name=name, value=value), None
+        yield _NOTHING_TAKEN(name=name, value=value), None
     for name in sorted(holding.doubts.lost):
         what = f"only running the program tells where `{name}` is after a while"
-        yield NOT_LOOKED(what=what), None
+        yield _NOT_LOOKED(what=what), None
     for unknown in simulation.unknown:
-        if any(words in unknown.what for words in UNSEEN):
-            yield NOT_LOOKED(what=str(unknown)), None
+        if any(words in unknown.what for words in _UNSEEN):
+            yield _NOT_LOOKED(what=str(unknown)), None
 
 
 def _told_of(
@@ -174,7 +174,7 @@ def _told_of(
         told.append((finding, one))
     for key, one in _worst(solution, (one for one in near if not one.touches)).items():
         if key not in touched:
-            rule = NOT_PROVEN if one.bound <= 0.0 else NEAR
+            rule = _NOT_PROVEN if one.bound <= 0.0 else NEAR
             told.append((_told(solution, scene, one, rule), one))
     return _in_stretches(solution, told)
 
@@ -193,11 +193,11 @@ def _in_stretches(
     before: tuple[object, int] = None, 0
     for number in sorted(range(len(told)), key=places.__getitem__):
         pair, position = places[number]
-        if pair != before[0] or position - before[1] > NEIGHBOURS:
+        if pair != before[0] or position - before[1] > _NEIGHBOURS:
             key = " ".join((*pair, str(number)))
         stretches[number], before = key, (pair, position)
     for number, (finding, one) in enumerate(told):
-        least = one.bound if finding.code == NOT_PROVEN.code else one.least
+        least = one.bound if finding.code == _NOT_PROVEN.code else one.least
         yield replace(finding, stretch=Stretch(stretches[number], -round(least, 1))), one
 
 
@@ -219,7 +219,7 @@ def _hardly(scene: Scene, one: Closeness) -> bool:
     links = {body.name: body for body in scene.robots[0].links}
     parts = [links[n].parts for n in (one.contact.one, one.contact.other) if n in links]
     radii = [max(getattr(part.shape, "radius", 0.0) for part in some) for some in parts]
-    return -one.least <= SHALLOW * sum(radii)
+    return -one.least <= _SHALLOW * sum(radii)
 
 
 _Key = tuple[str, int, Span | None, str, str]
@@ -241,9 +241,9 @@ def no_robot(robot: Robot, scene: Scene) -> Diagnostic:
     """Why `robot_of` finds none of the scene that runs a program for a robot."""
     alike = [placed.name for placed in scene.robots if placed.robot.name == robot.name]
     if scene.runs is not None or not alike:
-        return NO_ROBOT(robot=robot.title)
+        return _NO_ROBOT(robot=robot.title)
     names = ", ".join(f"`{name}`" for name in alike)
-    return WHICH_ROBOT(names=names, robot=robot.title, first=alike[0])
+    return _WHICH_ROBOT(names=names, robot=robot.title, first=alike[0])
 
 
 def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> Diagnostic:
@@ -259,7 +259,7 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
     leaves = _leaves_known_space(scene, contact.one, contact.other)
     if rule is TOUCHES and leaves is not None:
         del said["one"], said["other"]
-        return UNKNOWN_SPACE(name=leaves, point=_vector(contact.points[0], 1), **said)
+        return _UNKNOWN_SPACE(name=leaves, point=_vector(contact.points[0], 1), **said)
     if rule is TOUCHES:
         deep = max(0.0, -min(one.least, contact.distance))
         return rule(
@@ -269,7 +269,7 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
             normal=_vector(contact.normal, 2),
             **said,
         )
-    if rule is NOT_PROVEN:
+    if rule is _NOT_PROVEN:
         return rule(least=figure(one.least), doubt=one.least - one.bound, **said)
     names = contact.one, contact.other
     margins = [body.margin for body in scene.all_bodies() if body.name in names]

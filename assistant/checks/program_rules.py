@@ -49,32 +49,32 @@ from assistant.program.statements import (
 _Place = Callable[[int], tuple[Declared | PathRow, Span | None]]
 """Row of an arc → where it is, and the line of its move if it has one."""
 
-LEAST_APART: Final = 0.1
+_LEAST_APART: Final = 0.1
 """mm between start, via and end below which an IRC5 refuses an arc (RAPID manual, MoveC)."""
-LEAST_HEIGHT: Final = 0.001
+_LEAST_HEIGHT: Final = 0.001
 """mm of the via point beside the chord below which an arc has no certain plane."""
 
-LEAST_ANGLE: Final = 1.0
+_LEAST_ANGLE: Final = 1.0
 """degrees between via point and end, seen from the start (RAPID manual, MoveC)."""
-MOST_ANGLE: Final = 240.0
+_MOST_ANGLE: Final = 240.0
 """degrees that an arc should go round at most (RAPID manual, MoveC)."""
 
-TOO_CLOSE = error(
+_TOO_CLOSE = error(
     "CK101",
     "two points of an arc are the same or less than 0.1 mm apart",
     "move them apart, use a linear move, or split a full circle into two arcs",
 )
-STRAIGHT = error(
+_STRAIGHT = error(
     "CK102",
     "the three points of an arc lie on one line",
     "use a linear move, or put the via point beside the line",
 )
-NEARLY_STRAIGHT = info(
+_NEARLY_STRAIGHT = info(
     "CK103",
     "an arc is nearly straight: seen from its start, its points are {angle:.2f} degrees apart",
     "use a linear move; RAPID asks for 1 degree at least",
 )
-NEARLY_ROUND = info(
+_NEARLY_ROUND = info(
     "CK104",
     "an arc goes round {angle:.0f} degrees",
     "split it: up to 240 degrees its three points tell the circle well",
@@ -136,16 +136,16 @@ def _arcs_of_path(follow: Follow, before: Floats | None) -> Iterator[Diagnostic]
 def _arc_findings(points: Floats, place: _Place) -> Iterator[Diagnostic]:
     """points: (n, 3, 3) start, via and end; NaN for a point that is not known."""
     arcs = ArcMeasures.through(points)
-    close = (arcs.sides < LEAST_APART).any(axis=1)  # NaN is no length, so it never is
-    straight = ~close & (arcs.area < LEAST_HEIGHT * arcs.sides[:, 2])
-    for rule, rows in ((TOO_CLOSE, close), (STRAIGHT, straight)):
+    close = (arcs.sides < _LEAST_APART).any(axis=1)  # NaN is no length, so it never is
+    straight = ~close & (arcs.area < _LEAST_HEIGHT * arcs.sides[:, 2])
+    for rule, rows in ((_TOO_CLOSE, close), (_STRAIGHT, straight)):
         for row in np.flatnonzero(rows):
             about, span = place(int(row))
             yield rule(about=about, span=span)
     sound = ~close & ~straight & np.isfinite(arcs.sides).all(axis=1)
     for rule, angle, rows in (
-        (NEARLY_STRAIGHT, arcs.apart, sound & (arcs.apart < LEAST_ANGLE)),
-        (NEARLY_ROUND, arcs.around, sound & (arcs.around > MOST_ANGLE)),
+        (_NEARLY_STRAIGHT, arcs.apart, sound & (arcs.apart < _LEAST_ANGLE)),
+        (_NEARLY_ROUND, arcs.around, sound & (arcs.around > _MOST_ANGLE)),
     ):
         yield from _angle_findings(rule, angle, np.flatnonzero(rows), place)
 
@@ -156,7 +156,7 @@ def _angle_findings(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Ite
     """
     if not len(rows):
         return
-    worst = int(rows[(angle if rule is NEARLY_ROUND else -angle)[rows].argmax()])
+    worst = int(rows[(angle if rule is _NEARLY_ROUND else -angle)[rows].argmax()])
     about, span = place(worst)
     if span is not None:
         for row in rows.tolist():
@@ -175,17 +175,17 @@ def _position_of(program: Program, expression: Expression) -> Floats | None:
     return None if target is None else np.array(target.pose.position)
 
 
-SLOWEST_SPEED: Final = 0.01
-FASTEST_SPEED: Final = 20_000.0
+_SLOWEST_SPEED: Final = 0.01
+_FASTEST_SPEED: Final = 20_000.0
 """mm/s. Below the one a controller's own printing leaves nothing; above the other no arm is."""
-SMALLEST_RADIUS: Final = 0.01
-LARGEST_RADIUS: Final = 5_000.0
+_SMALLEST_RADIUS: Final = 0.01
+_LARGEST_RADIUS: Final = 5_000.0
 """mm of corner radius that a program can print, and that fits into a cell."""
 
-IMPLAUSIBLE_SPEED = error(
+_IMPLAUSIBLE_SPEED = error(
     "CK201", "a speed of {value:g} mm/s cannot be meant", "state speeds in mm/s, from 0.01 to 20000"
 )
-IMPLAUSIBLE_BLEND = error(
+_IMPLAUSIBLE_BLEND = error(
     "CK202",
     "a corner radius of {value:g} mm cannot be meant",
     "state it in mm, from 0.01 to 5000, or stop at the target with `fine`",
@@ -237,14 +237,14 @@ def _magnitudes_of_path(statement: Follow) -> Iterator[Diagnostic]:
 
 def _implausible(value: Speed | Blend, **place: Any) -> Iterator[Diagnostic]:
     if isinstance(value, Speed):
-        if math.isfinite(value.tcp) and not SLOWEST_SPEED <= value.tcp <= FASTEST_SPEED:
-            yield IMPLAUSIBLE_SPEED(value=value.tcp, **place)
+        if math.isfinite(value.tcp) and not _SLOWEST_SPEED <= value.tcp <= _FASTEST_SPEED:
+            yield _IMPLAUSIBLE_SPEED(value=value.tcp, **place)
         return
     radii = [r for r in (value.radius, value.exit) if r is not None and math.isfinite(r)]
     yield from (
-        IMPLAUSIBLE_BLEND(value=r, **place)
+        _IMPLAUSIBLE_BLEND(value=r, **place)
         for r in radii
-        if not SMALLEST_RADIUS <= r <= LARGEST_RADIUS
+        if not _SMALLEST_RADIUS <= r <= _LARGEST_RADIUS
     )
 
 
@@ -253,18 +253,18 @@ def _is_of_other_axes(speed: Speed) -> bool:
     return speed.tcp == 0 and any((speed.rotation, speed.external_linear, speed.external_rotary))
 
 
-BEYOND_PATH = warning(
+_BEYOND_PATH = warning(
     "CK111",
     "`{name}` is set {amount:g} mm {where} of a way of {length:.2f} mm",
     "give a distance within the way, or set it before the move",
 )
-OUTSIDE_PATH = error(
+_OUTSIDE_PATH = error(
     "CK112",
     "`{name}` is set at {amount:g} {unit} of the way of a move, which no way has",
     "write {most}",
 )
 ENDS: Final[Mapping[Measure, str]] = {"start": "behind the start", "end": "before the end"}
-UNITS: Final[Mapping[Measure, str]] = {"start": "mm", "end": "mm", "time": "s", "share": "%"}
+_UNITS: Final[Mapping[Measure, str]] = {"start": "mm", "end": "mm", "time": "s", "share": "%"}
 
 
 def outputs(program: Program) -> Iterator[Diagnostic]:
@@ -282,31 +282,31 @@ def outputs(program: Program) -> Iterator[Diagnostic]:
             if isinstance(stated, Number):
                 amount, length = float(stated.value), known.get(id(move))
                 if amount < 0 or (one.measure == "share" and amount > 100):
-                    unit = UNITS[one.measure]
+                    unit = _UNITS[one.measure]
                     most = "0 to 100 %" if one.measure == "share" else f"0 {unit} or more"
-                    yield OUTSIDE_PATH(
+                    yield _OUTSIDE_PATH(
                         name=one.signal, amount=amount, unit=unit, most=most, span=move.span
                     )
                 elif length is not None and one.measure in ENDS and amount > length:
                     where = ENDS[one.measure]
-                    yield BEYOND_PATH(
+                    yield _BEYOND_PATH(
                         name=one.signal, amount=amount, where=where, length=length, span=move.span
                     )
 
 
-SHARED_NUMBER: Final = warning(
+_SHARED_NUMBER: Final = warning(
     "CK121",
     "`{name}` and `{other}` are both the {kind} {direction} {number}",
     "give each signal its own number, or use one name for it",
 )
-BEYOND_BITS: Final = warning(
+_BEYOND_BITS: Final = warning(
     "CK122",
     "`{name}` has {bits} bits, 0 to {most}, and is compared with {value:g}",
     "give the group as many bits as the number needs, or correct the number",
 )
-LEAST_SIGNED_BITS: Final = 16
+_LEAST_SIGNED_BITS: Final = 16
 """Bits from which on controllers may take a group for a number with a sign."""
-COMPARISONS: Final = frozenset(("=", "<>", "<", ">", "<=", ">="))
+_COMPARISONS: Final = frozenset(("=", "<>", "<", ">", "<=", ">="))
 
 
 def shared_numbers(program: Program) -> Iterator[Diagnostic]:
@@ -327,7 +327,7 @@ def shared_numbers(program: Program) -> Iterator[Diagnostic]:
             both = {name.lower(), other.lower()} <= used
             if signal.direction == "input" and signal.bits != program.signals[other].bits:
                 both = False
-            yield SHARED_NUMBER(
+            yield _SHARED_NUMBER(
                 severity=Severity.ERROR if both else Severity.WARNING,
                 name=name,
                 other=other,
@@ -354,9 +354,9 @@ def group_values(program: Program) -> Iterator[Diagnostic]:
                 names = {**groups, **_group_data(statement.body, groups)}
             for name, bits, value in _group_comparisons(statement, names):
                 most = 2**bits - 1
-                least = -(2 ** (bits - 1)) if bits >= LEAST_SIGNED_BITS else 0
+                least = -(2 ** (bits - 1)) if bits >= _LEAST_SIGNED_BITS else 0
                 if not least <= value <= most:
-                    yield BEYOND_BITS(
+                    yield _BEYOND_BITS(
                         name=name, bits=bits, most=most, value=value, span=statement.span
                     )
 
@@ -384,5 +384,5 @@ def _group_comparisons(
         match part:
             case e.Binary(operator, e.Name(name), e.Number(value)) | e.Binary(
                 operator, e.Number(value), e.Name(name)
-            ) if operator in COMPARISONS and name.lower() in names:
+            ) if operator in _COMPARISONS and name.lower() in names:
                 yield *names[name.lower()], float(value)

@@ -229,7 +229,7 @@ def _blend_radius(blend: Blend | Name, named: Mapping[str, Blend]) -> float:
     return 0.0 if known.radius is None else known.radius
 
 
-BENT: Final = float(np.sin(np.radians(IN_LINE)))
+_BENT: Final = float(np.sin(np.radians(IN_LINE)))
 """Sine of axis 5 below which the individual values of axes 4 and 6 have no meaning."""
 
 
@@ -314,7 +314,7 @@ def _steps(robot: Robot, joints: Floats) -> Floats:
     """
     step = np.abs(robot.wound(np.diff(joints, axis=1)))
     if robot.arm.spherical:
-        small = np.abs(np.sin(np.radians(joints[..., 4] + robot.zero[4]))) < BENT
+        small = np.abs(np.sin(np.radians(joints[..., 4] + robot.zero[4]))) < _BENT
         either = (small[:, :-1] | small[:, 1:])[..., None]
         step[..., [3, 5]] = np.where(either, 0.0, step[..., [3, 5]])
     return np.asarray(step / robot.speeds)
@@ -361,7 +361,7 @@ def _crossed_at_targets(moves: Moves, extremes: Extremes) -> None:
     first, last = moves.starts + 1, moves.rows + 1
     five = np.radians(moves.joints[:, 4])
     in_line = np.flatnonzero(
-        (np.abs(np.sin(five[last[:-1]])) < BENT) & (moves.rows[:-1] == moves.starts[1:])
+        (np.abs(np.sin(five[last[:-1]])) < _BENT) & (moves.rows[:-1] == moves.starts[1:])
     )
     bends = []
     for place in (first[in_line], last[in_line + 1]):
@@ -427,7 +427,7 @@ def _update_extremes(robot: Robot, extremes: Extremes, at: Rows, joints: Floats)
         extremes.crossed[at] |= (opposite & (nearest < THROUGH)).any(axis=1)
         least = np.degrees(np.arcsin(np.minimum(nearest, 1.0))).min(axis=1)
         extremes.wrist[at] = np.minimum(extremes.wrist[at], least)
-        small = np.abs(sine).reshape(k, places) < BENT
+        small = np.abs(sine).reshape(k, places) < _BENT
         step[..., [3, 5]] = np.where(
             (small[:, :-1] | small[:, 1:])[..., None], 0.0, step[..., [3, 5]]
         )
@@ -469,11 +469,11 @@ def _within_a_turn(radians: Floats) -> Floats:
     return np.asarray(radians - 2.0 * np.pi * np.round(radians / (2.0 * np.pi)))
 
 
-NEIGHBOURS: Final = 2
+_NEIGHBOURS: Final = 2
 """Largest distance between rows that one finding reports together; the points of an arc are two
 apart.
 """
-MOST_GROUPS: Final = 5
+_MOST_GROUPS: Final = 5
 """Number of groups of neighbours in a run from which on one finding reports all of them."""
 
 
@@ -558,8 +558,8 @@ class RunView:
         leg = self.leg_of(rows)
         alone = np.array([_has_lines(one.statement) for one in self.legs], dtype=bool)[leg]
         apart = (np.diff(leg) > 0) | alone[1:]
-        cuts = np.flatnonzero((np.diff(rows) > NEIGHBOURS) & apart) + 1
-        if len(cuts) >= MOST_GROUPS:
+        cuts = np.flatnonzero((np.diff(rows) > _NEIGHBOURS) & apart) + 1
+        if len(cuts) >= _MOST_GROUPS:
             cuts = cuts[:0]
         at = np.arange(len(rows))
         for each in np.split(at, cuts) if len(at) else ():

@@ -22,14 +22,14 @@ from assistant.program.motion import Kind
 from assistant.robots import Robot, SolvedProgram
 from assistant.robots.robot import has_trait
 
-SPEED_TOLERANCE: Final = 1.02
+_SPEED_TOLERANCE: Final = 1.02
 """By how much a joint may be too fast: rounding of speeds and limits in data sheets."""
-SHORTEST_RUN_UP: Final = 0.1
+_SHORTEST_RUN_UP: Final = 0.1
 """seconds between two stops below which no joint gets to its full speed. The maker's own planning
 of the FR robots (melfa_ros2_driver) lets an axis take about 0.05 s to get there and as much to
 stop."""
 
-TOO_FAST: Final = warning(
+_TOO_FAST: Final = warning(
     "CK311",
     "{axis} would have to move at {needed:.0f} {unit}/s, its limit is {limit:g}, to keep the "
     "programmed {programmed}{worst}",
@@ -37,7 +37,7 @@ TOO_FAST: Final = warning(
 )
 
 
-def joint_speeds(view: ProgramView) -> Iterator[Diagnostic]:
+def _joint_speeds(view: ProgramView) -> Iterator[Diagnostic]:
     robot = view.robot
     for run_view in view.run_views:
         moves, extremes = run_view.moves, run_view.extremes
@@ -48,13 +48,13 @@ def joint_speeds(view: ProgramView) -> Iterator[Diagnostic]:
             stated = (
                 np.isfinite(moves.tcp) & np.isfinite(run_view.seconds) & (run_view.seconds > 0.0)
             )
-        stated &= ~extremes.crossed & (_between_stops(run_view) >= SHORTEST_RUN_UP)
-        fast = np.flatnonzero(stated & (ratio > SPEED_TOLERANCE))
+        stated &= ~extremes.crossed & (_between_stops(run_view) >= _SHORTEST_RUN_UP)
+        fast = np.flatnonzero(stated & (ratio > _SPEED_TOLERANCE))
         for group, worst in run_view.groups(moves.rows[fast], ratio[fast]):
             at = int(fast[worst])
             axis = int(extremes.axis[at])
             yield run_view.told(
-                TOO_FAST,
+                _TOO_FAST,
                 group,
                 int(moves.rows[at]),
                 axis=robot.axes[axis],
@@ -100,52 +100,52 @@ def _between_known_moves(joined: Truths, begins: Truths, ends: Truths) -> Truths
     return np.asarray((joined | ~begins) & (after | ~ends))
 
 
-WRIST_ANGLE: Final = 3.0
+_WRIST_ANGLE: Final = 3.0
 """degrees of axis 5: to turn the tool by 20 deg/s beside it, axis 4 needs 20 / sin 3° = 380 deg/s,
 about what the axes of the catalogue can do."""
-ELBOW_ANGLE: Final = 3.0
+_ELBOW_ANGLE: Final = 3.0
 """degrees from the stretched arm: at full speed of axis 3 the wrist still comes out at about
 50 mm/s (links of 350 mm, 300 deg/s)."""
-SHOULDER_DISTANCE: Final = 20.0
+_SHOULDER_DISTANCE: Final = 20.0
 """mm from axis 1: past it at 100 mm/s, axis 1 needs 100 / 20 = 5 rad/s = 290 deg/s, about what the
 axes of the catalogue can do."""
 
-NEAR_WRIST: Final = info(
+_NEAR_WRIST: Final = info(
     "CK301",
     "a linear or circular move takes axis 5 to {angle:.1f} degrees from the singularity of the "
     "wrist{worst}",
     "tilt the tool or the work piece so that axis 5 stays away from 0, or use a joint move",
 )
-THROUGH_WRIST: Final = warning(
+_THROUGH_WRIST: Final = warning(
     "CK304",
     "between its ends, a linear or circular move goes straight through the singularity of the "
     "wrist, where axes 4 and 6 would have to turn by half a turn at once{worst}",
     "move the work piece, tilt the tool a little, or use a joint move",
 )
-NEAR_ELBOW: Final = info(
+_NEAR_ELBOW: Final = info(
     "CK302",
     "a linear or circular move takes the elbow to {angle:.1f} degrees from the stretched "
     "arm{worst}",
     "move the work piece nearer to the robot, or use a joint move",
 )
-NEAR_SHOULDER: Final = info(
+_NEAR_SHOULDER: Final = info(
     "CK303",
     "a linear or circular move takes the wrist centre to {distance:.0f} mm from axis 1{worst}",
     "move the work piece away from the axis, tilt the tool, or use a joint move",
 )
 
 
-def singularities(view: ProgramView) -> Iterator[Diagnostic]:
+def _singularities(view: ProgramView) -> Iterator[Diagnostic]:
     for run_view in view.run_views:
         extremes, rows = run_view.extremes, run_view.moves.rows
         wrist = np.where(extremes.crossed, np.inf, extremes.wrist)
         within = np.flatnonzero(extremes.crossed & ~extremes.by_ends)
         for group, worst in run_view.groups(rows[within], -extremes.wrist[within]):
-            yield run_view.told(THROUGH_WRIST, group, int(rows[within[worst]]))
+            yield run_view.told(_THROUGH_WRIST, group, int(rows[within[worst]]))
         for rule, value, least, field in (
-            (NEAR_WRIST, wrist, WRIST_ANGLE, "angle"),
-            (NEAR_ELBOW, extremes.elbow, ELBOW_ANGLE, "angle"),
-            (NEAR_SHOULDER, extremes.shoulder, SHOULDER_DISTANCE, "distance"),
+            (_NEAR_WRIST, wrist, _WRIST_ANGLE, "angle"),
+            (_NEAR_ELBOW, extremes.elbow, _ELBOW_ANGLE, "angle"),
+            (_NEAR_SHOULDER, extremes.shoulder, _SHOULDER_DISTANCE, "distance"),
         ):
             near = np.flatnonzero(value < least)
             for group, worst in run_view.groups(rows[near], -value[near]):
@@ -153,14 +153,14 @@ def singularities(view: ProgramView) -> Iterator[Diagnostic]:
                 yield run_view.told(rule, group, int(rows[at]), **{field: value[at]})
 
 
-LEAST_LENGTH: Final = 1.0
+_LEAST_LENGTH: Final = 1.0
 """mm below which a move turns on the spot, and no speed of the TCP is expected of it."""
-LEAST_SLOWDOWN: Final = 1.1
-"""Factor by which a move must take longer to be reported; `LEAST_DELAY` applies as well."""
-LEAST_DELAY: Final = 0.1
+_LEAST_SLOWDOWN: Final = 1.1
+"""Factor by which a move must take longer to be reported; `_LEAST_DELAY` applies as well."""
+_LEAST_DELAY: Final = 0.1
 """and seconds: less is lost in accelerating."""
 
-TURN_BINDS: Final = info(
+_TURN_BINDS: Final = info(
     "CK312",
     "the tool turns by {turn:.0f} degrees on {length:.0f} mm: at {rotation:g} degrees/s of "
     "reorientation the TCP moves at {real} mm/s instead of {tcp:g}{worst}",
@@ -168,7 +168,7 @@ TURN_BINDS: Final = info(
 )
 
 
-def reorientations(view: ProgramView) -> Iterator[Diagnostic]:
+def _reorientations(view: ProgramView) -> Iterator[Diagnostic]:
     """Only of controllers that take such a speed from the program."""
     if not has_trait(view.robot, "turning-speed"):
         return
@@ -177,13 +177,13 @@ def reorientations(view: ProgramView) -> Iterator[Diagnostic]:
         with np.errstate(invalid="ignore", divide="ignore"):
             alone = moves.length / moves.tcp
             turning = moves.turn / moves.rotation
-        binds = (turning > LEAST_SLOWDOWN * alone) & (turning > alone + LEAST_DELAY)
+        binds = (turning > _LEAST_SLOWDOWN * alone) & (turning > alone + _LEAST_DELAY)
         binds &= (moves.tcp > 0.0) & (moves.rotation > 0.0)  # others cannot be meant: CK201
-        rows = np.flatnonzero(binds & (moves.length >= LEAST_LENGTH) & np.isfinite(moves.tcp))
+        rows = np.flatnonzero(binds & (moves.length >= _LEAST_LENGTH) & np.isfinite(moves.tcp))
         for group, worst in run_view.groups(moves.rows[rows], turning[rows] - alone[rows]):
             at = rows[worst]
             yield run_view.told(
-                TURN_BINDS,
+                _TURN_BINDS,
                 group,
                 int(moves.rows[at]),
                 turn=moves.turn[at],
@@ -194,20 +194,20 @@ def reorientations(view: ProgramView) -> Iterator[Diagnostic]:
             )
 
 
-TURN_ON_SPOT: Final = 0.1
+_TURN_ON_SPOT: Final = 0.1
 """mm of way below which a move is a turn on the spot, which no corner is measured by."""
-LEAST_CUT: Final = 0.1
+_LEAST_CUT: Final = 0.1
 """mm by which the path must come nearer to a target than its corner says. A corner of r mm where
 the path turns by a passes the target at r / 2 · sin(a / 2), as a parabola does. One that is larger
 than the way counts as long as that: on a dense path it just says not to stop."""
 
-CORNER_TOO_LARGE: Final = info(
+_CORNER_TOO_LARGE: Final = info(
     "CK321",
     "the corner of {radius:g} mm is more than half of the {way} mm to the next or the last "
     "target, so a controller rounds it by {half} mm at most{worst}",
     "state a smaller corner, or put the targets further apart",
 )
-TARGETS_WITHIN_CORNER: Final = info(
+_TARGETS_WITHIN_CORNER: Final = info(
     "CK322",
     "targets lie {way} mm apart, nearer than their corner of {radius:g} mm, which a controller "
     "rounds by {half} mm at most{worst}",
@@ -222,8 +222,8 @@ def corners(view: ProgramView) -> Iterator[Diagnostic]:
             meant = np.minimum(found.radius, found.way)
             lost = (meant - found.way / 2.0) * np.sin(found.angle / 2.0) / 2.0
             closer = found.radius > found.way
-        for rule, chosen in ((CORNER_TOO_LARGE, ~closer), (TARGETS_WITHIN_CORNER, closer)):
-            at = np.flatnonzero(chosen & (lost > LEAST_CUT))
+        for rule, chosen in ((_CORNER_TOO_LARGE, ~closer), (_TARGETS_WITHIN_CORNER, closer)):
+            at = np.flatnonzero(chosen & (lost > _LEAST_CUT))
             for group, worst in run_view.groups(found.rows[at], lost[at]):
                 here = at[worst]
                 way = float(found.way[here])
@@ -278,7 +278,7 @@ def _rounded_rows(moves: Moves) -> _RoundedRows:
             directions[place] = moves.tangents(own, at_end=at_end)
     same = run.mounting.unchanged()
     apart = (
-        ~same[after] | ~(same[rows] | (rows == 0)) | (came < TURN_ON_SPOT) | (goes < TURN_ON_SPOT)
+        ~same[after] | ~(same[rows] | (rows == 0)) | (came < _TURN_ON_SPOT) | (goes < _TURN_ON_SPOT)
     )
     came[apart] = np.nan
     cross = norms(np.cross(arriving, leaving))
@@ -286,15 +286,15 @@ def _rounded_rows(moves: Moves) -> _RoundedRows:
     return _RoundedRows(rows, radius[rows], np.minimum(came, goes), angle)
 
 
-SETPOINT_CYCLES: Final = {"CR800": 0.0035, "CR1": 0.00711, "CR2B": 0.00711, "CR750": 0.00711}
+_SETPOINT_CYCLES: Final = {"CR800": 0.0035, "CR1": 0.00711, "CR2B": 0.00711, "CR750": 0.00711}
 """Controller → seconds between two places that it commands: the cycle of its real-time external
 control (Mitsubishi manuals A3379 and of the CR800)."""
-IRC5_CYCLE: Final = 0.004
+_IRC5_CYCLE: Final = 0.004
 """The same of an IRC5: the cycle of its externally guided motion (option 689-1)."""
-LEAST_IN_A_ROW: Final = 10
+_LEAST_IN_A_ROW: Final = 10
 """So many such moves must follow each other: a few among longer ones are planned ahead."""
 
-TOO_DENSE: Final = info(
+_TOO_DENSE: Final = info(
     "CK323",
     "targets {way} mm apart are passed every {passed} ms, which is less than the "
     "{cycle} ms in which the controller commands a place{worst}",
@@ -302,9 +302,9 @@ TOO_DENSE: Final = info(
 )
 
 
-def cycle_of(robot: Robot) -> float:
+def _cycle_of(robot: Robot) -> float:
     """Seconds between two places that the controller of a robot commands."""
-    return SETPOINT_CYCLES.get(robot.controller, IRC5_CYCLE)
+    return _SETPOINT_CYCLES.get(robot.controller, _IRC5_CYCLE)
 
 
 def cycles(view: ProgramView) -> Iterator[Diagnostic]:
@@ -317,11 +317,11 @@ def cycles(view: ProgramView) -> Iterator[Diagnostic]:
             dense = begins & ends & (seconds < view.cycle) & (moves.length > 0.0)
         dense &= np.isfinite(moves.tcp)
         chain = np.cumsum(~dense)  # counts up where a row of them ends
-        rows = np.flatnonzero(dense & (np.bincount(chain, dense)[chain] >= LEAST_IN_A_ROW))
+        rows = np.flatnonzero(dense & (np.bincount(chain, dense)[chain] >= _LEAST_IN_A_ROW))
         for group, worst in run_view.groups(moves.rows[rows], -seconds[rows]):
             at = rows[worst]
             yield run_view.told(
-                TOO_DENSE,
+                _TOO_DENSE,
                 group,
                 int(moves.rows[at]),
                 way=figure(moves.length[at]),
@@ -330,20 +330,20 @@ def cycles(view: ProgramView) -> Iterator[Diagnostic]:
             )
 
 
-NO_MASS: Final = warning(
+_NO_MASS: Final = warning(
     "CK331",
     "the tool `{name}` weighs nothing: an ABB controller stops at the first move with it "
     "(undefined load, 41439)",
     "state its mass in kg and its centre of gravity; 0.001 kg is the least that counts",
 )
-TOO_HEAVY: Final = warning(
+_TOO_HEAVY: Final = warning(
     "CK332",
     "the tool `{name}` weighs {mass:g} kg, {robot} carries {payload:g} kg",
     "look whether kg were meant, or take a lighter tool or another robot",
 )
 
 
-def loads(view: ProgramView) -> Iterator[Diagnostic]:
+def _loads(view: ProgramView) -> Iterator[Diagnostic]:
     """Check the loads of the tools that the program moves; skip tools without a known load."""
     robot = view.robot
     for name, tool in view.solution.tools.items():
@@ -352,9 +352,9 @@ def loads(view: ProgramView) -> Iterator[Diagnostic]:
         mass = tool.load.mass
         about = Declared(name, "tools", in_full=True)
         if not mass > 0.0 and has_trait(robot, "stops-without-mass"):
-            yield NO_MASS(name=name, about=about)
+            yield _NO_MASS(name=name, about=about)
         elif robot.payload is not None and mass > robot.payload:
-            yield TOO_HEAVY(
+            yield _TOO_HEAVY(
                 name=name,
                 mass=mass,
                 robot=robot.title,
@@ -363,21 +363,21 @@ def loads(view: ProgramView) -> Iterator[Diagnostic]:
             )
 
 
-MISSING_AXIS_VALUE: Final = warning(
+_MISSING_AXIS_VALUE: Final = warning(
     "CK341",
     "the value of external axis {axis} is missing, which {others} targets around state",
     "state it there as well: a controller that drives the axis stops without it (40512)",
 )
 
 
-def external_axes(view: ProgramView) -> Iterator[Diagnostic]:
+def _external_axes(view: ProgramView) -> Iterator[Diagnostic]:
     for run_view in view.run_views:
         stated = np.isfinite(run_view.moves.run.external)
         count = stated.sum(axis=0)
         for axis in np.flatnonzero((count > 0) & (count < len(stated))):
             rows = np.flatnonzero(~stated[:, axis])
             for group, _ in run_view.groups(rows, np.zeros(len(rows))):
-                yield MISSING_AXIS_VALUE(
+                yield _MISSING_AXIS_VALUE(
                     about=run_view.moves.run.what(group),
                     span=run_view.span(int(group[0])),
                     axis=axis + 1,
@@ -385,18 +385,18 @@ def external_axes(view: ProgramView) -> Iterator[Diagnostic]:
                 )
 
 
-RULES: Final[tuple[Callable[[ProgramView], Iterator[Diagnostic]], ...]] = (
-    singularities,
-    joint_speeds,
-    reorientations,
+_RULES: Final[tuple[Callable[[ProgramView], Iterator[Diagnostic]], ...]] = (
+    _singularities,
+    _joint_speeds,
+    _reorientations,
     corners,
     cycles,
-    loads,
-    external_axes,
+    _loads,
+    _external_axes,
 )
 
 
 def check(solution: SolvedProgram, cycle: float | None = None) -> tuple[Diagnostic, ...]:
     """See `assistant.checks.with_robot`."""
-    view = ProgramView(solution, cycle_of(solution.robot) if cycle is None else cycle)
-    return fold(finding for rule in RULES for finding in rule(view))
+    view = ProgramView(solution, _cycle_of(solution.robot) if cycle is None else cycle)
+    return fold(finding for rule in _RULES for finding in rule(view))

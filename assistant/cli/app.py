@@ -20,7 +20,7 @@ from typer.core import TyperGroup
 from assistant import __version__
 from assistant.base.diagnostics import Refused
 
-NOT_AN_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
+_NOT_AN_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
 """Assignments, `text="a:b@c"`, and paths on a Windows drive."""
 
 
@@ -30,7 +30,7 @@ def refuse_passwords(words: Sequence[str]) -> None:
     Whichever command and option it belongs to: what takes no address would take it for a file.
     """
     for word in words:
-        if not ("@" in word or "%" in word) or NOT_AN_ADDRESS.match(word) or _path_exists(word):
+        if not ("@" in word or "%" in word) or _NOT_AN_ADDRESS.match(word) or _path_exists(word):
             continue
         from assistant.controllers import rules
         from assistant.controllers.address import holds_password, without_password
@@ -93,7 +93,7 @@ COMMANDS: Final[Mapping[str, str]] = {
 """Command, in the order of the help → the module of this folder that has it under its name: a
 function, or the `Typer` of a group.
 """
-NEGATIVE_ARGUMENTS: Final = frozenset({"jog"})
+_NEGATIVE_ARGUMENTS: Final = frozenset({"jog"})
 """Commands with an argument that may begin with a minus."""
 
 
@@ -128,7 +128,7 @@ def _command(name: str) -> Any:
     found = getattr(module, name)
     if not isinstance(found, typer.Typer):
         function, found = found, typer.Typer(add_completion=False, rich_markup_mode=None)
-        minus = {"ignore_unknown_options": True} if name in NEGATIVE_ARGUMENTS else None
+        minus = {"ignore_unknown_options": True} if name in _NEGATIVE_ARGUMENTS else None
         found.command(name, context_settings=minus)(function)
     command = typer.main.get_command(found)
     command.name = name

@@ -35,25 +35,25 @@ if TYPE_CHECKING:
     from assistant.controllers.trajectory_execution import LinkOptions, Mode, Progress
 
 
-BROKEN_OFF: Final = warning(
+_BROKEN_OFF: Final = warning(
     "CL240", "broken off: the arm was stopped and stands at {where}", "look before it goes on"
 )
-MAY_MOVE: Final = error(
+_MAY_MOVE: Final = error(
     "CL241",
     "broken off, and it is not known whether the arm stands: {why}",
     "press the emergency stop, and look at the arm before anything else",
 )
-BROKEN_OFF_BECAUSE: Final = warning(
+_BROKEN_OFF_BECAUSE: Final = warning(
     "CL245", "broken off: {what}", "look at the arm before it goes on"
 )
 NO_OVERRIDE: Final = error("CL242", "an override is 1 to 100 percent, not {value}", "write one")
 NO_SPEED: Final = error(
     "CL243", "a speed is over 0 and up to 100 percent, not {value:g}", "write one"
 )
-NO_JOG_DISTANCE: Final = error(
+_NO_JOG_DISTANCE: Final = error(
     "CL244", "{axis} by {by:g} is no motion", "write a number other than 0"
 )
-LOOK_PERIOD: Final = 0.2
+_LOOK_PERIOD: Final = 0.2
 """Seconds between two looks at a program that runs."""
 START_TIME: Final = 0.5
 """Seconds in which a program that was started may not run yet."""
@@ -97,13 +97,13 @@ def moving(text: str, command: str) -> Iterator[Moving]:
         if motion is None or not motion.began or _nothing_began(caught):
             raise
         one = motion.cell.one
-        given_up = MAY_MOVE(place=str(one.address), why="it was given up")
+        given_up = _MAY_MOVE(place=str(one.address), why="it was given up")
         if motion.is_given_up(caught):
             print_findings([given_up])
             raise
         notes = "; ".join(getattr(motion.caught, "__notes__", ()))
         if notes and not isinstance(motion.cell.session, Controller):
-            print_findings([BROKEN_OFF_BECAUSE(place=str(one.address), what=notes)])
+            print_findings([_BROKEN_OFF_BECAUSE(place=str(one.address), what=notes)])
             raise
         try:
             rest = brought_to_rest(lambda: new_client(one, timeout=PATIENCE))
@@ -143,12 +143,12 @@ def _broken_off_finding(one: Named, rest: Rest) -> Diagnostic:
     place = str(one.address)
     if rest.stands and rest.position is not None and rest.state is not None:
         first = next(iter(state_lines(rest.state)))
-        return BROKEN_OFF(place=place, where=f"{joints_line(rest.position)} ({first})")
+        return _BROKEN_OFF(place=place, where=f"{joints_line(rest.position)} ({first})")
     if rest.state is not None:
-        return MAY_MOVE(
+        return _MAY_MOVE(
             place=place, why="it was stopped, but " + next(iter(state_lines(rest.state)))
         )
-    return MAY_MOVE(place=place, why=rest.reason)
+    return _MAY_MOVE(place=place, why=rest.reason)
 
 
 def run_motors(cell: str, on: bool, yes: bool, format: Format) -> int:
@@ -168,7 +168,7 @@ def run_jog(cell: str, jog: Jog, yes: bool, format: Format) -> int:
     if not 0.0 < jog.speed <= 100.0:
         raise Refused(NO_SPEED(value=jog.speed), exit_status=2)
     if jog.by == 0.0 or not abs(jog.by) < float("inf"):
-        raise Refused(NO_JOG_DISTANCE(axis=jog.axis, by=jog.by), exit_status=2)
+        raise Refused(_NO_JOG_DISTANCE(axis=jog.axis, by=jog.by), exit_status=2)
     with moving(cell, "jog") as motion:
         there = motion.cell
         controller, robot = there.controller, robot_of_cell(there.one)
@@ -241,7 +241,7 @@ def _wait_for_end(controller: Controller, there: Session, format: Format) -> Sta
         sys.stdout.flush()
     began = time.monotonic()
     while (state := controller.state()).running or time.monotonic() < began + START_TIME:
-        time.sleep(LOOK_PERIOD)
+        time.sleep(_LOOK_PERIOD)
     return state
 
 
@@ -255,8 +255,8 @@ def _print_end_state(there: Session, state: State, done: str, format: Format) ->
     return 0
 
 
-NO_FOLLOW_MODE: Final = error("CL250", "no arm is led by `{by}`", "choose one of {known}")
-FOLLOW_WITHOUT_ROBOT: Final = error(
+_NO_FOLLOW_MODE: Final = error("CL250", "no arm is led by `{by}`", "choose one of {known}")
+_FOLLOW_WITHOUT_ROBOT: Final = error(
     "CL251",
     "no project says which robot `{name}` moves, so a trajectory cannot be checked",
     "write robot = NAME into its table in assistant.toml",
@@ -264,13 +264,13 @@ FOLLOW_WITHOUT_ROBOT: Final = error(
 NO_RECORDING: Final = error(
     "CL252", "a recording is not written as `{name}`", "end its name in .csv or .npz"
 )
-NO_PERIOD: Final = error("CL253", "--interval is {value:g}", "write seconds above 0")
-TOO_MANY_LINES: Final = error(
+_NO_PERIOD: Final = error("CL253", "--interval is {value:g}", "write seconds above 0")
+_TOO_MANY_LINES: Final = error(
     "CL254",
     "{count} lines are named, and data link control has two",
     "write --line for the control line, and --line for the status line",
 )
-MOST_LINES: Final = 2
+_MOST_LINES: Final = 2
 RECORDING_SUFFIXES: Final = (".csv", ".npz")
 
 
@@ -299,7 +299,7 @@ def run_follow(cell: str, trajectory: str, options: FollowOptions) -> int:
         there = motion.cell
         robot = robot_of_cell(there.one)
         if robot is None:
-            raise Refused(FOLLOW_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
+            raise Refused(_FOLLOW_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
         session = there.controller if mode.operates else there.session
         mode.check(session, options.wishes)
         position = session.position() if isinstance(session, Controller) else None
@@ -334,17 +334,17 @@ def _follow_mode(options: FollowOptions) -> Mode:
     from assistant.controllers.trajectory_execution import MODES
 
     if options.by not in MODES:
-        raise Refused(NO_FOLLOW_MODE(by=options.by, known=", ".join(MODES)), exit_status=2)
+        raise Refused(_NO_FOLLOW_MODE(by=options.by, known=", ".join(MODES)), exit_status=2)
     if not 0.0 < options.speed <= 100.0:
         raise Refused(NO_SPEED(value=options.speed), exit_status=2)
     if options.interval is not None and not options.interval > 0.0:
-        raise Refused(NO_PERIOD(value=options.interval), exit_status=2)
+        raise Refused(_NO_PERIOD(value=options.interval), exit_status=2)
     if options.log is not None and options.log.suffix.lower() not in RECORDING_SUFFIXES:
         raise Refused(NO_RECORDING(name=options.log), exit_status=2)
     if options.log is not None:
         check_place(options.log)
-    if len(options.wishes.lines) > MOST_LINES:
-        raise Refused(TOO_MANY_LINES(count=len(options.wishes.lines)), exit_status=2)
+    if len(options.wishes.lines) > _MOST_LINES:
+        raise Refused(_TOO_MANY_LINES(count=len(options.wishes.lines)), exit_status=2)
     return MODES[options.by]
 
 

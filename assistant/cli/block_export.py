@@ -64,7 +64,7 @@ def kinematics(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Write the kinematics of an arm as source that needs nothing else, with a check of it."""
-    raise typer.Exit(run_kinematics(robot, language.value, output, format))
+    raise typer.Exit(_run_kinematics(robot, language.value, output, format))
 
 
 def fmu(
@@ -113,20 +113,22 @@ def fmu(
 
     given = (robot, process, unit, from_language, from_robot, acceleration, period, entry, cell)
     named = None if kind is None else kind.value
-    wanted = FmuOptions(source, output, named, lag, cycle, all_platforms, SimulationOptions(*given))
-    raise typer.Exit(run_fmu(wanted, format))
+    wanted = _FmuOptions(
+        source, output, named, lag, cycle, all_platforms, SimulationOptions(*given)
+    )
+    raise typer.Exit(_run_fmu(wanted, format))
 
 
-NOT_AN_FMU_NAME: Final = error(
+_NOT_AN_FMU_NAME: Final = error(
     "CL560", "`{name}` is no name of an FMU", "end it in .fmu, as tools that import one expect"
 )
-OPTION_OF_OTHER_KIND: Final = error(
+_OPTION_OF_OTHER_KIND: Final = error(
     "CL561", "{option} is for FMUs of kind {of}, and this one is of kind {kind}", "leave it out"
 )
 
 
 @dataclass(frozen=True, slots=True)
-class FmuOptions:
+class _FmuOptions:
     """Options of `fmu`. kind: None to derive it from the source. everywhere: for every platform
     that has a compiler. options: for the simulation of a program; its robot also applies to an arm.
     """
@@ -140,7 +142,7 @@ class FmuOptions:
     options: SimulationOptions
 
 
-def run_kinematics(
+def _run_kinematics(
     name: str, language: Literal["c", "python"], folder: Path, format: Format
 ) -> int:
     """0 when the source is written; raises Refused for an arm without a closed form."""
@@ -160,7 +162,7 @@ def run_kinematics(
     return 0
 
 
-def run_fmu(wanted: FmuOptions, format: Format) -> int:
+def _run_fmu(wanted: _FmuOptions, format: Format) -> int:
     """0 when the FMU is written, 1 if the robot cannot run the program; raises Refused."""
     from assistant.base.file_sets import write_files
     from assistant.blocks.fmu import compiled
@@ -171,7 +173,7 @@ def run_fmu(wanted: FmuOptions, format: Format) -> int:
     kind = wanted.kind or _fmu_kind(wanted)
     output = wanted.output or Path("out") / f"{Path(wanted.source).stem}.fmu"
     if output.suffix.lower() != ".fmu" or output.is_dir():
-        raise Refused(NOT_AN_FMU_NAME(name=str(output)), exit_status=2)
+        raise Refused(_NOT_AN_FMU_NAME(name=str(output)), exit_status=2)
     _check_options(wanted, kind)
     with working(f"writing {output}"):
         if kind != "program":
@@ -203,7 +205,7 @@ def run_fmu(wanted: FmuOptions, format: Format) -> int:
     return 0
 
 
-def _check_options(wanted: FmuOptions, kind: str) -> None:
+def _check_options(wanted: _FmuOptions, kind: str) -> None:
     """Raises Refused for options that would do nothing."""
     given = (
         ("--lag", "arm", wanted.lag > 0.0),
@@ -212,10 +214,10 @@ def _check_options(wanted: FmuOptions, kind: str) -> None:
     )
     for option, of, said in given:
         if said and of != kind:
-            raise Refused(OPTION_OF_OTHER_KIND(option=option, of=of, kind=kind), exit_status=2)
+            raise Refused(_OPTION_OF_OTHER_KIND(option=option, of=of, kind=kind), exit_status=2)
 
 
-def _fmu_kind(wanted: FmuOptions) -> str:
+def _fmu_kind(wanted: _FmuOptions) -> str:
     """Return the kind of a source if no option states it: the name or file of a robot is an arm."""
     from assistant import robots
     from assistant.compiler.arms import ROBOT_FILES
@@ -226,7 +228,7 @@ def _fmu_kind(wanted: FmuOptions) -> str:
     return "arm" if is_file and wanted.options.robot is None else "program"
 
 
-def _arm_model(wanted: FmuOptions, kind: str) -> tuple[Model, Sequence[Diagnostic]]:
+def _arm_model(wanted: _FmuOptions, kind: str) -> tuple[Model, Sequence[Diagnostic]]:
     """Simulated, or live."""
     from assistant.blocks.fmu import arm_model, live_model
     from assistant.compiler.arms import robot_of
@@ -239,7 +241,7 @@ def _arm_model(wanted: FmuOptions, kind: str) -> tuple[Model, Sequence[Diagnosti
 
 
 def _program_model(
-    wanted: FmuOptions, options: SimulationOptions, ready: Solved
+    wanted: _FmuOptions, options: SimulationOptions, ready: Solved
 ) -> tuple[Model, Sequence[Diagnostic]]:
     """The motion of a program, and what of it only running it would tell."""
     from assistant.blocks.fmu import program_model, usual_period

@@ -80,7 +80,7 @@ def calibrate(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Find lenses from pictures of a board, and where the cameras stand."""
-    raise typer.Exit(run_calibrate(pictures, board, output, poses, mounting.value, flange, format))
+    raise typer.Exit(_run_calibrate(pictures, board, output, poses, mounting.value, flange, format))
 
 
 @camera.command()
@@ -94,7 +94,7 @@ def view(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Write a camera's picture with the axes of the camera's parent frame drawn over it."""
-    raise typer.Exit(run_view(cameras, name, output, source, format))
+    raise typer.Exit(_run_view(cameras, name, output, source, format))
 
 
 @camera.command()
@@ -107,7 +107,7 @@ def check(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Look whether cameras give pictures that are good enough, and whether they agree."""
-    raise typer.Exit(run_check(cameras, board, format))
+    raise typer.Exit(_run_check(cameras, board, format))
 
 
 @camera.command()
@@ -135,25 +135,25 @@ def draw(
 ) -> None:
     """Draw what cameras would see: to try all of it without a camera."""
     shown = None if at is None else (show.value, at, board)
-    raise typer.Exit(run_draw(cameras, output, cell, shown, poses, noise, seed, format))
+    raise typer.Exit(_run_draw(cameras, output, cell, shown, poses, noise, seed, format))
 
 
-NOT_A_CAMERA_FOLDER: Final = error(
+_NOT_A_CAMERA_FOLDER: Final = error(
     "CL500", "`{given}` names no camera and folder", "write NAME=FOLDER, as left=pictures/left"
 )
-CAMERA_TWICE: Final = error(
+_CAMERA_TWICE: Final = error(
     "CL506", "two cameras are named `{name}`", "give each a name of its own"
 )
-NO_SOURCE: Final = error(
+_NO_SOURCE: Final = error(
     "CL501",
     "the file does not say where pictures of camera `{name}` come from",
     "write source = … under it, or name it by --source",
 )
-NO_POSES: Final = error("CL502", "there are no poses in {file}", "write a row for each of them")
-NO_PNG: Final = error("CL504", "a picture is not written as `{name}`", "end its name in .png")
+_NO_POSES: Final = error("CL502", "there are no poses in {file}", "write a row for each of them")
+_NO_PNG: Final = error("CL504", "a picture is not written as `{name}`", "end its name in .png")
 
 
-def run_calibrate(
+def _run_calibrate(
     pictures: Sequence[str],
     board: str,
     output: Path,
@@ -175,7 +175,7 @@ def run_calibrate(
     looked = [find_board_in_folder(wanted, name, folder) for name, folder in folders.items()]
     told = [finding for one in looked for finding in one.findings]
     print_findings(told)
-    flanges = None if poses is None else read_poses(poses)
+    flanges = None if poses is None else _read_poses(poses)
     how = cast("Mounting", mounting)
     found = calibrate_rig(wanted, looked, flanges=flanges, mounting=how, flange=flange)
     sources = {name: _relative_folder(folder, output.parent) for name, folder in folders.items()}
@@ -270,9 +270,9 @@ def _picture_folders(given: Sequence[str]) -> dict[str, str]:
     for one in given:
         name, equals, folder = one.partition("=")
         if not (equals and folder and IDENTIFIER.fullmatch(name)):
-            raise Refused(NOT_A_CAMERA_FOLDER(given=one), exit_status=2)
+            raise Refused(_NOT_A_CAMERA_FOLDER(given=one), exit_status=2)
         if name.lower() in {other.lower() for other in found}:
-            raise Refused(CAMERA_TWICE(name=name), exit_status=2)
+            raise Refused(_CAMERA_TWICE(name=name), exit_status=2)
         found[name] = folder
     return found
 
@@ -285,7 +285,7 @@ def _relative_folder(folder: str, file: Path) -> str:
     return f"./{found}" if found.isdigit() else found
 
 
-def read_poses(file: Path) -> list[Pose]:
+def _read_poses(file: Path) -> list[Pose]:
     """The rows of a table of waypoints, or its targets in their order."""
     from assistant.program.geometry import Pose
     from assistant.program.statements import Follow
@@ -297,21 +297,21 @@ def read_poses(file: Path) -> list[Pose]:
     found = [Pose.of(position, quaternion) for position, quaternion in rows]
     found = found or [target.pose for target in program.targets.values()]
     if not found:
-        raise Refused(NO_POSES(file=file), exit_status=2)
+        raise Refused(_NO_POSES(file=file), exit_status=2)
     return found
 
 
-def run_view(file: Path, name: str, output: Path, source: str | None, format: Format) -> int:
+def _run_view(file: Path, name: str, output: Path, source: str | None, format: Format) -> int:
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.capture import exposure_findings
     from assistant.vision.cameras.synthetic_pictures import with_axes
 
     if output.suffix.lower() != ".png":
-        raise Refused(NO_PNG(name=output), exit_status=2)
+        raise Refused(_NO_PNG(name=output), exit_status=2)
     rig = read_cameras(file)
     camera = rig[name]
     frame = _next_frame(rig, camera, source)
-    write_png(output, with_axes(camera, frame.picture))
+    _write_png(output, with_axes(camera, frame.picture))
     print_findings(exposure_findings(camera, frame.picture))
     if format is Format.JSON:
         print_json({"camera": name, "picture": str(output), "size": list(camera.lens.size)})
@@ -325,13 +325,13 @@ def _next_frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
 
     named = source or rig.sources.get(camera.name, "")
     if not named:
-        raise Refused(NO_SOURCE(name=camera.name), exit_status=2)
+        raise Refused(_NO_SOURCE(name=camera.name), exit_status=2)
     folder = Path() if source else rig.folder
     with open_frames(camera, named, folder) as frames:
         return next(frames)
 
 
-def run_check(file: Path, board: str | None, format: Format) -> int:
+def _run_check(file: Path, board: str | None, format: Format) -> int:
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.capture import pictures_findings
 
@@ -393,7 +393,7 @@ def _camera_agreements(
     return agreements, findings
 
 
-def write_png(file: Path, picture: object) -> None:
+def _write_png(file: Path, picture: object) -> None:
     """Write the complete PNG, or nothing."""
     from assistant.base.file_sets import write_files
     from assistant.vision.opencv import opencv
@@ -403,23 +403,23 @@ def write_png(file: Path, picture: object) -> None:
     write_files({file.name: bytes(data)}, file.parent)
 
 
-NOTHING_TO_DRAW: Final = error(
+_NOTHING_TO_DRAW: Final = error(
     "CL503", "there is nothing to draw", "name a table of poses by --at, or a cell by --cell"
 )
-UNEQUAL_ROWS: Final = error(
+_UNEQUAL_ROWS: Final = error(
     "CL505",
     "{at} has {count} rows and {poses} has {other}",
     "write as many in both, or a single one in one of them",
 )
-DrawnScene = tuple[str, Path, str]
+_DrawnScene = tuple[str, Path, str]
 """Thing to draw, table of its poses, and the board if it is one."""
 
 
-def run_draw(
+def _run_draw(
     file: Path,
     output: Path,
     cell: Path | None,
-    shown: DrawnScene | None,
+    shown: _DrawnScene | None,
     poses: Path | None,
     noise: float,
     seed: int,
@@ -431,7 +431,7 @@ def run_draw(
 
     rig = read_cameras(file)
     if shown is None and cell is None:
-        raise Refused(NOTHING_TO_DRAW(), exit_status=2)
+        raise Refused(_NOTHING_TO_DRAW(), exit_status=2)
     scene, findings = (None, ()) if cell is None else read_scene(cell)
     print_findings(findings)
     around = [] if scene is None else bodies_of_scene(scene)
@@ -441,7 +441,7 @@ def run_draw(
         for name, camera in rig.cameras.items():
             stands = _camera_in_world(camera, scene, flange)
             picture = draw(stands, things, Optics(noise=noise), seed=seed + number)
-            write_png(output / name / f"{number:04}.png", picture)
+            _write_png(output / name / f"{number:04}.png", picture)
     if format is Format.JSON:
         print_json({"cameras": list(rig.cameras), "pictures": len(moments)})
     else:
@@ -451,17 +451,17 @@ def run_draw(
 
 
 def _drawn_moments(
-    shown: DrawnScene | None, poses: Path | None
+    shown: _DrawnScene | None, poses: Path | None
 ) -> Sequence[tuple[Pose | None, Pose | None]]:
     """Return the pose of the drawn thing and of the flange for each picture, None for a missing
     one.
     """
-    at: list[Pose | None] = [None] if shown is None else [*read_poses(shown[1])]
-    flanges: list[Pose | None] = [None] if poses is None else [*read_poses(poses)]
+    at: list[Pose | None] = [None] if shown is None else [*_read_poses(shown[1])]
+    flanges: list[Pose | None] = [None] if poses is None else [*_read_poses(poses)]
     count = max(len(at), len(flanges))
     if not {len(at), len(flanges)} <= {1, count}:
         places = "" if shown is None else str(shown[1])
-        finding = UNEQUAL_ROWS(at=places, count=len(at), poses=str(poses), other=len(flanges))
+        finding = _UNEQUAL_ROWS(at=places, count=len(at), poses=str(poses), other=len(flanges))
         raise Refused(finding, exit_status=2)
     return [(at[min(i, len(at) - 1)], flanges[min(i, len(flanges) - 1)]) for i in range(count)]
 
@@ -481,7 +481,7 @@ def _camera_in_world(camera: Camera, scene: Scene | None, flange: Pose | None) -
     return camera_in_world(camera, scene)
 
 
-def _drawn_things(shown: DrawnScene, place: Pose) -> list[VisibleBody]:
+def _drawn_things(shown: _DrawnScene, place: Pose) -> list[VisibleBody]:
     from assistant.vision.cameras.calibration import Board
     from assistant.vision.cameras.synthetic_pictures import Card, VisibleBody
     from assistant.vision.pointing.devices import DEVICES, bodies_of_device

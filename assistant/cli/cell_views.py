@@ -148,7 +148,7 @@ def view(
         cell,
         placement_of(place, marks),
     )
-    raise typer.Exit(run_view(program, options, html, format, live))
+    raise typer.Exit(_run_view(program, options, html, format, live))
 
 
 def info(
@@ -158,7 +158,7 @@ def info(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell what is in a drawing: unit, size, layers, contours, blocks, and what would be used."""
-    raise typer.Exit(run_info(drawing, process, unit, format))
+    raise typer.Exit(_run_info(drawing, process, unit, format))
 
 
 def scene(
@@ -171,22 +171,22 @@ def scene(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """List the contents of a cell, body by body, or write it as another file."""
-    raise typer.Exit(run_scene(file, unit, output, format))
+    raise typer.Exit(_run_scene(file, unit, output, format))
 
 
-NO_BROWSER = error(
+_NO_BROWSER = error(
     "CL035",
     "no browser could be opened here",
     "write the page with --html FILE.html, and open that",
 )
-LIVE_NOT_WRITTEN = error(
+_LIVE_NOT_WRITTEN = error(
     "CL046",
     "a page that follows a controller is served, and cannot be written to a file",
     "leave out --html or --live",
 )
 
 
-def run_view(
+def _run_view(
     source: str,
     options: SimulationOptions,
     html: Path | None,
@@ -204,14 +204,14 @@ def run_view(
     if html is not None and (html.suffix.lower() not in SUFFIXES or not html.stem):
         raise Refused(NO_PAGE(name=html), exit_status=2)
     if html is not None and live is not None:
-        raise Refused(LIVE_NOT_WRITTEN(), exit_status=2)
+        raise Refused(_LIVE_NOT_WRITTEN(), exit_status=2)
     options = with_project_defaults(source, options)
     with working(f"looking at {source}"):
         ready = solved_source(source, options)
         robot = ready.solution.robot
         if has_errors(ready.findings):
             return report_errors(source, robot, ready.findings, format, "shown")
-        shown = view_contents(source, options, ready)
+        shown = _view_contents(source, options, ready)
         path = None if live is not None else _write_view(source, options.cell, html, page(shown))
     findings = [shown.places.finding(one).within(source) for one, _ in shown.findings]
     records = [finding_record(one) for one in findings]
@@ -220,7 +220,7 @@ def run_view(
         print_findings(fold(findings), explained=True)
     if live is not None:
         following = partial(_live_page, shown)
-        run_live(live, robot, following, answer, format)
+        _run_live(live, robot, following, answer, format)
     elif format is Format.JSON:
         print_json(answer | {"written": [str(path)]})
     else:
@@ -228,7 +228,7 @@ def run_view(
     return 1 if has_errors(findings) else 0
 
 
-def view_contents(source: str, options: SimulationOptions, ready: Solved) -> Shown:
+def _view_contents(source: str, options: SimulationOptions, ready: Solved) -> Shown:
     """Return the page contents of a program without errors, with the findings about its motion.
 
     Raises Refused for a cell without its robot.
@@ -265,30 +265,30 @@ def _write_view(source: str, cell: Path | None, html: Path | None, text: str) ->
     (path,) = write_files({f"{page_name(source)}.html": text.encode()}, folder)
     if not webbrowser.open(path.as_uri()):
         shutil.rmtree(folder, ignore_errors=True)
-        raise Refused(NO_BROWSER(), exit_status=2)
+        raise Refused(_NO_BROWSER(), exit_status=2)
     return path
 
 
-OTHER_ROBOT: Final = error(
+_OTHER_ROBOT: Final = error(
     "CL047",
     "`{name}` moves a {there} by the project, and the program is shown on a {robot}",
     "name the controller of that robot, or the robot of this one with --robot",
 )
-OTHER_AXES: Final = error(
+_OTHER_AXES: Final = error(
     "CL048",
     "`{name}` tells of the axes {there}, and a {robot} has {own}",
     "name the robot that it moves with --robot",
 )
-NOT_SERVED: Final = error(
+_NOT_SERVED: Final = error(
     "CL049", "the page cannot be served on this computer: {reason}", "try it again"
 )
-LIVE_PERIOD: Final = 0.1
+_LIVE_PERIOD: Final = 0.1
 """Seconds between two looks at the controller."""
-ARM_AXES: Final = 6
+_ARM_AXES: Final = 6
 """Axes that a controller assigns to the arm; later ones are additional axes."""
 
 
-def run_live(
+def _run_live(
     address: str, robot: Robot, page: Callable[[str], str], answer: dict[str, Any], format: Format
 ) -> None:
     """Serve a page until Ctrl-C or until the controller is lost, and send it the positions of the
@@ -308,7 +308,7 @@ def run_live(
             served.__enter__()
         except OSError as failed:
             reason = failed.strerror or str(failed)
-            raise Refused(NOT_SERVED(reason=reason)) from None
+            raise Refused(_NOT_SERVED(reason=reason)) from None
         try:
             _announce_page(name, served, answer, format)
             _follow_controller(there, robot, served)
@@ -334,10 +334,10 @@ def _announce_page(name: str, served: LivePage, answer: dict[str, Any], format: 
 
 def _follow_controller(there: Session, robot: Robot, served: LivePage) -> None:
     before = 0.0
-    for sample in there.controller.watch(LIVE_PERIOD):
+    for sample in there.controller.watch(_LIVE_PERIOD):
         joints = _arm_joints(robot, sample.position)
         if joints is not None:
-            interval = max(LIVE_PERIOD, sample.seconds - before)
+            interval = max(_LIVE_PERIOD, sample.seconds - before)
             served.tell("sample", _state_record(there.one.name, robot, joints, sample, interval))
             before = sample.seconds
 
@@ -359,16 +359,16 @@ def _state_record(
 def _check_robot(there: Session, robot: Robot) -> None:
     said = robot_of_cell(there.one)
     if said is not None and said.name != robot.name:
-        finding = OTHER_ROBOT(name=there.one.name, there=said.title, robot=robot.title)
+        finding = _OTHER_ROBOT(name=there.one.name, there=said.title, robot=robot.title)
         raise Refused(finding, exit_status=2)
 
 
 def _check_axes(name: str, robot: Robot, position: Position) -> None:
     there = [i for i, joint in enumerate(position.joints) if joint is not None]
-    if [i for i in there if i < max(ARM_AXES, len(robot.axes))] != list(robot.places):
+    if [i for i in there if i < max(_ARM_AXES, len(robot.axes))] != list(robot.places):
         told = ", ".join(f"J{i + 1}" for i in there) or "none"
         own = ", ".join(robot.axes)
-        finding = OTHER_AXES(name=name, there=told, robot=robot.title, own=own)
+        finding = _OTHER_AXES(name=name, there=told, robot=robot.title, own=own)
         raise Refused(finding, exit_status=2)
 
 
@@ -381,14 +381,14 @@ def _arm_joints(robot: Robot, position: Position) -> list[float] | None:
     return known if len(known) == len(robot.axes) else None
 
 
-NOT_DRAWN = error(
+_NOT_DRAWN = error(
     "CL050",
     "`{name}` is no drawing",
     "name a DXF file; `show` prints what programs and tables say",
 )
 
 
-def run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
+def _run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
     """0; 1 if something of the drawing is not in order."""
     from assistant.base.length_units import known_unit
     from assistant.findings.severities import apply_severities
@@ -399,7 +399,7 @@ def run_info(drawing: Path, process: Path | None, unit: str | None, format: Form
     from assistant.sources.process.placement import DRAWING_SUFFIXES
 
     if drawing.suffix.lower() not in DRAWING_SUFFIXES:
-        raise Refused(NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
+        raise Refused(_NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
     left = list[Diagnostic]()
     try:
         chosen, stated = process_of(drawing, process), "as the process file says"
@@ -425,25 +425,25 @@ def run_info(drawing: Path, process: Path | None, unit: str | None, format: Form
     return 1 if worst(findings) in (Severity.ERROR, Severity.WARNING) else 0
 
 
-NO_SCENE = error(
+_NO_SCENE = error(
     "CL045",
     "a scene is not written as `{name}`",
     "end the name in .toml for a cell file, or in .glb for glTF",
 )
-SCENE_SUFFIXES, GLTF_SUFFIX = ".toml", ".glb"
-WORLD_TABLES: Final = ("world", "robots", "bodies", "frames")
+_SCENE_SUFFIXES, _GLTF_SUFFIX = ".toml", ".glb"
+_WORLD_TABLES: Final = ("world", "robots", "bodies", "frames")
 """Tables of a cell file that a scene holds."""
 
 
-def run_scene(cell: Path, unit: str | None, output: Path | None, format: Format) -> int:
+def _run_scene(cell: Path, unit: str | None, output: Path | None, format: Format) -> int:
     """0; unit: of a drawing, whatever that says."""
     from assistant.report import scenes as report
 
     if output is not None and (
-        output.suffix.lower() not in (SCENE_SUFFIXES, GLTF_SUFFIX) or not output.stem
+        output.suffix.lower() not in (_SCENE_SUFFIXES, _GLTF_SUFFIX) or not output.stem
     ):
-        raise Refused(NO_SCENE(name=output), exit_status=2)
-    as_text = output is not None and output.suffix.lower() == SCENE_SUFFIXES
+        raise Refused(_NO_SCENE(name=output), exit_status=2)
+    as_text = output is not None and output.suffix.lower() == _SCENE_SUFFIXES
     with working(f"reading {cell}"):
         try:
             scene, found, others = _read_scene(cell, unit, as_text)
@@ -495,14 +495,14 @@ def _read_scene(
     source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)
     found: tuple[Diagnostic, ...] = () if unit is None else (unit_stated(str(cell), unit),)
     scene, said = parse_scene(source, cell.parent, explored=not as_text)
-    others = tuple(key for key in read_toml(source).content if key not in WORLD_TABLES)
+    others = tuple(key for key in read_toml(source).content if key not in _WORLD_TABLES)
     return scene, (*found, *said), others
 
 
 def _scene_files(scene: Scene, output: Path) -> dict[Path, bytes]:
     from assistant.cell.scene_export import cell_files, gltf
 
-    if output.suffix.lower() == GLTF_SUFFIX:
+    if output.suffix.lower() == _GLTF_SUFFIX:
         return {output: gltf(scene)}
     files = cell_files(scene, output.stem, output.parent)
     text = files.pop(f"{output.stem}.toml")

@@ -42,23 +42,23 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
     from assistant.sources.sights import Seeing
 
-NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
+_NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
 NO_FILE_NAME = error("CL003", "`{name}` is no name of a file", "name the file to write")
 TWICE = error("CL004", "standard input can be read only once", "name `-` only once")
-OVER_SOURCE = error(
+_OVER_SOURCE = error(
     "CL007", "`{name}` would be written over the source itself", "name another folder or file"
 )
-ONE_NAME = error(
+_ONE_NAME = error(
     "CL073",
     "several programs cannot all be called `{name}`",
     "make one of them with `--together`, or compile them one by one",
 )
-NO_LANGUAGE = error(
+_NO_LANGUAGE = error(
     "CL053",
     "nothing says in which language the program is to be written",
     "name it with --language, or make the source a program of a target in assistant.toml",
 )
-NOT_ALIKE = error(
+_NOT_ALIKE = error(
     "CL054",
     "the project has these sources in several languages, on several robots or in several cells",
     "compile them one by one, or all of the project with `robot-assistant build`",
@@ -115,7 +115,7 @@ def run_compile(
     wanted = {source: _to_write(source, options) for source in dict.fromkeys(first)}
     settings = {(str(one.language), one.robot, one.cell) for one in wanted.values()}
     if len(settings) > 1:
-        raise Refused(NOT_ALIKE(), exit_status=2)
+        raise Refused(_NOT_ALIKE(), exit_status=2)
     ((language, robot, cell),) = settings
     language_of(language)
     for one in wanted.values():
@@ -126,7 +126,7 @@ def run_compile(
     done: list[tuple[str, Compiled]] = []
     apart = dict.fromkeys(sources)
     if called is not None and together is None and len(apart) > 1:
-        raise Refused(ONE_NAME(name=called), exit_status=2)
+        raise Refused(_ONE_NAME(name=called), exit_status=2)
     for source in apart if together is None else (together,):
         one = wanted.get(source, options)
         with answers.of(source), working(f"compiling {source}"):
@@ -175,7 +175,7 @@ def run_compile(
     if files and output == STANDARD:
         data = [data for made in files.values() for data in made.values()]
         if len(data) != 1:
-            raise Refused(NOT_ONE_FILE(count=len(data)), exit_status=2)
+            raise Refused(_NOT_ONE_FILE(count=len(data)), exit_status=2)
         sys.stdout.buffer.write(data[0])
     elif files:
         keep_sources(sources, output_paths(files, folders, output))
@@ -225,7 +225,7 @@ def _to_write(source: str, options: SourceOptions) -> SourceOptions:
 
     one = with_project_defaults(source, options)
     if one.language is None:
-        raise Refused(NO_LANGUAGE(path=source), exit_status=2)
+        raise Refused(_NO_LANGUAGE(path=source), exit_status=2)
     return one
 
 
@@ -346,7 +346,7 @@ def keep_sources(sources: Sequence[str], written: Sequence[Path]) -> None:
     read = [Path(source) for source in sources if source != STANDARD]
     for file in written:
         if file.is_file() and any(one.exists() and one.samefile(file) for one in read):
-            raise Refused(OVER_SOURCE(path=str(file), name=file), exit_status=2)
+            raise Refused(_OVER_SOURCE(path=str(file), name=file), exit_status=2)
 
 
 @contextmanager

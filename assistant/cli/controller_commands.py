@@ -64,7 +64,7 @@ ReplaceOption = Annotated[bool, typer.Option("--replace", help="Also what is the
 
 def ls(cell: CellArgument, format: FormatOption = Format.TEXT) -> None:
     """List the programs on a controller."""
-    raise typer.Exit(run_ls(cell, format))
+    raise typer.Exit(_run_ls(cell, format))
 
 
 def get(
@@ -150,7 +150,7 @@ def monitor(
 ) -> None:
     """Show again and again what a controller does and where its arm is. Changes nothing."""
     names = [name for given in signals or () for name in given.split(",") if name]
-    raise typer.Exit(run_monitor(cell, MonitorOptions(names, interval, seconds, log, format)))
+    raise typer.Exit(_run_monitor(cell, _MonitorOptions(names, interval, seconds, log, format)))
 
 
 def log(
@@ -159,7 +159,7 @@ def log(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Print the latest errors and events of a controller, the newest first."""
-    raise typer.Exit(run_log(cell, most, format))
+    raise typer.Exit(_run_log(cell, most, format))
 
 
 def inputs(
@@ -168,7 +168,7 @@ def inputs(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Print what inputs read."""
-    raise typer.Exit(run_inputs(cell, names, format))
+    raise typer.Exit(_run_inputs(cell, names, format))
 
 
 def outputs(
@@ -178,7 +178,7 @@ def outputs(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Print outputs, or set them; connected equipment may move, so setting asks first."""
-    raise typer.Exit(run_outputs(cell, names, yes, format))
+    raise typer.Exit(_run_outputs(cell, names, yes, format))
 
 
 def parameters(
@@ -191,7 +191,7 @@ def parameters(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Print parameters, or set them."""
-    raise typer.Exit(run_parameters(cell, names or (), yes, format))
+    raise typer.Exit(_run_parameters(cell, names or (), yes, format))
 
 
 def variables(
@@ -203,17 +203,17 @@ def variables(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Print variables of programs, or set them, as the controller's language writes values."""
-    raise typer.Exit(run_variables(cell, names, program, task, yes, format))
+    raise typer.Exit(_run_variables(cell, names, program, task, yes, format))
 
 
 def reset(cell: CellArgument, format: FormatOption = Format.TEXT) -> None:
     """Acknowledge the errors of a controller. Nothing moves."""
-    raise typer.Exit(run_reset(cell, format))
+    raise typer.Exit(_run_reset(cell, format))
 
 
 def stop(cell: CellArgument, format: FormatOption = Format.TEXT) -> None:
     """Stop all programs where they are. Never asks; no emergency stop."""
-    raise typer.Exit(run_stop(cell, format))
+    raise typer.Exit(_run_stop(cell, format))
 
 
 def teach(
@@ -328,7 +328,7 @@ def teach(
     raise typer.Exit(run_teach(cell, names or (), options, {"--go": go, "--stroke": stroke}))
 
 
-def run_ls(cell: str, format: Format) -> int:
+def _run_ls(cell: str, format: Format) -> int:
     with connected(cell, "ls") as there:
         names = there.session.names()
     if format is Format.JSON:
@@ -339,7 +339,7 @@ def run_ls(cell: str, format: Format) -> int:
     return 0
 
 
-def run_log(cell: str, most: int, format: Format) -> int:
+def _run_log(cell: str, most: int, format: Format) -> int:
     with connected(cell, "log") as there:
         faults = there.controller.log(most)
     if format is Format.JSON:
@@ -352,7 +352,7 @@ def run_log(cell: str, most: int, format: Format) -> int:
     return 0
 
 
-def run_reset(cell: str, format: Format) -> int:
+def _run_reset(cell: str, format: Format) -> int:
     """0 if nothing keeps programs from being started any more."""
     with connected(cell, "reset") as there:
         there.controller.reset()
@@ -361,7 +361,7 @@ def run_reset(cell: str, format: Format) -> int:
     return 1 if state.faults or state.emergency else 0
 
 
-def run_stop(cell: str, format: Format) -> int:
+def _run_stop(cell: str, format: Format) -> int:
     with connected(cell, "stop") as there:
         there.controller.stop()
         state = there.controller.state()
@@ -369,13 +369,13 @@ def run_stop(cell: str, format: Format) -> int:
     return 1 if state.running else 0
 
 
-def run_inputs(cell: str, names: Sequence[str], format: Format) -> int:
+def _run_inputs(cell: str, names: Sequence[str], format: Format) -> int:
     with connected(cell, "inputs") as there:
         found = there.controller.inputs(names)
     return _print_values(there, "inputs", {n: f"{v:g}" for n, v in found.items()}, found, format)
 
 
-def run_outputs(cell: str, given: Sequence[str], yes: bool, format: Format) -> int:
+def _run_outputs(cell: str, given: Sequence[str], yes: bool, format: Format) -> int:
     """Print outputs, or set them after confirmation, as connected equipment may move."""
     names, written = assignments(given)
     values = {name: output_value(name, value) for name, value in written.items()}
@@ -390,7 +390,7 @@ def run_outputs(cell: str, given: Sequence[str], yes: bool, format: Format) -> i
     return _print_values(there, "outputs", {n: f"{v:g}" for n, v in found.items()}, found, format)
 
 
-def run_parameters(cell: str, given: Sequence[str], yes: bool, format: Format) -> int:
+def _run_parameters(cell: str, given: Sequence[str], yes: bool, format: Format) -> int:
     names, written = assignments(given)
     with connected(cell, "parameters") as there:
         controller = there.controller
@@ -401,7 +401,7 @@ def run_parameters(cell: str, given: Sequence[str], yes: bool, format: Format) -
     return _print_values(there, "parameters", found, found, format)
 
 
-def run_variables(
+def _run_variables(
     cell: str, given: Sequence[str], program: str, task: str, yes: bool, format: Format
 ) -> int:
     names, written = assignments(given)
@@ -441,16 +441,16 @@ def _print_state(there: Session, state: State, done: str, format: Format) -> Non
         say(line)
 
 
-LOG_THERE: Final = error(
+_LOG_THERE: Final = error(
     "CL220", "`{name}` is there already", "name a file that is not there, or delete it"
 )
-NO_LOG: Final = error("CL221", "`{name}` cannot be written: {reason}", "name another file")
-NO_INTERVAL: Final = error("CL222", "--{option} is {value:g}", "write a number above 0")
-MOST_JOINTS: Final = 8
+_NO_LOG: Final = error("CL221", "`{name}` cannot be written: {reason}", "name another file")
+_NO_INTERVAL: Final = error("CL222", "--{option} is {value:g}", "write a number above 0")
+_MOST_JOINTS: Final = 8
 
 
 @dataclass(frozen=True, slots=True)
-class MonitorOptions:
+class _MonitorOptions:
     """interval, seconds: s; None for as long as nobody ends it."""
 
     signals: Sequence[str]
@@ -460,14 +460,14 @@ class MonitorOptions:
     format: Format
 
 
-Watcher = Callable[["Sample"], None]
+_Watcher = Callable[["Sample"], None]
 
 
-def run_monitor(cell: str, options: MonitorOptions) -> int:
+def _run_monitor(cell: str, options: _MonitorOptions) -> int:
     """Until the time is over or Ctrl-C, which is how it usually ends: no error."""
     for option, value in (("interval", options.interval), ("seconds", options.seconds)):
         if value is not None and not value > 0:
-            raise Refused(NO_INTERVAL(option=option, value=value), exit_status=2)
+            raise Refused(_NO_INTERVAL(option=option, value=value), exit_status=2)
     with ExitStack() as opened:
         there = opened.enter_context(connected(cell, "monitor"))
         identity = there.controller.identify()
@@ -490,7 +490,7 @@ def run_monitor(cell: str, options: MonitorOptions) -> int:
 
 
 @contextmanager
-def _presentation(title: str, options: MonitorOptions) -> Iterator[Watcher]:
+def _presentation(title: str, options: _MonitorOptions) -> Iterator[_Watcher]:
     """A live table on a terminal, plain lines elsewhere, a line of JSON each for programs."""
     if options.format is Format.JSON:
         yield _print_json_sample
@@ -538,15 +538,15 @@ def _sample_table(title: str, sample: Sample) -> Table:
 
 
 @contextmanager
-def _csv_log(options: MonitorOptions) -> Iterator[Watcher]:
+def _csv_log(options: _MonitorOptions) -> Iterator[_Watcher]:
     """A CSV file that gets a row each; none that is there is written over."""
     assert options.log is not None
     try:
         file = options.log.open("x", newline="", encoding="utf-8")
     except FileExistsError:
-        raise Refused(LOG_THERE(path=str(options.log), name=options.log), exit_status=2) from None
+        raise Refused(_LOG_THERE(path=str(options.log), name=options.log), exit_status=2) from None
     except OSError as error:
-        finding = NO_LOG(path=str(options.log), name=options.log, reason=error.strerror or error)
+        finding = _NO_LOG(path=str(options.log), name=options.log, reason=error.strerror or error)
         raise Refused(finding, exit_status=2) from None
     with file:
         writer = csv.writer(file, lineterminator="\n")
@@ -566,7 +566,7 @@ def _log_header(signals: Sequence[str]) -> list[str]:
         *("_seconds", "_mode", "_motors", "_running", "_emergency", "_override"),
         *("_programs", "_faults"),
         *("x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z"),
-        *(f"_j{i}_deg" for i in range(1, MOST_JOINTS + 1)),
+        *(f"_j{i}_deg" for i in range(1, _MOST_JOINTS + 1)),
         *(f"_{name}" for name in signals),
     ]
 
@@ -574,7 +574,7 @@ def _log_header(signals: Sequence[str]) -> list[str]:
 def _log_row(sample: Sample, signals: Sequence[str]) -> list[object]:
     state, position = sample.state, sample.position
     programs = (f"{t.program}:{t.line or ''}" for t in state.tasks if t.program)
-    joints = (*position.joints, *[None] * MOST_JOINTS)[:MOST_JOINTS]
+    joints = (*position.joints, *[None] * _MOST_JOINTS)[:_MOST_JOINTS]
     return [
         f"{sample.seconds:.3f}",
         state.mode,

@@ -23,31 +23,31 @@ if TYPE_CHECKING:
     from assistant.controllers.controller import Restoring
 
 
-NO_PROGRAM: Final = error(
+_NO_PROGRAM: Final = error(
     "CL210", "there is no program `{name}` on {address}", "`robot-assistant ls` lists them"
 )
-FILE_THERE: Final = error(
+_FILE_THERE: Final = error(
     "CL211",
     "`{name}` is there already and says something else; it was not touched",
     "name another place with -o, or add --replace",
 )
-PROGRAM_THERE: Final = error(
+_PROGRAM_THERE: Final = error(
     "CL212",
     "`{name}` is on {address} already and is something else; it was not touched",
     "add --replace, or use `robot-assistant deploy --replace {name}`, which keeps what was there",
 )
-NO_PLAIN_NAME: Final = error(
+_NO_PLAIN_NAME: Final = error(
     "CL213", "`{name}` cannot be a file here", "name the file to write with -o"
 )
-FOLDER_THERE: Final = error(
+_FOLDER_THERE: Final = error(
     "CL214",
     "`{folder}` is there already: a backup gets a folder of its own",
     "name one that is not there",
 )
-NO_BACKUP: Final = error(
+_NO_BACKUP: Final = error(
     "CL215", "there is no folder `{folder}`", "name a folder that `backup` has written"
 )
-ONE_FILE: Final = error("CL216", "several programs do not go into one file", "name a folder")
+_ONE_FILE: Final = error("CL216", "several programs do not go into one file", "name a folder")
 
 
 def run_get(
@@ -58,7 +58,7 @@ def run_get(
 
     into = Path(output or ".")
     if len(names) > 1 and (output == "-" or not into.is_dir()):
-        raise Refused(ONE_FILE(), exit_status=2)
+        raise Refused(_ONE_FILE(), exit_status=2)
     with connected(cell, "get") as there:
         found = {name: _read_program(there, name) for name in names}
     if output == "-":
@@ -71,7 +71,7 @@ def run_get(
     for name, data in files.items():
         path = folder / name
         if not replace and path.exists() and (path.is_dir() or read_file(path) != data):
-            raise Refused(FILE_THERE(path=str(path), name=path))
+            raise Refused(_FILE_THERE(path=str(path), name=path))
     written = write_files(files, folder)
     if format is Format.JSON:
         print_json({"address": str(there.one.address), "written": [str(path) for path in written]})
@@ -84,14 +84,14 @@ def run_get(
 def _read_program(there: Session, name: str) -> bytes:
     data = there.session.read(name)
     if data is None:
-        raise Refused(NO_PROGRAM(name=name, address=there.one.address))
+        raise Refused(_NO_PROGRAM(name=name, address=there.one.address))
     return data
 
 
 def _local_file_name(name: str) -> str:
     """The name of a program as a file's; raises Refused for one that leads elsewhere."""
     if Path(name).name != name or name in {"", ".", ".."} or os.sep in name or "\\" in name:
-        raise Refused(NO_PLAIN_NAME(name=name), exit_status=2)
+        raise Refused(_NO_PLAIN_NAME(name=name), exit_status=2)
     return name
 
 
@@ -111,7 +111,7 @@ def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> 
             same = before is None or session.stored(before) == session.stored(data[file])
             if not same and not replace:
                 address = there.one.address
-                raise Refused(PROGRAM_THERE(path=str(file), name=name, address=address))
+                raise Refused(_PROGRAM_THERE(path=str(file), name=name, address=address))
         for file, name in names.items():
             session.write(name, data[file])
     if format is Format.JSON:
@@ -129,7 +129,9 @@ def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
     with connected(cell, "rm") as there:
         address = there.one.address
         found = found_programs(there.session, names)
-        missing = [NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one]
+        missing = [
+            _NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one
+        ]
         wanted = list(dict.fromkeys(one for one in found.values() if one))
         check_removable(there.session, [name for name, one in found.items() if not one])
         if missing:
@@ -151,7 +153,7 @@ def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
 
 def run_backup(cell: str, folder: Path, format: Format) -> int:
     if folder.exists():
-        raise Refused(FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)
+        raise Refused(_FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)
     with connected(cell, "backup") as there, working(f"backing up {there.one.name}"):
         files = there.controller.backup(folder)
         _note_left_out(str(there.one.address), folder)
@@ -179,7 +181,7 @@ def run_restore(
 ) -> int:
     """Shows what differs, asks, and brings it back."""
     if not folder.is_dir():
-        raise Refused(NO_BACKUP(path=str(folder), folder=folder), exit_status=2)
+        raise Refused(_NO_BACKUP(path=str(folder), folder=folder), exit_status=2)
     with connected(cell, "restore") as there:
         with working(f"comparing with {there.one.name}"):
             restoring = there.controller.restore(folder, only=only)

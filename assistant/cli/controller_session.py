@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-NO_VALUE: Final = error("CL201", "`{given}` gives nothing a value", "write NAME=VALUE")
-NO_NUMBER: Final = error("CL202", "`{given}` is no number", "write NAME=NUMBER, as doGrip=1")
+_NO_VALUE: Final = error("CL201", "`{given}` gives nothing a value", "write NAME=VALUE")
+_NO_NUMBER: Final = error("CL202", "`{given}` is no number", "write NAME=NUMBER, as doGrip=1")
 
 
 def named_by(text: str) -> Named:
@@ -134,7 +134,7 @@ def assignments(given: Sequence[str]) -> tuple[list[str], dict[str, str]]:
         name, is_set, value = one.partition("=")
         name = name.strip()
         if not name or (is_set and not value.strip()):
-            raise Refused(NO_VALUE(given=one), exit_status=2)
+            raise Refused(_NO_VALUE(given=one), exit_status=2)
         if is_set:
             written[name] = value.strip()
         else:
@@ -150,7 +150,7 @@ def output_value(name: str, value: str) -> float:
     except ValueError:
         found = float("nan")
     if not abs(found) < float("inf"):
-        raise Refused(NO_NUMBER(given=f"{name}={value}"), exit_status=2)
+        raise Refused(_NO_NUMBER(given=f"{name}={value}"), exit_status=2)
     return found
 
 
@@ -196,12 +196,12 @@ def fault_line(fault: Fault) -> str:
     return f"{when}{fault.level} {fault.number}: {fault.text}"
 
 
-NOT_CONFIRMED: Final = error(
+_NOT_CONFIRMED: Final = error(
     "CL203",
     "this {what}, and nobody confirmed it; nothing was changed",
     "look that nobody is near, then add --yes, or run it in a terminal and type `{word}`",
 )
-OTHER_WORD: Final = error(
+_OTHER_WORD: Final = error(
     "CL204",
     "`{word}` was not typed, so nothing was changed",
     "type it as it stands there to confirm",
@@ -214,9 +214,9 @@ def confirm(one: Named, what: str, yes: bool) -> None:
         return
     if not sys.stdin.isatty():
         raise Refused(
-            NOT_CONFIRMED(place=str(one.address), what=what, word=one.word), exit_status=2
+            _NOT_CONFIRMED(place=str(one.address), what=what, word=one.word), exit_status=2
         )
     sys.stderr.write(f"{one.name}: this {what}.\nType `{one.word}` to confirm: ")
     sys.stderr.flush()
     if sys.stdin.readline().strip() != one.word:
-        raise Refused(OTHER_WORD(place=str(one.address), word=one.word), exit_status=2)
+        raise Refused(_OTHER_WORD(place=str(one.address), word=one.word), exit_status=2)

@@ -43,16 +43,16 @@ def demo(
     ] = LengthUnit.MM,
 ) -> None:
     """A drawing and a trajectory to programs on two embedded virtual controllers, with a report."""
-    raise typer.Exit(run_demo(output, unit.value))
+    raise typer.Exit(_run_demo(output, unit.value))
 
 
 ABB: Final = "irb1200-7-0.7"
-MITSUBISHI: Final = "rv-2aj"
+_MITSUBISHI: Final = "rv-2aj"
 TIME_FACTOR: Final = 2.0
 """Simulated seconds for each real one."""
-LOOK_PERIOD: Final = 0.01
+_LOOK_PERIOD: Final = 0.01
 """Seconds between two looks at an arm."""
-JOINT_SENDER: Final = b"""10 WAIT M_RUN(1)=1
+_JOINT_SENDER: Final = b"""10 WAIT M_RUN(1)=1
 20 OPEN "COM2:" AS #1
 30 PRINT #1,J_CURR
 40 DLY 0.02
@@ -90,7 +90,7 @@ class Cell:
         return Poses(tips, rotations.multiply(turns, np.array(tip.quaternion)))
 
 
-def start_cells(stack: ExitStack) -> Mapping[str, Cell]:
+def _start_cells(stack: ExitStack) -> Mapping[str, Cell]:
     """Start a controller for each robot, both empty, until `stack` is closed."""
     from assistant.controllers import connect
     from assistant.virtual.cr import VirtualCr
@@ -98,7 +98,7 @@ def start_cells(stack: ExitStack) -> Mapping[str, Cell]:
 
     home = stack.enter_context(tempfile.TemporaryDirectory(prefix="robot-assistant-home-"))
     irc5 = stack.enter_context(VirtualIrc5(home, rate=TIME_FACTOR / 2.0))  # it is seen more seldom
-    cr = stack.enter_context(VirtualCr(MITSUBISHI, pace=TIME_FACTOR))
+    cr = stack.enter_context(VirtualCr(_MITSUBISHI, pace=TIME_FACTOR))
 
     def play_rapid(name: str) -> Floats:
         with connect(irc5.rws_address, password=irc5.password) as controller:
@@ -106,7 +106,9 @@ def start_cells(stack: ExitStack) -> Mapping[str, Cell]:
 
     return {
         ABB: Cell(ABB, connect(irc5.address, password=irc5.password), play_rapid),
-        MITSUBISHI: Cell(MITSUBISHI, connect(cr.address), lambda name: _run_and_receive(cr, name)),
+        _MITSUBISHI: Cell(
+            _MITSUBISHI, connect(cr.address), lambda name: _run_and_receive(cr, name)
+        ),
     }
 
 
@@ -118,7 +120,7 @@ def _run_and_watch(controller: Controller, name: str) -> Floats:
     controller.motors(True)
     controller.start()
     rows = []
-    for sample in controller.watch(LOOK_PERIOD):
+    for sample in controller.watch(_LOOK_PERIOD):
         rows.append(sample.position.joints)
         if not sample.state.running:
             break
@@ -141,7 +143,7 @@ def _run_and_receive(cr: VirtualCr, name: str) -> Floats:
     host, port = cr.data_ports["COM2:"]
     rows = []
     with cast("Controller", connect(cr.address)) as controller:
-        controller.write("STATUS", JOINT_SENDER)
+        controller.write("STATUS", _JOINT_SENDER)
         controller.load("STATUS", task="2")
         controller.load(name)
         controller.motors(True)
@@ -152,23 +154,23 @@ def _run_and_receive(cr: VirtualCr, name: str) -> Floats:
                 (joints,) = form.read(text)
                 rows.append(cast("Joints", joints).values)
         controller.motors(False)
-    return np.array(rows, dtype=np.float64)[:, list(robots.get(MITSUBISHI).places)]
+    return np.array(rows, dtype=np.float64)[:, list(robots.get(_MITSUBISHI).places)]
 
 
-DRAWING: Final = "plate.dxf"
-TRAJECTORY: Final = "positioning.csv"
+_DRAWING: Final = "plate.dxf"
+_TRAJECTORY: Final = "positioning.csv"
 """Poses of `ctraj`, for where it is not installed."""
 POSES: Final = 35
 TOOL: Final = "GRIPPER"
-ROBOTS: Final = (ABB, MITSUBISHI)
-SHOWN_IN_CELL: Final = (DRAWING, ABB)
+ROBOTS: Final = (ABB, _MITSUBISHI)
+_SHOWN_IN_CELL: Final = (_DRAWING, ABB)
 """Drawing and robot shown in the cell of `CELL`."""
 CELL: Final = "stand.toml"
-REPORT: Final = "report.html"
+_REPORT: Final = "report.html"
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class _Source:
     """Source of a program.
 
     name: that is shown. given: file or program that is compiled. played: if the arms follow it.
@@ -179,16 +181,16 @@ class Source:
     played: bool = False
 
 
-def run_demo(output: Path, unit: Unit) -> int:
+def _run_demo(output: Path, unit: Unit) -> int:
     from assistant.cli.report_pages import PageRequest, write_page
 
     sheets: list[Sheet] = []
     with ExitStack() as stack:
-        there = start_cells(stack)
-        for source in (Source(DRAWING, _sample_path(DRAWING)), trajectory()):
+        there = _start_cells(stack)
+        for source in (_Source(_DRAWING, _sample_path(_DRAWING)), _trajectory()):
             sheets += _run_on_each_robot(output, source, there, unit)
     with working("drawing the page"):
-        (report,), _ = write_page(PageRequest(output / REPORT), sheets, (), "demo")
+        (report,), _ = write_page(PageRequest(output / _REPORT), sheets, (), "demo")
     say(f"to be looked at in a browser: {report}")
     return 0
 
@@ -197,7 +199,7 @@ def _sample_path(name: str) -> Path:
     return Path(str(resource("samples", name)))
 
 
-def trajectory() -> Source:
+def _trajectory() -> _Source:
     """Return a Cartesian trajectory of the Robotics Toolbox; without it, its poses in a table."""
     import assistant
     from assistant.robots.arms.toolbox import toolbox_library
@@ -207,8 +209,8 @@ def trajectory() -> Source:
             toolbox = toolbox_library("computing the trajectory with `ctraj`")
     except Refused as refused:
         (missing,) = refused.findings
-        say(f"{missing.message}: the demo takes it from {TRAJECTORY}; {missing.cure}")
-        return Source(TRAJECTORY, _sample_path(TRAJECTORY), played=True)
+        say(f"{missing.message}: the demo takes it from {_TRAJECTORY}; {missing.cure}")
+        return _Source(_TRAJECTORY, _sample_path(_TRAJECTORY), played=True)
     from spatialmath import SE3
 
     start = SE3(0.25, -0.08, 0.3) * SE3.RPY(180, 0, 60, unit="deg")
@@ -217,17 +219,17 @@ def trajectory() -> Source:
     program = assistant.from_poses(
         toolbox.ctraj(start, end, POSES),
         unit="m",
-        name=Path(TRAJECTORY).stem,
+        name=Path(_TRAJECTORY).stem,
         speed=150,
         blend=100,
         tool=TOOL,
         process=_sample_path("positioning.process.toml"),
     )
-    return Source(f"{program.name} by ctraj", program, played=True)
+    return _Source(f"{program.name} by ctraj", program, played=True)
 
 
 def _run_on_each_robot(
-    output: Path, source: Source, there: Mapping[str, Cell], unit: Unit
+    output: Path, source: _Source, there: Mapping[str, Cell], unit: Unit
 ) -> Iterator[Sheet]:
     """A source for each robot, as it is installed and played there, with a plot of it."""
     from assistant import robots
@@ -250,7 +252,7 @@ def _run_on_each_robot(
             _write_pose_plot(
                 output, source, figures.pose_plot(track(compiled.program), title, unit)
             )
-        scene = _demo_scene(robot) if (source.name, robot) == SHOWN_IN_CELL else None
+        scene = _demo_scene(robot) if (source.name, robot) == _SHOWN_IN_CELL else None
         found = (
             replace(one, path=source.name if one.path == str(given) else one.path)
             for one in compiled.found
@@ -267,7 +269,7 @@ def _run_on_each_robot(
         )
 
 
-def _write_pose_plot(output: Path, source: Source, plot: bytes) -> None:
+def _write_pose_plot(output: Path, source: _Source, plot: bytes) -> None:
     from assistant.base.file_sets import write_files
 
     given = source.given
@@ -315,7 +317,7 @@ def _demo_scene(robot: str) -> Scene | None:
         return None
 
 
-def _compile_source(source: Source, robot: str) -> Compiled:
+def _compile_source(source: _Source, robot: str) -> Compiled:
     from assistant import robots
     from assistant.compiler import compile
 

@@ -87,8 +87,8 @@ def plan(
     format: PlanFormatOption = PlanFormat.TEXT,
 ) -> None:
     """Show what a deployment would do to each program on a controller. Changes nothing."""
-    wishes = DeploymentOptions(task, load, tuple(replace or ()), False, history)
-    raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
+    wishes = _DeploymentOptions(task, load, tuple(replace or ()), False, history)
+    raise typer.Exit(_run_plan(files or (), to, target or (), wishes, format))
 
 
 def deploy(
@@ -136,15 +136,15 @@ def deploy(
     """Install programs on a controller, read them back and compare. Never starts motion."""
     from assistant.cli.rollout import RolloutOptions
 
-    wishes = DeploymentOptions(task, load, tuple(replace or ()), files_only, history)
+    wishes = _DeploymentOptions(task, load, tuple(replace or ()), files_only, history)
     if resume:
-        raise typer.Exit(run_resume(files or (), to, target or (), wishes, format))
+        raise typer.Exit(_run_resume(files or (), to, target or (), wishes, format))
     if pull:
-        raise typer.Exit(run_pull(files or (), to, target or (), source, wishes, format))
+        raise typer.Exit(_run_pull(files or (), to, target or (), source, wishes, format))
     if dry_run:
-        raise typer.Exit(run_plan(files or (), to, target or (), wishes, format))
+        raise typer.Exit(_run_plan(files or (), to, target or (), wishes, format))
     manner = RolloutOptions(canary, parallel, junit) if canary or parallel or junit else None
-    raise typer.Exit(run_deploy(files or (), to, target or (), wishes, manner, format))
+    raise typer.Exit(_run_deploy(files or (), to, target or (), wishes, manner, format))
 
 
 def rollback(
@@ -161,7 +161,7 @@ def rollback(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Take a deployment back: every program of it is again what it was before."""
-    raise typer.Exit(run_rollback(number, to, target or (), tuple(replace or ()), history, format))
+    raise typer.Exit(_run_rollback(number, to, target or (), tuple(replace or ()), history, format))
 
 
 def deployments(
@@ -170,7 +170,7 @@ def deployments(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """List the deployments that this computer made: when, who, of which commit, what became."""
-    raise typer.Exit(run_deployments(to, history, format))
+    raise typer.Exit(_run_deployments(to, history, format))
 
 
 def verify(
@@ -184,27 +184,27 @@ def verify(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell whether a controller still has what the last deployment left there. Changes nothing."""
-    raise typer.Exit(run_verify(files or (), to, target or (), history, format))
+    raise typer.Exit(_run_verify(files or (), to, target or (), history, format))
 
 
-NO_CONTROLLER: Final = error(
+_NO_CONTROLLER: Final = error(
     "CL270",
     "nobody says which controller is meant",
     "name it with --to, or a target of assistant.toml with --target",
 )
-NOT_BOTH: Final = error("CL271", "{one} and {other} do not go together", "leave one of them out")
-NO_TARGET: Final = error(
+_NOT_BOTH: Final = error("CL271", "{one} and {other} do not go together", "leave one of them out")
+_NO_TARGET: Final = error(
     "CL272", "the project has no target {what}", "there are: {known}; or name the programs"
 )
 
 
-SEVERAL: Final = error(
+_SEVERAL: Final = error(
     "CL273", "several controllers are meant: {names}", "name one of them with --target"
 )
 
 
 @dataclass(frozen=True, slots=True)
-class DeploymentOptions:
+class _DeploymentOptions:
     """Options given beside the files; see `deploy.plan` and `deploy.deploy`."""
 
     task: str = ""
@@ -215,7 +215,7 @@ class DeploymentOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class DeploymentJob:
+class _DeploymentJob:
     """A controller with what it is to have.
 
     name: of the target, or of the controller. files: that were named. target: whose built files
@@ -224,7 +224,7 @@ class DeploymentJob:
 
     name: str
     one: Named
-    wishes: DeploymentOptions
+    wishes: _DeploymentOptions
     files: tuple[str, ...] = ()
     target: Target | None = None
 
@@ -233,7 +233,7 @@ class DeploymentJob:
         """The folder of deployments: that of the project, wherever in it the command is run."""
         if self.wishes.history is not None:
             return self.wishes.history
-        return history_here()
+        return _history_here()
 
     @contextmanager
     def opened(self) -> Iterator[Programs]:
@@ -271,49 +271,49 @@ class DeploymentJob:
         )
 
 
-def jobs_of(
-    files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: DeploymentOptions
-) -> list[DeploymentJob]:
+def _jobs_of(
+    files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: _DeploymentOptions
+) -> list[_DeploymentJob]:
     """Return the deployments to each controller; raise Refused. targets: if empty, all of the
     project.
     """
     if to is not None and targets:
-        raise Refused(NOT_BOTH(one="--to", other="--target"), exit_status=2)
+        raise Refused(_NOT_BOTH(one="--to", other="--target"), exit_status=2)
     named = tuple(map(str, files))
     if to is not None:
         one = named_by(to)
         if named or not one.variables:
-            return [DeploymentJob(to, one, wishes, named)]
+            return [_DeploymentJob(to, one, wishes, named)]
     if to is None and not targets and named:
-        raise Refused(NO_CONTROLLER(), exit_status=2)
+        raise Refused(_NO_CONTROLLER(), exit_status=2)
     return [
-        DeploymentJob(one.name, one.controller, _target_options(one, wishes), named, one)
+        _DeploymentJob(one.name, one.controller, _target_options(one, wishes), named, one)
         for one in _named_targets(to, targets)
     ]
 
 
-def controllers_of_jobs(
-    to: str | None, targets: Sequence[str], wishes: DeploymentOptions
-) -> list[DeploymentJob]:
+def _controllers_of_jobs(
+    to: str | None, targets: Sequence[str], wishes: _DeploymentOptions
+) -> list[_DeploymentJob]:
     """The controllers that are meant, whatever is to be on them; raises Refused."""
     if to is not None and not targets:
-        return [DeploymentJob(to, named_by(to), wishes)]
-    return jobs_of((), to, targets, wishes)
+        return [_DeploymentJob(to, named_by(to), wishes)]
+    return _jobs_of((), to, targets, wishes)
 
 
-def named_controllers(
-    to: str | None, targets: Sequence[str], wishes: DeploymentOptions
-) -> list[DeploymentJob]:
+def _named_controllers(
+    to: str | None, targets: Sequence[str], wishes: _DeploymentOptions
+) -> list[_DeploymentJob]:
     """Return each controller once; raise Refused for several that the user has not named."""
-    jobs = controllers_of_jobs(to, targets, wishes)
+    jobs = _controllers_of_jobs(to, targets, wishes)
     apart = {str(job.one.address) + job.one.address.name: job for job in reversed(jobs)}
     if len(apart) > 1 and not targets:
         names = ", ".join(f"`{job.name}`" for job in jobs)
-        raise Refused(SEVERAL(names=names), exit_status=2)
+        raise Refused(_SEVERAL(names=names), exit_status=2)
     return [job for job in jobs if job in apart.values()]
 
 
-def history_here() -> Path | None:
+def _history_here() -> Path | None:
     """The history of the project that the working folder is in, None without one."""
     from assistant.deploy.history import HISTORY
     from assistant.program.project_file import project_of
@@ -337,11 +337,11 @@ def _named_targets(to: str | None, names: Sequence[str]) -> Sequence[Target]:
     if missing or not wanted:
         known = ", ".join(f"`{one.name}`" for one in there)
         what = ", ".join(missing) or f"on `{to}`"
-        raise Refused(NO_TARGET(what=what, known=known), exit_status=2)
+        raise Refused(_NO_TARGET(what=what, known=known), exit_status=2)
     return wanted
 
 
-def _target_options(target: Target, wishes: DeploymentOptions) -> DeploymentOptions:
+def _target_options(target: Target, wishes: _DeploymentOptions) -> _DeploymentOptions:
     return replace(wishes, task=wishes.task or target.task, load=wishes.load or target.load)
 
 
@@ -353,10 +353,10 @@ def _path_text(path: Path) -> str:
     return str(_relative_path(path))
 
 
-NOTHING_CHANGED: Final = "nothing has been changed"
+_NOTHING_CHANGED: Final = "nothing has been changed"
 
 
-def print_plan(plan: Plan) -> None:
+def _print_plan(plan: Plan) -> None:
     for file in plan.files:
         say(f"{file.name}: {file.change}" + (f" ({file.reason})" if file.reason else ""))
         for text in _what_differs(file).values():
@@ -364,10 +364,10 @@ def print_plan(plan: Plan) -> None:
     for word, names in (("foreign", plan.foreign), ("left", plan.left)):
         if names:
             say(f"{word}: {', '.join(names)}")
-    say(f"{plan.address}: {NOTHING_CHANGED}")
+    say(f"{plan.address}: {_NOTHING_CHANGED}")
 
 
-def plan_markdown(
+def _plan_markdown(
     name: str, plan: Plan, done: Deployment | None, findings: Sequence[Diagnostic]
 ) -> str:
     """Return a plan as a Markdown comment. Text of a controller or a program is code, which it
@@ -391,7 +391,7 @@ def plan_markdown(
     if findings:
         lines.append("")
         lines += findings_markdown(findings)
-    lines += ["", code(done.summary) if done else f"{NOTHING_CHANGED.capitalize()}."]
+    lines += ["", code(done.summary) if done else f"{_NOTHING_CHANGED.capitalize()}."]
     return "\n".join(lines)
 
 
@@ -405,16 +405,16 @@ def _what_differs(file: PlannedFile) -> dict[str, str]:
     return {title: text for title, text in found.items() if text}
 
 
-def run_plan(
+def _run_plan(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
-    wishes: DeploymentOptions,
+    wishes: _DeploymentOptions,
     format: PlanFormat,
 ) -> int:
     answers = []
     status = 0
-    for job in jobs_of(files, to, targets, wishes):
+    for job in _jobs_of(files, to, targets, wishes):
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
         plan = replace(plan, notes=(*plan.notes, *plan.unseen))
@@ -424,11 +424,11 @@ def run_plan(
     return status
 
 
-def run_deploy(
+def _run_deploy(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
-    wishes: DeploymentOptions,
+    wishes: _DeploymentOptions,
     manner: RolloutOptions | None,
     format: PlanFormat,
 ) -> int:
@@ -436,7 +436,7 @@ def run_deploy(
     from assistant import deploy
     from assistant.cli.rollout import RolloutOptions
 
-    jobs = jobs_of(files, to, targets, wishes)
+    jobs = _jobs_of(files, to, targets, wishes)
     if len(jobs) > 1 or manner is not None:
         return _deploy_to_many(jobs, manner or RolloutOptions(), format)
     (job,) = jobs
@@ -455,15 +455,15 @@ def run_deploy(
 
 
 def _deploy_to_many(
-    jobs: Sequence[DeploymentJob], manner: RolloutOptions, format: PlanFormat
+    jobs: Sequence[_DeploymentJob], manner: RolloutOptions, format: PlanFormat
 ) -> int:
     from assistant.cli.rollout import run_rollout
     from assistant.deploy import Cell
 
     if format is PlanFormat.MARKDOWN:
-        raise Refused(NOT_BOTH(one="--format markdown", other="many controllers"), exit_status=2)
+        raise Refused(_NOT_BOTH(one="--format markdown", other="many controllers"), exit_status=2)
 
-    def planning(job: DeploymentJob, client: Programs) -> Callable[[], Plan]:
+    def planning(job: _DeploymentJob, client: Programs) -> Callable[[], Plan]:
         return lambda: job.planned(client)
 
     with ExitStack() as stack:
@@ -486,7 +486,7 @@ def _deploy_to_many(
 
 
 def _print_outcome(
-    job: DeploymentJob, plan: Plan, done: Deployment | None, format: PlanFormat
+    job: _DeploymentJob, plan: Plan, done: Deployment | None, format: PlanFormat
 ) -> object:
     """Prints what is for people; what is for programs comes back."""
     findings = (*plan.findings, *(done.findings if done else ()))
@@ -495,11 +495,11 @@ def _print_outcome(
 
         return plan_record(plan, done, findings)
     if format is PlanFormat.MARKDOWN:
-        say(plan_markdown(job.name, plan, done, findings))
+        say(_plan_markdown(job.name, plan, done, findings))
         return None
     print_findings(findings)
     if done is None:
-        print_plan(plan)
+        _print_plan(plan)
         return None
     for name, state in done.states.items():
         say(f"{name}: {state}")
@@ -515,30 +515,30 @@ def _print_answers(answers: Sequence[object], format: PlanFormat) -> None:
         print_json(answers[0] if len(answers) == 1 else answers)
 
 
-COMMIT_LENGTH: Final = 12
+_COMMIT_LENGTH: Final = 12
 """Characters of a commit in a table."""
 
 
-def run_resume(
+def _run_resume(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
-    wishes: DeploymentOptions,
+    wishes: _DeploymentOptions,
     format: PlanFormat,
 ) -> int:
     from assistant import deploy
 
     if files:
-        raise Refused(NOT_BOTH(one="--resume", other="a program"), exit_status=2)
+        raise Refused(_NOT_BOTH(one="--resume", other="a program"), exit_status=2)
     status = 0
-    for job in named_controllers(to, targets, wishes):
+    for job in _named_controllers(to, targets, wishes):
         with job.opened() as client, working(f"finishing on {job.one.address}"):
             done = deploy.resume(client, history=job.history, replace=wishes.replace)
-        status = max(status, report_finished(done, as_json=format is PlanFormat.JSON))
+        status = max(status, _report_finished(done, as_json=format is PlanFormat.JSON))
     return status
 
 
-def run_rollback(
+def _run_rollback(
     number: int | None,
     to: str | None,
     targets: Sequence[str],
@@ -549,7 +549,7 @@ def run_rollback(
     from assistant import deploy
 
     status = 0
-    for job in named_controllers(to, targets, DeploymentOptions(history=history)):
+    for job in _named_controllers(to, targets, _DeploymentOptions(history=history)):
         with job.opened() as client, working(f"taking back on {job.one.address}"):
             done = deploy.rollback(
                 client,
@@ -558,11 +558,11 @@ def run_rollback(
                 replace=replace,
                 tell=lambda finding: print_findings([finding]),
             )
-        status = max(status, report_finished(done, as_json=format is Format.JSON, back=True))
+        status = max(status, _report_finished(done, as_json=format is Format.JSON, back=True))
     return status
 
 
-def report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
+def _report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
     """Report the result of a deployment that was finished or rolled back; return its exit status.
 
     back: the programs installed are then the earlier ones.
@@ -582,10 +582,10 @@ def report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> i
     return 0 if done.ok else 1
 
 
-def run_deployments(to: str | None, history: Path | None, format: Format) -> int:
+def _run_deployments(to: str | None, history: Path | None, format: Format) -> int:
     from assistant.deploy import all_journals, journals, place_of
 
-    history = history or history_here()
+    history = history or _history_here()
     if to is None:
         found = all_journals(history)
     else:
@@ -615,7 +615,7 @@ def run_deployments(to: str | None, history: Path | None, format: Format) -> int
             address = one.record.address
             say(address)
         commit, _, dirty = one.record.commit.partition("-")
-        words = f"{commit[:COMMIT_LENGTH]}{'+' if dirty else ''}" or "-"
+        words = f"{commit[:_COMMIT_LENGTH]}{'+' if dirty else ''}" or "-"
         programs = ", ".join(entry.name for entry in one.entries) or "-"
         say(
             f"{one.number:>6}  {one.record.time}  {one.result:<11}  {words:<13}  "
@@ -624,7 +624,7 @@ def run_deployments(to: str | None, history: Path | None, format: Format) -> int
     return 0
 
 
-def run_verify(
+def _run_verify(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
@@ -636,11 +636,11 @@ def run_verify(
 
     answers = []
     status = 0
-    wishes = DeploymentOptions(history=history)
+    wishes = _DeploymentOptions(history=history)
     if files or to is None:
-        jobs = jobs_of(files, to, targets, wishes)
+        jobs = _jobs_of(files, to, targets, wishes)
     else:
-        jobs = controllers_of_jobs(to, targets, wishes)
+        jobs = _controllers_of_jobs(to, targets, wishes)
     for job in jobs:
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             programs = job.programs(client) if job.files or job.target else []
@@ -666,12 +666,12 @@ def _print_verified(seen: Verified) -> None:
         say(f"{seen.address} {told} by the deployment {seen.record.name} of {seen.record.who}")
 
 
-def run_pull(
+def _run_pull(
     files: Sequence[Path],
     to: str | None,
     targets: Sequence[str],
     source: Path | None,
-    wishes: DeploymentOptions,
+    wishes: _DeploymentOptions,
     format: PlanFormat,
 ) -> int:
     """source: what the one program that is named was compiled from, None for itself."""
@@ -680,10 +680,10 @@ def run_pull(
     from assistant.project.pulled_changes import pull
 
     if source is not None and len(files) != 1:
-        raise Refused(NOT_BOTH(one="--source", other="several programs"), exit_status=2)
+        raise Refused(_NOT_BOTH(one="--source", other="several programs"), exit_status=2)
     answers = []
     status = 0
-    for job in jobs_of(files, to, targets, wishes):
+    for job in _jobs_of(files, to, targets, wishes):
         with job.opened() as client, working(f"comparing with {job.one.address}"):
             plan = job.planned(client)
         made_of = _sources_by_path(job, source)
@@ -711,7 +711,7 @@ def run_pull(
     return status
 
 
-def _sources_by_path(job: DeploymentJob, source: Path | None) -> dict[Path, Path]:
+def _sources_by_path(job: _DeploymentJob, source: Path | None) -> dict[Path, Path]:
     """Return the source of each program by the program's absolute path."""
     if source is not None:
         return {Path(file).absolute(): source for file in job.files}

@@ -76,17 +76,17 @@ def add(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Learn an object: by its drawing, by pictures of its face, or as it lies before cameras."""
-    asked = AddOptions(
+    asked = _AddOptions(
         *(library, name, tuple(files), contour, tuple(line or ()), width, height),
         *(cameras, plane, solid, unit, again),
     )
-    raise typer.Exit(run_add(asked, format))
+    raise typer.Exit(_run_add(asked, format))
 
 
 @objects.command("list")
-def list_(library: LibraryArgument, format: FormatOption = Format.TEXT) -> None:
+def _list_(library: LibraryArgument, format: FormatOption = Format.TEXT) -> None:
     """List the objects of a library: what they are known by, and what is done on them."""
-    raise typer.Exit(run_list(library, format))
+    raise typer.Exit(_run_list(library, format))
 
 
 def see(
@@ -129,35 +129,35 @@ def see(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Find known objects in pictures; what is done on them becomes targets. Nothing moves."""
-    asked = SeeOptions(
+    asked = _SeeOptions(
         *(cameras, library, tuple(images or ()), to, found, picture, plane, plane_sigma),
         *(cell, robot, joints, tuple(expect or ()), most_mm, most_deg),
     )
-    raise typer.Exit(run_see(asked, format))
+    raise typer.Exit(_run_see(asked, format))
 
 
-TARGETS_NOT_TOML: Final = error("CL550", "`{name}` is written as TOML", "end its name in .toml")
-PICTURE_NOT_PNG: Final = error(
+_TARGETS_NOT_TOML: Final = error("CL550", "`{name}` is written as TOML", "end its name in .toml")
+_PICTURE_NOT_PNG: Final = error(
     "CL551", "a picture is not written as `{name}`", "end its name in .png"
 )
-BAD_JOINTS: Final = error(
+_BAD_JOINTS: Final = error(
     "CL552",
     "`{given}` are no joints of `{robot}`",
     "write {count} numbers of degrees with commas, in the order of the axes",
 )
-WHICH_ROBOT: Final = error(
+_WHICH_ROBOT: Final = error(
     "CL553", "the cell does not tell which robot is meant", "name one of {names} by --robot"
 )
-NO_PICTURES: Final = error(
+_NO_PICTURES: Final = error(
     "CL554",
     "the file does not say where pictures of camera `{name}` come from",
     "name a picture, or write source = … under the camera",
 )
-DRAWING_SUFFIX: Final = ".dxf"
+_DRAWING_SUFFIX: Final = ".dxf"
 
 
 @dataclass(frozen=True, slots=True)
-class AddOptions:
+class _AddOptions:
     """Options of `objects add`."""
 
     library: Path
@@ -174,7 +174,7 @@ class AddOptions:
     again: bool
 
 
-def run_add(asked: AddOptions, format: Format) -> int:
+def _run_add(asked: _AddOptions, format: Format) -> int:
     from assistant.vision.recognition.object_library import add_objects, check_name
 
     check_name(asked.name)
@@ -189,10 +189,10 @@ def run_add(asked: AddOptions, format: Format) -> int:
     return 0
 
 
-def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+def _learn_object(asked: _AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     from assistant.vision import rules
 
-    drawings = [one for one in asked.files if Path(one).suffix.lower() == DRAWING_SUFFIX]
+    drawings = [one for one in asked.files if Path(one).suffix.lower() == _DRAWING_SUFFIX]
     if drawings:
         if len(asked.files) > 1:
             raise Refused(rules.DRAWING_AND_PICTURES(cure="name one drawing alone"), exit_status=2)
@@ -212,7 +212,7 @@ def _learn_object(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...
     return _learn_from_pictures(asked)
 
 
-def _learn_from_pictures(asked: AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+def _learn_from_pictures(asked: _AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     from assistant.vision import rules
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.capture import read_picture
@@ -264,7 +264,7 @@ def _height_by_depth(
     return max(found or 0.0, 0.0)
 
 
-def run_list(library: Path, format: Format) -> int:
+def _run_list(library: Path, format: Format) -> int:
     from assistant.vision.recognition.object_library import read_library
 
     read = read_library(library)
@@ -301,7 +301,7 @@ def _object_line(one: KnownObject) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class SeeOptions:
+class _SeeOptions:
     """Options of `see`."""
 
     cameras: Path
@@ -320,7 +320,7 @@ class SeeOptions:
     most_deg: float
 
 
-def run_see(asked: SeeOptions, format: Format) -> int:
+def _run_see(asked: _SeeOptions, format: Format) -> int:
     """0 if what was found may be acted on, else 1, and no file is written."""
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.opencv import opencv
@@ -349,12 +349,12 @@ def run_see(asked: SeeOptions, format: Format) -> int:
     return int(has_errors(findings))
 
 
-def _check_see_options(asked: SeeOptions) -> None:
+def _check_see_options(asked: _SeeOptions) -> None:
     for path in (asked.to, asked.found):
         if path is not None and path.suffix.lower() != ".toml":
-            raise Refused(TARGETS_NOT_TOML(name=path), exit_status=2)
+            raise Refused(_TARGETS_NOT_TOML(name=path), exit_status=2)
     if asked.picture is not None and asked.picture.suffix.lower() != ".png":
-        raise Refused(PICTURE_NOT_PNG(name=asked.picture), exit_status=2)
+        raise Refused(_PICTURE_NOT_PNG(name=asked.picture), exit_status=2)
 
 
 def _plane_at(height: float, sigma: float = 0.05) -> Plane:
@@ -364,7 +364,7 @@ def _plane_at(height: float, sigma: float = 0.05) -> Plane:
     return Plane(Pose((0.0, 0.0, height)), sigma)
 
 
-def _robot_in_cell(asked: SeeOptions) -> PlacedRobot | None:
+def _robot_in_cell(asked: _SeeOptions) -> PlacedRobot | None:
     """Return the robot of the cell in whose base poses are given."""
     if asked.cell is None:
         return None
@@ -375,11 +375,11 @@ def _robot_in_cell(asked: SeeOptions) -> PlacedRobot | None:
     robots = [one for one in scene.robots if asked.robot in (None, one.name)]
     if len(robots) != 1:
         names = ", ".join(one.name for one in scene.robots) or "none"
-        raise Refused(WHICH_ROBOT(path=str(asked.cell), names=names), exit_status=2)
+        raise Refused(_WHICH_ROBOT(path=str(asked.cell), names=names), exit_status=2)
     return robots[0]
 
 
-def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptions) -> Camera:
+def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: _SeeOptions) -> Camera:
     """The camera in the world; raises Refused for one that hangs on nobody knows where."""
     import numpy as np
 
@@ -399,13 +399,13 @@ def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: SeeOptio
         joints = []
     count = len(placed.robot.home)
     if len(joints) != count or not np.isfinite(joints).all():
-        told = BAD_JOINTS(given=asked.joints, robot=placed.name, count=count)
+        told = _BAD_JOINTS(given=asked.joints, robot=placed.name, count=count)
         raise Refused(told, exit_status=2)
     position, quaternion = placed.robot.fk(np.array([joints]))
     return camera.carried(placed.base @ Pose.of(position[0], quaternion[0]))
 
 
-def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
+def _take_pictures(asked: _SeeOptions, rig: Rig) -> dict[str, Picture]:
     from assistant.vision.cameras.capture import open_frames
     from assistant.vision.recognition.photo import check_exposure, read_pictures_of_cameras
 
@@ -414,13 +414,13 @@ def _take_pictures(asked: SeeOptions, rig: Rig) -> dict[str, Picture]:
     found = {}
     for name, camera in rig.cameras.items():
         if not rig.sources.get(name):
-            raise Refused(NO_PICTURES(path=str(asked.cameras), name=name), exit_status=2)
+            raise Refused(_NO_PICTURES(path=str(asked.cameras), name=name), exit_status=2)
         with open_frames(camera, rig.sources[name], rig.folder) as frames:
             found[name] = check_exposure(next(frames).picture, camera, rig.sources[name])
     return found
 
 
-def _doubtful_findings(asked: SeeOptions, sight: Recognition) -> list[Diagnostic]:
+def _doubtful_findings(asked: _SeeOptions, sight: Recognition) -> list[Diagnostic]:
     """Return findings for expected objects not seen and for poses that are too uncertain."""
     from assistant.vision import rules
 
@@ -453,7 +453,7 @@ def _robot_base(placed: PlacedRobot | None) -> OutputFrame:
 
 
 def _write_found(
-    asked: SeeOptions,
+    asked: _SeeOptions,
     sight: Recognition,
     placed: PlacedRobot | None,
     when: datetime.datetime,

@@ -127,45 +127,45 @@ def learn(
 ) -> None:
     """Learn from two cameras which joints reach what they see, on this computer. Nothing moves."""
     held = "any" if tool is None else tool.value
-    options = LearnOptions(
+    options = _LearnOptions(
         *(robot, steps, hold or (), range or (), box, held, turn, point or (), cameras),
         *(lattice, noise, seed, go_on, longer or (), rivals, format, recorded or ()),
     )
-    raise typer.Exit(run_learn(options, LearnOutputs(output, picture, curve)))
+    raise typer.Exit(_run_learn(options, _LearnOutputs(output, picture, curve)))
 
 
-BAD_RANGE: Final = error(
+_BAD_RANGE: Final = error(
     "CL521", "`{given}` is no range of a joint", "write JOINT=LOW:HIGH, as J1=-50:50"
 )
-BAD_HOLD: Final = error("CL522", "`{given}` holds no joint", "write JOINT=DEGREES, as J5=0")
-BAD_BOX: Final = error(
+_BAD_HOLD: Final = error("CL522", "`{given}` holds no joint", "write JOINT=DEGREES, as J5=0")
+_BAD_BOX: Final = error(
     "CL523", "`{given}` is no box", "write LOW:HIGH,LOW:HIGH,LOW:HIGH, mm of x, y and z"
 )
-BAD_POINT: Final = error("CL524", "`{given}` is no point", "write x,y,z in mm, as 0,0,60")
-BAD_LATTICE: Final = error("CL525", "`{given}` is no lattice", "write counts, as 7x12x4")
-BAD_FACTOR: Final = error(
+_BAD_POINT: Final = error("CL524", "`{given}` is no point", "write x,y,z in mm, as 0,0,60")
+_BAD_LATTICE: Final = error("CL525", "`{given}` is no lattice", "write counts, as 7x12x4")
+_BAD_FACTOR: Final = error(
     "CL526", "`{given}` makes no link longer", "write LENGTH=FACTOR, as a2=1.1, from 0.5 to 2"
 )
-FEW_CAMERAS: Final = error(
+_FEW_CAMERAS: Final = error(
     "CL527",
     "{count} of the cameras of {file} stand still, and two are needed",
     "name a file with two that stand about the robot; those in its hand do not count",
 )
-BAD_TURN: Final = error(
+_BAD_TURN: Final = error(
     "CL528", "`{given}` is no range of turns", "write LOW:HIGH in degrees, the lower first"
 )
-FARTHEST_COORDINATE: Final = 100_000.0
+_FARTHEST_COORDINATE: Final = 100_000.0
 """mm that a coordinate has at most: beyond, it is no place about a robot."""
-FREE_TOOL: Final = "free"
+_FREE_TOOL: Final = "free"
 """Value of --tool for a tool of which only the position is learnt."""
-SHORTEST_LINK_FACTOR: Final = 0.5
-LONGEST_LINK_FACTOR: Final = 2.0
+_SHORTEST_LINK_FACTOR: Final = 0.5
+_LONGEST_LINK_FACTOR: Final = 2.0
 """Times the length of a link."""
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class LearnOptions:
+class _LearnOptions:
     """The words of the command."""
 
     robot: str
@@ -187,7 +187,7 @@ class LearnOptions:
     recorded: Sequence[Path] = ()
 
 
-def learning_task(options: LearnOptions) -> ExperimentSettings:
+def _learning_task(options: _LearnOptions) -> ExperimentSettings:
     import numpy as np
 
     from assistant.compiler.arms import robot_of
@@ -195,23 +195,23 @@ def learning_task(options: LearnOptions) -> ExperimentSettings:
 
     robot = robot_of(options.robot)
     assert robot is not None
-    points = [_numbers_of(text, ",", 3, BAD_POINT) for text in options.point]
+    points = [_numbers_of(text, ",", 3, _BAD_POINT) for text in options.point]
     box = None
     if options.box is not None:
         box = box_of(options.box)
-    low, high = _numbers_of(options.turn, ":", 2, BAD_TURN)
+    low, high = _numbers_of(options.turn, ":", 2, _BAD_TURN)
     if not -360.0 <= low <= high <= 360.0:
-        raise Refused(BAD_TURN(given=options.turn), exit_status=2)
+        raise Refused(_BAD_TURN(given=options.turn), exit_status=2)
     return ExperimentSettings(
         robot,
-        dict(_name_and_value(text, _number_or_none, BAD_HOLD) for text in options.hold),
+        dict(_name_and_value(text, _number_or_none, _BAD_HOLD) for text in options.hold),
         np.array(points) if points else None,
         dict(map(range_of, options.range)),
         box,
-        cast("Held", "any" if options.tool == FREE_TOOL else options.tool),
+        cast("Held", "any" if options.tool == _FREE_TOOL else options.tool),
         (low, high),
         () if options.cameras is None else _fixed_cameras(options.cameras),
-        options.tool == FREE_TOOL,
+        options.tool == _FREE_TOOL,
     )
 
 
@@ -221,13 +221,13 @@ def box_of(text: str) -> Floats:
 
     sides = text.split(",")
     if len(sides) != 3:
-        raise Refused(BAD_BOX(given=text), exit_status=2)
-    return np.array([_numbers_of(side, ":", 2, BAD_BOX, text) for side in sides])
+        raise Refused(_BAD_BOX(given=text), exit_status=2)
+    return np.array([_numbers_of(side, ":", 2, _BAD_BOX, text) for side in sides])
 
 
 def range_of(text: str) -> tuple[str, tuple[float, float]]:
     """Return a joint with the ends of its range; raises Refused."""
-    return _name_and_value(text, _low_and_high, BAD_RANGE)
+    return _name_and_value(text, _low_and_high, _BAD_RANGE)
 
 
 def _fixed_cameras(file: Path) -> tuple[Camera, ...]:
@@ -238,23 +238,23 @@ def _fixed_cameras(file: Path) -> tuple[Camera, ...]:
     rig = read_cameras(file)
     still = tuple(one for one in rig.cameras.values() if one.parent == WORLD)
     if len(still) < 2:
-        raise Refused(FEW_CAMERAS(count=len(still), file=file), exit_status=2)
+        raise Refused(_FEW_CAMERAS(count=len(still), file=file), exit_status=2)
     return still
 
 
-def lattice_of(text: str) -> tuple[int, ...]:
+def _lattice_of(text: str) -> tuple[int, ...]:
     counts = text.lower().split("x")
     if not all(count.isascii() and count.isdigit() for count in counts):
-        raise Refused(BAD_LATTICE(given=text), exit_status=2)
+        raise Refused(_BAD_LATTICE(given=text), exit_status=2)
     return tuple(int(count[:9]) for count in counts)
 
 
-def link_factors(texts: Sequence[str]) -> list[tuple[str, float]]:
+def _link_factors(texts: Sequence[str]) -> list[tuple[str, float]]:
     """Names of lengths with their factors."""
-    found = [_name_and_value(text, _number_or_none, BAD_FACTOR) for text in texts]
+    found = [_name_and_value(text, _number_or_none, _BAD_FACTOR) for text in texts]
     for text, (_, factor) in zip(texts, found, strict=True):
-        if not SHORTEST_LINK_FACTOR <= factor <= LONGEST_LINK_FACTOR:
-            raise Refused(BAD_FACTOR(given=text), exit_status=2)
+        if not _SHORTEST_LINK_FACTOR <= factor <= _LONGEST_LINK_FACTOR:
+            raise Refused(_BAD_FACTOR(given=text), exit_status=2)
     return found
 
 
@@ -284,37 +284,37 @@ def _low_and_high(text: str) -> tuple[float, float] | None:
 def _numbers_of(text: str, mark: str, count: int, rule: Rule, whole: str = "") -> list[float]:
     parts = [_number_or_none(part) for part in text.split(mark)]
     if len(parts) != count or any(
-        part is None or abs(part) > FARTHEST_COORDINATE for part in parts
+        part is None or abs(part) > _FARTHEST_COORDINATE for part in parts
     ):
         raise Refused(rule(given=whole or text), exit_status=2)
     return [part for part in parts if part is not None]
 
 
-NOT_A_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
-NOT_A_CURVE_NAME: Final = error(
+_NOT_A_MAP_NAME: Final = error("CL520", "a map is not written as `{name}`", "end its name in .npz")
+_NOT_A_CURVE_NAME: Final = error(
     "CL529",
     "a curve is not written as `{name}`",
     "end its name in .csv, .png or .svg, and not in that of the picture",
 )
-BOX_TWICE: Final = error(
+_BOX_TWICE: Final = error(
     "CL299",
     "--box and --recorded both state where the targets are",
     "leave one of them out",
 )
-HOLD_TOLERANCE: Final = 0.5
+_HOLD_TOLERANCE: Final = 0.5
 """Most degrees (mm) that a held joint may be off in a recording."""
-RANGE_MARGIN: Final = 0.5
+_RANGE_MARGIN: Final = 0.5
 """Degrees (mm) by which the learnt ranges are wider than the recorded ones."""
-PICTURED_STAGES: Final = 4
+_PICTURED_STAGES: Final = 4
 """Columns of the picture of the lattice."""
-LARGEST_UNUSED_SHARE: Final = 0.02
+_LARGEST_UNUSED_SHARE: Final = 0.02
 """Share of units that may never have won."""
-TEST_NOISE: Final = 0.2
+_TEST_NOISE: Final = 0.2
 """Pixels with which a map is measured as well that has learnt without."""
 
 
 @dataclass(frozen=True, slots=True)
-class LearnOutputs:
+class _LearnOutputs:
     """Files to write."""
 
     map: Path
@@ -322,7 +322,7 @@ class LearnOutputs:
     curve: Path | None
 
 
-def run_learn(options: LearnOptions, outputs: LearnOutputs) -> int:
+def _run_learn(options: _LearnOptions, outputs: _LearnOutputs) -> int:
     from assistant.learning.maps.experiments import experiment_of
     from assistant.learning.maps.map_file import load_map, save_map
     from assistant.learning.maps.map_training import (
@@ -335,13 +335,13 @@ def run_learn(options: LearnOptions, outputs: LearnOutputs) -> int:
 
     _check_output_names(options, outputs)
     known = None if options.go_on is None else load_map(options.go_on)
-    wanted = learning_task(options)
+    wanted = _learning_task(options)
     rows = _recorded_joints(wanted, options)
     if rows is not None:
         wanted = _task_in_recorded_ranges(wanted, rows, known)
     made = experiment_of(wanted, known)
     arm = made.arm
-    for name, factor in link_factors(options.longer):
+    for name, factor in _link_factors(options.longer):
         arm = arm.longer(name, factor)
     arm = arm.noisy(options.noise, options.seed)
     net = _initial_map(made, options) if known is None else known
@@ -381,7 +381,7 @@ def run_learn(options: LearnOptions, outputs: LearnOutputs) -> int:
     return 0
 
 
-def _recorded_joints(asked: ExperimentSettings, options: LearnOptions) -> Floats | None:
+def _recorded_joints(asked: ExperimentSettings, options: _LearnOptions) -> Floats | None:
     """Return the joints (n, a) of recordings with held joints in place; None without recordings."""
     import numpy as np
 
@@ -390,7 +390,7 @@ def _recorded_joints(asked: ExperimentSettings, options: LearnOptions) -> Floats
     if not options.recorded:
         return None
     if options.box is not None:
-        raise Refused(BOX_TWICE(), exit_status=2)
+        raise Refused(_BOX_TWICE(), exit_status=2)
     robot = asked.robot
     runs: list[Floats] = []
     for path in options.recorded:
@@ -400,7 +400,7 @@ def _recorded_joints(asked: ExperimentSettings, options: LearnOptions) -> Floats
     rows = np.concatenate([np.zeros((0, len(robot.axes))), *runs])
     for axis, value in asked.held.items():
         if axis in robot.axes:
-            rows = rows[np.abs(rows[:, robot.axes.index(axis)] - value) <= HOLD_TOLERANCE]
+            rows = rows[np.abs(rows[:, robot.axes.index(axis)] - value) <= _HOLD_TOLERANCE]
     return np.asarray(rows)
 
 
@@ -412,7 +412,7 @@ def _task_in_recorded_ranges(
 
     if net is not None or not len(rows):
         return asked
-    low, high = rows.min(axis=0) - RANGE_MARGIN, rows.max(axis=0) + RANGE_MARGIN
+    low, high = rows.min(axis=0) - _RANGE_MARGIN, rows.max(axis=0) + _RANGE_MARGIN
     ends = np.clip(np.stack([low, high]), *asked.robot.limits.T)
     found = {
         axis: (float(ends[0, i]), float(ends[1, i]))
@@ -428,7 +428,7 @@ def _current_errors(net: ExtendedMap, arm: ObservedArm, tests: Goals) -> MapErro
     return measure_errors(net, arm, tests)
 
 
-def _print_at_once(options: LearnOptions, line: str) -> None:
+def _print_at_once(options: _LearnOptions, line: str) -> None:
     """At once, as it takes its time."""
     if options.format is Format.TEXT:
         say(line)
@@ -457,14 +457,14 @@ def _print_result(
     beside: Mapping[str, MapErrors],
     tests: Goals,
     written: Sequence[Path],
-    options: LearnOptions,
+    options: _LearnOptions,
 ) -> None:
     from assistant.findings.formats import finding_record
     from assistant.learning.maps.map_training import measure_overrun
     from assistant.learning.rules import BEYOND_RANGES, UNITS_WITHOUT_WINS
 
     left, path = float((net.wins == 0.0).mean()), str(written[0])
-    findings = [UNITS_WITHOUT_WINS(share=left, path=path)] if left > LARGEST_UNUSED_SHARE else []
+    findings = [UNITS_WITHOUT_WINS(share=left, path=path)] if left > _LARGEST_UNUSED_SHARE else []
     if net.task.free:
         found = measure_overrun(net, arm, tests)
         if found.share:
@@ -488,32 +488,32 @@ def _print_result(
     say(f"wrote {', '.join(str(one) for one in written)}")
 
 
-def _check_output_names(options: LearnOptions, outputs: LearnOutputs) -> None:
+def _check_output_names(options: _LearnOptions, outputs: _LearnOutputs) -> None:
     from assistant.report.figures import format_of
 
     if outputs.map.suffix.lower() != ".npz" or not outputs.map.stem:
-        raise Refused(NOT_A_MAP_NAME(name=outputs.map), exit_status=2)
+        raise Refused(_NOT_A_MAP_NAME(name=outputs.map), exit_status=2)
     if outputs.picture is not None:
         format_of(outputs.picture.name)
     curve, picture = outputs.curve, outputs.picture
     same = curve is not None and picture is not None and curve.resolve() == picture.resolve()
     if curve is not None and (same or curve.suffix.lower() not in {".csv", ".png", ".svg"}):
-        raise Refused(NOT_A_CURVE_NAME(name=outputs.curve), exit_status=2)
+        raise Refused(_NOT_A_CURVE_NAME(name=outputs.curve), exit_status=2)
     read = [str(one) for one in (options.cameras, Path(options.robot)) if one is not None]
     read += [str(one) for one in options.recorded]
     keep_sources(read, [one for one in (outputs.map, outputs.picture, outputs.curve) if one])
 
 
-def _initial_map(made: Experiment, options: LearnOptions) -> ExtendedMap:
+def _initial_map(made: Experiment, options: _LearnOptions) -> ExtendedMap:
     from assistant.learning.maps.map_training import start_map_with_shape
 
     if options.lattice is None:
         return made.start(options.seed)
-    shape = lattice_of(options.lattice)
+    shape = _lattice_of(options.lattice)
     return start_map_with_shape(shape, made.arm, made.space, made.ranges, options.seed)
 
 
-def _learning_plan(net: ExtendedMap, options: LearnOptions) -> TrainingPlan:
+def _learning_plan(net: ExtendedMap, options: _LearnOptions) -> TrainingPlan:
     from assistant.learning.maps.extended_map import first_cooling, relearning_cooling
     from assistant.learning.maps.map_training import MEASURED_STEPS, TrainingPlan
 
@@ -524,7 +524,7 @@ def _learning_plan(net: ExtendedMap, options: LearnOptions) -> TrainingPlan:
 
 
 def _rival_results(
-    made: Experiment, net: ExtendedMap, arm: ObservedArm, tests: Goals, options: LearnOptions
+    made: Experiment, net: ExtendedMap, arm: ObservedArm, tests: Goals, options: _LearnOptions
 ) -> Iterable[tuple[str, MapErrors]]:
     """The map with noise, and the rivals without and with it."""
     from assistant.learning.maps.experiments import (
@@ -534,7 +534,7 @@ def _rival_results(
     )
     from assistant.learning.maps.map_training import goals_with_noise, measure_errors
 
-    noise = options.noise or TEST_NOISE
+    noise = options.noise or _TEST_NOISE
     blurred, seen = arm.noisy(noise, options.seed + 5), goals_with_noise(tests, noise, options.seed)
     yield f"{noise:g} px of noise", measure_errors(net, blurred, seen)
     if not options.rivals:
@@ -582,7 +582,7 @@ def _output_data(
     curve: Sequence[MapErrors],
     stages: Sequence[LatticeStage],
     tests: Goals,
-    outputs: LearnOutputs,
+    outputs: _LearnOutputs,
 ) -> dict[Path, bytes]:
     """Return the files requested beside the map: a picture of the lattice and the error curve."""
     import numpy as np
@@ -593,7 +593,7 @@ def _output_data(
 
     files: dict[Path, bytes] = {}
     if outputs.picture is not None:
-        chosen = evenly_spaced(len(stages), PICTURED_STAGES)
+        chosen = evenly_spaced(len(stages), _PICTURED_STAGES)
         some, kind = [stages[at] for at in chosen], format_of(outputs.picture.name)
         drawn = report.lattice_picture(some, net.shape, tests.pixels, cameras, kind)
         files[outputs.picture] = drawn

@@ -210,7 +210,7 @@ def placement_of(place: str | None, marks: Sequence[str] | None) -> DrawingPlace
     return placement_of_options(place, marks or ())
 
 
-SIGNALS_WITHOUT_PROOF = error(
+_SIGNALS_WITHOUT_PROOF = error(
     "CL020", "--signals says nothing without --prove", "add --prove, or leave it out"
 )
 
@@ -221,7 +221,7 @@ def proof_settings(wanted: bool, signals: Path | None, seed: int) -> Proving | N
 
     if not wanted:
         if signals is not None:
-            raise Refused(SIGNALS_WITHOUT_PROOF(), exit_status=2)
+            raise Refused(_SIGNALS_WITHOUT_PROOF(), exit_status=2)
         return None
     return Proving(script=signals, seed=seed)
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from assistant.compiler.merge_edits import Keeper
 
 
-SAME_FILE: Final = info(
+_SAME_FILE: Final = info(
     "CL001",
     "both `{first}` and `{second}` write `{name}`: each goes to a folder of its own",
     "rename one of the sources to have their files side by side",
@@ -71,7 +71,7 @@ def output_folders(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Dia
             other = owner.setdefault(name.lower(), source)
             if other != source:
                 apart |= {other: None, source: None}
-                told.append(SAME_FILE(path=source, first=other, second=source, name=name))
+                told.append(_SAME_FILE(path=source, first=other, second=source, name=name))
     paths = {source: Path(source).absolute().with_suffix("") for source in apart}
     above = os.path.commonpath([path.parent for path in paths.values()]) if paths else ""
     folders: dict[str, str] = {}
@@ -99,7 +99,7 @@ def write_outputs(
     for source in sorted(files, key=lambda source: source in folders):  # those without one first
         memory = written_in(Path(output) / folders.get(source, ""))
         wished, path = (
-            files_by_path(source, files[source], folders, output),
+            _files_by_path(source, files[source], folders, output),
             paths.get(source, source),
         )
         if others := replaced(wished, path, memory):
@@ -114,7 +114,7 @@ def write_outputs(
     return written, told
 
 
-def files_by_path(
+def _files_by_path(
     source: str, files: Files, folders: Mapping[str, str], output: str | Path
 ) -> dict[Path, bytes]:
     """The files of one source by where they are written."""
@@ -158,7 +158,7 @@ def write_with_edits(
     made: dict[Path, dict[str | Path, list[str]]] = {}
     for source in sorted(files, key=lambda source: source in folders):
         memory = written_in(Path(output) / folders.get(source, ""))
-        wished = files_by_path(source, files[source], folders, output)
+        wished = _files_by_path(source, files[source], folders, output)
         others = [] if keeper.wishes.overwrite else replaced(wished, source, memory)
         kept = Kept({}, {}, findings=tuple(others)) if others else keeper.kept(wished, memory)
         done.findings += kept.findings

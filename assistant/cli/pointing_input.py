@@ -75,7 +75,7 @@ class PointingOptions:
 
 
 @dataclass(slots=True)
-class ShownPlaces:
+class _ShownPlaces:
     """Positions shown to cameras, and the counts and reasons collected meanwhile."""
 
     rig: Rig
@@ -149,10 +149,10 @@ class ShownPlaces:
         )
 
 
-def next_place(
+def _next_place(
     name: str,
     holds: Iterator[HeldPosition],
-    shown: ShownPlaces,
+    shown: _ShownPlaces,
     robot: Robot | None,
     near: Sequence[float] | None = None,
 ) -> tuple[HeldPosition, ShownTarget] | None:
@@ -181,17 +181,17 @@ def next_place(
     return None
 
 
-def place_line(place: ShownTarget) -> str:
+def _place_line(place: ShownTarget) -> str:
     x, y, z = place.pose.position
     q = ", ".join(f"{part:.5f}" for part in place.pose.quaternion)
     return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({q})"
 
 
-def certainty(held: HeldPosition) -> str:
+def _certainty(held: HeldPosition) -> str:
     return f"{held.frames} moments within {held.spread:.2f} mm, mean known to {held.sigma:.2f} mm"
 
 
-def pointing_record(held: HeldPosition, place: ShownTarget) -> dict[str, object]:
+def _pointing_record(held: HeldPosition, place: ShownTarget) -> dict[str, object]:
     return {
         "name": place.name,
         "position": list(place.pose.position),
@@ -205,27 +205,27 @@ def pointing_record(held: HeldPosition, place: ShownTarget) -> dict[str, object]
     }
 
 
-NO_CONTROLLER: Final = error(
+_NO_CONTROLLER: Final = error(
     "CL510",
     "no controller of the project is named, and --go leads an arm",
     "name the controller as the first word",
 )
-NOT_TOGETHER: Final = error("CL512", "{one} and {other} do not go together", "leave one of them")
-NOT_CSV: Final = error(
+_NOT_TOGETHER: Final = error("CL512", "{one} and {other} do not go together", "leave one of them")
+_NOT_CSV: Final = error(
     "CL513", "a stroke is written as a table, and `{name}` is none", "end its name in .csv"
 )
-NO_ARM: Final = error("CL519", "--servo says how an arm is led, and none is", "add --go")
-FILE_EXISTS: Final = error(
+_NO_ARM: Final = error("CL519", "--servo says how an arm is led, and none is", "add --go")
+_FILE_EXISTS: Final = error(
     "CL514", "`{name}` is there already", "name another file, or add --replace"
 )
-NO_COUNT: Final = error("CL515", "{option} is {value:g}", "write {cure}")
+_NO_COUNT: Final = error("CL515", "{option} is {value:g}", "write {cure}")
 
 
 def run_point(words: Sequence[str], on: str | None, now: bool, options: PointingOptions) -> int:
     """words: perhaps a controller, and names; without names p1, p2 … until the pictures end."""
     other = "--on" if on is not None else "--now" if now else None
     if other is not None:
-        raise Refused(NOT_TOGETHER(one="--point", other=other), exit_status=2)
+        raise Refused(_NOT_TOGETHER(one="--point", other=other), exit_status=2)
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.pointing.devices import device_of
 
@@ -233,12 +233,12 @@ def run_point(words: Sequence[str], on: str | None, now: bool, options: Pointing
     one, names = _split_controller(words)
     rig = read_cameras(options.cameras)
     cameras = tuple(rig[name] for name in options.use or rig.cameras)
-    shown = ShownPlaces(rig, cameras, device_of(options.device), options)
+    shown = _ShownPlaces(rig, cameras, device_of(options.device), options)
     if options.go:
         if one is None:
-            raise Refused(NO_CONTROLLER(), exit_status=2)
+            raise Refused(_NO_CONTROLLER(), exit_status=2)
 
-        return run_pointed_arm(words[0], names, shown)
+        return _run_pointed_arm(words[0], names, shown)
     robot = _robot_of(one, options)
     if options.stroke:
         return _store_stroke(shown, robot)
@@ -256,25 +256,25 @@ def _check_options(options: PointingOptions) -> None:
     )
     for value, option, low, cure in least:
         if not low <= value < 1e6:
-            raise Refused(NO_COUNT(option=option, value=value, cure=cure), exit_status=2)
+            raise Refused(_NO_COUNT(option=option, value=value, cure=cure), exit_status=2)
     if not 0.0 <= options.above <= 500.0:
         cure = "0 to 500 mm"
-        raise Refused(NO_COUNT(option="--above", value=options.above, cure=cure), exit_status=2)
+        raise Refused(_NO_COUNT(option="--above", value=options.above, cure=cure), exit_status=2)
     if not 0.0 < options.speed <= 100.0:
         raise Refused(NO_SPEED(value=options.speed), exit_status=2)
     if options.stroke:
         others = {"--go": options.go, "--world": options.world, "--joints": options.wanted.joints}
         wrong = next((name for name, given in others.items() if given), None)
         if wrong is not None:
-            raise Refused(NOT_TOGETHER(one="--stroke", other=wrong), exit_status=2)
+            raise Refused(_NOT_TOGETHER(one="--stroke", other=wrong), exit_status=2)
         if options.into.suffix.lower() != ".csv":
-            raise Refused(NOT_CSV(name=options.into), exit_status=2)
+            raise Refused(_NOT_CSV(name=options.into), exit_status=2)
         if options.into.exists() and not options.wanted.again:
-            raise Refused(FILE_EXISTS(name=options.into))
+            raise Refused(_FILE_EXISTS(name=options.into))
     if options.go and options.robot is not None:
-        raise Refused(NOT_TOGETHER(one="--go", other="--robot"), exit_status=2)
+        raise Refused(_NOT_TOGETHER(one="--go", other="--robot"), exit_status=2)
     if options.servo is not None and not options.go:
-        raise Refused(NO_ARM(), exit_status=2)
+        raise Refused(_NO_ARM(), exit_status=2)
 
 
 def _split_controller(words: Sequence[str]) -> tuple[Named | None, Sequence[str]]:
@@ -295,7 +295,7 @@ def _robot_of(one: Named | None, options: PointingOptions) -> Robot | None:
     return None if one is None else robot_of_cell(one)
 
 
-def _store_places(names: Sequence[str], shown: ShownPlaces, robot: Robot | None) -> int:
+def _store_places(names: Sequence[str], shown: _ShownPlaces, robot: Robot | None) -> int:
     """Each place that is shown, as a target, until there are no names or no pictures any more."""
     from assistant.cli.teaching import free_names
     from assistant.compiler.taught_targets import check_names, store_target
@@ -305,23 +305,23 @@ def _store_places(names: Sequence[str], shown: ShownPlaces, robot: Robot | None)
     stored: list[dict[str, object]] = []
     with shown.holds() as holds:
         for name in names or free_names(options.into):
-            found = next_place(name, holds, shown, robot)
+            found = _next_place(name, holds, shown, robot)
             if found is None:
                 if names or not stored:
                     raise shown.ended(name)
                 break
             held, place = found
             store_target(options.into, place, options.wanted)
-            stored.append(pointing_record(held, place))
+            stored.append(_pointing_record(held, place))
             if options.format is Format.TEXT:
-                say(f"{name}: {place_line(place)}, {certainty(held)}, stored in {options.into}")
+                say(f"{name}: {_place_line(place)}, {_certainty(held)}, stored in {options.into}")
                 sys.stdout.flush()
     if options.format is Format.JSON:
         print_json({"file": str(options.into), "device": shown.device.name, "stored": stored})
     return 0
 
 
-def _store_stroke(shown: ShownPlaces, robot: Robot | None) -> int:
+def _store_stroke(shown: _ShownPlaces, robot: Robot | None) -> int:
     """The way between two holds, as a table of waypoints."""
     from dataclasses import replace
 
@@ -361,12 +361,12 @@ def _store_stroke(shown: ShownPlaces, robot: Robot | None) -> int:
     return 0
 
 
-NO_ROBOT: Final = error(
+_NO_ROBOT: Final = error(
     "CL511",
     "no project says which robot `{name}` moves, so it is led nowhere",
     "write robot = NAME into its table in assistant.toml",
 )
-NO_POINTING_MODE: Final = error(
+_NO_POINTING_MODE: Final = error(
     "CL517", "no arm is led to a place by `{by}`", "choose one of {known}"
 )
 
@@ -377,7 +377,7 @@ class _ArmLeader:
 
     motion: Moving
     robot: Robot
-    shown: ShownPlaces
+    shown: _ShownPlaces
     mode: Mode
     wishes: LinkOptions
     pictures: tuple[ByPictures, ServoFile] | None
@@ -402,7 +402,7 @@ class _ArmLeader:
         print_findings(led.findings)
         seen = self._set_up(place)
         how = self.mode.title if seen is None else f"{self.mode.title}, then {seen.title}"
-        what = f"leads the arm to `{place.name}` at {place_line(place)}, {certainty(held)}, {how}"
+        what = f"leads the arm to `{place.name}` at {_place_line(place)}, {_certainty(held)}, {how}"
         confirm(self.motion.cell.one, what, options.yes)
         self.motion.began = True
         self.mode.run(controller, led, self.wishes, lambda _: None)
@@ -442,7 +442,7 @@ class _ArmLeader:
         return done.distance, done.turn
 
 
-def run_pointed_arm(cell: str, names: Sequence[str], shown: ShownPlaces) -> int:
+def _run_pointed_arm(cell: str, names: Sequence[str], shown: _ShownPlaces) -> int:
     """The arm is led to each place, and where it comes to rest is stored."""
     from assistant.cli.teaching import free_names
     from assistant.compiler.taught_targets import check_names
@@ -451,7 +451,7 @@ def run_pointed_arm(cell: str, names: Sequence[str], shown: ShownPlaces) -> int:
     options = shown.options
     if options.by not in MODES:
         known = ", ".join(MODES)
-        raise Refused(NO_POINTING_MODE(by=options.by, known=known), exit_status=2)
+        raise Refused(_NO_POINTING_MODE(by=options.by, known=known), exit_status=2)
     mode, wishes = MODES[options.by], options.wishes or LinkOptions()
     pictures = _servo_pictures(options.servo, options.by)
     stored: list[dict[str, object]] = []
@@ -459,7 +459,7 @@ def run_pointed_arm(cell: str, names: Sequence[str], shown: ShownPlaces) -> int:
         there = motion.cell
         controller, robot = there.controller, robot_of_cell(there.one)
         if robot is None:
-            raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
+            raise Refused(_NO_ROBOT(name=there.one.name), exit_status=2)
         mode.check(controller, wishes)
         check_names(options.into, names, robot, options.wanted)
         leader = _ArmLeader(motion, robot, shown, mode, wishes, pictures)
@@ -499,7 +499,7 @@ def _store_next(
     near = own_joints(controller.position(), robot)
     with ExitStack() as looking:
         looked = looking.enter_context(shown.holds()) if holds is None else holds
-        found = next_place(name, looked, shown, robot, near)
+        found = _next_place(name, looked, shown, robot, near)
     if found is None:
         return None
     held, place = found
@@ -513,4 +513,4 @@ def _store_next(
             f"{off['off_degrees']:.2f} degrees from what was shown, stored in {options.into}"
         )
         sys.stdout.flush()
-    return {**pointing_record(held, place), "reached": position, **off}
+    return {**_pointing_record(held, place), "reached": position, **off}

@@ -103,8 +103,8 @@ def module(
         "folder": folder,
     }
     named = {key: value for key, value in given.items() if value is not None}
-    names = plain_files(plain, files, answers, {"--zone": zone is not None})
-    raise typer.Exit(run_module(output, named, prefix, longest, tip, mass, centre, names))
+    names = _plain_files(plain, files, answers, {"--zone": zone is not None})
+    raise typer.Exit(_run_module(output, named, prefix, longest, tip, mass, centre, names))
 
 
 @exchange.command()
@@ -118,8 +118,8 @@ def pose(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Ask the program where the robot is. Nothing moves."""
-    names = plain_files(plain, files, answers, {})
-    raise typer.Exit(run_pose(cell, prefix, timeout, names, format))
+    names = _plain_files(plain, files, answers, {})
+    raise typer.Exit(_run_pose(cell, prefix, timeout, names, format))
 
 
 @exchange.command()
@@ -148,11 +148,11 @@ def follow(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Send poses one after the other; the arm goes to each. Asks before; Ctrl-C stops it."""
-    names = plain_files(plain, files, answers, {"--through": through})
-    options = FollowOptions(
+    names = _plain_files(plain, files, answers, {"--through": through})
+    options = _FollowOptions(
         prefix, timeout, longest, through, record, plot, plot_unit.value, names, yes, format
     )
-    raise typer.Exit(run_follow(cell, trajectory, options))
+    raise typer.Exit(_run_follow(cell, trajectory, options))
 
 
 @exchange.command()
@@ -163,37 +163,37 @@ def stop(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Stop the arm where it is and end the program. Never asks; no emergency stop."""
-    raise typer.Exit(run_stop(cell, prefix, timeout, format))
+    raise typer.Exit(_run_stop(cell, prefix, timeout, format))
 
 
-BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write them with commas between")
-NOT_ONE_PATH: Final = error(
+_BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write them with commas between")
+_NOT_ONE_PATH: Final = error(
     "CL262",
     "`{name}` holds {found} paths of poses, and an exchange follows one",
     "name a table of poses, one in each row",
 )
-SEVERAL: Final = error(
+_SEVERAL: Final = error(
     "CL265",
     "the poses of `{name}` are of several {what} ({first}, {second}); an exchange has one of each, "
     "which its module names",
     "divide the table",
 )
-BROKEN_OFF: Final = warning(
+_BROKEN_OFF: Final = warning(
     "CL263", "broken off: {ended}", "look at the robot before anything else"
 )
-NOT_STOPPED: Final = error(
+_NOT_STOPPED: Final = error(
     "CL264", "{ended}", "press the emergency stop if the arm moves, and look at it"
 )
-NOT_PLAIN: Final = error(
+_NOT_PLAIN: Final = error(
     "CL266", "a plain exchange has no `{option}`: {reason}", "leave one of both out"
 )
-ONLY_PLAIN: Final = error(
+_ONLY_PLAIN: Final = error(
     "CL267", "`{option}` names files of a plain exchange, and --plain is missing", "add --plain"
 )
 
 
 @dataclass(frozen=True, slots=True)
-class FollowOptions:
+class _FollowOptions:
     """Options of `exchange follow`."""
 
     prefix: str
@@ -208,7 +208,7 @@ class FollowOptions:
     format: Format
 
 
-def plain_files(
+def _plain_files(
     plain: bool, files: str | None, answers: str | None, others: Mapping[str, bool]
 ) -> PlainFiles | None:
     """Return the file names of a plain exchange; None for the numbered one.
@@ -221,12 +221,12 @@ def plain_files(
     if not plain:
         for option, given in (("--files", files), ("--answers", answers)):
             if given is not None:
-                raise Refused(ONLY_PLAIN(option=option), exit_status=2)
+                raise Refused(_ONLY_PLAIN(option=option), exit_status=2)
         return None
     for option, is_given in others.items():
         if is_given:
             reason = "the robot stands still at each pose"
-            raise Refused(NOT_PLAIN(option=option, reason=reason), exit_status=2)
+            raise Refused(_NOT_PLAIN(option=option, reason=reason), exit_status=2)
     usual = PlainFiles()
     return PlainFiles(
         usual.sent if files is None else _answer_names(files),
@@ -238,7 +238,7 @@ def _answer_names(given: str) -> tuple[str, str, str]:
     names = [name.strip() for name in given.split(",")]
     if len(names) != 3:
         wanted = "three names: of position, orientation and configuration"
-        raise Refused(BAD_LIST(given=given, wanted=wanted), exit_status=2)
+        raise Refused(_BAD_LIST(given=given, wanted=wanted), exit_status=2)
     return names[0], names[1], names[2]
 
 
@@ -256,7 +256,7 @@ def _pose_sender(
     return PlainExchange(programs, files=plain, prefix=prefix, timeout=timeout, longest=longest)
 
 
-def run_module(
+def _run_module(
     output: str,
     named: Mapping[str, str],
     prefix: str,
@@ -305,7 +305,7 @@ def run_module(
     return 0
 
 
-def run_pose(
+def _run_pose(
     cell: str, prefix: str, timeout: float, plain: PlainFiles | None, format: Format
 ) -> int:
     with connected(cell, "exchange pose") as there:
@@ -327,14 +327,14 @@ def _warn_without_checksum(checked: bool | None, place: str) -> None:
         print_findings([rules.UNCHECKED(place=place)])
 
 
-def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
+def _run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
     from assistant.controllers.abb.exchange import PoseExchange
 
     with connected(cell, "exchange stop") as there:
         exchange = PoseExchange(there.session, prefix=prefix, timeout=timeout)
         answer = exchange.stop()
     if answer is None:
-        raise Refused(NOT_STOPPED(place=str(there.one.address), ended=exchange.ended))
+        raise Refused(_NOT_STOPPED(place=str(there.one.address), ended=exchange.ended))
     if format is Format.JSON:
         print_json({"address": str(there.one.address), **_answer_record(answer)})
     else:
@@ -343,7 +343,7 @@ def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
     return 0
 
 
-def run_follow(cell: str, trajectory: Path, options: FollowOptions) -> int:
+def _run_follow(cell: str, trajectory: Path, options: _FollowOptions) -> int:
     from assistant.controllers.recording import check_place
     from assistant.report import figures
 
@@ -385,7 +385,7 @@ def _ended_otherwise(place: str, exchange: PoseSender) -> Iterator[None]:
         yield
     except BaseException:
         if exchange.ended:
-            rule = BROKEN_OFF if exchange.stands else NOT_STOPPED
+            rule = _BROKEN_OFF if exchange.stands else _NOT_STOPPED
             print_findings([rule(place=place, ended=exchange.ended)])
         raise
 
@@ -419,7 +419,7 @@ def _read_poses(source: Path) -> Poses:
             case Move(target=Name(name), motion=motion):
                 found.append(_single_pose(reading.program.targets[name], motion))
     if len(found) != 1 or not len(found[0]):
-        raise Refused(NOT_ONE_PATH(path=str(source), name=source.name, found=len(found)))
+        raise Refused(_NOT_ONE_PATH(path=str(source), name=source.name, found=len(found)))
     path = found[0]
     for what, names, rows in (
         ("frames", path.frames, path.frame),
@@ -428,7 +428,7 @@ def _read_poses(source: Path) -> Poses:
         used = sorted({names[row] for row in set(rows.tolist())})
         if len(used) > 1:
             raise Refused(
-                SEVERAL(
+                _SEVERAL(
                     path=str(source), name=source.name, what=what, first=used[0], second=used[1]
                 )
             )
@@ -464,7 +464,7 @@ def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
     return [(one, four, six, x) for one, four, six, x in rows]
 
 
-def _write_answers(exchange: PoseSender, options: FollowOptions, name: str) -> None:
+def _write_answers(exchange: PoseSender, options: _FollowOptions, name: str) -> None:
     """Writes what was answered, also of an exchange that was broken off."""
     if not len(exchange.recording):
         return
@@ -488,7 +488,7 @@ def _write_answers(exchange: PoseSender, options: FollowOptions, name: str) -> N
         say(f"wrote {options.plot}")
 
 
-def _print_round_trips(exchange: PoseSender, place: str, options: FollowOptions) -> None:
+def _print_round_trips(exchange: PoseSender, place: str, options: _FollowOptions) -> None:
     """Print the duration of the round trips, split into their parts."""
     parts = ["round_trip", "hand_over", "waiting", "fetching"]
     if options.plain is None:  # whose files do not tell how long a motion took
@@ -537,5 +537,5 @@ def _listed_numbers(given: str, counts: tuple[int, ...], wanted: str) -> list[fl
     except ValueError:
         found = []
     if len(found) not in counts:
-        raise Refused(BAD_LIST(given=given, wanted=wanted), exit_status=2)
+        raise Refused(_BAD_LIST(given=given, wanted=wanted), exit_status=2)
     return found

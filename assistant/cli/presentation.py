@@ -95,9 +95,9 @@ class GrammarAs(enum.StrEnum):
     FULL = "full"
 
 
-MOST_EXPLAINED: Final = 8
+_MOST_EXPLAINED: Final = 8
 """Codes that the last line below findings names."""
-STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
+_STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
 
 
 def console() -> Console:
@@ -121,8 +121,8 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
     codes: set[str] = set()
     for finding in listed:
         codes.add(finding.code)
-        head = Text(finding.code, style=STYLES[finding.severity])
-        head.append(f" {finding.severity}", style=STYLES[finding.severity])
+        head = Text(finding.code, style=_STYLES[finding.severity])
+        head.append(f" {finding.severity}", style=_STYLES[finding.severity])
         if where := finding.where():
             head.append(f" {visible_on_one_line(where)}", style="bold")
         head.append(f": {visible_on_one_line(finding.message)}", style="default")
@@ -137,7 +137,7 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
         if finding.cure:
             screen.print(Text(f"       = {visible_on_one_line(finding.cure)}", style="green"))
     if explained:
-        some = sorted(codes)[:MOST_EXPLAINED]
+        some = sorted(codes)[:_MOST_EXPLAINED]
         screen.print(
             f"more about them: robot-assistant explain {' '.join(some)}, or docs/findings.md#"
             f"{some[0].lower()}"

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from assistant.sources.sights import Seeing
 
 
-CHECKED_AS_STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
+_CHECKED_AS_STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
 """Sources whose production a project describes; programs are checked with the given options."""
 
 
@@ -95,7 +95,7 @@ def _check_sources(sources: Sequence[str], options: CheckOptions, keep: bool) ->
         raise Refused(TWICE(), exit_status=2)
     alike: dict[CheckOptions, list[str]] = {}
     for source in sources:
-        own = Path(source).suffix.lower() in CHECKED_AS_STATED
+        own = Path(source).suffix.lower() in _CHECKED_AS_STATED
         alike.setdefault(with_project_defaults(source, options) if own else options, []).append(
             source
         )
@@ -167,7 +167,7 @@ def _write_check_page(
     return written
 
 
-WITHOUT_PARTNER: Final = error(
+_WITHOUT_PARTNER: Final = error(
     "CL015",
     "there is no program `{name}` in `{folder}`",
     "compare it with another one by naming both files",
@@ -226,7 +226,7 @@ def run_compare(
                     text=options.text,
                 )
             )
-    lone = [WITHOUT_PARTNER(path=name, name=name, folder=folder) for name, folder in pairs.lone]
+    lone = [_WITHOUT_PARTNER(path=name, name=name, folder=folder) for name, folder in pairs.lone]
     status = max(
         [2 if answers.refusals else 0, int(bool(lone)), *(each.exit_status for each in done)]
     )

@@ -36,8 +36,10 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
 
-NO_PASS: Final = error("CL012", "the program goes through no pass `{name}`", "name one of {passes}")
-NO_LANGUAGE: Final = error(
+_NO_PASS: Final = error(
+    "CL012", "the program goes through no pass `{name}`", "name one of {passes}"
+)
+_NO_LANGUAGE: Final = error(
     "CL013", "a pass is on the way into a language", "name it: `--to LANGUAGE`"
 )
 
@@ -105,7 +107,7 @@ def _lowered(loaded: Loaded, wanted: ShowOptions) -> Program:
     """The program that was loaded, or what a pass on its way into a language makes of it."""
     if wanted.to is None:
         if wanted.after is not None:
-            raise Refused(NO_LANGUAGE(), exit_status=2)
+            raise Refused(_NO_LANGUAGE(), exit_status=2)
         return loaded.program
     from assistant.compiler import compile
     from assistant.program.passes.legalisation import pass_trace
@@ -117,11 +119,11 @@ def _lowered(loaded: Loaded, wanted: ShowOptions) -> Program:
         return compiled.program
     if wanted.after not in seen:
         passes = ", ".join(f"`{name}`" for name in seen)
-        raise Refused(NO_PASS(name=wanted.after, passes=passes), exit_status=2)
+        raise Refused(_NO_PASS(name=wanted.after, passes=passes), exit_status=2)
     return seen[wanted.after]
 
 
-BAD_NUMBERING: Final = error(
+_BAD_NUMBERING: Final = error(
     "CL005",
     "`{text}` does not say how steps are numbered",
     "write the first number and the step, both from 1 on, as in --renumber 10,10",
@@ -185,7 +187,7 @@ def _numbering(text: str) -> tuple[int, int]:
     found = _NUMBERING.fullmatch(text)
     first, step = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
     if not (first and step):
-        raise Refused(BAD_NUMBERING(text=text), exit_status=2)
+        raise Refused(_BAD_NUMBERING(text=text), exit_status=2)
     return first, step
 
 

@@ -54,7 +54,7 @@ def build(
     from assistant.compiler.merge_edits import MergeChoices
 
     wishes = MergeChoices.of(overwrite, keep_edit or (), drop_edit or ())
-    raise typer.Exit(run_build(names or (), jobs, anew, format, wishes))
+    raise typer.Exit(_run_build(names or (), jobs, anew, format, wishes))
 
 
 def init(
@@ -68,18 +68,20 @@ def init(
     unit: UnitOption = None,
 ) -> None:
     """Start a project: an example or your drawings, and files for git, pre-commit and CI."""
-    raise typer.Exit(run_init(paths or (), unit))
+    raise typer.Exit(_run_init(paths or (), unit))
 
 
-ONE_FOLDER = error(
+_ONE_FOLDER = error(
     "CL051",
     "a project has one folder, and `{name}` is another one",
     "name one folder, and drawings that end in .dxf",
 )
-NO_DRAWING = error("CL052", "--unit is of drawings, and none is named", "name one, or leave it out")
+_NO_DRAWING = error(
+    "CL052", "--unit is of drawings, and none is named", "name one, or leave it out"
+)
 
 
-def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
+def _run_init(paths: Sequence[Path], unit: str | None = None) -> int:
     from assistant.project.new_project import BLANK_KEYS, start_project
     from assistant.sources.process.placement import DRAWING_SUFFIXES
 
@@ -88,9 +90,9 @@ def run_init(paths: Sequence[Path], unit: str | None = None) -> int:
     ]
     folders = [path for path in paths if path not in drawings]
     if len(folders) > 1:
-        raise Refused(ONE_FOLDER(name=folders[1]), exit_status=2)
+        raise Refused(_ONE_FOLDER(name=folders[1]), exit_status=2)
     if unit is not None and not drawings:
-        raise Refused(NO_DRAWING(), exit_status=2)
+        raise Refused(_NO_DRAWING(), exit_status=2)
     folder = folders[0] if folders else Path()
     started = start_project(folder, drawings, unit)
     print_findings(started.findings)
@@ -127,7 +129,7 @@ def check_project(given: Mapping[str, object], format: FindingFormat, fail_on: F
     return fail_on.status(done.findings, unreadable=done.unreadable)
 
 
-def run_build(
+def _run_build(
     names: Sequence[str],
     jobs: int | None,
     anew: bool,

@@ -44,16 +44,16 @@ reach: Final = typer.Typer(
     rich_markup_mode=None,
     add_completion=False,
 )
-RANGE_FORM: Final = "LOW:HIGH:STEP"
+_RANGE_FORM: Final = "LOW:HIGH:STEP"
 TipOption = Annotated[
     str | None,
     typer.Option(help="x,y,z[,w,x,y,z] of the tip on the flange, mm; default the flange itself."),
 ]
-TurnsOption = Annotated[
+_TurnsOption = Annotated[
     int,
     typer.Option(help="Turns of the tool about its z axis that are tried; 1 if its turn counts."),
 ]
-OutputOption = Annotated[
+_OutputOption = Annotated[
     list[str] | None,
     typer.Option("--output", "-o", help="File to write: .csv, .npz, .png or .svg; repeatable."),
 ]
@@ -79,28 +79,28 @@ SweptOption = Annotated[
 
 
 @reach.command("map")
-def map_reach(
+def _map_reach(
     robot: RobotOption = None,
     cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm of the world.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm of the world.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm of the world.")] = None,
+    x: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")] = None,
     direction: Annotated[
         list[str] | None,
         typer.Option(
             help="Of the tool's z axis: down, up, x,y,z, or with /DEGREES a cone; repeatable."
         ),
     ] = None,
-    turns: TurnsOption = 12,
+    turns: _TurnsOption = 12,
     tip: TipOption = None,
     margin: MarginOption = None,
-    output: OutputOption = None,
+    output: _OutputOption = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell which part of a region an arm reaches, with which directions of its tool."""
     ranges = {"x": x, "y": y, "z": z}
-    tool = ReachTool(robot, cell, tip, turns, margin)
-    raise typer.Exit(run_map(tool, ranges, direction or ["down"], output or (), format))
+    tool = _ReachTool(robot, cell, tip, turns, margin)
+    raise typer.Exit(_run_map(tool, ranges, direction or ["down"], output or (), format))
 
 
 @reach.command()
@@ -108,10 +108,10 @@ def base(
     program: GoalsArgument = None,
     robot: RobotOption = None,
     cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
-    turn: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="Degrees about z.")] = None,
+    x: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
+    turn: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="Degrees about z.")] = None,
     turns: FewTurnsOption = 1,
     tip: TipOption = None,
     margin: MarginOption = None,
@@ -122,10 +122,10 @@ def base(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Find where the base of a robot stands best, for targets that stay where they are."""
-    tool = ReachTool(robot, cell, tip, turns, margin)
-    goals = PlaceGoals(program, process, unit, from_language)
+    tool = _ReachTool(robot, cell, tip, turns, margin)
+    goals = _PlaceGoals(program, process, unit, from_language)
     ranges = {"x": x, "y": y, "z": z, "turn": turn}
-    raise typer.Exit(run_places(None, tool, goals, ranges, output or (), format))
+    raise typer.Exit(_run_places(None, tool, goals, ranges, output or (), format))
 
 
 @reach.command()
@@ -134,10 +134,10 @@ def place(
     program: GoalsArgument = None,
     robot: RobotOption = None,
     cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="mm from where it is.")] = None,
-    turn: Annotated[str | None, typer.Option(metavar=RANGE_FORM, help="Degrees about z.")] = None,
+    x: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
+    y: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
+    z: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
+    turn: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="Degrees about z.")] = None,
     turns: FewTurnsOption = 1,
     tip: TipOption = None,
     margin: MarginOption = None,
@@ -148,10 +148,10 @@ def place(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Find where a work piece stands best, for targets that move with it."""
-    tool = ReachTool(robot, cell, tip, turns, margin)
-    goals = PlaceGoals(program, process, unit, from_language)
+    tool = _ReachTool(robot, cell, tip, turns, margin)
+    goals = _PlaceGoals(program, process, unit, from_language)
     ranges = {"x": x, "y": y, "z": z, "turn": turn}
-    raise typer.Exit(run_places(body, tool, goals, ranges, output or (), format))
+    raise typer.Exit(_run_places(body, tool, goals, ranges, output or (), format))
 
 
 @reach.command()
@@ -173,26 +173,26 @@ def swept(
     options = SimulationOptions(
         robot, process, unit, from_language, None, None, None, entry=entry, cell=cell
     )
-    raise typer.Exit(run_swept(program, options, size, output or (), format))
+    raise typer.Exit(_run_swept(program, options, size, output or (), format))
 
 
-NO_ARM = error(
+_NO_ARM = error(
     "CL036",
     "nobody says which robot it is about",
     "name one with --robot, as the cell file does or of the catalogue; `robot-assistant robots` "
     "lists these",
 )
-UNKNOWN_RESULT = error("CL037", "this is not written as `{name}`", "end the name in {known}")
-NOT_A_TIP = error(
+_UNKNOWN_RESULT = error("CL037", "this is not written as `{name}`", "end the name in {known}")
+_NOT_A_TIP = error(
     "CL038", "`{given}` is no tip", "write x,y,z or x,y,z,w,x,y,z: mm and a quaternion"
 )
-BAD_MARGIN = error("CL039", "{given:g} is no margin", "write mm, 0 or more")
-DEFAULT_STEP: Final = 100.0
+_BAD_MARGIN = error("CL039", "{given:g} is no margin", "write mm, 0 or more")
+_DEFAULT_STEP: Final = 100.0
 """mm of a region that nobody states."""
 
 
 @dataclass(frozen=True, slots=True)
-class ReachTool:
+class _ReachTool:
     """The arm, and what it holds. turns: about the tool that are tried. margin: mm."""
 
     robot: str | None
@@ -203,7 +203,7 @@ class ReachTool:
 
 
 @dataclass(frozen=True, slots=True)
-class PlacedArm:
+class _PlacedArm:
     """The arm in its scene. bodies: whether anything may be touched there."""
 
     scene: Scene
@@ -213,8 +213,8 @@ class PlacedArm:
     findings: tuple[Diagnostic, ...]
 
 
-def run_map(
-    tool: ReachTool,
+def _run_map(
+    tool: _ReachTool,
     ranges: Mapping[str, str | None],
     directions: Sequence[str],
     outputs: Sequence[str],
@@ -225,10 +225,10 @@ def run_map(
     from assistant.cell.reach_map import grid, parse_directions, reach_map
     from assistant.report import workspace as report
 
-    files = output_files(outputs, MAP_WRITERS)
+    files = _output_files(outputs, _MAP_WRITERS)
     turned = parse_directions(directions, tool.turns)
     with working("looking at what is reached"):
-        there = placed_arm(tool)
+        there = _placed_arm(tool)
         points = grid([_axis_range(there, axis, text) for axis, text in ranges.items()])
         found = reach_map(
             there.scene,
@@ -240,14 +240,14 @@ def run_map(
             margin=tool.margin,
         )
         title = f"{there.placed.robot.title}, {', '.join(directions)}"
-        written = write_reach(
-            tool, {path: MAP_WRITERS[path.suffix.lower()](found, title) for path in files}
+        written = _write_reach(
+            tool, {path: _MAP_WRITERS[path.suffix.lower()](found, title) for path in files}
         )
     findings = list(there.findings)
     if not found.reached.any():
         findings.append(NOTHING_REACHED(why=_likely_obstacles(there, found)))
     if format is Format.JSON:
-        print_reach(
+        _print_reach(
             {"robot": there.placed.robot.name, **report.map_record(found)}, findings, written
         )
         return 1 if has_errors(findings) else 0
@@ -261,7 +261,7 @@ def run_map(
     return 1 if has_errors(findings) else 0
 
 
-def print_reach(
+def _print_reach(
     answer: Mapping[str, Any], findings: Sequence[Diagnostic], written: Sequence[Path]
 ) -> None:
     from assistant.findings.formats import finding_record
@@ -270,7 +270,7 @@ def print_reach(
     print_json({**answer, "findings": found, "written": [str(path) for path in written]})
 
 
-def placed_arm(tool: ReachTool, known: Robot | None = None) -> PlacedArm:
+def _placed_arm(tool: _ReachTool, known: Robot | None = None) -> _PlacedArm:
     """Return the arm, alone in the world if no cell is given. known: that of a program.
 
     Raises Refused if no arm is named, or it is not in the cell.
@@ -283,20 +283,20 @@ def placed_arm(tool: ReachTool, known: Robot | None = None) -> PlacedArm:
 
     tip = _tip_pose(tool.tip)
     if tool.margin is not None and not 0.0 <= tool.margin < float("inf"):
-        raise Refused(BAD_MARGIN(given=tool.margin), exit_status=2)
+        raise Refused(_BAD_MARGIN(given=tool.margin), exit_status=2)
     found = open_cell(tool.cell, tool.robot)
     robot, scene = found.robot or known, found.scene
     if scene is None:
         if robot is None:
-            raise Refused(NO_ARM(), exit_status=2)
+            raise Refused(_NO_ARM(), exit_status=2)
         alone = link_bodies.place_robot("robot", robot)
-        return PlacedArm(Scene(robots=(alone,)), alone, tip, False, found.findings)
+        return _PlacedArm(Scene(robots=(alone,)), alone, tip, False, found.findings)
     if robot is None and len(scene.robots) == 1:
-        return PlacedArm(scene, scene.robots[0], tip, True, found.findings)
+        return _PlacedArm(scene, scene.robots[0], tip, True, found.findings)
     if robot is None:
-        raise Refused(NO_ARM(), exit_status=2)
+        raise Refused(_NO_ARM(), exit_status=2)
     try:
-        return PlacedArm(scene, robot_of(scene, robot), tip, True, found.findings)
+        return _PlacedArm(scene, robot_of(scene, robot), tip, True, found.findings)
     except LookupError:
         raise Refused(no_robot(robot, scene), exit_status=2) from None
 
@@ -314,14 +314,14 @@ def _tip_pose(given: str | None) -> Pose:
     except ValueError:
         numbers = np.zeros(0)
     if len(numbers) not in (3, 7) or not np.isfinite(numbers).all():
-        raise Refused(NOT_A_TIP(given=given), exit_status=2)
+        raise Refused(_NOT_A_TIP(given=given), exit_status=2)
     turn = numbers[3:] if len(numbers) == 7 else np.array([1.0, 0.0, 0.0, 0.0])
     if not np.linalg.norm(turn) > 0.0:
-        raise Refused(NOT_A_TIP(given=given), exit_status=2)
+        raise Refused(_NOT_A_TIP(given=given), exit_status=2)
     return Pose.of(numbers[:3], rotations.canonical(turn))
 
 
-def _axis_range(there: PlacedArm, axis: str, text: str | None) -> NumberRange:
+def _axis_range(there: _PlacedArm, axis: str, text: str | None) -> NumberRange:
     """Return the stated range, or all that the arm could reach."""
     import numpy as np
 
@@ -333,11 +333,13 @@ def _axis_range(there: PlacedArm, axis: str, text: str | None) -> NumberRange:
     lengths = np.linalg.norm(there.placed.robot.arm.whole_chain.along(
         there.placed.robot.chained(there.placed.robot.home)).origins[0, 0])  # fmt: skip
     most = there.placed.robot.reach + float(lengths) + float(np.linalg.norm(there.tip.position))
-    steps = np.ceil(most / DEFAULT_STEP)
-    return NumberRange(middle - steps * DEFAULT_STEP, middle + steps * DEFAULT_STEP, DEFAULT_STEP)
+    steps = np.ceil(most / _DEFAULT_STEP)
+    return NumberRange(
+        middle - steps * _DEFAULT_STEP, middle + steps * _DEFAULT_STEP, _DEFAULT_STEP
+    )
 
 
-def _likely_obstacles(there: PlacedArm, found: ReachMap) -> str:
+def _likely_obstacles(there: _PlacedArm, found: ReachMap) -> str:
     """Return a likely reason why an arm reaches nothing, as far as it is plain."""
     from assistant.base import rotations
 
@@ -349,18 +351,18 @@ def _likely_obstacles(there: PlacedArm, found: ReachMap) -> str:
     return f"; at home the flange of the arm points to {tuple(z.tolist())} of its base"
 
 
-def output_files(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
+def _output_files(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
     """The files that are to be written; raises Refused for a name that tells no kind."""
     for output in outputs:
         if Path(output).suffix.lower() not in writers:
             known = ", ".join(writers)
-            raise Refused(UNKNOWN_RESULT(name=output, known=known), exit_status=2)
+            raise Refused(_UNKNOWN_RESULT(name=output, known=known), exit_status=2)
         if not Path(output).stem:
             raise Refused(NO_FILE_NAME(path=output, name=output), exit_status=2)
     return list(dict.fromkeys(map(Path, outputs)))
 
 
-def write_reach(tool: ReachTool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
+def _write_reach(tool: _ReachTool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
     from assistant.base.file_sets import write_all
 
     keep_sources([*sources, *([] if tool.cell is None else [str(tool.cell)])], list(files))
@@ -388,7 +390,7 @@ def _map_picture(format: str) -> Callable[[ReachMap, str], bytes]:
     return draw
 
 
-MAP_WRITERS: Final[dict[str, Callable[[ReachMap, str], bytes]]] = {
+_MAP_WRITERS: Final[dict[str, Callable[[ReachMap, str], bytes]]] = {
     ".csv": _map_csv,
     ".npz": _map_npz,
     ".png": _map_picture("png"),
@@ -396,23 +398,23 @@ MAP_WRITERS: Final[dict[str, Callable[[ReachMap, str], bytes]]] = {
 }
 
 
-NO_CELL = error(
+_NO_CELL = error(
     "CL040", "where `{name}` stands is not said", "name the cell file that has it with --cell"
 )
-TIP_TWICE = error(
+_TIP_TWICE = error(
     "CL041", "the program says the tips of its tools", "leave --tip out, or the program"
 )
-UNKNOWN_TARGETS = info(
+_UNKNOWN_TARGETS = info(
     "CL042",
     "{count} moves go to what only running the program tells; they are left out",
     "nothing; look at these places by themselves",
 )
-DEFAULT_PLACE_RANGE: Final = "-200:200:50"
+_DEFAULT_PLACE_RANGE: Final = "-200:200:50"
 """Default range of x and y."""
 
 
 @dataclass(frozen=True, slots=True)
-class PlaceGoals:
+class _PlaceGoals:
     """The program whose targets are to be reached, None for locations, and how it is read."""
 
     program: str | None
@@ -421,10 +423,10 @@ class PlaceGoals:
     from_language: str | None
 
 
-def run_places(
+def _run_places(
     body: str | None,
-    tool: ReachTool,
-    goals: PlaceGoals,
+    tool: _ReachTool,
+    goals: _PlaceGoals,
     ranges: Mapping[str, str | None],
     outputs: Sequence[str],
     format: Format,
@@ -435,10 +437,10 @@ def run_places(
     from assistant.cell.reach_map import grid, parse_range
     from assistant.report import workspace as report
 
-    files = output_files(outputs, PLACE_WRITERS)
+    files = _output_files(outputs, _PLACE_WRITERS)
     offsets = grid([parse_range(text, axis) for axis, text in _place_ranges(ranges).items()])
     if body is not None and tool.cell is None:
-        raise Refused(NO_CELL(name=body), exit_status=2)
+        raise Refused(_NO_CELL(name=body), exit_status=2)
     with working("looking at places"):
         there, targets, findings = _place_targets(body, tool, goals)
         given = there.scene, there.placed
@@ -453,9 +455,11 @@ def run_places(
         title = f"{name}, for {there.placed.robot.title}"
         sources = () if goals.program is None else (goals.program,)
         drawn = {
-            path: PLACE_WRITERS[path.suffix.lower()](found, title) for path in files if found.places
+            path: _PLACE_WRITERS[path.suffix.lower()](found, title)
+            for path in files
+            if found.places
         }
-        written = write_reach(tool, drawn, *sources)
+        written = _write_reach(tool, drawn, *sources)
     findings += found.findings
     if found.best is None and found.places:
         first = found.places[0]
@@ -471,7 +475,7 @@ def run_places(
     status = 1 if has_errors(findings) or found.best is None else 0
     if format is Format.JSON:
         answer = {"robot": there.placed.robot.name, "moved": name, **report.places_record(found)}
-        print_reach(answer, findings, written)
+        _print_reach(answer, findings, written)
         return status
     print_findings(findings, explained=True)
     say(f"{title}; places: {len(offsets):,}; targets: {found.total:,}")
@@ -491,20 +495,20 @@ def run_places(
 def _place_ranges(ranges: Mapping[str, str | None]) -> dict[str, str]:
     stated = {axis: text for axis, text in ranges.items() if text is not None}
     return dict.fromkeys(ranges, "0") | (
-        stated or {"x": DEFAULT_PLACE_RANGE, "y": DEFAULT_PLACE_RANGE}
+        stated or {"x": _DEFAULT_PLACE_RANGE, "y": _DEFAULT_PLACE_RANGE}
     )
 
 
 def _place_targets(
-    body: str | None, tool: ReachTool, goals: PlaceGoals
-) -> tuple[PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
+    body: str | None, tool: _ReachTool, goals: _PlaceGoals
+) -> tuple[_PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
     from assistant.cell.placement import locations, standing_body
     from assistant.cell.reach_map import check_turns
 
     check_turns(tool.turns)
     if goals.program is not None:
         return _program_targets(body, tool, goals, goals.program)
-    there = placed_arm(tool)
+    there = _placed_arm(tool)
     if body is not None:
         standing_body(there.scene, body)
     targets = locations(there.scene, body, there.tip, tool.turns)
@@ -512,8 +516,8 @@ def _place_targets(
 
 
 def _program_targets(
-    body: str | None, tool: ReachTool, goals: PlaceGoals, program: str
-) -> tuple[PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
+    body: str | None, tool: _ReachTool, goals: _PlaceGoals, program: str
+) -> tuple[_PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
     """Return the arm and the targets of a program; targets out of its present reach are not
     findings here.
     """
@@ -521,17 +525,17 @@ def _program_targets(
     from assistant.cli.simulation import SimulationOptions, solved_source
 
     if tool.tip is not None:
-        raise Refused(TIP_TWICE(), exit_status=2)
+        raise Refused(_TIP_TWICE(), exit_status=2)
     given = (goals.process, goals.unit, goals.from_language, None)
     ready = solved_source(
         program, SimulationOptions(tool.robot, *given, None, None, cell=tool.cell)
     )
     solution = ready.solution
-    there = placed_arm(tool, solution.robot)
+    there = _placed_arm(tool, solution.robot)
     found = targets_of(solution, there.placed, tool.turns, carried=body is None)
     findings = list(there.findings)
     if found.unknown:
-        findings.append(UNKNOWN_TARGETS(count=found.unknown))
+        findings.append(_UNKNOWN_TARGETS(count=found.unknown))
     return there, found.goals, findings
 
 
@@ -550,14 +554,14 @@ def _places_picture(format: str) -> Callable[[Places, str], bytes]:
     return draw
 
 
-PLACE_WRITERS: Final[dict[str, Callable[[Places, str], bytes]]] = {
+_PLACE_WRITERS: Final[dict[str, Callable[[Places, str], bytes]]] = {
     ".csv": _places_csv,
     ".png": _places_picture("png"),
     ".svg": _places_picture("svg"),
 }
 
 
-def run_swept(
+def _run_swept(
     source: str, options: SimulationOptions, size: float, outputs: Sequence[str], format: Format
 ) -> int:
     """1 if the robot cannot run the program, else 0; contacts are for `check` to find."""
@@ -567,20 +571,20 @@ def run_swept(
     from assistant.report import workspace as report
     from assistant.robots.timing import simulate
 
-    files = output_files(outputs, SWEPT_WRITERS)
+    files = _output_files(outputs, _SWEPT_WRITERS)
     with working(f"sweeping with {source}"):
         ready = solved_source(source, options)
         solution = ready.solution
         if has_errors(ready.findings):
             return report_errors(source, solution.robot, ready.findings, format, "swept")
-        tool = ReachTool(options.robot, options.cell)
-        there = placed_arm(tool, solution.robot)
+        tool = _ReachTool(options.robot, options.cell)
+        there = _placed_arm(tool, solution.robot)
         holding = CarriedBodies.at_first(there.scene, there.placed)
         done = simulate(solution, carried=holding if holding.places else None)
         found = swept_space(done, there.scene, there.placed, size)
         title = f"{Path(source).name} on {solution.robot.title}, cells of {size:g} mm"
-        drawn = {path: SWEPT_WRITERS[path.suffix.lower()](found, title) for path in files}
-        written = write_reach(tool, drawn, source)
+        drawn = {path: _SWEPT_WRITERS[path.suffix.lower()](found, title) for path in files}
+        written = _write_reach(tool, drawn, source)
     findings = list(ready.findings)
     findings += [
         NOT_SWEPT(what=f"only running the program tells where `{name}` is after a while")
@@ -592,7 +596,7 @@ def run_swept(
     findings = list(fold(findings))
     if format is Format.JSON:
         robot = solution.robot.name
-        print_reach(
+        _print_reach(
             {"source": source, "robot": robot, **report.swept_record(found)}, findings, written
         )
         return 0
@@ -633,7 +637,7 @@ def _swept_picture(format: str) -> Callable[[SweptSpace, str], bytes]:
     return draw
 
 
-SWEPT_WRITERS: Final[dict[str, Callable[[SweptSpace, str], bytes]]] = {
+_SWEPT_WRITERS: Final[dict[str, Callable[[SweptSpace, str], bytes]]] = {
     ".csv": _swept_csv,
     ".npz": _swept_npz,
     ".glb": _swept_glb,

@@ -1,6 +1,6 @@
 """Pages that report the result of a command: `--report`, `--open` and `--plot`.
 
-A page is one HTML file with a sheet for each program, at most `MOST_PROGRAMS`. `compiled_page`,
+A page is one HTML file with a sheet for each program, at most `_MOST_PROGRAMS`. `compiled_page`,
 `simulated_page` and `compared_page` are called by their commands if a page is requested.
 """
 
@@ -35,17 +35,17 @@ if TYPE_CHECKING:
 NO_PAGE: Final = error(
     "CL034", "a page for the browser is not written as `{name}`", "end the name in .html"
 )
-NOT_OPENED: Final = warning(
+_NOT_OPENED: Final = warning(
     "CL060",
     "no browser could be opened here; the page is written",
     "open `{name}` by hand, or leave out --open",
 )
-TOO_MANY_PROGRAMS: Final = warning(
+_TOO_MANY_PROGRAMS: Final = warning(
     "CL061",
     "the page shows {most} of {count} programs",
     "name the files that are to be shown; the findings of all of them are listed here",
 )
-MOST_PROGRAMS: Final = 40
+_MOST_PROGRAMS: Final = 40
 """That one page shows."""
 SUFFIXES: Final = (".html", ".htm")
 
@@ -106,9 +106,9 @@ def write_page(
     from assistant.view.page import page
 
     told: list[Diagnostic] = []
-    if len(sheets) > MOST_PROGRAMS:
-        told.append(TOO_MANY_PROGRAMS(most=MOST_PROGRAMS, count=len(sheets)))
-    shown = sheets[:MOST_PROGRAMS] or [Sheet(stem, ())]
+    if len(sheets) > _MOST_PROGRAMS:
+        told.append(_TOO_MANY_PROGRAMS(most=_MOST_PROGRAMS, count=len(sheets)))
+    shown = sheets[:_MOST_PROGRAMS] or [Sheet(stem, ())]
     files = dict[Path, bytes]()
     if asked.plot is not None:
         files[asked.plot] = _write_plot(shown, asked.plot)
@@ -121,7 +121,7 @@ def write_page(
         text = page(*map(shown_sheet, shown))
         written += write_files({f"{stem}.html": text.encode()}, folder)
     if asked.opened and not webbrowser.open(written[-1].absolute().as_uri()):
-        told.append(NOT_OPENED(name=written[-1]))
+        told.append(_NOT_OPENED(name=written[-1]))
     return written, told
 
 
@@ -138,7 +138,7 @@ def page_name(source: str) -> str:
     return "program" if source == STANDARD else Path(source).stem or "program"
 
 
-OTHER_ON_DISK: Final = warning(
+_OTHER_ON_DISK: Final = warning(
     "CL062",
     "the page shows what was compiled, and the files on disk are others: edits are kept in them",
     "look at the files themselves as well",
@@ -162,7 +162,7 @@ def compiled_sheet(
     found = fold(apply_severities([finding.within(source) for finding in compiled.found]).left)
     arm = robot or _robot_in_cell(compiled.program.robot, scene)
     sheet = Sheet(
-        f"{source_name(source)} in {compiled.language}"
+        f"{_source_name(source)} in {compiled.language}"
         + ("" if arm is None else f" for {arm.name}"),
         found,
         compiled.program,
@@ -201,7 +201,7 @@ def checked_sheet(
     one: CheckedProgram, found: Sequence[Diagnostic], drawn: Sequence[DrawnLine] = ()
 ) -> Sheet:
     """A program that was checked."""
-    first, *others = map(source_name, one.files)
+    first, *others = map(_source_name, one.files)
     return Sheet(
         first if not others else f"{first} and {len(others)} more",
         found,
@@ -219,7 +219,7 @@ def solved_sheet(
 ) -> Sheet:
     """A program that an arm goes through. found: besides what was found while it was read."""
     return Sheet(
-        source_name(source),
+        _source_name(source),
         (*ready.findings, *found),
         ready.solution.program,
         ready.places,
@@ -257,8 +257,8 @@ def compiled_page(
             drawn = lines(source)
             sheet = compiled_sheet(source, compiled, stands.scene, stands.robot, drawn)
             if source in unlike:
-                findings.append(OTHER_ON_DISK(path=source))
-                sheet = replace(sheet, found=(OTHER_ON_DISK(path=source), *sheet.found))
+                findings.append(_OTHER_ON_DISK(path=source))
+                sheet = replace(sheet, found=(_OTHER_ON_DISK(path=source), *sheet.found))
             sheets.append(sheet)
         sources = [source for source, _ in done]
         known = {*sources, *(f.path for _, compiled in done for f in compiled.found)}
@@ -333,7 +333,9 @@ def refused_sheets(
     for finding in findings:
         by_file.setdefault(finding.path or "findings", []).append(finding)
     return [
-        Sheet(source_name(path), found, drawn=lines(path), notes=("nothing could be done with it",))
+        Sheet(
+            _source_name(path), found, drawn=lines(path), notes=("nothing could be done with it",)
+        )
         for path, found in by_file.items()
     ]
 
@@ -350,6 +352,6 @@ def drawing_lines(
         return ()
 
 
-def source_name(source: str) -> str:
+def _source_name(source: str) -> str:
     """Return the name of a source on a page."""
     return "standard input" if source == STANDARD else Path(source).name

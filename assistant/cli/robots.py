@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.camera import Camera
 
 
-class Estimated(enum.StrEnum):
+class _Estimated(enum.StrEnum):
     """Parameters of an arm that are estimated."""
 
     ZEROS = "zeros"
@@ -41,7 +41,7 @@ RobotArgument = Annotated[
     ),
 ]
 EstimateOption = Annotated[
-    Estimated,
+    _Estimated,
     typer.Option(
         help="Zeros of the axes; with the lengths of the robot file; or a free chain of axes."
     ),
@@ -66,7 +66,7 @@ def calibrate(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FILE", help="The corrected robot, as TOML.")
     ],
-    estimate: EstimateOption = Estimated.LENGTHS,
+    estimate: EstimateOption = _Estimated.LENGTHS,
     tool: Annotated[
         str | None,
         typer.Option(metavar="X,Y,Z", help="Measured point in the flange, mm, if it is known."),
@@ -80,8 +80,8 @@ def calibrate(
 ) -> None:
     """Correct lengths and zeros of an arm by measured poses, and tell what they cannot tell."""
     asked = _calibration_options(context, format)
-    options = CalibrationOptions(output, estimate.value, tool, in_base, noise, cameras, asked)
-    raise typer.Exit(run_calibrate(robot, measured, options))
+    options = _CalibrationOptions(output, estimate.value, tool, in_base, noise, cameras, asked)
+    raise typer.Exit(_run_calibrate(robot, measured, options))
 
 
 def poses(
@@ -91,7 +91,7 @@ def poses(
         Path, typer.Option("--output", "-o", metavar="FILE", help="Table of the joints, as CSV.")
     ],
     count: Annotated[int, typer.Option(help="How many.")] = 40,
-    estimate: EstimateOption = Estimated.LENGTHS,
+    estimate: EstimateOption = _Estimated.LENGTHS,
     tool: Annotated[
         str | None, typer.Option(metavar="X,Y,Z", help="Point in the flange, mm, roughly.")
     ] = None,
@@ -105,8 +105,8 @@ def poses(
 ) -> None:
     """Suggest poses to measure an arm in, which tell most of its errors."""
     asked = _calibration_options(context, format)
-    options = PoseOptions(output, count, estimate.value, tool, in_base, box, cameras, asked)
-    raise typer.Exit(run_poses(robot, options))
+    options = _PoseOptions(output, count, estimate.value, tool, in_base, box, cameras, asked)
+    raise typer.Exit(_run_poses(robot, options))
 
 
 def _calibration_options(context: typer.Context, format: Format | None) -> Format:
@@ -123,10 +123,10 @@ robots: Final = typer.Typer(
 
 
 @robots.callback()
-def robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> None:
+def _robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> None:
     """List the robots of the catalogue; `robots show NAME` tells all of one."""
     if context.invoked_subcommand is None:
-        raise typer.Exit(list_robots(format))
+        raise typer.Exit(_list_robots(format))
 
 
 robots.command("calibrate")(calibrate)
@@ -134,7 +134,7 @@ robots.command("poses")(poses)
 
 
 @robots.command("show")
-def robots_show(
+def _robots_show(
     context: typer.Context,
     robot: Annotated[
         str,
@@ -155,10 +155,10 @@ def robots_show(
     """Print the data of a robot with their source, and draw it."""
     before = context.parent.params["format"] if context.parent else Format.TEXT
     asked = answer_as(format or Format(before))
-    raise typer.Exit(show_robot(robot, draw, Format(asked)))
+    raise typer.Exit(_show_robot(robot, draw, Format(asked)))
 
 
-def list_robots(format: Format) -> int:
+def _list_robots(format: Format) -> int:
     from assistant import robots
     from assistant.report import robots as report
 
@@ -171,7 +171,7 @@ def list_robots(format: Format) -> int:
     return 0
 
 
-def show_robot(name: str, draw: Path | None, format: Format) -> int:
+def _show_robot(name: str, draw: Path | None, format: Format) -> int:
     """Show a robot. draw: the picture that is written before any output; None for none."""
     from assistant.compiler.arms import robot_of
     from assistant.report import robots as report
@@ -197,20 +197,20 @@ def show_robot(name: str, draw: Path | None, format: Format) -> int:
     return 0
 
 
-NOT_A_ROBOT_FILE: Final = error("CL540", "`{name}` is no file of a robot", "name it as FILE.toml")
-NOT_NUMBERS: Final = error(
+_NOT_A_ROBOT_FILE: Final = error("CL540", "`{name}` is no file of a robot", "name it as FILE.toml")
+_NOT_NUMBERS: Final = error(
     "CL541", "`{given}` is not {wanted}", "write numbers with commas between, in mm"
 )
-BAD_NOISE: Final = error("CL542", "a noise of {given:g} mm is none", "state one above 0")
-FEW_POSES: Final = error("CL543", "{count} poses are not enough to look for", "ask for {least}")
-OWN_FILE: Final = error(
+_BAD_NOISE: Final = error("CL542", "a noise of {given:g} mm is none", "state one above 0")
+_FEW_POSES: Final = error("CL543", "{count} poses are not enough to look for", "ask for {least}")
+_OWN_FILE: Final = error(
     "CL544", "`{name}` is a file of the robot that was measured", "name another one"
 )
-FEWEST_POSES: Final = 6
+_FEWEST_POSES: Final = 6
 
 
 @dataclass(frozen=True, slots=True)
-class CalibrationOptions:
+class _CalibrationOptions:
     """tool: x,y,z of the measured point in the flange, if it is known. in_base: whether the points
     are measured in the base of the arm. noise: mm, one sigma, None to take it from the residuals.
     """
@@ -224,7 +224,7 @@ class CalibrationOptions:
     format: Format
 
 
-def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> int:
+def _run_calibrate(robot: str, measured: Path, options: _CalibrationOptions) -> int:
     """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
     from assistant.base.diagnostics import Severity
     from assistant.base.file_sets import write_files
@@ -236,9 +236,9 @@ def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> in
 
     output = options.output
     if output.suffix.lower() != ".toml" or not output.stem:
-        raise Refused(NOT_A_ROBOT_FILE(name=output.name), exit_status=2)
+        raise Refused(_NOT_A_ROBOT_FILE(name=output.name), exit_status=2)
     if options.noise is not None and not options.noise > 0.0:
-        raise Refused(BAD_NOISE(given=options.noise), exit_status=2)
+        raise Refused(_BAD_NOISE(given=options.noise), exit_status=2)
     known = _known_parts(options.tool, in_base=options.in_base)
     arm = robot_of(robot)
     assert arm is not None
@@ -260,7 +260,7 @@ def run_calibrate(robot: str, measured: Path, options: CalibrationOptions) -> in
 
 
 @dataclass(frozen=True, slots=True)
-class PoseOptions:
+class _PoseOptions:
     """box: x0,x1,y0,y1,z0,z1 mm of the base, None for no bounds."""
 
     output: Path
@@ -273,7 +273,7 @@ class PoseOptions:
     format: Format
 
 
-def run_poses(robot: str, options: PoseOptions) -> int:
+def _run_poses(robot: str, options: _PoseOptions) -> int:
     import numpy as np
 
     from assistant.base.file_sets import write_files
@@ -281,8 +281,8 @@ def run_poses(robot: str, options: PoseOptions) -> int:
     from assistant.learning.calibration import calibration_output
     from assistant.learning.calibration.pose_selection import suggest_poses
 
-    if options.count < FEWEST_POSES:
-        raise Refused(FEW_POSES(count=options.count, least=FEWEST_POSES), exit_status=2)
+    if options.count < _FEWEST_POSES:
+        raise Refused(_FEW_POSES(count=options.count, least=_FEWEST_POSES), exit_status=2)
     arm = robot_of(robot)
     assert arm is not None
     a, b, c = _finite_numbers(options.tool or "0,0,0", 3, "x,y,z")
@@ -325,7 +325,7 @@ def _refuse_own_file(robot: str, files: Iterable[Path]) -> None:
     for file in files:
         beside = file.suffix == ".urdf" and file.parent.resolve() == own.parent.resolve()
         if file.exists() and (file.samefile(own) or beside):
-            raise Refused(OWN_FILE(name=file.name), exit_status=2)
+            raise Refused(_OWN_FILE(name=file.name), exit_status=2)
 
 
 def _known_parts(tool: str | None, *, in_base: bool) -> KnownPlacement:
@@ -355,5 +355,5 @@ def _finite_numbers(given: str, count: int, wanted: str) -> list[float]:
     except ValueError:
         found = []
     if len(found) != count or not np.isfinite(found).all():
-        raise Refused(NOT_NUMBERS(given=given, wanted=wanted), exit_status=2)
+        raise Refused(_NOT_NUMBERS(given=given, wanted=wanted), exit_status=2)
     return found

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from assistant.deploy import Cell, Halt
 
 
-STATE_STYLES: Final = {"done": "green", "failed": "bold red", "not begun": "yellow"}
+_STATE_STYLES: Final = {"done": "green", "failed": "bold red", "not begun": "yellow"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ def run_rollout(
             tell=lambda finding: print_findings([finding]),
         )
     if format is Format.JSON:
-        print_json(rollout_record(rollout))
+        print_json(_rollout_record(rollout))
     else:
         print_rollout(rollout)
     if manner.junit is not None:
@@ -108,7 +108,7 @@ def write_junit(rollout: Rollout, path: Path) -> None:
     write_files({path.name: junit_report(rollout)}, path.parent)
 
 
-def rollout_record(rollout: Rollout) -> dict[str, object]:
+def _rollout_record(rollout: Rollout) -> dict[str, object]:
     """The JSON of a rollout."""
     return {
         "ok": rollout.ok,
@@ -181,20 +181,22 @@ def _print_table(rows: Sequence[tuple[str, str, str, str]]) -> None:
 
     table = Table("controller", "address", "result", "programs", box=None, pad_edge=False)
     for name, address, state, what in rows:
-        table.add_row(Text(name), Text(address), Text(state, style=STATE_STYLES[state]), Text(what))
+        table.add_row(
+            Text(name), Text(address), Text(state, style=_STATE_STYLES[state]), Text(what)
+        )
     Console(highlight=False, emoji=False).print(table)
 
 
-SUITE_NAME: Final = "robot-assistant deploy"
-DEPLOYMENT_TEST: Final = "deployment"
+_SUITE_NAME: Final = "robot-assistant deploy"
+_DEPLOYMENT_TEST: Final = "deployment"
 """The test that a deployment as a whole is."""
-INSTALLED_STATES: Final = (FileState.SAME, FileState.INSTALLED)
+_INSTALLED_STATES: Final = (FileState.SAME, FileState.INSTALLED)
 
 
 def junit_report(rollout: Rollout) -> bytes:
     """The report, whole; well-formed whatever names and messages hold."""
     return junit_document(
-        SUITE_NAME,
+        _SUITE_NAME,
         [_controller_suite(one) for one in rollout.outcomes],
         _total_seconds(rollout.outcomes),
     )
@@ -213,10 +215,10 @@ def _controller_suite(one: Outcome) -> ET.Element:
         test = junit_case(suite, program.name)
         if one.state is CellState.NOT_BEGUN or (state is None and one.deployment is None):
             mark_skipped(test, str(CellState.NOT_BEGUN))
-        elif state not in INSTALLED_STATES:
+        elif state not in _INSTALLED_STATES:
             about = [f for f in one.findings if f.place == program.name]
             _add_failure(test, "failure", str(state), about)
-    test = junit_case(suite, DEPLOYMENT_TEST)
+    test = junit_case(suite, _DEPLOYMENT_TEST)
     if one.state is CellState.NOT_BEGUN:
         mark_skipped(test, "; ".join(finding.message for finding in one.findings))
     elif one.state is CellState.FAILED:

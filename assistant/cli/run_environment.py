@@ -19,40 +19,40 @@ if TYPE_CHECKING:
     from assistant.virtual.kernel import Kernel
 
 
-NOT_A_HOST: Final = error(
+_NOT_A_HOST: Final = error(
     "CL030",
     "`{given}` names no host for an address",
     "write ADDRESS=HOST, as 192.168.125.1=127.0.0.1",
 )
-NO_FOLDER: Final = error("CL031", "there is no folder `{folder}`", "make it, or name another one")
+_NO_FOLDER: Final = error("CL031", "there is no folder `{folder}`", "make it, or name another one")
 INPUT_IS_PROGRAM: Final = error(
     "CL032", "the program itself is read from standard input", "name its file, or leave --ask out"
 )
 
 
-NOT_A_LINE: Final = error(
+_NOT_A_LINE: Final = error(
     "CL033",
     "`{given}` leads no line anywhere",
     "write NAME=PORT, NAME=HOST:PORT or NAME=PATH, as COM1=10003",
 )
-NAMED_TWICE: Final = error("CL043", "`{name}` is led to two places", "name it once")
+_NAMED_TWICE: Final = error("CL043", "`{name}` is led to two places", "name it once")
 
 
 def check_disk_folder(folder: Path | None) -> None:
     if folder is not None and not folder.is_dir():
-        raise Refused(NO_FOLDER(folder=folder), exit_status=2)
+        raise Refused(_NO_FOLDER(folder=folder), exit_status=2)
 
 
 def hosts_of(given: Sequence[str]) -> dict[str, str]:
     """Hosts by address; raises Refused for what names none."""
-    return _named_values(given, NOT_A_HOST)
+    return _named_values(given, _NOT_A_HOST)
 
 
 def line_targets(given: Sequence[str]) -> dict[str, str]:
     """Return the endpoint of each line by its name; raise Refused for an argument without a
     name.
     """
-    return _named_values(given, NOT_A_LINE)
+    return _named_values(given, _NOT_A_LINE)
 
 
 def _named_values(given: Sequence[str], wrong: Rule) -> dict[str, str]:
@@ -64,7 +64,7 @@ def _named_values(given: Sequence[str], wrong: Rule) -> dict[str, str]:
             raise Refused(wrong(given=pair), exit_status=2)
         known = name.rstrip(":").upper()
         if known in named:
-            raise Refused(NAMED_TWICE(name=name), exit_status=2)
+            raise Refused(_NAMED_TWICE(name=name), exit_status=2)
         named.add(known)
         pairs[name] = value
     return pairs
@@ -87,8 +87,8 @@ def answer_from_input(kernel: Kernel, flush: Callable[[], None]) -> None:
     kernel.person.console = asked
 
 
-NOT_A_TIME: Final = error("CL022", "`{given}` is no time", "write seconds, 0 or more")
-NOT_A_LINE_OF_PROGRAM: Final = error(
+_NOT_A_TIME: Final = error("CL022", "`{given}` is no time", "write seconds, 0 or more")
+_NOT_A_LINE_OF_PROGRAM: Final = error(
     "CL027",
     "`{given}` is no place in the programs",
     "write FILE:LINE, the file one of {names}, and one of its lines",
@@ -104,7 +104,7 @@ def time_or_line(given: str | None, sources: Sequence[SourceText]) -> float | Pl
     except ValueError:
         return line_named(given, sources)
     if not 0.0 <= seconds < float("inf"):
-        raise Refused(NOT_A_TIME(given=given), exit_status=2)
+        raise Refused(_NOT_A_TIME(given=given), exit_status=2)
     return seconds
 
 
@@ -123,7 +123,7 @@ def line_named(given: str, sources: Sequence[SourceText]) -> Place:
             line = int(number)
             if 1 <= line <= found[0].text.count("\n") + 1:
                 return found[0].path or "", line
-    raise Refused(NOT_A_LINE_OF_PROGRAM(given=given, names=_file_names(sources)), exit_status=2)
+    raise Refused(_NOT_A_LINE_OF_PROGRAM(given=given, names=_file_names(sources)), exit_status=2)
 
 
 def _file_names(sources: Sequence[SourceText]) -> str:

@@ -46,10 +46,10 @@ def studio(
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Open the studio: drawing, program, cell and controller in one window of the browser."""
-    raise typer.Exit(run_studio(project, host, port, open, format))
+    raise typer.Exit(_run_studio(project, host, port, open, format))
 
 
-def run_studio(project: Path, host: str | None, port: int, opened: bool, format: Format) -> int:
+def _run_studio(project: Path, host: str | None, port: int, opened: bool, format: Format) -> int:
     from assistant.base.termination import is_ctrl_c, raise_on_termination, wait_for_termination
     from assistant.cli.presentation import print_findings, print_json, say
     from assistant.studio.server import serving
@@ -133,18 +133,18 @@ def run_extension(file: Path) -> int:
     return 0
 
 
-NOT_AN_ADDRESS: Final = error(
+_NOT_AN_ADDRESS: Final = error(
     "CL291", "`{text}` is no address with a port", "write it as 192.168.0.20:10003"
 )
-NOT_STARTED: Final = error(
+_NOT_STARTED: Final = error(
     "CL292", "the gateway cannot listen at port {port}: {reason}", "name another port"
 )
-NO_CONNECTION_LINE: Final = error(
+_NO_CONNECTION_LINE: Final = error(
     "CL293",
     "the gateway connects to one place, but {named}",
     "name the controller's line, or with `--to` the other end of a line that connects to here",
 )
-PORTS: Final = range(1, 65536)
+_PORTS: Final = range(1, 65536)
 
 
 def gateway(
@@ -159,7 +159,7 @@ def gateway(
         typer.Option(
             help="Port here: of the other end, or with --to of the line; 0 for any free one.",
             min=0,
-            max=PORTS.stop - 1,
+            max=_PORTS.stop - 1,
         ),
     ] = 0,
     to: Annotated[
@@ -175,18 +175,18 @@ def gateway(
     """Hand bytes on between a socket and a controller whose lines carry texts alone."""
     if bool(line) == bool(to):
         named = f"`{line}` and `{to}` are named" if line else "none is named"
-        raise Refused(NO_CONNECTION_LINE(named=named), exit_status=2)
-    raise typer.Exit(run_gateway((host, listen), _host_and_port(line or to), bool(to)))
+        raise Refused(_NO_CONNECTION_LINE(named=named), exit_status=2)
+    raise typer.Exit(_run_gateway((host, listen), _host_and_port(line or to), bool(to)))
 
 
 def _host_and_port(text: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
-    if not host or not port.isdecimal() or int(port) not in PORTS:
-        raise Refused(NOT_AN_ADDRESS(text=text), exit_status=2)
+    if not host or not port.isdecimal() or int(port) not in _PORTS:
+        raise Refused(_NOT_AN_ADDRESS(text=text), exit_status=2)
     return host, int(port)
 
 
-def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) -> int:
+def _run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) -> int:
     """at: where it listens. to: what it connects to. for_controller: who connects is one."""
     import asyncio
 
@@ -198,7 +198,7 @@ def run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) 
         asyncio.run(_serve_gateway(gateway))
     except OSError as failed:
         reason = failed.strerror or str(failed)
-        raise Refused(NOT_STARTED(port=at[1], reason=reason)) from None
+        raise Refused(_NOT_STARTED(port=at[1], reason=reason)) from None
     except KeyboardInterrupt as caught:
         say("ended")
         if not is_ctrl_c(caught):
@@ -218,7 +218,7 @@ def _print_flushed(line: str) -> None:
     sys.stdout.flush()
 
 
-SIGHT_STATES: Final = {None: "not answered", 0: "not in sight", 1: "found", 2: "doubtful"}
+_SIGHT_STATES: Final = {None: "not answered", 0: "not in sight", 1: "found", 2: "doubtful"}
 
 
 def answer(
@@ -241,12 +241,12 @@ def answer(
     ] = None,
 ) -> None:
     """Answer programs that ask as they run where objects are. No robot is moved by it."""
-    given = AnswerOptions(seen, at, times, math.inf if patience is None else patience)
-    raise typer.Exit(run_answer(given, process, robot, cell))
+    given = _AnswerOptions(seen, at, times, math.inf if patience is None else patience)
+    raise typer.Exit(_run_answer(given, process, robot, cell))
 
 
 @dataclass(frozen=True, slots=True)
-class AnswerOptions:
+class _AnswerOptions:
     """seen: file of what was found. at: the line. times: programs, 0 for any number of them."""
 
     seen: Path
@@ -262,8 +262,8 @@ class AnswerOptions:
         return sights.get(name.casefold())
 
 
-def run_answer(
-    given: AnswerOptions, process: Path | None, robot: str | None, cell: Path | None
+def _run_answer(
+    given: _AnswerOptions, process: Path | None, robot: str | None, cell: Path | None
 ) -> int:
     """Run the answering service; return 0 if everything requested was found, else 1."""
     from assistant.sources.process import DEFAULT_TRUST
@@ -282,7 +282,7 @@ def run_answer(
     return 0
 
 
-def _serve_answers(given: AnswerOptions, trust: Trust, base: Pose | None) -> int:
+def _serve_answers(given: _AnswerOptions, trust: Trust, base: Pose | None) -> int:
     from assistant.controllers.mitsubishi.data_link import DataLink
     from assistant.vision.pose_server import serve_program as answers
 
@@ -303,7 +303,7 @@ def _print_answer(told: Answer) -> int:
     where = ""
     if told.pose is not None:
         where = " at " + ", ".join(f"{value:.2f}" for value in told.pose.position) + " mm"
-    say(f"{told.name or 'a line'}: {SIGHT_STATES[told.state]}{where}")
+    say(f"{told.name or 'a line'}: {_SIGHT_STATES[told.state]}{where}")
     sys.stdout.flush()
     return 0 if told.state == 1 else 1
 

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from assistant.sources.sights import Seeing
 
 
-NO_RESULT = error(
+_NO_RESULT = error(
     "CL011",
     "a simulation is not written as `{name}`",
     "end the name in .csv, .npz, .png or .svg, or name a folder",
 )
-FILE_SUFFIXES: Final = (".motion.csv", ".moves.csv", ".motion.npz", ".motion.png", ".motion.svg")
+_FILE_SUFFIXES: Final = (".motion.csv", ".moves.csv", ".motion.npz", ".motion.png", ".motion.svg")
 """Suffixes of all files of a simulation, appended to the name of the program."""
 
 
@@ -153,9 +153,9 @@ def _output_files(source: str, outputs: Sequence[str]) -> list[Path]:
     for output in outputs:
         path = Path(output)
         if path.is_dir() or not path.suffix:
-            found += [path / f"{stem}{end}" for end in FILE_SUFFIXES]
+            found += [path / f"{stem}{end}" for end in _FILE_SUFFIXES]
         elif path.suffix.lower() not in _WRITERS:
-            raise Refused(NO_RESULT(name=output), exit_status=2)
+            raise Refused(_NO_RESULT(name=output), exit_status=2)
         elif not path.stem:
             raise Refused(NO_FILE_NAME(path=output, name=output), exit_status=2)
         else:

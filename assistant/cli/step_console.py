@@ -1,6 +1,6 @@
 """A console for stepping through a run that is held at statements.
 
-Commands are typed in full, abbreviated, or by their key; see `HELP`. Apart from `virtual_runs`, as
+Commands are typed in full, abbreviated, or by their key; see `_HELP`. Apart from `virtual_runs`, as
 it loads the debugger of the interpreters.
 """
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from assistant.base.source_text import SourceText
 
 
-HELP: Final = (
+_HELP: Final = (
     ("next", "n", "to the next statement of this routine; calls run through"),
     ("step", "s", "to the next statement, also into a call"),
     ("out", "o", "until this routine has come to its end"),
@@ -32,8 +32,8 @@ HELP: Final = (
     ("help", "h", "print this"),
 )
 """Commands, their short names, and what they do."""
-STEP_COMMANDS: Final[dict[str, Stride]] = {"next": "over", "step": "in", "out": "out"}
-WIDEST_VALUE: Final = 200
+_STEP_COMMANDS: Final[dict[str, Stride]] = {"next": "over", "step": "in", "out": "out"}
+_WIDEST_VALUE: Final = 200
 """Characters of a value that are shown."""
 
 
@@ -85,8 +85,8 @@ class StepConsole:
             say(f"`{word}` is no command; h prints them")
             return False
         self.last = command
-        if command in STEP_COMMANDS:
-            self.holding.go(Step(task, STEP_COMMANDS[command], len(task.levels())))
+        if command in _STEP_COMMANDS:
+            self.holding.go(Step(task, _STEP_COMMANDS[command], len(task.levels())))
             return True
         if command == "continue":
             self.holding.go()
@@ -106,7 +106,7 @@ class StepConsole:
             for level in task.levels():
                 yield f"{level.name}  {short_place(level.place)}  {self._line(level.place)}"
         else:
-            yield from (f"{name:<10} {key}  {meaning}" for name, key, meaning in HELP)
+            yield from (f"{name:<10} {key}  {meaning}" for name, key, meaning in _HELP)
 
     def _signals(self, rest: Sequence[str]) -> Iterator[str]:
         board = self.kernel.board
@@ -128,8 +128,8 @@ class StepConsole:
 def _full_command(word: str) -> str | None:
     """The command that a word is, whole, cut short, or by its key."""
     given = word.lower()
-    by_key = next((name for name, key, _ in HELP if given == key), None)
-    begun = [name for name, _, _ in HELP if name.startswith(given)]
+    by_key = next((name for name, key, _ in _HELP if given == key), None)
+    begun = [name for name, _, _ in _HELP if name.startswith(given)]
     return by_key or (begun[0] if len(begun) == 1 else None)
 
 
@@ -144,7 +144,7 @@ def _visible_variables(task: Task, wanted: set[str]) -> Iterator[str]:
             if not wanted or one.name.lower() in wanted:
                 shown = True
                 value = one.value if one.value else "no value"
-                cut = value if len(value) <= WIDEST_VALUE else value[: WIDEST_VALUE - 1] + "…"
+                cut = value if len(value) <= _WIDEST_VALUE else value[: _WIDEST_VALUE - 1] + "…"
                 kind = f"{one.type} " if one.type else ""
                 yield f"{title}: {kind}{one.name} = {cut}"
     if not shown:

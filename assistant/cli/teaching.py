@@ -28,22 +28,22 @@ if TYPE_CHECKING:
     from assistant.controllers import Controller
 
 
-SEVERAL_TRIGGERS: Final = error(
+_SEVERAL_TRIGGERS: Final = error(
     "CL230", "a key, a signal or at once: targets are stored at one of them", "keep --on or --now"
 )
-NO_NAME: Final = error("CL231", "--now stores one target", "name it")
-NO_SIGNAL: Final = error(
+_NO_NAME: Final = error("CL231", "--now stores one target", "name it")
+_NO_SIGNAL: Final = error(
     "CL232", "there is no input `{name}` on {address}", "write its name or number as there"
 )
-NO_CONTROLLER: Final = error(
+_NO_CONTROLLER: Final = error(
     "CL518", "no controller is named", "name one, or the cameras that see places by --point"
 )
-ONLY_POINTING: Final = error(
+_ONLY_POINTING: Final = error(
     "CL516", "{option} is for places that are shown", "add --point CAMERAS.toml"
 )
-SIGNAL_PERIOD: Final = 0.1
+_SIGNAL_PERIOD: Final = 0.1
 """Seconds between two looks at the signal."""
-STORE_KEYS: Final = b"\r\n "
+_STORE_KEYS: Final = b"\r\n "
 END_KEYS: Final = b"q\x1b\x04"
 """Keys: q, Escape, and the end of the input."""
 
@@ -70,13 +70,13 @@ def run_teach(
 
     wrong = next((option for option, given in pointing.items() if given), None)
     if wrong is not None:
-        raise Refused(ONLY_POINTING(option=wrong), exit_status=2)
+        raise Refused(_ONLY_POINTING(option=wrong), exit_status=2)
     if cell is None:
-        raise Refused(NO_CONTROLLER(), exit_status=2)
+        raise Refused(_NO_CONTROLLER(), exit_status=2)
     if options.now and options.on is not None:
-        raise Refused(SEVERAL_TRIGGERS(), exit_status=2)
+        raise Refused(_SEVERAL_TRIGGERS(), exit_status=2)
     if options.now and len(names) != 1:
-        raise Refused(NO_NAME(), exit_status=2)
+        raise Refused(_NO_NAME(), exit_status=2)
     stored: list[dict[str, object]] = []
     with connected(cell, "teach") as there:
         controller, robot = there.controller, robot_of_cell(there.one)
@@ -139,7 +139,7 @@ def _wait_for_rise(
     def is_on() -> bool:
         found = controller.inputs([signal])
         if signal not in found:
-            raise Refused(NO_SIGNAL(name=signal, address=address), exit_status=2)
+            raise Refused(_NO_SIGNAL(name=signal, address=address), exit_status=2)
         return found[signal] != 0.0
 
     was = is_on()
@@ -148,10 +148,10 @@ def _wait_for_rise(
         nonlocal was
         while True:
             if sys.stdin.isatty():
-                if _store_key(pressed, SIGNAL_PERIOD) is False:
+                if _store_key(pressed, _SIGNAL_PERIOD) is False:
                     return False
             else:
-                time.sleep(SIGNAL_PERIOD)
+                time.sleep(_SIGNAL_PERIOD)
             before, was = was, is_on()
             if was and not before:
                 return True
@@ -169,7 +169,7 @@ def _store_key(pressed: Callable[[float | None], bytes], seconds: float | None) 
             return None
         if key in END_KEYS:
             return False
-        if key in STORE_KEYS:
+        if key in _STORE_KEYS:
             return True
 
 

@@ -49,12 +49,12 @@ if TYPE_CHECKING:
     from assistant.sources.sights import Seeing
 
 
-REPORT_TO_OUTPUT: Final = error(
+_REPORT_TO_OUTPUT: Final = error(
     "CL014",
     "the report of a translation goes to standard output, so programs cannot",
     "name a folder with --output",
 )
-LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
+_LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,7 +114,7 @@ def run_translate(
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
     if output == STANDARD:
-        raise Refused(REPORT_TO_OUTPUT(), exit_status=2)
+        raise Refused(_REPORT_TO_OUTPUT(), exit_status=2)
     beside = [path for path in (report, names) if path is not None]
     for path in beside:
         if not path.name:
@@ -356,7 +356,7 @@ def _print_translation(one: Translated, every: bool) -> None:
         say(f"{one.source}: the files are a draft: the cell file lacks {count} values")
 
 
-MOST_OF_ONE_CODE: Final = 3
+_MOST_OF_ONE_CODE: Final = 3
 """Most findings of one code on a complete program that are shown, unless each is requested."""
 
 
@@ -367,7 +367,7 @@ def _first_of_each_code(findings: Sequence[Diagnostic]) -> list[Diagnostic]:
         alike.setdefault(finding.code, []).append(finding)
     shown = list[Diagnostic]()
     for found in alike.values():
-        some, rest = found[:MOST_OF_ONE_CODE], len(found) - MOST_OF_ONE_CODE
+        some, rest = found[:_MOST_OF_ONE_CODE], len(found) - _MOST_OF_ONE_CODE
         if rest > 0:
             some[-1] = replace(some[-1], message=f"{some[-1].message} (and {rest:,} more like it)")
         shown += some
@@ -386,17 +386,17 @@ def _print_statements(one: Translated) -> None:
         count = f" ({row.count} rows)" if row.count > 1 else ""
         table.add_row(
             str(row.place.line),
-            Text(row.level, style=LEVEL_STYLES[row.level]),
+            Text(row.level, style=_LEVEL_STYLES[row.level]),
             Text("\n".join(map(visible, (row.text + count).split("\n")))),
             Text(why),
         )
     Console(highlight=False, emoji=False).print(table)
 
 
-LANGUAGE_UNCLEAR = error(
+_LANGUAGE_UNCLEAR = error(
     "CL006", "the text does not show which robot language it is in", "name it with --from"
 )
-COVERAGE_HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
+_COVERAGE_HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
 
 
 def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> int:
@@ -442,7 +442,7 @@ def _programs_to_count(
         return
     text, spoken = standard_input(language)
     if spoken is None:
-        raise Refused(LANGUAGE_UNCLEAR(path="standard input"), exit_status=2)
+        raise Refused(_LANGUAGE_UNCLEAR(path="standard input"), exit_status=2)
     yield "standard input", language_of(spoken), text
 
 
@@ -459,7 +459,7 @@ def _print_coverage(rows: Sequence[Construct], wrong: Sequence[Diagnostic], form
         return
     counts = [(row.name, row.supported, row.partial, row.verbatim) for row in rows]
     sums = [sum(column) for column in zip(*(c[1:] for c in counts), strict=True)]
-    lines = [COVERAGE_HEADINGS, *counts, ("total", *(sums or (0, 0, 0)))]
+    lines = [_COVERAGE_HEADINGS, *counts, ("total", *(sums or (0, 0, 0)))]
     width = max(len(str(line[0])) for line in lines)
     for first, *rest in lines:
         said = f"{first:{width}}" + "".join(f"{value:>15}" for value in rest)

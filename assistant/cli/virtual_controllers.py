@@ -38,7 +38,7 @@ virtual: Final = typer.Typer(
 )
 
 
-class Framing(StrEnum):
+class _Framing(StrEnum):
     """Framing of a serial line."""
 
     PLAIN = "plain"
@@ -46,15 +46,15 @@ class Framing(StrEnum):
     DATA_LINK = "data-link"
 
 
-FRAMINGS: Final[dict[Framing, Literal["plain", "procedural", "data link"]]] = {
-    Framing.PLAIN: "plain",
-    Framing.PROCEDURAL: "procedural",
-    Framing.DATA_LINK: "data link",
+_FRAMINGS: Final[dict[_Framing, Literal["plain", "procedural", "data link"]]] = {
+    _Framing.PLAIN: "plain",
+    _Framing.PROCEDURAL: "procedural",
+    _Framing.DATA_LINK: "data link",
 }
 
 
 @virtual.command("irc5")
-def virtual_irc5(
+def _virtual_irc5(
     folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home"),
     port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121,
     user: Annotated[str, typer.Option(help="Its user.")] = "robot",
@@ -89,7 +89,7 @@ def virtual_irc5(
 ) -> None:
     """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
     ports = (port, rws_port, rwss_port)
-    run_irc5(
+    _run_irc5(
         folder,
         user,
         robot,
@@ -104,7 +104,7 @@ def virtual_irc5(
 
 
 @virtual.command("cr")
-def virtual_cr(
+def _virtual_cr(
     robot: Annotated[
         str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
     ] = "rv-2aj",
@@ -140,7 +140,7 @@ def virtual_cr(
             metavar="PORT",
         ),
     ] = None,
-    framing: Annotated[Framing, typer.Option(help="Of the serial line.")] = Framing.PLAIN,
+    framing: Annotated[_Framing, typer.Option(help="Of the serial line.")] = _Framing.PLAIN,
     line: Annotated[
         list[str] | None,
         typer.Option(
@@ -172,7 +172,7 @@ def virtual_cr(
     from assistant.virtual.cr import Faults
 
     faults = Faults(delay=delay, broken=broken)
-    run_cr(
+    _run_cr(
         robot,
         faults,
         refuse or [],
@@ -181,7 +181,7 @@ def virtual_cr(
         data_port=data_port,
         mxt_port=mxt_port,
         serial=serial or False,
-        framing=FRAMINGS[framing],
+        framing=_FRAMINGS[framing],
         lines=line or [],
         pace=pace,
         contact=contact,
@@ -190,31 +190,31 @@ def virtual_cr(
     )
 
 
-NOT_STARTED = error(
+_NOT_STARTED = error(
     "CL101",
     "the virtual controller cannot start: {reason}",
     "name another port or folder; ports below 1024 need more rights",
 )
 
 
-NOT_A_REFUSAL = error(
+_NOT_A_REFUSAL = error(
     "CL103",
     "`{text}` is no command with the number of an error",
     "write them as SRVON=5600",
 )
-INCOMPLETE_CONTACT = error(
+_INCOMPLETE_CONTACT = error(
     "CL105",
     "the contact input needs its number and a cell",
     "add `--contact 10 --cell cell.toml`, with an input of the controller and the file of its cell",
 )
-NOT_A_SIGNAL = error(
+_NOT_A_SIGNAL = error(
     "CL102",
     "`{text}` is no signal",
     "write its name and type, as do_grip=DO; types are DI, DO, GI, GO, AI, AO",
 )
 
 
-def run_irc5(
+def _run_irc5(
     folder: Path,
     user: str,
     robot: str,
@@ -256,7 +256,7 @@ def run_irc5(
     _serve_until_end(controller, about, None if given else controller.password, _print_services)
 
 
-NOT_A_DEVICE = error(
+_NOT_A_DEVICE = error(
     "CL104",
     "`{text}` is no UdpUc device",
     "write its name and where it sends to, as UCdevice=127.0.0.1:6510",
@@ -267,7 +267,7 @@ def _udp_device(text: str) -> tuple[str, tuple[str, int]]:
     name, _, place = text.partition("=")
     host, _, port = place.rpartition(":")
     if not name.strip() or not host.strip() or not port.isdecimal() or int(port) > 65535:
-        raise Refused(NOT_A_DEVICE(text=text), exit_status=2)
+        raise Refused(_NOT_A_DEVICE(text=text), exit_status=2)
     return name.strip(), (host.strip(), int(port))
 
 
@@ -278,7 +278,7 @@ def _signal_of(text: str) -> Signal:
     name, _, type = text.partition("=")
     found = SIGNAL_TYPES.get(type.strip().upper())
     if found is None or not name.strip().isidentifier():
-        raise Refused(NOT_A_SIGNAL(text=text), exit_status=2)
+        raise Refused(_NOT_A_SIGNAL(text=text), exit_status=2)
     return Signal(name.strip(), found)
 
 
@@ -288,7 +288,7 @@ def _print_services(controller: VirtualIrc5) -> None:
     say(f"its certificate: {controller.certificate}")
 
 
-def run_cr(
+def _run_cr(
     robot: str,
     faults: Faults,
     refused: Sequence[str],
@@ -320,7 +320,7 @@ def run_cr(
     felt = None
     if contact is not None or cell is not None:
         if contact is None or cell is None or not re.fullmatch(r"\d{1,5}", contact, re.ASCII):
-            raise Refused(INCOMPLETE_CONTACT(), exit_status=2)
+            raise Refused(_INCOMPLETE_CONTACT(), exit_status=2)
         felt = Contact(str(int(contact)), contact_test(cell, arm.name))
     faults.errors = dict(map(_refused_command, refused))
     with ExitStack() as open_:
@@ -353,7 +353,7 @@ def _open_line(name: str, target: str) -> Iterator[Line]:
         line, leave = line_to(target)
     except OSError as error:
         reason = f"{name} cannot lead to {target}: {error.strerror or error}"
-        raise Refused(NOT_STARTED(reason=reason), exit_status=2) from None
+        raise Refused(_NOT_STARTED(reason=reason), exit_status=2) from None
     try:
         yield line
     finally:
@@ -368,7 +368,7 @@ def _serve_cr(arm: Robot, notes: Sequence[str], **options: Any) -> None:
     try:
         controller = VirtualCr(arm.name, **options)
     except (ValueError, OSError) as error:
-        raise Refused(NOT_STARTED(place=arm.name, reason=error), exit_status=2) from None
+        raise Refused(_NOT_STARTED(place=arm.name, reason=error), exit_status=2) from None
     about = f"{arm.title}, {get(controller.state.language).title}"
 
     def tell(running: VirtualCr) -> None:
@@ -382,7 +382,7 @@ def _serve_cr(arm: Robot, notes: Sequence[str], **options: Any) -> None:
 def _refused_command(text: str) -> tuple[str, int]:
     command, sign, number = text.rpartition("=")
     if not sign or not command or not re.fullmatch(r"\d{1,4}", number, re.ASCII):
-        raise Refused(NOT_A_REFUSAL(text=text), exit_status=2)
+        raise Refused(_NOT_A_REFUSAL(text=text), exit_status=2)
     return command, int(number)
 
 
@@ -411,7 +411,7 @@ def _serve_until_end(
         controller.start()
     except OSError as error:
         reason = error.strerror or str(error)
-        raise Refused(NOT_STARTED(reason=reason), exit_status=2) from None
+        raise Refused(_NOT_STARTED(reason=reason), exit_status=2) from None
     try:
         say(f"listening at {controller.address} ({about}); Ctrl-C ends it")
         if tell is not None:

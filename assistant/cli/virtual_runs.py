@@ -145,7 +145,7 @@ def run(
     """Run programs on a virtual controller and tell what they do. No robot moves."""
     from assistant.sources.sights import seeing
 
-    options = RunOptions(
+    options = _RunOptions(
         robot=robot,
         process=process,
         unit=unit,
@@ -168,35 +168,35 @@ def run(
         ask=ask,
         seeing=seeing(seen, ask_at),
     )
-    raise typer.Exit(run_run(programs, options, format))
+    raise typer.Exit(_run_run(programs, options, format))
 
 
 def debug() -> None:
     """Run a program as an editor says, over the Debug Adapter Protocol; see docs/debugging.md."""
-    raise typer.Exit(run_debug())
+    raise typer.Exit(_run_debug())
 
 
-NOT_A_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
-STEPPED_AS_JSON: Final = error(
+_NOT_A_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
+_STEPPED_AS_JSON: Final = error(
     "CL028", "a run is not stepped through as JSON", "leave out --format json, --step and --break"
 )
-PLOT_WITHOUT_ROBOT: Final = error(
+_PLOT_WITHOUT_ROBOT: Final = error(
     "CL029", "without a robot there is no motion to draw", "name one with --robot"
 )
-BAD_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
-NOT_REACHED: Final = warning(
+_BAD_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
+_NOT_REACHED: Final = warning(
     "CL024", "the run never came to {where}", "name a line with a statement that is run"
 )
-NO_MOTION: Final = info(
+_NO_MOTION: Final = info(
     "CL025",
     "no robot is named, so motions take no time and reach anything",
     "name one with --robot; `robot-assistant robots` lists them",
 )
-NOT_USED: Final = warning("CL026", "no program uses the signal `{name}` of the script", "{cure}")
+_NOT_USED: Final = warning("CL026", "no program uses the signal `{name}` of the script", "{cure}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RunOptions:
+class _RunOptions:
     """Options for running programs. until, breaks: times and places as they are written."""
 
     robot: str | None
@@ -222,7 +222,7 @@ class RunOptions:
     seeing: Seeing
 
 
-def run_run(named: Sequence[str], options: RunOptions, format: Format) -> int:
+def _run_run(named: Sequence[str], options: _RunOptions, format: Format) -> int:
     """0 if the programs came to their end, 1 if they did not."""
     from assistant.compiler.arms import known_robot, robot_of
     from assistant.compiler.simulated_run import read_script
@@ -230,23 +230,23 @@ def run_run(named: Sequence[str], options: RunOptions, format: Format) -> int:
 
     _check_options(options)
     if format is Format.JSON and (options.step or options.breaks):
-        raise Refused(STEPPED_AS_JSON(), exit_status=2)
+        raise Refused(_STEPPED_AS_JSON(), exit_status=2)
     arm = robot_of(options.robot)
     script = read_script(options.signals) if options.signals is not None else Script()
     programs = _load_programs(named, options, arm)
     if arm is None and programs.program is not None:
         arm = known_robot(programs.program.robot)
     if options.plot is not None and arm is None:
-        raise Refused(PLOT_WITHOUT_ROBOT(), exit_status=2)
+        raise Refused(_PLOT_WITHOUT_ROBOT(), exit_status=2)
     files = [path for path in (options.trace, options.plot) if path is not None]
     keep_sources([*named, *([str(options.signals)] if options.signals else [])], files)
     return _PrintedRun(programs, options, arm, script, format).run()
 
 
-def _check_options(options: RunOptions) -> None:
+def _check_options(options: _RunOptions) -> None:
     """Raises Refused for what no program could be run with."""
     if options.trace is not None and options.trace.suffix.lower() != ".npz":
-        raise Refused(NOT_A_TRACE(name=options.trace), exit_status=2)
+        raise Refused(_NOT_A_TRACE(name=options.trace), exit_status=2)
     check_disk_folder(options.disk)
     if options.plot is not None:
         from assistant.report.figures import format_of
@@ -260,10 +260,10 @@ def _check_options(options: RunOptions) -> None:
         limits["period"] = options.period
     for option, value in limits.items():
         if not value > 0:
-            raise Refused(BAD_LIMIT(option=option, value=value), exit_status=2)
+            raise Refused(_BAD_LIMIT(option=option, value=value), exit_status=2)
 
 
-def _load_programs(named: Sequence[str], options: RunOptions, arm: Robot | None) -> Programs:
+def _load_programs(named: Sequence[str], options: _RunOptions, arm: Robot | None) -> Programs:
     from assistant.compiler.simulated_run import programs, programs_of_text
 
     if list(named).count(STANDARD) > 1 or (STANDARD in named and len(named) > 1):
@@ -293,7 +293,7 @@ class _PrintedRun:
     def __init__(
         self,
         programs: Programs,
-        options: RunOptions,
+        options: _RunOptions,
         arm: Robot | None,
         script: Script,
         format: Format,
@@ -325,7 +325,7 @@ class _PrintedRun:
         )
         self.kernel = prepared(programs, settings)
         if arm is None:
-            self.findings.append(NO_MOTION())
+            self.findings.append(_NO_MOTION())
         self.given = follow(self.kernel, script, self.sources)
         self.tasks = [task.name for task in self.kernel.tasks]
         self.columns = ColumnWidths.of(self.tasks, self.sources)
@@ -429,7 +429,7 @@ class _PrintedRun:
         wanted = [*self.points, *([self.until] if isinstance(self.until, tuple) else [])]
         for place in dict.fromkeys(wanted):
             if place not in self.reached:
-                yield NOT_REACHED(path=place[0], line=place[1], where=f"{place[0]}:{place[1]}")
+                yield _NOT_REACHED(path=place[0], line=place[1], where=f"{place[0]}:{place[1]}")
 
     # ---------------------------------------------------------------------------- printing
 
@@ -508,7 +508,7 @@ def _unused_signals(programs: Programs, script: Script) -> Iterator[Diagnostic]:
         if name not in known:
             near = nearest(name, known)
             cure = f"write `{near}`" if near else "name a signal that they use"
-            yield NOT_USED(name=name, cure=cure)
+            yield _NOT_USED(name=name, cure=cure)
 
 
 _ENDINGS: Final = {
@@ -522,12 +522,12 @@ _ENDINGS: Final = {
 }
 
 
-WRONG_LAUNCH: Final = error(
+_WRONG_LAUNCH: Final = error(
     "CL120",
     "the editor's launch request is wrong: {reason}",
     "name program, and where wanted {known}, in the configuration that the editor launches",
 )
-BROKEN_MESSAGE: Final = error(
+_BROKEN_MESSAGE: Final = error(
     "CL121",
     "what was read is no message of the Debug Adapter Protocol: {reason}",
     "let an editor start this command; to run a program in a terminal there is `run`",
@@ -542,11 +542,11 @@ LAUNCH_KEYS: Final[Mapping[str, type]] = {
     "stopOnEntry": bool,
 }
 """Keys of a launch configuration; `program` may be a list of texts too."""
-EDITOR_KEY_PREFIX: Final = frozenset({"type", "request", "name", "cwd", "noDebug", "presentation"})
+_EDITOR_KEY_PREFIX: Final = frozenset({"type", "request", "name", "cwd", "noDebug", "presentation"})
 """Keys that editors add, besides names that begin with two underscores."""
 
 
-def run_debug() -> int:
+def _run_debug() -> int:
     """0 when the editor has left, 2 if what it said was no message."""
     from assistant.virtual.debugging import Adapter
 
@@ -555,7 +555,7 @@ def run_debug() -> int:
     adapter = Adapter(source, sys.stdout.buffer, _launched_programs)
     adapter.serve()
     if adapter.broken:
-        print_findings([BROKEN_MESSAGE(reason=adapter.broken)], explained=True)
+        print_findings([_BROKEN_MESSAGE(reason=adapter.broken)], explained=True)
         return 2
     return 0
 
@@ -568,14 +568,14 @@ def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:
     from assistant.virtual.program_run import MOST_STEPS, Settings, prepared
 
     for name, value in wanted.items():
-        if name.startswith("__") or name in EDITOR_KEY_PREFIX:
+        if name.startswith("__") or name in _EDITOR_KEY_PREFIX:
             continue
         if name not in LAUNCH_KEYS:
             raise _wrong_launch(f"`{name}` is not known")
         if name == "program" and isinstance(value, list):
             continue
         if not isinstance(value, LAUNCH_KEYS[name]):
-            raise _wrong_launch(f"`{name}` is no {TYPE_NAMES[LAUNCH_KEYS[name]]}")
+            raise _wrong_launch(f"`{name}` is no {_TYPE_NAMES[LAUNCH_KEYS[name]]}")
     program = wanted.get("program")
     named = program if isinstance(program, list) else [program]
     if not named or not all(isinstance(one, str) and one for one in named):
@@ -596,7 +596,7 @@ def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:
 
 def _wrong_launch(reason: str) -> Refused:
     known = ", ".join(name for name in LAUNCH_KEYS if name != "program")
-    return Refused(WRONG_LAUNCH(reason=reason, known=known), exit_status=2)
+    return Refused(_WRONG_LAUNCH(reason=reason, known=known), exit_status=2)
 
 
-TYPE_NAMES: Final[Mapping[type, str]] = {str: "text", int: "whole number", bool: "truth"}
+_TYPE_NAMES: Final[Mapping[type, str]] = {str: "text", int: "whole number", bool: "truth"}

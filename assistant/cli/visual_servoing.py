@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     from assistant.vision.servoing.servo_loop import ServoResult
 
 
-NO_SERVO_MODE: Final = error(
+_NO_SERVO_MODE: Final = error(
     "CL530", "no arm is led step by step by `{by}`", "choose one of {known}"
 )
-SERVO_WITHOUT_ROBOT: Final = error(
+_SERVO_WITHOUT_ROBOT: Final = error(
     "CL531",
     "no project says which robot `{name}` moves, so it cannot be led",
     "write robot = NAME into its table in assistant.toml",
 )
-ENDS_BEFORE_MOTION: Final = frozenset({"VS201", "VS208"})
+_ENDS_BEFORE_MOTION: Final = frozenset({"VS201", "VS208"})
 """Codes of servoing that ends before the first step."""
 
 
@@ -63,7 +63,7 @@ def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
         there = motion.cell
         robot = robot_of_cell(there.one)
         if robot is None:
-            raise Refused(SERVO_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
+            raise Refused(_SERVO_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
         session: Programs = there.controller if mode.operates else there.session
         mode.check(session, options.wishes)
         setting = set_up_servo(file, rig, robot)
@@ -83,7 +83,7 @@ def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
                 done = servo(*parts, progress=progress)
             except ServoStopped as broken:
                 motion.began = (
-                    not {finding.code for finding in broken.findings} <= ENDS_BEFORE_MOTION
+                    not {finding.code for finding in broken.findings} <= _ENDS_BEFORE_MOTION
                 )
                 _write_recording(broken.served, options)
                 raise
@@ -110,7 +110,7 @@ def setpoint_mode(by: str) -> Mode:
     from assistant.controllers.setpoint_streams import MODES
 
     if by not in MODES:
-        raise Refused(NO_SERVO_MODE(by=by, known=", ".join(MODES)), exit_status=2)
+        raise Refused(_NO_SERVO_MODE(by=by, known=", ".join(MODES)), exit_status=2)
     return MODES[by]
 
 

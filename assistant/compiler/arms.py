@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from assistant.sources.process import Surroundings
 
 
-UNKNOWN_ROBOT = error(
+_UNKNOWN_ROBOT = error(
     "CO002",
     "there is no robot `{name}`",
     "{cure}",
 )
-WHICH_ARM = error(
+_WHICH_ARM = error(
     "CO075",
     "nothing says which robot runs the program; the cell has {names}",
     "name it with --robot",
@@ -83,7 +83,7 @@ def known_robot(name: str | None) -> Robot | None:
     except KeyError:
         known = robots.names()
         other = f"choose one of {', '.join(known)}, or name a robot file (TOML or URDF)"
-        finding = UNKNOWN_ROBOT(name=name, cure=did_you_mean(name, known, other))
+        finding = _UNKNOWN_ROBOT(name=name, cure=did_you_mean(name, known, other))
         raise Refused(finding, exit_status=2) from None
 
 
@@ -96,7 +96,7 @@ def with_robot_of_cell(program: Program, arms: Arms) -> Arms:
         return arms
     if len(arms.scene.robots) != 1:
         names = ", ".join(f"`{placed.name}`" for placed in arms.scene.robots) or "no robot"
-        raise Refused(WHICH_ARM(names=names), exit_status=2)
+        raise Refused(_WHICH_ARM(names=names), exit_status=2)
     return replace(arms, robot=arms.scene.robots[0].robot)
 
 
@@ -125,12 +125,12 @@ def arms_of_loaded(loaded: Loaded, arms: Arms) -> Arms:
     )
 
 
-EMPTY_CELL: Final = warning(
+_EMPTY_CELL: Final = warning(
     "CO076",
     "the cell file has neither bodies nor robots, so nothing is there to be touched",
     "describe them under [bodies] and [robots]; docs/cell.md tells how",
 )
-SCENE_TABLES: Final = ("bodies", "robots")
+_SCENE_TABLES: Final = ("bodies", "robots")
 """Tables of a cell file that make it a scene."""
 
 
@@ -197,8 +197,8 @@ def _scene_of(path: FilePath, values: bool) -> tuple[Scene | None, tuple[Diagnos
     if values and not path.exists():
         return None, ()
     source: SourceText = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
-    if not any(name in read_toml(source).content for name in SCENE_TABLES):
-        return None, () if values else (EMPTY_CELL(path=str(path)),)
+    if not any(name in read_toml(source).content for name in _SCENE_TABLES):
+        return None, () if values else (_EMPTY_CELL(path=str(path)),)
     from assistant.cell.cell_file import parse_scene
     from assistant.cell.collision.model import Model
 

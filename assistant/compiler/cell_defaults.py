@@ -63,12 +63,12 @@ UNFILLED: Final = warning(
     "the cell file does not say what {what} is: something that only stands for it is written",
     "write its value in the cell file, then translate again",
 )
-NO_FILE_OF: Final = error(
+_NO_FILE_OF: Final = error(
     "CO072",
     "`{name}` stands for itself in the cell file, and the file `{file}` cannot be used: {reason}",
     'name a file beside the cell file, or write "stop" or "empty"',
 )
-OTHER_TYPE: Final = error(
+_OTHER_TYPE: Final = error(
     "CO073",
     "what the cell file says of `{name}` is no value of the type {type}",
     "write {wanted}, or another `type`",
@@ -78,11 +78,11 @@ UNPROVEN: Final = warning(
     "what lacks values of its cell is not proven by motion",
     "write them in the cell file, then prove it",
 )
-GROUP_BITS: Final = {"input": 15, "output": 16}
+_GROUP_BITS: Final = {"input": 15, "output": 16}
 """Bits of a group of signals without a stated width; an input of 16 may be read as negative."""
-GROUP_WIDTHS: Final = (8, 16, 32)
+_GROUP_WIDTHS: Final = (8, 16, 32)
 """Widths of groups that controllers read at once: the rest of one stays free."""
-FIRST_ANALOG: Final = 6000
+_FIRST_ANALOG: Final = 6000
 """Number of the first analog signal: the first register that CR controllers have for such."""
 
 
@@ -298,7 +298,7 @@ def _value_of(one: Wanted, cell: Cell) -> SuppliedValue | None:
         shown = data_text(one.nothing)
         at = f"data.{one.name}"
         raise Refused(
-            OTHER_TYPE(name=one.name, type=one.type, wanted=f"one like {shown}", place=at)
+            _OTHER_TYPE(name=one.name, type=one.type, wanted=f"one like {shown}", place=at)
         )
     return value
 
@@ -343,7 +343,7 @@ def _routine_files(
         except Refused as refused:
             reason = refused.findings[0].message
             raise Refused(
-                NO_FILE_OF(name=routine, file=name, reason=reason, path=str(path))
+                _NO_FILE_OF(name=routine, file=name, reason=reason, path=str(path))
             ) from None
         if has_errors(tree.findings):
             raise Refused(*tree.findings)
@@ -378,13 +378,13 @@ def _with_signal_numbers(
         if signal.number is not None:
             continue
         bits = (
-            GROUP_BITS[signal.direction]
+            _GROUP_BITS[signal.direction]
             if signal.kind == "group" and signal.bits == 1
             else signal.bits
         )
         room = _numbers_taken(taken, signal)
-        first = FIRST_ANALOG if signal.kind == "analog" else 1
-        wide = next(width for width in (1, *GROUP_WIDTHS) if width >= bits)
+        first = _FIRST_ANALOG if signal.kind == "analog" else 1
+        wide = next(width for width in (1, *_GROUP_WIDTHS) if width >= bits)
         number = next(n for n in range(first, 100_000) if room.isdisjoint(range(n, n + wide)))
         room.update(range(number, number + wide))
         signals[name] = Signal(signal.kind, signal.direction, number, bits)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from assistant.program.undeclared_names import Supplied
 
 
-ENTRY_NOT_USED = warning(
+_ENTRY_NOT_USED = warning(
     "CO006",
     "the program has no {kind} `{name}`, so what the process file says of it changes nothing",
     "write the name as the program does",
@@ -39,17 +39,17 @@ KEYS_WITHOUT_EFFECT = info(
     "what the process file says of {keys} changes nothing in a program that states its own moves",
     "name arms with --robot and --from-robot; the rest is for drawings and tables",
 )
-SIGNAL_MISMATCH = error(
+_SIGNAL_MISMATCH = error(
     "CO010",
     "the program uses `{name}` as {used}, but the process file states {stated}",
     'write kind = "{kind}" and direction = "{direction}", or see which signal the program means',
 )
-PROGRAM_KEYS: Final = (
+_PROGRAM_KEYS: Final = (
     *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
     *("seen", "findings"),
 )
 """Keys of a process file that a program takes from it."""
-KEY_WORDS: Final = {"defaults": "motion"}
+_KEY_WORDS: Final = {"defaults": "motion"}
 """Keys of a process file that have other names here."""
 
 V = TypeVar("V")
@@ -65,9 +65,9 @@ def with_cell_equipment(
     """
     findings = [*stated.findings]
     others = [
-        f"`{KEY_WORDS.get(f.name, f.name)}`"
+        f"`{_KEY_WORDS.get(f.name, f.name)}`"
         for f in fields(Process)
-        if f.name not in PROGRAM_KEYS and getattr(stated, f.name) != getattr(NO_PROCESS, f.name)
+        if f.name not in _PROGRAM_KEYS and getattr(stated, f.name) != getattr(NO_PROCESS, f.name)
     ]
     if others:
         findings.append(KEYS_WITHOUT_EFFECT(keys=", ".join(others), path=path))
@@ -76,7 +76,7 @@ def with_cell_equipment(
     for kind, given, there in _stated_tables(program, stated):
         known = {name.lower() for name in there}
         findings += [
-            ENTRY_NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=path)
+            _ENTRY_NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=path)
             for name in given
             if name.lower() not in known and not sharing
         ]
@@ -100,7 +100,7 @@ def check_signals(program: Program, stated: Process, path: str) -> None:
         one = given.get(name.lower(), used)
         if (one.kind, one.direction) != (used.kind, used.direction):
             others.append(
-                SIGNAL_MISMATCH(
+                _SIGNAL_MISMATCH(
                     name=name,
                     used=f"`{used.kind} {used.direction}`",
                     stated=f"`{one.kind} {one.direction}`",
@@ -176,37 +176,37 @@ def _replaced_entries(there: dict[str, V], given: Mapping[str, V]) -> dict[str, 
     return {name: stated.get(name.lower(), value) for name, value in there.items()}
 
 
-SIGNALS_NUMBERED: Final = info(
+_SIGNALS_NUMBERED: Final = info(
     "CO043",
     "{count} signals of the program have the numbers that its controller's files state, each "
     "device behind the one before",
     "see that the other controller is wired so, or state other numbers in the process file",
 )
-CROSS_CONNECTED: Final = warning(
+_CROSS_CONNECTED: Final = warning(
     "CO044",
     "the controller sets {names} from other signals, as its files state; this is not translated",
     "have the other controller or its wiring do that as well",
 )
-CONFIGURATION_UNREAD: Final = warning(
+_CONFIGURATION_UNREAD: Final = warning(
     "CO045",
     "{what} of `{name}` is not used: {reason}",
     "correct it, or state what it says in the process file",
 )
-CONFIGURATION_TAKEN: Final = info(
+_CONFIGURATION_TAKEN: Final = info(
     "CO046",
     "the controller's files state {what}",
     "see that they are those of this program; a process file or a cell file counts instead",
 )
-CALLED_BY_CONTROLLER: Final = warning(
+_CALLED_BY_CONTROLLER: Final = warning(
     "CO048",
     "the controller calls `{name}` {when}, as its files state; that call is not translated",
     "have the other controller call it then, or call it where the program begins",
 )
 STATED_TEXT_NAME: Final = "cell values"
 """Name of the text of declarations made from a cell's values."""
-WHOLE_TEXT: Final = "the text"
-MOST_NAMED: Final = 5
-CONFIGURATION_ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
+_WHOLE_TEXT: Final = "the text"
+_MOST_NAMED: Final = 5
+_CONFIGURATION_ENCODINGS: Final = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
 
 
 def controller_configuration(
@@ -221,11 +221,13 @@ def controller_configuration(
 
     def read(path: FilePath) -> str | None:
         try:
-            return decode(read_bytes(path), str(path), CONFIGURATION_ENCODINGS).text
+            return decode(read_bytes(path), str(path), _CONFIGURATION_ENCODINGS).text
         except Refused as refused:
             reason = refused.findings[0].message
             unread.append(
-                CONFIGURATION_UNREAD(what=WHOLE_TEXT, name=path.name, reason=reason, path=str(path))
+                _CONFIGURATION_UNREAD(
+                    what=_WHOLE_TEXT, name=path.name, reason=reason, path=str(path)
+                )
             )
             return None
 
@@ -234,13 +236,15 @@ def controller_configuration(
     if source is not None and not found.known:
         reason = "it does not look like a file of system parameters"
         unread.append(
-            CONFIGURATION_UNREAD(what=WHOLE_TEXT, name=source.name, reason=reason, path=str(source))
+            _CONFIGURATION_UNREAD(
+                what=_WHOLE_TEXT, name=source.name, reason=reason, path=str(source)
+            )
         )
     if source is not None and found.unread:
         reason = "it states no type of signal that there is"
         what = _names_in_words(found.unread)
         unread.append(
-            CONFIGURATION_UNREAD(what=what, name=source.name, reason=reason, path=str(source))
+            _CONFIGURATION_UNREAD(what=what, name=source.name, reason=reason, path=str(source))
         )
     return found, (*unread, *found.findings)
 
@@ -267,27 +271,27 @@ def with_controller_configuration(
     )
     found: list[Diagnostic] = []
     if names:
-        found.append(CONFIGURATION_TAKEN(what=_names_in_words([one.name for one, _ in names])))
+        found.append(_CONFIGURATION_TAKEN(what=_names_in_words([one.name for one, _ in names])))
     numbered = _signal_numbers(program) - _signal_numbers(before)
     if numbered:
-        found.append(SIGNALS_NUMBERED(count=len(numbered)))
+        found.append(_SIGNALS_NUMBERED(count=len(numbered)))
     crossed = [name for name in program.signals if name.lower() in given.crossed]
     if crossed:
-        found.append(CROSS_CONNECTED(names=_names_in_words(crossed)))
+        found.append(_CROSS_CONNECTED(names=_names_in_words(crossed)))
     arm = given.arm if program.robot is None else None
     if arm is not None:
-        found.append(CONFIGURATION_TAKEN(what=f"the robot `{given.told}`, which is `{arm}`"))
+        found.append(_CONFIGURATION_TAKEN(what=f"the robot `{given.told}`, which is `{arm}`"))
     begins = program.procedure(given.entry) if given.entry else None
     if begins is not None and not begins.parameters and begins.name != program.entry:
         program = replace(program, entry=begins.name)
-        found.append(CONFIGURATION_TAKEN(what=f"that the program begins with `{begins.name}`"))
+        found.append(_CONFIGURATION_TAKEN(what=f"that the program begins with `{begins.name}`"))
     if program.origin is not None and given.called:
         program = replace(program, origin=replace(program.origin, called=frozenset(given.called)))
     entry = (program.entry or "").lower()
     for procedure in program.procedures:
         when = given.called.get(procedure.name.lower())
         if when is not None and procedure.name.lower() != entry:
-            found.append(CALLED_BY_CONTROLLER(name=procedure.name, when=when, span=procedure.span))
+            found.append(_CALLED_BY_CONTROLLER(name=procedure.name, when=when, span=procedure.span))
     return ConfiguredProgram(program, arm, tuple(found))
 
 
@@ -313,6 +317,6 @@ def _signal_numbers(program: Program) -> set[str]:
 
 
 def _names_in_words(names: list[str] | tuple[str, ...]) -> str:
-    shown = ", ".join(f"`{name}`" for name in names[:MOST_NAMED])
-    more = len(names) - MOST_NAMED
+    shown = ", ".join(f"`{name}`" for name in names[:_MOST_NAMED])
+    more = len(names) - _MOST_NAMED
     return f"{shown} and {more} more" if more > 0 else shown

@@ -47,18 +47,18 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
 
-NOTHING_THERE: Final = error(
+_NOTHING_THERE: Final = error(
     "CO301",
     "the folder holds nothing that is checked",
     "name the files: in a folder, {kinds} are looked for, tables of targets are not",
 )
-LEFT_OUT: Final = info(
+_LEFT_OUT: Final = info(
     "CO302",
     "the file is left out: it does not look like a robot program",
     "name it with --from LANGUAGE if it is one",
 )
-PSEUDO_MARK: Final = "#"
-FOLDER_SUFFIXES: Final = (pseudo.SUFFIX, ".dxf")
+_PSEUDO_MARK: Final = "#"
+_FOLDER_SUFFIXES: Final = (pseudo.SUFFIX, ".dxf")
 """Files searched for in a folder beside programs; any folder may hold tables of other things."""
 
 
@@ -246,19 +246,19 @@ def _files_to_check(path: str, named: Language[Any] | None, checked: Checked) ->
     spoken = [named] if named else [languages.get(name) for name in languages.names()]
     suffixes = {suffix for language in spoken for suffix in language.suffixes}
     there = False
-    for file in files_in(path, {*suffixes, *FOLDER_SUFFIXES}):
+    for file in files_in(path, {*suffixes, *_FOLDER_SUFFIXES}):
         there = True
         with _collecting(checked, file):
             if (
-                FilePath(file).suffix.lower() in FOLDER_SUFFIXES
+                FilePath(file).suffix.lower() in _FOLDER_SUFFIXES
                 or _language_of_file(file, named) is not None
             ):
                 yield file
             else:
-                checked.findings.append(LEFT_OUT(path=file))
+                checked.findings.append(_LEFT_OUT(path=file))
     if not there:
-        kinds = " ".join(sorted({*suffixes, *FOLDER_SUFFIXES}))
-        checked.findings.append(NOTHING_THERE(path=path, kinds=kinds))
+        kinds = " ".join(sorted({*suffixes, *_FOLDER_SUFFIXES}))
+        checked.findings.append(_NOTHING_THERE(path=path, kinds=kinds))
         checked.unreadable = True
 
 
@@ -303,9 +303,9 @@ def _check_pseudo(
     checked: Checked,
 ) -> list[Diagnostic]:
     name = text.path or ""
-    checked.texts[name] = CheckedText(text, PSEUDO_MARK, complete=False)
+    checked.texts[name] = CheckedText(text, _PSEUDO_MARK, complete=False)
     program = parse_pseudo(text, tables)
-    checked.texts[name] = CheckedText(text, PSEUDO_MARK, complete=True)
+    checked.texts[name] = CheckedText(text, _PSEUDO_MARK, complete=True)
     loaded = _with_process(program, process)
     stands, places = stands.beside(loaded.seen), Places(program, text)
     meant = _check_meaning(loaded.program, stands, places, [name], checked)

@@ -28,33 +28,33 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
 
-NO_DRAWN_SOURCE = error(
+_NO_DRAWN_SOURCE = error(
     "CL070",
     "`{source}` is a robot program, or keeps text of one, and cannot be part of another one",
     "name drawings, tables and pseudo-programs only",
 )
-STATED_DIFFERENTLY = error(
+_STATED_DIFFERENTLY = error(
     "CL071",
     "`{first}` and `{second}` say different things of the {kind} `{name}`",
     "say the same of it in both, or give it two names",
 )
-NAME_IN_BOTH = error(
+_NAME_IN_BOTH = error(
     "CL072",
     "`{first}` and `{second}` both have a {kind} `{name}`",
     "give one of them another `prefix` under [program] of its process file, and with `as` another"
     " name",
 )
-NAME_OF_MAIN = error(
+_NAME_OF_MAIN = error(
     "CL075",
     "`{source}` has a routine `{name}`, and so is the one called that runs all of them",
     "rename the file, or name the routine by `as` under [program] of its process file",
 )
 
-MAIN_PROCEDURE: Final = "main"
+_MAIN_PROCEDURE: Final = "main"
 """Procedure that runs all of them, and where a controller begins."""
-SHARED_TABLES: Final = ("tools", "frames", "signals")
+_SHARED_TABLES: Final = ("tools", "frames", "signals")
 """Tables that all drawings of a cell share."""
-SEPARATE_TABLES: Final = tuple(table for table in NAMED_TABLES if table not in SHARED_TABLES)
+_SEPARATE_TABLES: Final = tuple(table for table in NAMED_TABLES if table not in _SHARED_TABLES)
 
 
 def combine_sources(
@@ -78,7 +78,7 @@ def combine_sources(
     for source in sources:
         loaded = load(source, process=process, unit=unit, placement=placement, around=around)
         if loaded.language is not None or first_vendor_text(loaded.program, None) is not None:
-            raise Refused(NO_DRAWN_SOURCE(source=source, path=str(source)))
+            raise Refused(_NO_DRAWN_SOURCE(source=source, path=str(source)))
         findings += (one.within(str(source)) for one in loaded.findings)
         parts.append((str(source), _with_own_names(FilePath(source), loaded.program)))
     return Loaded(_combined_program(parts, identifier(name)), None, tuple(findings))
@@ -99,8 +99,8 @@ def _with_own_names(source: FilePath, program: Program) -> Program:
 
 def _combined_program(parts: Sequence[tuple[str, Program]], name: str) -> Program:
     programs = [program for _, program in parts]
-    tables: dict[str, Any] = {table: _common_entries(parts, table) for table in SHARED_TABLES}
-    tables |= {table: _separate_entries(parts, table) for table in SEPARATE_TABLES}
+    tables: dict[str, Any] = {table: _common_entries(parts, table) for table in _SHARED_TABLES}
+    tables |= {table: _separate_entries(parts, table) for table in _SEPARATE_TABLES}
     procedures = list(_separate_entries(parts, "procedures").values())
     calls: list[Call] = []
     for program in programs:
@@ -114,12 +114,12 @@ def _combined_program(parts: Sequence[tuple[str, Program]], name: str) -> Progra
             calls += (one for one in begins.body if isinstance(one, Call))
     for source, program in parts:
         for one in program.procedures:
-            if one in procedures and one.name.lower() == MAIN_PROCEDURE:
-                raise Refused(NAME_OF_MAIN(source=source, path=source, name=one.name))
+            if one in procedures and one.name.lower() == _MAIN_PROCEDURE:
+                raise Refused(_NAME_OF_MAIN(source=source, path=source, name=one.name))
     return Program(
         name,
-        (Procedure(MAIN_PROCEDURE, tuple(calls)), *procedures),
-        entry=MAIN_PROCEDURE,
+        (Procedure(_MAIN_PROCEDURE, tuple(calls)), *procedures),
+        entry=_MAIN_PROCEDURE,
         robot=_common_robot(parts),
         comments=tuple(chain.from_iterable(program.comments for program in programs)),
         interface=_combined_interface(programs),
@@ -132,7 +132,7 @@ def _common_robot(parts: Sequence[tuple[str, Program]]) -> str | None:
     for source, robot in stated[1:]:
         if robot != stated[0][1]:
             raise Refused(
-                STATED_DIFFERENTLY(first=stated[0][0], second=source, kind="robot", name=robot)
+                _STATED_DIFFERENTLY(first=stated[0][0], second=source, kind="robot", name=robot)
             )
     return stated[0][1] if stated else None
 
@@ -157,7 +157,7 @@ def _common_entries(parts: Sequence[tuple[str, Program]], table: str) -> dict[st
             first, _, known = found.setdefault(key, (source, name, said))
             if known != said:
                 raise Refused(
-                    STATED_DIFFERENTLY(first=first, second=source, kind=table[:-1], name=name)
+                    _STATED_DIFFERENTLY(first=first, second=source, kind=table[:-1], name=name)
                 )
     return {name: said[0] for _, name, said in found.values()}
 
@@ -176,5 +176,5 @@ def _separate_entries(parts: Sequence[tuple[str, Program]], table: str) -> dict[
             first, _, _ = found.setdefault(name.lower(), (source, name, value))
             if first != source:
                 kind = table[:-1].replace("_", " ")
-                raise Refused(NAME_IN_BOTH(first=first, second=source, kind=kind, name=name))
+                raise Refused(_NAME_IN_BOTH(first=first, second=source, kind=kind, name=name))
     return {name: value for _, name, value in found.values()}

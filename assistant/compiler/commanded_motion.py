@@ -32,23 +32,23 @@ if TYPE_CHECKING:
     from assistant.robots.solved_program import SolvedProgram
 
 
-JOG_BEYOND_LIMIT: Final = error(
+_JOG_BEYOND_LIMIT: Final = error(
     "CO711",
     "{axis} would come to {value:.2f} {unit}, beyond its limits ({low:g} to {high:g})",
     "move it by less",
 )
-NO_AXIS: Final = error("CO712", "there is no axis `{axis}`", "name one of {axes}")
-JOG_OUT_OF_REACH: Final = error(
+_NO_AXIS: Final = error("CO712", "there is no axis `{axis}`", "name one of {axes}")
+_JOG_OUT_OF_REACH: Final = error(
     "CO713",
     "the arm cannot come there without turning over: {why}",
     "move it by less, or by a joint",
 )
-JOG_NOT_CHECKED: Final = warning(
+_JOG_NOT_CHECKED: Final = warning(
     "CO714",
     "no project says which robot this is, so the limits of its joints are not checked here",
     "write robot = NAME into the table of the controller, or watch the arm",
 )
-ARM_OUTSIDE_LIMITS: Final = error(
+_ARM_OUTSIDE_LIMITS: Final = error(
     "CO715",
     "{axis} is at {value:.2f} {unit}, beyond the limits of `{robot}` ({low:g} to {high:g})",
     "correct `robot` of the controller, or move the axis back by hand at the controller",
@@ -58,7 +58,7 @@ LINEAR_AXES: Final = ("X", "Y", "Z")
 TURNING_AXES: Final = ("A", "B", "C")
 """Turns about X, Y and Z of the frame."""
 JOINT_AXES: Final = tuple(f"J{i}" for i in range(1, 9))
-MOST_JOG_STEP: Final = 1.0
+_MOST_JOG_STEP: Final = 1.0
 """Most degrees or mm between two checked poses of a straight path."""
 
 
@@ -71,9 +71,9 @@ def check_jog(jog: Jog, position: Position, robot: Robot | None) -> tuple[Diagno
     turns = TURNING_AXES[:2] if robot is not None and robot.five_axis else TURNING_AXES
     axes = (*(JOINT_AXES if robot is None else robot.axes), *LINEAR_AXES, *turns)
     if jog.axis not in axes:
-        raise Refused(NO_AXIS(axis=jog.axis, axes=", ".join(axes)), exit_status=2)
+        raise Refused(_NO_AXIS(axis=jog.axis, axes=", ".join(axes)), exit_status=2)
     if robot is None:
-        return (JOG_NOT_CHECKED(),)
+        return (_JOG_NOT_CHECKED(),)
     joints = np.array(own_joints(position, robot))
     if jog.axis in robot.axes:
         goal = joints.copy()
@@ -89,18 +89,18 @@ def check_position(position: Position, robot: Robot | None) -> tuple[Diagnostic,
     otherwise.
     """
     if robot is None:
-        return (JOG_NOT_CHECKED(),)
+        return (_JOG_NOT_CHECKED(),)
     joints = own_joints(position, robot)
     for axis, value, unit, (low, high) in zip(
         robot.axes, joints, robot.units, robot.limits, strict=True
     ):
-        if not low - LIMIT_TOLERANCE <= value <= high + LIMIT_TOLERANCE:
+        if not low - _LIMIT_TOLERANCE <= value <= high + _LIMIT_TOLERANCE:
             fields = {"axis": axis, "value": value, "unit": unit, "low": low, "high": high}
-            raise Refused(ARM_OUTSIDE_LIMITS(**fields, robot=robot.name))
+            raise Refused(_ARM_OUTSIDE_LIMITS(**fields, robot=robot.name))
     return ()
 
 
-LIMIT_TOLERANCE: Final = 0.05
+_LIMIT_TOLERANCE: Final = 0.05
 """Degrees or mm that an axis at its limit may be shown beyond it."""
 
 
@@ -109,7 +109,7 @@ def _check_limit(joints: np.ndarray, robot: Robot, axis: str) -> None:
     (low, high), value = robot.limits[index], float(joints[index])
     if not low <= value <= high:
         unit = robot.units[index]
-        raise Refused(JOG_BEYOND_LIMIT(axis=axis, value=value, unit=unit, low=low, high=high))
+        raise Refused(_JOG_BEYOND_LIMIT(axis=axis, value=value, unit=unit, low=low, high=high))
 
 
 def _check_flange_path(joints: np.ndarray, jog: Jog, position: Position, robot: Robot) -> None:
@@ -118,7 +118,7 @@ def _check_flange_path(joints: np.ndarray, jog: Jog, position: Position, robot: 
     flange = Pose.of(positions[0], quaternions[0])
     shown = Pose(position.position, position.quaternion)
     tool = flange.inverse() @ shown
-    steps = max(2, int(np.ceil(abs(jog.by) / MOST_JOG_STEP)) + 1)
+    steps = max(2, int(np.ceil(abs(jog.by) / _MOST_JOG_STEP)) + 1)
     moved = _jogged_pose_in_plane if robot.five_axis else _jogged_pose
     way = [moved(shown, jog, part) @ tool.inverse() for part in np.linspace(0.0, jog.by, steps)]
     p = np.array([pose.position for pose in way])
@@ -132,7 +132,7 @@ def _check_flange_path(joints: np.ndarray, jog: Jog, position: Position, robot: 
         why = f"after {part:.0f} {unit} "
         reached = found[wrong[0], branch]
         why += "it is out of reach" if np.isnan(reached).any() else "a joint is at its limit"
-        raise Refused(JOG_OUT_OF_REACH(why=why))
+        raise Refused(_JOG_OUT_OF_REACH(why=why))
 
 
 def _jogged_pose(pose: Pose, jog: Jog, by: float) -> Pose:
@@ -167,13 +167,13 @@ def _jogged_pose_in_plane(pose: Pose, jog: Jog, by: float) -> Pose:
     return Pose.of(np.array(place), from_ab([place], angles)[0])
 
 
-NOT_ONLY_MOTION: Final = error(
+_NOT_ONLY_MOTION: Final = error(
     "CO721",
     "the program does more than move: `{what}` is done by nobody while an arm is led",
     "leave it out, or translate the program and start it on the controller",
 )
-NO_MOTION: Final = error("CO722", "there is no motion in it", "name a trajectory")
-MOTION_UNKNOWN: Final = error(
+_NO_MOTION: Final = error("CO722", "there is no motion in it", "name a trajectory")
+_MOTION_UNKNOWN: Final = error(
     "CO723", "how it moves is not known before it runs: {what}", "name a trajectory without that"
 )
 
@@ -220,9 +220,9 @@ def trajectory_of_program(
     scale = speed / 100.0
     done = simulate(solved, start=_start_joints(solved, position))
     if done.unknown:
-        raise Refused(MOTION_UNKNOWN(path=source, what=str(done.unknown[0])))
+        raise Refused(_MOTION_UNKNOWN(path=source, what=str(done.unknown[0])))
     if not done.seconds > 0.0:
-        raise Refused(NO_MOTION(path=source))
+        raise Refused(_NO_MOTION(path=source))
     # So many that the last one is at the end.
     count = max(1, math.ceil(done.seconds / (period * scale)))
     samples = replace(done, wanted_period=done.seconds / count).samples
@@ -252,11 +252,11 @@ def _start_joints(solved: SolvedProgram, position: Position | None) -> Floats:
 def _check_only_moves(program: Program, source: str) -> None:
     for statement in _statements_run(program):
         if not isinstance(statement, Moving | Wait | Comment):
-            raise Refused(NOT_ONLY_MOTION(path=source, what=type(statement).__name__))
+            raise Refused(_NOT_ONLY_MOTION(path=source, what=type(statement).__name__))
         if getattr(statement, "triggers", ()):
-            raise Refused(NOT_ONLY_MOTION(path=source, what="a signal on the way"))
+            raise Refused(_NOT_ONLY_MOTION(path=source, what="a signal on the way"))
         if getattr(statement, "until", None) is not None:
-            raise Refused(NOT_ONLY_MOTION(path=source, what="what breaks a move off"))
+            raise Refused(_NOT_ONLY_MOTION(path=source, what="what breaks a move off"))
 
 
 def _statements_run(program: Program) -> Iterator[Statement]:

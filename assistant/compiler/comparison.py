@@ -59,17 +59,17 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-SIGNAL_WITHOUT_PAIR: Final = error(
+_SIGNAL_WITHOUT_PAIR: Final = error(
     "CO120",
     "nothing says which {kind} of the second program is `{name}`: it has {others}",
     "write in a file for --names what it is there",
 )
-PAIRED_BY_ORDER: Final = info(
+_PAIRED_BY_ORDER: Final = info(
     "CO121",
     "`{name}` is taken for `{other}`, as each is the {kind} with number {number} in its program",
     "say with --names what it is, if that is wrong",
 )
-PAIR_UNKNOWN: Final = error(
+_PAIR_UNKNOWN: Final = error(
     "CO122",
     "there is no signal and no data `{name}` in the {which} program",
     "write a name that it has",
@@ -77,7 +77,7 @@ PAIR_UNKNOWN: Final = error(
 
 
 @dataclass(frozen=True, slots=True)
-class PairedNames:
+class _PairedNames:
     """names: the second program's names by the first program's names, in lower case."""
 
     names: Mapping[str, str]
@@ -105,7 +105,7 @@ def _read_name(value: Any) -> str:
     return name
 
 
-def pair_names(first: Program, second: Program, stated: Mapping[str, str]) -> PairedNames:
+def _pair_names(first: Program, second: Program, stated: Mapping[str, str]) -> _PairedNames:
     """Pairs the signals and data of two programs.
 
     stated: pairs of the user. Raises Refused (exit status 2) if signals cannot be paired.
@@ -122,14 +122,14 @@ def pair_names(first: Program, second: Program, stated: Mapping[str, str]) -> Pa
             for place, pair in enumerate(zip(own, other, strict=True), 1):
                 names[pair[0].lower()] = pair[1].lower()
                 findings.append(
-                    PAIRED_BY_ORDER(name=pair[0], other=pair[1], kind=kind, number=place)
+                    _PAIRED_BY_ORDER(name=pair[0], other=pair[1], kind=kind, number=place)
                 )
         elif other:
             listed = ", ".join(f"`{name}`" for name in other)
-            findings.append(SIGNAL_WITHOUT_PAIR(name=own[0], kind=kind, others=listed))
+            findings.append(_SIGNAL_WITHOUT_PAIR(name=own[0], kind=kind, others=listed))
     if has_errors(findings):
         raise Refused(*findings, exit_status=2)
-    return PairedNames(names, tuple(findings))
+    return _PairedNames(names, tuple(findings))
 
 
 def _unknown_names(
@@ -139,7 +139,7 @@ def _unknown_names(
     for own, other in stated.items():
         for name, program, which in ((own, first, "first"), (other, second, "second")):
             if not name.isdecimal() and name.lower() not in _data_names(program):
-                yield PAIR_UNKNOWN(name=name, which=which)
+                yield _PAIR_UNKNOWN(name=name, which=which)
 
 
 def _data_names(program: Program) -> set[str]:
@@ -181,11 +181,11 @@ def _signals_used(program: Program) -> Iterator[str]:
         yield part.name if isinstance(part, e.Name) else part.signal
 
 
-STATEMENTS_LEFT_OUT: Final = (p.Comment, p.Label)
-NUMBER_TEXT: Final = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
-CLOSE_NUMBERS: Final = 0.02
+_STATEMENTS_LEFT_OUT: Final = (p.Comment, p.Label)
+_NUMBER_TEXT: Final = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+_CLOSE_NUMBERS: Final = 0.02
 """Mm and degrees that numbers may be apart, as typed with two decimals."""
-CLOSE_SMALL_NUMBERS: Final = 5e-4
+_CLOSE_SMALL_NUMBERS: Final = 5e-4
 """The same of numbers up to 1, as the parts of a quaternion are."""
 
 
@@ -198,11 +198,11 @@ class StatementRow:
     alike: bool
 
 
-PrintedStatement = tuple[str, Any]
+_PrintedStatement = tuple[str, Any]
 """A statement with its local names replaced, and its span."""
 
 
-def statement_rows(pair: ProgramPair, first: Places, second: Places) -> Iterator[StatementRow]:
+def _statement_rows(pair: ProgramPair, first: Places, second: Places) -> Iterator[StatementRow]:
     """Yield the pairs in order. first, second: where the texts of the programs are."""
     own, others = (
         list(_NamelessPrinter(program, pair, is_second).all())
@@ -214,11 +214,11 @@ def statement_rows(pair: ProgramPair, first: Places, second: Places) -> Iterator
 
 
 def _paired_rows(
-    own: list[PrintedStatement], others: list[PrintedStatement], *, by_numbers: bool = True
-) -> Iterator[tuple[PrintedStatement | None, PrintedStatement | None]]:
+    own: list[_PrintedStatement], others: list[_PrintedStatement], *, by_numbers: bool = True
+) -> Iterator[tuple[_PrintedStatement | None, _PrintedStatement | None]]:
     """Those that say the same; between them those of the same words, whatever the numbers."""
     mine, theirs = (
-        [text if by_numbers else NUMBER_TEXT.sub("#", text) for text, _ in told]
+        [text if by_numbers else _NUMBER_TEXT.sub("#", text) for text, _ in told]
         for told in (own, others)
     )
     for what, a, b, c, d in SequenceMatcher(None, mine, theirs, autojunk=False).get_opcodes():
@@ -230,22 +230,22 @@ def _paired_rows(
             yield from zip_longest(own[a:b], others[c:d])
 
 
-def _statement_place(told: PrintedStatement | None, places: Places) -> Place | None:
+def _statement_place(told: _PrintedStatement | None, places: Places) -> Place | None:
     found = None if told is None or told[1] is None else places.of(told[1])
     return None if found is None else replace(found, text=found.text.strip())
 
 
 def _are_alike(one: str, other: str) -> bool:
     """True if two statements have the same words, and numbers that are close."""
-    if NUMBER_TEXT.sub("#", one) != NUMBER_TEXT.sub("#", other):
+    if _NUMBER_TEXT.sub("#", one) != _NUMBER_TEXT.sub("#", other):
         return False
-    numbers = zip(NUMBER_TEXT.findall(one), NUMBER_TEXT.findall(other), strict=True)
+    numbers = zip(_NUMBER_TEXT.findall(one), _NUMBER_TEXT.findall(other), strict=True)
     return all(_are_close(float(a), float(b)) for a, b in numbers)
 
 
 def _are_close(one: float, other: float) -> bool:
     return abs(one - other) <= (
-        CLOSE_SMALL_NUMBERS if max(abs(one), abs(other)) <= 1.0 else CLOSE_NUMBERS
+        _CLOSE_SMALL_NUMBERS if max(abs(one), abs(other)) <= 1.0 else _CLOSE_NUMBERS
     )
 
 
@@ -277,7 +277,7 @@ class _NamelessPrinter:
             if at:
                 yield "procedure", procedure.span
             for statement in walk(procedure.body):
-                if not isinstance(statement, STATEMENTS_LEFT_OUT):
+                if not isinstance(statement, _STATEMENTS_LEFT_OUT):
                     yield self._text(statement), statement.span
 
     def _in_order(self) -> Sequence[Procedure]:
@@ -305,7 +305,7 @@ class _NamelessPrinter:
             case p.Motion():
                 return self._motion(part)
             case p.Move("joint", motion=motion):
-                return replace(part, motion=replace(motion, speed=NO_SPEED))
+                return replace(part, motion=replace(motion, speed=_NO_SPEED))
             case Target(pose):
                 return Target(_rounded_pose(pose))
             case p.For(variable):
@@ -350,7 +350,7 @@ class _NamelessPrinter:
         )
 
 
-NO_SPEED: Final = e.Name("speed")
+_NO_SPEED: Final = e.Name("speed")
 """Speed of joint moves, which are percentages of the arm's speed."""
 
 
@@ -378,26 +378,26 @@ PROGRAMS_DIFFER: Final = error(
     "`{written}` does something else than `{source}`, with {inputs}: {what}",
     "see both lines; one of them is to be changed, unless the difference is meant",
 )
-NOT_COMPARED: Final = error(
+_NOT_COMPARED: Final = error(
     "CO119",
     "the programs cannot be compared: {reason}",
     "state in a cell file what no text declares, or add `--text`: it pairs the statements and runs "
     "nothing",
 )
-NOTHING_TO_COMPARE: Final = error(
+_NOTHING_TO_COMPARE: Final = error(
     "CO123",
     "there is nothing to compare: in {runs} runs neither program moved or changed anything",
     "see what both wait for, and where they begin",
 )
-TOO_MANY_PROCESS_FILES: Final = error(
+_TOO_MANY_PROCESS_FILES: Final = error(
     "CO125",
     "there are {count} process files for two programs",
     "give one for the first program, or one for each",
 )
-MOST_DIFFERENCES: Final = 5
+_MOST_DIFFERENCES: Final = 5
 """Differences to report; later ones mostly follow from the first."""
-COMPARISON_TERMS: Final = ComparisonTerms(
-    PROGRAMS_DIFFER, NOT_COMPARED, MOST_DIFFERENCES, typed=True
+_COMPARISON_TERMS: Final = ComparisonTerms(
+    PROGRAMS_DIFFER, _NOT_COMPARED, _MOST_DIFFERENCES, typed=True
 )
 
 ComparisonAnswer = Literal["equal", "different", "not compared"]
@@ -553,7 +553,7 @@ def compare(
     arms = Arms(robot_of(robot), robot_of(from_robot))
     files = [process] if process is None or isinstance(process, str | FilePath) else process
     if len(files) > 2:
-        raise Refused(TOO_MANY_PROCESS_FILES(count=len(files)), exit_status=2)
+        raise Refused(_TOO_MANY_PROCESS_FILES(count=len(files)), exit_status=2)
     own, others = (*files, None, None)[:2]
     one = _load_part(first, own, cell, arms.written_for, language)
     other = _load_part(second, others, cell, arms.robot, language)
@@ -565,7 +565,7 @@ def compare(
         stated = {own: str(other) for own, other in (names or {}).items()}
     else:
         stated = read_names(names)
-    pairs = pair_names(one.program, other.program, stated)
+    pairs = _pair_names(one.program, other.program, stated)
     told = (*one.findings, *other.findings, *pairs.findings, *lacking)
     done = Comparison(
         titles,
@@ -580,12 +580,12 @@ def compare(
     trees, left = trees_in_cell(other.program)
     if left:
         reason = f"`{titles[1]}` does not declare {', '.join(f'`{name}`' for name in left)}"
-        return replace(done, findings=(*told, NOT_COMPARED(reason=reason)))
+        return replace(done, findings=(*told, _NOT_COMPARED(reason=reason)))
     pair = ProgramPair(one.program, other.program, other.language, trees, pairs.names)
-    motion = prove_motion(pair, arms, proving or Proving(), entry, COMPARISON_TERMS)
+    motion = prove_motion(pair, arms, proving or Proving(), entry, _COMPARISON_TERMS)
     if motion.holds and motion.empty and motion.found is not None:
         motion = replace(
-            motion, findings=(*motion.findings, NOTHING_TO_COMPARE(runs=motion.found.runs))
+            motion, findings=(*motion.findings, _NOTHING_TO_COMPARE(runs=motion.found.runs))
         )
     texts = {**_lines_by_path(one), **_lines_by_path(other)}
     found, wires = motion.found, wire_names(pair)
@@ -618,7 +618,7 @@ def paired_statements(done: Comparison) -> tuple[StatementRow, ...]:
     one, other = done.programs
     both = ProgramPair(one.program, other.program, other.language, (), done.pairs)
     places = (Places(loaded.program, loaded.text) for loaded in done.programs)
-    return tuple(statement_rows(both, *places))
+    return tuple(_statement_rows(both, *places))
 
 
 def _load_part(

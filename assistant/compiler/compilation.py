@@ -1,7 +1,7 @@
 """Compilation: a source or pseudo-program into the proven files of a robot language.
 
 The written text is read back and compared before it is given out; a motion proof is made if one is
-asked for. `arithmetic_findings` reports results that the controllers of two languages may compute
+asked for. `_arithmetic_findings` reports results that the controllers of two languages may compute
 differently: halves, remainders below 0, sums of small steps.
 """
 
@@ -93,29 +93,29 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
 
-ARITHMETIC_ASSUMED: Final = warning(
+_ARITHMETIC_ASSUMED: Final = warning(
     "CO105",
     "{what}: {way} is assumed of both controllers, but no manual confirms it",
     "try it on both, and state `{key}` in the tables [{one}] and [{other}] of assistant.toml",
 )
-ARITHMETIC_DIFFERENT: Final = error(
+_ARITHMETIC_DIFFERENT: Final = error(
     "CO106",
     "{what}: `{key}` is {first} in [{one}] and {second} in [{other}]",
     "keep the value from being {avoided}, or correct what assistant.toml states",
 )
-INEXACT_STEPS: Final = warning(
+_INEXACT_STEPS: Final = warning(
     "CO117",
     "`{name}` counts in steps of {step}, which add up with rounding errors: {bound} is met by one "
     "controller and may be missed by the other",
     "count in whole numbers and multiply by {step}, or compare with a value between two steps",
 )
-NEAR_STEP_PART: Final = 1e-3
+_NEAR_STEP_PART: Final = 1e-3
 """Parts of a step by which a bound may be off a multiple of it and still be met."""
-OPERATION_WORDS: Final = {
+_OPERATION_WORDS: Final = {
     "halves": ("a number that may end in .5 is rounded", "a half"),
     "remainder": ("a division of whole numbers that may be negative", "negative"),
 }
-RESULT_WORDS: Final = {
+_RESULT_WORDS: Final = {
     "away": "away from zero",
     "even": "to the even number",
     "up": "up",
@@ -124,7 +124,7 @@ RESULT_WORDS: Final = {
 }
 
 
-def arithmetic_findings(
+def _arithmetic_findings(
     program: Program, source: Language[Any], target: Language[Any]
 ) -> Iterator[Diagnostic]:
     """Findings on what a lifted program works out, where the language of it and another differ.
@@ -141,16 +141,16 @@ def arithmetic_findings(
         with_project_settings(target, folder).stated,
     )
     for key, span in _operations_used(program):
-        what, avoided = OPERATION_WORDS[key]
+        what, avoided = _OPERATION_WORDS[key]
         usual = ARITHMETIC[key].words[0]
         first, second = one.get(key, usual), other.get(key, usual)
         tables: dict[str, Any] = {"key": key, "one": source.table, "other": target.table}
         if first != second:
-            yield ARITHMETIC_DIFFERENT(
+            yield _ARITHMETIC_DIFFERENT(
                 **tables, what=what, first=first, second=second, avoided=avoided, span=span
             )
         elif key not in one or key not in other:
-            yield ARITHMETIC_ASSUMED(**tables, what=what, way=RESULT_WORDS[first], span=span)
+            yield _ARITHMETIC_ASSUMED(**tables, what=what, way=_RESULT_WORDS[first], span=span)
     yield from _inexact_steps(program)
 
 
@@ -171,7 +171,7 @@ def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
 
     def finding(name: str, step: float, end: float | None, span: Any) -> Diagnostic:
         bound = "the last value" if end is None else f"{end:g}"
-        return INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=bound, span=span)
+        return _INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=bound, span=span)
 
     for statement, parts in statements_with(program, p.For, p.Assign, e.Binary):
         match statement:
@@ -208,7 +208,7 @@ def _meets_bound(first: float | None, last: float | None, step: float) -> bool:
     if first is None or last is None:
         return True
     rounds = (last - first) / step
-    return abs(rounds - round(rounds)) < NEAR_STEP_PART
+    return abs(rounds - round(rounds)) < _NEAR_STEP_PART
 
 
 def _operations_used(program: Program) -> Iterator[tuple[str, Any]]:
@@ -244,31 +244,31 @@ def _arithmetic_key(part: Any, procedure: Procedure, numbers: NumberFacts) -> st
     return None
 
 
-OTHER_MAKER = warning(
+_OTHER_MAKER = warning(
     "CO003",
     "the controller of {robot} does not run {language}",
     "choose one of {languages}, or another robot",
 )
-TOO_FEW = error(
+_TOO_FEW = error(
     "CO004", "a unit of {most} targets is too small", "allow at least {least} targets a unit"
 )
-VENDOR_TEXT_DIFFERS = error(
+_VENDOR_TEXT_DIFFERS = error(
     "CO104",
     "`{text}` keeps its text, but would be read back as something else where it is written",
     "say it in statements with plain conditions and numbers",
 )
-VENDOR_TEXT_SETTINGS = error(
+_VENDOR_TEXT_SETTINGS = error(
     "CO107",
     "`{text}` keeps its text, and the settings of the moves around it, which would be written"
     " as well, change what it does",
     "say it in plain statements, or take the moves around it out of the program",
 )
-UNIT_ALONE = error(
+_UNIT_ALONE = error(
     "CO008",
     "`{name}` is no program, but a part that one loads while it runs",
     "name the program that loads it: its parts are read with it",
 )
-LEAST_TARGETS: Final = 10
+_LEAST_TARGETS: Final = 10
 """A unit must hold an arc with its start, and be worth a file."""
 
 
@@ -369,8 +369,8 @@ def compile(
     for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames).with_sampling(grammar)
-    if most_targets is not None and most_targets < LEAST_TARGETS:
-        raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
+    if most_targets is not None and most_targets < _LEAST_TARGETS:
+        raise Refused(_TOO_FEW(most=most_targets, least=_LEAST_TARGETS), exit_status=2)
     stands = cell if isinstance(cell, InCell) else replace(open_cell(cell, robot), seeing=seeing)
     if isinstance(source, Program):
         loaded = Loaded(source)
@@ -477,10 +477,10 @@ def compile_program(
         spoken = language_of(source.origin.language)
         alone = all(procedure.unit is not None for procedure in program.procedures)
         if spoken.name != target.name and program.procedures and alone:
-            findings.append(UNIT_ALONE(name=program.name))
+            findings.append(_UNIT_ALONE(name=program.name))
         findings += (
             *spoken.assumed(source, target.name),
-            *arithmetic_findings(source, spoken, target),
+            *_arithmetic_findings(source, spoken, target),
         )
     if arm is not None:
         program = replace(program, robot=arm.name)
@@ -580,7 +580,7 @@ def _converted_dialect(
 
 def _other_maker_finding(arm: Robot, target: Language[Any]) -> Diagnostic:
     languages = ", ".join(arm.languages)
-    return OTHER_MAKER(robot=arm.name, language=target.name, languages=languages)
+    return _OTHER_MAKER(robot=arm.name, language=target.name, languages=languages)
 
 
 def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
@@ -615,11 +615,11 @@ def _explained_proof(proof: Proof, program: Program) -> Iterator[Diagnostic]:
         same = finding.code == READ_BACK_DIFFERS.code and finding.line is None
         text = kept.get(finding.span) if same and finding.span else None
         if text is not None:
-            yield VENDOR_TEXT_DIFFERS(text=text, span=finding.span)
+            yield _VENDOR_TEXT_DIFFERS(text=text, span=finding.span)
         elif same and beside and cause is not None:
-            yield VENDOR_TEXT_SETTINGS(text=cause[1], span=cause[0])
+            yield _VENDOR_TEXT_SETTINGS(text=cause[1], span=cause[0])
         elif same and lost is not None:
-            yield VENDOR_TEXT_DIFFERS(text=lost, span=finding.span)
+            yield _VENDOR_TEXT_DIFFERS(text=lost, span=finding.span)
         else:
             yield finding
 

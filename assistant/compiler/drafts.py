@@ -37,22 +37,22 @@ from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.vendor_statements import effect_of
 
-DECLARATION_LEFT_OUT = error(
+_DECLARATION_LEFT_OUT = error(
     "CO007", "`{name}` is declared by what cannot be said there", "see to its declaration first"
 )
 
-DRAFT_HEADING: Final = (
+_DRAFT_HEADING: Final = (
     "DRAFT: not for production. What could not be translated stands as comments behind",
     "a stop each; replace these by hand, then delete the stops and this heading.",
 )
-NOT_TRANSLATED: Final = "not translated"
-QUOTE_PREFIX: Final = "| "
+_NOT_TRANSLATED: Final = "not translated"
+_QUOTE_PREFIX: Final = "| "
 """Before each line of source text in a comment: it can be mistaken for nothing else there."""
-MOST_ROUNDS: Final = 8
+_MOST_ROUNDS: Final = 8
 """Most rounds: a part left out may be missed elsewhere (a label, a variable), but not for ever."""
-POSITION_TYPES: Final = ("position", "pose", "joints")
+_POSITION_TYPES: Final = ("position", "pose", "joints")
 """Types of variables that say where something is."""
-DeclaredNames: TypeAlias = Collection[tuple[str, str]]
+_DeclaredNames: TypeAlias = Collection[tuple[str, str]]
 """Procedure, empty for the program, and name of what is declared, in lower case."""
 
 
@@ -69,12 +69,12 @@ def draft_program(
     The result counts only if it is `ok`.
     """
     places, program = compiled.places, lowered_for_language(compiled.source, target)
-    program = replace(program, comments=(*DRAFT_HEADING, *program.comments))
+    program = replace(program, comments=(*_DRAFT_HEADING, *program.comments))
     out: set[Span] = set()
     later: list[Diagnostic] = []
     declared = _declared_names(program)
     uncalled: tuple[Diagnostic, ...] = ()
-    for _ in range(MOST_ROUNDS):
+    for _ in range(_MOST_ROUNDS):
         uncalled += tuple(f for f in compiled.found if f.code == NOT_CALLED.code)
         spans, names = _parts_with_errors(compiled, compiled.found)
         shorter = _without_parts(program, spans - out, names, places)
@@ -127,7 +127,7 @@ def _is_about_missing(finding: Diagnostic, missing: Collection[str]) -> Diagnost
     name = finding.missing
     if name is None or name.lower() not in missing:
         return finding
-    return DECLARATION_LEFT_OUT(name=name, span=finding.span, about=finding.about)
+    return _DECLARATION_LEFT_OUT(name=name, span=finding.span, about=finding.about)
 
 
 def _missing_declarations(
@@ -176,7 +176,7 @@ def _declaration_of(finding: Diagnostic) -> Declared | None:
 
 
 def _without_parts(
-    program: Program, spans: Collection[Span], names: DeclaredNames, places: Places
+    program: Program, spans: Collection[Span], names: _DeclaredNames, places: Places
 ) -> Program:
     """spans: of statements and declarations that go. names: of data that go."""
     heads: list[str] = []
@@ -226,13 +226,13 @@ def _fewer_entries(given: Mapping[str, Any], gone: Collection[str]) -> dict[str,
     for name, value in given.items():
         if name not in gone:
             kept[name] = value
-        elif isinstance(value, Variable) and value.initial and value.type not in POSITION_TYPES:
+        elif isinstance(value, Variable) and value.initial and value.type not in _POSITION_TYPES:
             kept[name] = replace(value, initial=None)
     return kept
 
 
 def _procedure_without(
-    procedure: Procedure, spans: Collection[Span], names: DeclaredNames, places: Places
+    procedure: Procedure, spans: Collection[Span], names: _DeclaredNames, places: Places
 ) -> Procedure:
     if procedure.span is not None and procedure.span in spans:
         return replace(procedure, body=tuple(_stop_with_text(procedure.span, places)), variables={})
@@ -320,6 +320,6 @@ def _quoted_text(span: Span | None, places: Places, text: str = "") -> Iterator[
     """The text at a span as comments, or another one if nothing is known of it."""
     place = places.of(span) if span is not None else None
     file = f"{FilePath(place.path).name} " if place and place.path and places.several else ""
-    yield f"{NOT_TRANSLATED}, {file}line {place.line}:" if place else f"{NOT_TRANSLATED}:"
+    yield f"{_NOT_TRANSLATED}, {file}line {place.line}:" if place else f"{_NOT_TRANSLATED}:"
     for line in lines_of(place.text if place else text):
-        yield QUOTE_PREFIX + line.strip()
+        yield _QUOTE_PREFIX + line.strip()

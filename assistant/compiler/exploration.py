@@ -106,7 +106,7 @@ def start_exploration(asked: ExplorationRequest) -> ExplorationStart:
     return ExplorationStart(asked, explorer, (*findings, *explorer.findings))
 
 
-def hidden_scene(begun: ExplorationStart, hidden: FilePath | None) -> Scene:
+def _hidden_scene(begun: ExplorationStart, hidden: FilePath | None) -> Scene:
     """Return the scene that provides contacts: of another cell file, else what is known of the
     cell.
 
@@ -171,7 +171,7 @@ def explore_by_random_moves(
     from assistant.cell.exploration.explorer import in_scene, wander
 
     explorer = begun.explorer
-    scene = hidden_scene(begun, hidden)
+    scene = _hidden_scene(begun, hidden)
     indicated = in_scene(scene, next(p for p in scene.robots if p.name == explorer.placed.name))
     draw = np.random.default_rng(explorer.occupancy.runs if seed is None else seed)
     joints, done, contacts, placeless = None, 0, 0, 0
@@ -229,7 +229,7 @@ def _freed_cells(explorer: Explorer, runs: Sequence[Floats]) -> int:
     return new
 
 
-def check_single_course(program: Program, simulation: Simulation) -> None:
+def _check_single_course(program: Program, simulation: Simulation) -> None:
     """Raises Refused, at the statement, for a program that may have gone otherwise than simulated.
 
     program: as it was read. Only a program that always goes one way tells where it has been.
@@ -282,10 +282,10 @@ def explore_by_program(
     """
     from assistant.cell.findings import NO_EXPLORING_ROBOT
 
-    check_single_course(program, simulation)
+    _check_single_course(program, simulation)
 
     explorer = begun.explorer
-    scene = None if hidden is None else hidden_scene(begun, hidden)
+    scene = None if hidden is None else _hidden_scene(begun, hidden)
     before = int(explorer.occupancy.touched.sum())
     try:
         new = explorer.ran(simulation, until, scene)

@@ -21,10 +21,10 @@ NOT_THE_SAME: Final = error(
     "laid out anew, the program would not be the same; it stays as it was",
     "report it with the file: the formatter is wrong, not the file",
 )
-NO_LANGUAGE: Final = error(
+_NO_LANGUAGE: Final = error(
     "CO402", "`{name}` does not look like a robot program", "name its language with --from"
 )
-NO_STEPS: Final = error(
+_NO_STEPS: Final = error(
     "CO404",
     "`{name}` is {language}, which has no step numbers",
     "leave --renumber out, or name programs in {others} only",
@@ -70,7 +70,7 @@ def format_text(
     if numbering and not language.steps:
         name = source.path or "input"
         others = ", ".join(_families_with_steps())
-        refused = NO_STEPS(path=source.path, name=name, language=language.title, others=others)
+        refused = _NO_STEPS(path=source.path, name=name, language=language.title, others=others)
         raise Refused(refused, exit_status=2)
     tree = language.parse(source)
     if has_errors(tree.findings):
@@ -120,7 +120,7 @@ def read_program(
     data = read_bytes(path)
     spoken = language_of(language) if language else languages.of_file(path, data)
     if spoken is None:
-        raise Refused(NO_LANGUAGE(path=str(path), name=path), exit_status=2)
+        raise Refused(_NO_LANGUAGE(path=str(path), name=path), exit_status=2)
     return spoken, spoken.decode(data, str(path))
 
 
@@ -131,7 +131,7 @@ def format_bytes(
     named = [language_of(language)] if language else map(languages.get, languages.names())
     spoken = next((one for one in named if language or one.recognises(data)), None)
     if spoken is None:
-        raise Refused(NO_LANGUAGE(path=name, name=name), exit_status=2)
+        raise Refused(_NO_LANGUAGE(path=name, name=name), exit_status=2)
     return format_text(spoken.decode(data, name), spoken, numbering)
 
 

@@ -39,9 +39,9 @@ if TYPE_CHECKING:
 
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
-UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "{cure}")
+_UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "{cure}")
 
-LISTED_FILE_MISSING: Final = warning(
+_LISTED_FILE_MISSING: Final = warning(
     "CO041",
     "the list names `{name}`, which is not beside it",
     "copy the file there, or see whether what it declares is missing",
@@ -203,7 +203,7 @@ def language_of(name: str) -> Language[Any]:
     except KeyError:
         known = languages.names()
         cure = did_you_mean(name, known, f"choose one of {', '.join(known)}")
-        finding = UNKNOWN_LANGUAGE(name=name, cure=cure)
+        finding = _UNKNOWN_LANGUAGE(name=name, cure=cure)
         raise Refused(finding, exit_status=2) from None
 
 
@@ -257,7 +257,7 @@ def missing_files(language: Language[Any], trees: Iterable[Any]) -> Iterator[Dia
         if not isinstance(there, Refused):
             for name in language.called_files(tree):
                 if _file_name_of(name) not in there:
-                    yield LISTED_FILE_MISSING(name=name, path=str(path))
+                    yield _LISTED_FILE_MISSING(name=name, path=str(path))
 
 
 def _file_name_of(name: str) -> str:
@@ -367,15 +367,15 @@ def _language_of_data(
     return None if data is None else languages.of_file(source, data)
 
 
-UNKNOWN_LANGUAGE_SETTING: Final = error(
+_UNKNOWN_LANGUAGE_SETTING: Final = error(
     "CO304", "`{key}` is no setting of {table}", "write one of {settings}"
 )
-SETTING_OUT_OF_RANGE: Final = error(
+_SETTING_OUT_OF_RANGE: Final = error(
     "CO305", "`{key}` is {value}, no whole number from {least} to {most}",
     "{meaning}"
 )  # fmt: skip
-SETTING_NO_CHOICE: Final = error("CO307", "`{key}` is {value!a}, none of {words}", "{meaning}")
-LANGUAGE_SETTINGS_NO_TABLE: Final = error(
+_SETTING_NO_CHOICE: Final = error("CO307", "`{key}` is {value!a}, none of {words}", "{meaning}")
+_LANGUAGE_SETTINGS_NO_TABLE: Final = error(
     "CO306", "`{table}` is no table", "write lines such as {setting} = {value} in it"
 )
 
@@ -403,7 +403,7 @@ def _read_language_settings(
         name, first = next(iter(language.settings.items()))
         value = f'"{first.words[0]}"' if isinstance(first, Choice) else first.least
         finding = project.finding(
-            LANGUAGE_SETTINGS_NO_TABLE, at, table=language.table, setting=name, value=value
+            _LANGUAGE_SETTINGS_NO_TABLE, at, table=language.table, setting=name, value=value
         )
         raise Refused(finding, exit_status=2)
     found: list[Diagnostic] = []
@@ -413,7 +413,7 @@ def _read_language_settings(
             known = ", ".join(language.settings)
             found.append(
                 project.finding(
-                    UNKNOWN_LANGUAGE_SETTING, (*at, key), key=key, table=table, settings=known
+                    _UNKNOWN_LANGUAGE_SETTING, (*at, key), key=key, table=table, settings=known
                 )
             )
         elif isinstance(setting, Choice):
@@ -421,20 +421,20 @@ def _read_language_settings(
                 words = {"words": ", ".join(setting.words), "meaning": setting.meaning}
                 at_key = (*at, key)
                 found.append(
-                    project.finding(SETTING_NO_CHOICE, at_key, key=key, value=value, **words)
+                    project.finding(_SETTING_NO_CHOICE, at_key, key=key, value=value, **words)
                 )
         elif type(value) is not int or not setting.least <= value <= setting.most:
             fields = {"least": setting.least, "most": setting.most, "meaning": setting.meaning}
             found.append(
-                project.finding(SETTING_OUT_OF_RANGE, (*at, key), key=key, value=value, **fields)
+                project.finding(_SETTING_OUT_OF_RANGE, (*at, key), key=key, value=value, **fields)
             )
     if found:
         raise Refused(*found, exit_status=2)
     return dict(given)
 
 
-NO_SUCH_ENTRY = error("CO011", "there is no procedure `{name}` to begin with", "choose {names}")
-ENTRY_WITH_PARAMETERS = error(
+_NO_SUCH_ENTRY = error("CO011", "there is no procedure `{name}` to begin with", "choose {names}")
+_ENTRY_WITH_PARAMETERS = error(
     "CO012",
     "nothing can begin with `{name}`, which has parameters, a result or a unit of its own",
     "choose {names}, or write a procedure that calls it",
@@ -453,7 +453,7 @@ def with_entry(program: Program, entry: str | None) -> Program:
         return replace(program, entry=known.name)
     begin = ", ".join(q.name for q in program.procedures if _can_begin(q))
     names = f"one of {begin}" if begin else "a procedure without parameters"
-    rule = NO_SUCH_ENTRY if known is None else ENTRY_WITH_PARAMETERS
+    rule = _NO_SUCH_ENTRY if known is None else _ENTRY_WITH_PARAMETERS
     raise Refused(rule(name=entry, names=names), exit_status=2)
 
 

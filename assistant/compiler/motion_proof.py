@@ -1,6 +1,6 @@
 """Motion proof: two programs, run in interpreters against the same signals and compared.
 
-`ProgramPair` holds two programs that are to do the same, in two languages or in one. `proof_sides`
+`ProgramPair` holds two programs that are to do the same, in two languages or in one. `_proof_sides`
 gives both the same arm and the same wires: signals that have other names or numbers in each.
 """
 
@@ -34,12 +34,12 @@ if TYPE_CHECKING:
     from assistant.virtual.proving.search import Found
 
 
-HAND_NUMBERS: Final = 9000
+_HAND_NUMBERS: Final = 9000
 """Numbers of no signal, for the hands that a language has words for."""
-HANDS: Final = 8
-FIRST_FREE_NUMBER: Final = 30_000
+_HANDS: Final = 8
+_FIRST_FREE_NUMBER: Final = 30_000
 """The first number of signals that have no number in either program."""
-VARIABLE_HEADING: Final = re.compile(r"(?m)^.*\bvariable: (\w+) = (\w+) \w+ persistent\b")
+_VARIABLE_HEADING: Final = re.compile(r"(?m)^.*\bvariable: (\w+) = (\w+) \w+ persistent\b")
 """A line above a program that tells what its source calls a variable."""
 
 
@@ -67,7 +67,7 @@ class ProgramPair:
                 known = found.get(name.lower())
                 if known is None or known[1].number is None:
                     found[name.lower()] = name, signal
-        for free, (own, other) in enumerate(self.names.items(), FIRST_FREE_NUMBER):
+        for free, (own, other) in enumerate(self.names.items(), _FIRST_FREE_NUMBER):
             pair = found.get(own), found.get(other)
             some = pair[0] or pair[1]
             if some is None:  # data
@@ -94,7 +94,7 @@ def written_pair(
     return ProgramPair(source, program, language, trees)
 
 
-def proof_sides(
+def _proof_sides(
     pair: ProgramPair, trees: Sequence[Any], arms: Arms, entry: str | None
 ) -> tuple[Side, Side]:
     """Both programs before the same motion and with the same signals. trees: of the first."""
@@ -144,7 +144,7 @@ def _shared_data(pair: ProgramPair, trees: Sequence[Any]) -> tuple[dict[str, str
     stated = {n for n in pair.names if n in _plain_variables(pair.first)}
     texts = [_joined_text(files) for files in (trees, pair.trees)]
     own = [
-        {name.lower(): own.lower() for own, name in VARIABLE_HEADING.findall(text)}
+        {name.lower(): own.lower() for own, name in _VARIABLE_HEADING.findall(text)}
         for text in texts
     ]
     found: tuple[dict[str, str], dict[str, str]] = {}, {}
@@ -188,7 +188,7 @@ def _joined_text(files: Sequence[Any]) -> str:
     return "\n".join(source.text for source in sources if source is not None)
 
 
-def stand_in_sides(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]]:
+def _stand_in_sides(first: Side, second: Side) -> Iterator[tuple[Robot, Side, Side]]:
     """Yield both programs on stand-in arms, if their positions depend on an arm and none is named.
 
     A small, a medium and a large one of the catalogue, as a program may be for any of them.
@@ -282,7 +282,7 @@ def _analog_register(signal: Signal) -> str | None:
     return None if signal.number is None else register(signal.number)
 
 
-def output_numbers(pair: ProgramPair, families: Sequence[str]) -> Bits:
+def _output_numbers(pair: ProgramPair, families: Sequence[str]) -> Bits:
     """Numbers of outputs, which two programs may call otherwise, by the names in either.
 
     families: of their languages.
@@ -292,8 +292,8 @@ def output_numbers(pair: ProgramPair, families: Sequence[str]) -> Bits:
     if all(map(counts_signals, families)) and not pair.names:
         return {}
     hands = {
-        name: (HAND_NUMBERS + hand,)
-        for hand in range(1, HANDS + 1)
+        name: (_HAND_NUMBERS + hand,)
+        for hand in range(1, _HANDS + 1)
         for name in (f"hand{hand}", f"hand{hand}_open")
     }
     given = {
@@ -317,44 +317,44 @@ def _other_names(signals: Mapping[str, Signal], family: str) -> dict[str, str]:
     return found
 
 
-MOVES_OTHERWISE = error(
+_MOVES_OTHERWISE = error(
     "CO110",
     "run, `{written}` does something else, with {inputs}: {what}",
     "nothing was written; {cure}",
 )
-REPORT_CURE: Final = "report this with the program"
-NOT_RUN = error(
+_REPORT_CURE: Final = "report this with the program"
+_NOT_RUN = error(
     "CO111",
     "there is no proof by motion: {reason}",
     "nothing was written; leave --prove out, and try what was written with care",
 )
-BRANCH_NOT_TAKEN = info(
+_BRANCH_NOT_TAKEN = info(
     "CO112",
     "no run took this branch: {said}",
     "say with --signals what leads there, or look at it yourself",
 )
-STOPS_ITSELF = info(
+_STOPS_ITSELF = info(
     "CO113",
     "{count} of {runs} runs end with an error of the program, the first with {inputs}: {what}",
     "see whether a real cell has such inputs",
 )
-STALLED = warning(
+_STALLED = warning(
     "CO114",
     "nothing {where} ends this wait of `{name}`: what follows was not compared",
     "say in a script, by --signals, what ends the wait, if something does",
 )
-RUN_UNJUDGED = warning(
+_RUN_UNJUDGED = warning(
     "CO116",
     "with {inputs} nobody knows what `{name}` does ({reason}): these inputs are not compared",
     "see whether a real cell has such inputs, and try them on the controller",
 )
-SCRIPT_BY_TIME = warning(
+_SCRIPT_BY_TIME = warning(
     "CO124",
     "the script changes `{name}` at {at:g} s, which two programs of different speed reach at "
     "different statements",
     "change it at an output or at a visit instead",
 )
-RUN_ON_STAND_IN = info(
+_RUN_ON_STAND_IN = info(
     "CO115",
     "both were run on the {title}, as nobody has named an arm and they read where it stands",
     "name the arm that runs the program with --robot",
@@ -456,8 +456,8 @@ class ComparisonTerms:
     of either count, and two of them at most. warnings: codes of the translation's warnings.
     """
 
-    differs: Rule = MOVES_OTHERWISE
-    not_run: Rule = NOT_RUN
+    differs: Rule = _MOVES_OTHERWISE
+    not_run: Rule = _NOT_RUN
     differences: int = 1
     typed: bool = False
     warnings: tuple[str, ...] = ()
@@ -466,16 +466,16 @@ class ComparisonTerms:
     def cure(self) -> str:
         """What to do about a difference."""
         if not self.warnings:
-            return REPORT_CURE
+            return _REPORT_CURE
         codes = ", ".join(self.warnings)
-        return f"see whether a warning explains it ({codes}); if not, {REPORT_CURE}"
+        return f"see whether a warning explains it ({codes}); if not, {_REPORT_CURE}"
 
 
-TRANSLATION_TERMS: Final = ComparisonTerms()
+_TRANSLATION_TERMS: Final = ComparisonTerms()
 """A program and what was made of it, whose decimals are its own."""
-TYPED_POSITION: Final = 0.00501
+_TYPED_POSITION: Final = 0.00501
 """mm, half of the second decimal."""
-TYPED_ANGLE: Final = 0.0151
+_TYPED_ANGLE: Final = 0.0151
 """Degrees: three angles that are off by half of their second decimal."""
 
 
@@ -484,7 +484,7 @@ def prove_motion(
     arms: Arms,
     proving: Proving,
     entry: str | None = None,
-    terms: ComparisonTerms = TRANSLATION_TERMS,
+    terms: ComparisonTerms = _TRANSLATION_TERMS,
 ) -> MotionProof:
     """Runs two programs against the same signals.
 
@@ -512,23 +512,23 @@ def prove_motion(
         names_left = ", ".join(f"`{name}`" for name in left)
         reason = f"the source does not declare {names_left} by a value that can be changed"
         return _not_run_proof(terms, reason)
-    first, second = proof_sides(pair, trees, arms, entry)
+    first, second = _proof_sides(pair, trees, arms, entry)
     rounding = _rounding_of((first, second), languages, terms)
-    outputs = output_numbers(pair, (first.family, second.family))
+    outputs = _output_numbers(pair, (first.family, second.family))
     names = _file_name_of(trees[0]) or names[0], _file_name_of(pair.trees[0]) or names[1]
     script = None if proving.script is None else read_script(proving.script)
     changes = () if script is None else script.changes
     budget = Budget(proving.seed, proving.runs, proving.seconds, terms.differences)
     found = compared(first, second, outputs, rounding, budget, script)
     timed = next((one for one in changes if one.when is None and one.at), None)
-    findings = [] if timed is None else [SCRIPT_BY_TIME(name=timed.name, at=timed.at)]
+    findings = [] if timed is None else [_SCRIPT_BY_TIME(name=timed.name, at=timed.at)]
     findings += [] if script is None else unknown_visits(script, first.sources())
     if found.unknown is not None and first.robot is None and second.robot is None:
-        for arm, one, two in stand_in_sides(first, second):
+        for arm, one, two in _stand_in_sides(first, second):
             again = compared(one, two, outputs, rounding, budget, script)
             if again.unknown is None and again.failing < again.runs:
                 found = again
-                findings.append(RUN_ON_STAND_IN(title=arm.title))
+                findings.append(_RUN_ON_STAND_IN(title=arm.title))
                 break
     findings += _proof_findings(found, names, wire_names(pair), terms)
     return MotionProof(found, tuple(findings), names)
@@ -546,7 +546,7 @@ def _rounding_of(
     positions = [language.precision.position for language in counted]
     angles = [language.precision.angle for language in counted]
     if terms.typed:
-        positions, angles = [*positions, TYPED_POSITION], [*angles, TYPED_ANGLE]
+        positions, angles = [*positions, _TYPED_POSITION], [*angles, _TYPED_ANGLE]
     rounding = Rounding(max(positions), max(angles), max(positions))
     for side in sides if terms.typed else sides[1:]:
         rounding = rounding.of(side.constants())
@@ -599,14 +599,14 @@ def _proof_findings(
     if found.unjudged is not None:
         stop = found.unjudged
         inputs, reason = stop.scenario.said(wires), _message(stop.run)
-        unjudged = RUN_UNJUDGED(name=names[stop.side], inputs=inputs, reason=reason)
+        unjudged = _RUN_UNJUDGED(name=names[stop.side], inputs=inputs, reason=reason)
         yield replace(unjudged, **_place_fields(stop.run.place))
     where = "that was tried" if found.stalling else "in the script"
     for stop in [] if _only_waits(found) else found.stalled:
-        yield STALLED(name=names[0], where=where, **_place_fields(stop.run.place))
+        yield _STALLED(name=names[0], where=where, **_place_fields(stop.run.place))
     for branches, name in zip(found.never, names, strict=True):
         for branch in branches:
-            yield BRANCH_NOT_TAKEN(
+            yield _BRANCH_NOT_TAKEN(
                 said=branch.said, **_place_fields((branch.file or name, branch.line))
             )
 
@@ -626,7 +626,7 @@ def _ending_findings(
         yield terms.not_run(reason=reason, **_place_fields(found.stalled[0].run.place))
     elif found.failed is not None:
         run = found.failed.run
-        yield STOPS_ITSELF(
+        yield _STOPS_ITSELF(
             count=found.failing,
             runs=found.runs,
             inputs=found.failed.scenario.said(wires),

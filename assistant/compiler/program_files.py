@@ -48,12 +48,12 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
 
-FILE_CHOSEN: Final = warning(
+_FILE_CHOSEN: Final = warning(
     "CO042",
     "`{name}` is declared in {files}; the program is read with {chosen}",
     "name the files of the program, if it is another one",
 )
-SHARED_FILE: Final = info(
+_SHARED_FILE: Final = info(
     "CO049",
     "`{file}` of `{task}` is read in this task too, which declares no `{name}`",
     "name the files of the program, if its task has another one",
@@ -125,7 +125,7 @@ def load_task(
     return loaded if process is None else with_process(loaded, process)
 
 
-CONTENTS_WITHOUT_CODE: Final = frozenset(("type", "shared data", "data"))
+_CONTENTS_WITHOUT_CODE: Final = frozenset(("type", "shared data", "data"))
 """Contents of files that run nothing."""
 
 
@@ -175,7 +175,7 @@ def _unit_of_file(language: Language[Any], loading: TaskLoading, file: str) -> _
         called if is_list else None,
         any(name == loading.entry for name, _ in shared),
         frozenset() if is_list else frozenset(name.lower() for name in called),
-        bool(shared) and all(kind in CONTENTS_WITHOUT_CODE for _, kind in shared),
+        bool(shared) and all(kind in _CONTENTS_WITHOUT_CODE for _, kind in shared),
         has_errors(tree.findings),
     )
 
@@ -408,29 +408,29 @@ def _likeness(unit: _Unit, group: _Group, mentions: frozenset[str]) -> tuple[int
 
 def _is_beside(name: str, unit: _Unit) -> Diagnostic:
     path = FilePath(unit.path)
-    return SHARED_FILE(name=name, file=path.name, task=unit.room.name, path=unit.path)
+    return _SHARED_FILE(name=name, file=path.name, task=unit.room.name, path=unit.path)
 
 
 def _choice_finding(name: str, units: Sequence[_Unit], chosen: _Unit) -> Diagnostic:
     files = ", ".join(f"`{FilePath(unit.path).name}`" for unit in units)
     word = f"`{FilePath(chosen.path).name}`"
-    return FILE_CHOSEN(name=name, files=files, chosen=word, path=chosen.path)
+    return _FILE_CHOSEN(name=name, files=files, chosen=word, path=chosen.path)
 
 
-NO_PROGRAMS: Final = error(
+_NO_PROGRAMS: Final = error(
     "CO403",
     "the folder `{name}` holds no robot programs",
     "name the files, and their language with --from",
 )
-LEFT_OUT: Final = info(
+_LEFT_OUT: Final = info(
     "CO308", "left out, as {why}: {files}", "name a file by itself if it is meant"
 )
-WHY_EMPTY: Final = "empty"
-WHY_NO_PROGRAM: Final = "nothing that looks like a robot program"
-WHY_COPY: Final = "what a project keeps as a copy of a program"
-WHY_NO_TEXT: Final = "what a controller makes of a program, which is no text"
-WHY_OUTPUT: Final = "what stands in the folder that is written to"
-MOST_FILES_NAMED: Final = 3
+_WHY_EMPTY: Final = "empty"
+_WHY_NO_PROGRAM: Final = "nothing that looks like a robot program"
+_WHY_COPY: Final = "what a project keeps as a copy of a program"
+_WHY_NO_TEXT: Final = "what a controller makes of a program, which is no text"
+_WHY_OUTPUT: Final = "what stands in the folder that is written to"
+_MOST_FILES_NAMED: Final = 3
 """Files of one reason that are named."""
 
 Report = Callable[[Diagnostic], None]
@@ -478,20 +478,20 @@ def programs_in(
         else:
             found.append(file)
     if not found:
-        found = [file for file, why in left.items() if why in (WHY_COPY, WHY_NO_TEXT)]
+        found = [file for file, why in left.items() if why in (_WHY_COPY, _WHY_NO_TEXT)]
         left = {file: why for file, why in left.items() if file not in found}
     for why in dict.fromkeys(left.values()):
         if told is not None:
-            told(LEFT_OUT(why=why, files=_left_out_finding(path, left, why), path=path))
+            told(_LEFT_OUT(why=why, files=_left_out_finding(path, left, why), path=path))
     if not found:
-        raise Refused(NO_PROGRAMS(path=path, name=path), exit_status=2)
+        raise Refused(_NO_PROGRAMS(path=path, name=path), exit_status=2)
     yield from found
 
 
 def _left_out_finding(folder: str, left: Mapping[str, str], why: str) -> str:
     files = [FilePath(file).relative_to(folder) for file, one in left.items() if one == why]
-    shown = ", ".join(f"`{file.as_posix()}`" for file in files[:MOST_FILES_NAMED])
-    more = len(files) - MOST_FILES_NAMED
+    shown = ", ".join(f"`{file.as_posix()}`" for file in files[:_MOST_FILES_NAMED])
+    more = len(files) - _MOST_FILES_NAMED
     return f"{shown} and {more} more" if more > 0 else shown
 
 
@@ -505,20 +505,20 @@ def _why_not(
         return ""  # to be said when it is read
     language = languages.of_file(file, data)
     if language is None:
-        return WHY_NO_PROGRAM if data.strip() else WHY_EMPTY
+        return _WHY_NO_PROGRAM if data.strip() else _WHY_EMPTY
     if any(one.begins and data.startswith(one.begins) for one in spoken):
-        return WHY_NO_TEXT
+        return _WHY_NO_TEXT
     if output is not None and output.holds(file, language, searched):
-        return WHY_OUTPUT
-    return WHY_COPY if language.is_copy(FilePath(file)) else ""
+        return _WHY_OUTPUT
+    return _WHY_COPY if language.is_copy(FilePath(file)) else ""
 
 
-SEVERAL_PROGRAMS: Final = error(
+_SEVERAL_PROGRAMS: Final = error(
     "CO047",
     "the folder `{name}` holds {count} programs",
     "name one of them: {names}",
 )
-MOST_TASKS_NAMED: Final = 8
+_MOST_TASKS_NAMED: Final = 8
 
 
 def load(
@@ -554,14 +554,14 @@ def load(
     tasks = tasks_of(list(programs_in(str(path), language, left.append)), language)
     task = _only_task(tasks)
     if task is None:
-        shown = ", ".join(f"`{one.name}`" for one in tasks[:MOST_TASKS_NAMED])
+        shown = ", ".join(f"`{one.name}`" for one in tasks[:_MOST_TASKS_NAMED])
         names = (
-            f"{shown} and {len(tasks) - MOST_TASKS_NAMED} more"
-            if len(tasks) > MOST_TASKS_NAMED
+            f"{shown} and {len(tasks) - _MOST_TASKS_NAMED} more"
+            if len(tasks) > _MOST_TASKS_NAMED
             else shown
         )
         raise Refused(
-            SEVERAL_PROGRAMS(name=path, count=len(tasks), names=names, path=str(path)),
+            _SEVERAL_PROGRAMS(name=path, count=len(tasks), names=names, path=str(path)),
             exit_status=2,
         )
     if len(task.files) > 1:

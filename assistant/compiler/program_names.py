@@ -35,49 +35,49 @@ if TYPE_CHECKING:
     from assistant.languages import Language
 
 
-NO_NAME = error("CO320", "`{name}` is no name: letters, digits and `_`, a letter first", "{cure}")
-NAME_TAKEN = error(
+_NO_NAME = error("CO320", "`{name}` is no name: letters, digits and `_`, a letter first", "{cure}")
+_NAME_TAKEN = error(
     "CO321",
     "the program cannot be called `{name}`: its {kind} `{there}` is called so",
     "choose another name, or put one before those of the program with `prefix`",
 )
-OTHER_NAME = error(
+_OTHER_NAME = error(
     "CO322",
     "in {language} the program cannot be called `{name}`, but `{short}`",
     "choose a name that it can have, such as `{short}`",
 )
-NAME_SHORTENED = warning(
+_NAME_SHORTENED = warning(
     "CO323",
     "in {language} the program is called `{short}`: others call it by that",
     "have it called so, or choose a name that it can have",
 )
-NOT_MERE_CALLS = error(
+_NOT_MERE_CALLS = error(
     "CO324",
     "`{name}` does more than call others, so the program cannot be without it",
     "give it the name that others call it by with `as`",
 )
-BEGINS_AT_TOP = error(
+_BEGINS_AT_TOP = error(
     "CO325",
     "a program of {language} begins at its top: without a main nobody could call anything of it",
     "leave out `main = false`, or `--no-main`; others call the program by the name of its file",
 )
-NO_MAIN_TO_NAME = error(
+_NO_MAIN_TO_NAME = error(
     "CO326", "there is no main that could be called `{name}`", "leave out `as`, or `main = false`"
 )
-NAMES_IN_VENDOR_TEXT = error(
+_NAMES_IN_VENDOR_TEXT = error(
     "CO327",
     "`{text}` keeps its text, in which names stay as they are",
     "leave out `as` and `prefix`, or say it in plain statements",
 )
 
-NAME_NOT_EXPRESSIBLE = error(
+_NAME_NOT_EXPRESSIBLE = error(
     "CO329",
     "{language} cannot name `{name}` as the controller has it",
     "give it a name that the language has, or the `number` that the controller counts it by, or"
     " leave out `on_controller`",
 )
 
-SEVERAL_UNITS = error(
+_SEVERAL_UNITS = error(
     "CL074",
     "the program is written in {count} units, which could not see what is local to one of them",
     "allow more targets of one unit with `--most-targets`, or give a `prefix` instead of `local`",
@@ -139,18 +139,18 @@ def with_interface(program: Program, wishes: Interface, language: Language[Any])
 def _check_interface(program: Program, wishes: Interface, language: Language[Any]) -> None:
     for name in filter(None, (wishes.called, wishes.prefix)):
         if IDENTIFIER.fullmatch(name) is None:
-            raise Refused(NO_NAME(name=name, cure=f"write {identifier(name)}"), exit_status=2)
+            raise Refused(_NO_NAME(name=name, cure=f"write {identifier(name)}"), exit_status=2)
     begins = program.procedure(program.entry or "")
     if wishes.called and (not wishes.main or begins is None):
-        raise Refused(NO_MAIN_TO_NAME(name=wishes.called))
+        raise Refused(_NO_MAIN_TO_NAME(name=wishes.called))
     if not wishes.main:
         if language.called_by_file:
-            raise Refused(BEGINS_AT_TOP(language=language.title))
+            raise Refused(_BEGINS_AT_TOP(language=language.title))
         if begins is not None and not _has_only_calls(begins):
-            raise Refused(NOT_MERE_CALLS(name=begins.name))
+            raise Refused(_NOT_MERE_CALLS(name=begins.name))
     kept = first_vendor_text(program, None if wishes.prefix else program.entry)
     if kept is not None and (wishes.prefix or wishes.called):
-        raise Refused(NAMES_IN_VENDOR_TEXT(text=" ".join(kept.split())))
+        raise Refused(_NAMES_IN_VENDOR_TEXT(text=" ".join(kept.split())))
 
 
 def _has_only_calls(procedure: Procedure) -> bool:
@@ -184,7 +184,7 @@ def _with_program_name(program: Program, name: str, language: Language[Any]) -> 
     for kind, there in _declared_kinds(program):
         own = kind == "procedure" and there.lower() == (program.entry or "").lower()
         if there.lower() == name.lower() and not own:
-            raise Refused(NAME_TAKEN(name=name, kind=kind, there=there))
+            raise Refused(_NAME_TAKEN(name=name, kind=kind, there=there))
     made = with_entry_name(program, name)
     return replace(made, name=name) if language.called_by_file else made
 
@@ -213,9 +213,9 @@ def interface_findings(
     """
     count = len({one.unit for one in program.procedures})
     if wishes.local and not language.called_by_file and count > 1:
-        yield SEVERAL_UNITS(count=count)
+        yield _SEVERAL_UNITS(count=count)
     for name in language.not_there(program):
-        yield NAME_NOT_EXPRESSIBLE(name=name, language=language.title)
+        yield _NAME_NOT_EXPRESSIBLE(name=name, language=language.title)
     name = wishes.called
     if not name or program.entry is None:
         return
@@ -226,7 +226,7 @@ def interface_findings(
     if short.lower() == name.lower():
         return
     near = short.lower() == name.replace("_", "").lower()
-    rule = NAME_SHORTENED if near else OTHER_NAME
+    rule = _NAME_SHORTENED if near else _OTHER_NAME
     yield rule(name=name, short=short, language=language.title)
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-NOT_READ_BACK = error(
+_NOT_READ_BACK = error(
     "CO101",
     "the text that was emitted cannot be read back: {reason}",
     "nothing was written; report this with the input",
@@ -32,7 +32,7 @@ READ_BACK_DIFFERS = error(
     "nothing was written; report this with the input",
 )
 
-REFUSED_THERE = error(
+_REFUSED_THERE = error(
     "CO103",
     "a controller would refuse the program: {reason}",
     "correct the source ({cure}); nothing was written",
@@ -106,7 +106,7 @@ def prove_read_back(
     trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
-        return Proof(None, (*_refusal_reasons(NOT_READ_BACK, findings), *findings))
+        return Proof(None, (*_refusal_reasons(_NOT_READ_BACK, findings), *findings))
     parsed = parse(language, trees, NOT_IN_GRAMMAR, language.sampling)
     if parsed is not None and parsed.refused:
         return Proof(None, parsed.refused, grammar=parsed)
@@ -115,12 +115,12 @@ def prove_read_back(
         lifted = language.lift(trees, robot)
         if has_errors(findings):
             return Proof(
-                None, (*_refusal_reasons(REFUSED_THERE, findings), *findings), lifted, parsed
+                None, (*_refusal_reasons(_REFUSED_THERE, findings), *findings), lifted, parsed
             )
         expected, actual = compared(trees) if compared else (program, lifted)
     except Refused as refused:
         reasons = [
-            NOT_READ_BACK(reason=f.message, about=f.about, missed=f.missing)
+            _NOT_READ_BACK(reason=f.message, about=f.about, missed=f.missing)
             for f in refused.findings
         ]
         return Proof(None, tuple(reasons), grammar=parsed)

@@ -54,47 +54,47 @@ if TYPE_CHECKING:
     from assistant.robots.retargeting import SpeedChange
 
 
-JOINTS_CONVERTED = warning(
+_JOINTS_CONVERTED = warning(
     "CO501",
     "{name} has joint angles of {source}, with its flange at ({there}) mm; on {arm} it becomes "
     "({joints}), with the flange at ({here}) mm",
     "look at the way there: between such targets each arm moves in its own way",
 )
-JOINTS_OUT_OF_REACH = error(
+_JOINTS_OUT_OF_REACH = error(
     "CO502",
     "{name} has joint angles of {source}, with its flange at ({there}) mm, which {arm} cannot take",
     "teach it on {arm}, or move to a pose that both reach",
 )
-JOINTS_OF_UNKNOWN_ARM = error(
+_JOINTS_OF_UNKNOWN_ARM = error(
     "CO503",
     "{name} has joint angles, and nothing says on which arm they were taught: on another one they "
     "lead to another place",
     "name the arm that they were taught on: `--from-robot`, or `robot` in the file",
 )
-JOINTS_OF_OTHER_MAKER = error(
+_JOINTS_OF_OTHER_MAKER = error(
     "CO504",
     "{name} has joint angles of {source}, whose controller does not run {language}",
     "name the arm that will run the program: `--robot`",
 )
-COMPUTED_JOINTS = error(
+_COMPUTED_JOINTS = error(
     "CO505",
     "{name} works with joint angles of {source}, which mean nothing on {arm}",
     "say it with poses, or with whole joint targets",
 )
-JOINTS_IN_VENDOR_TEXT = warning(
+_JOINTS_IN_VENDOR_TEXT = warning(
     "CO506",
     "`{text}` keeps its text; joint angles in it would be those of {source}",
     "see that it speaks of none, or write it anew for {arm}",
 )
 
-JOINTS_NOT_WRITTEN = warning(
+_JOINTS_NOT_WRITTEN = warning(
     "CO510",
     "{name} has joint angles, which lead another arm to another place; nothing uses it, so it is "
     "not written",
     "to have it written, name the arms: `--from-robot` and `--robot`",
 )
 
-JOINT_COMPONENT: Final = re.compile(r"j\d+")
+_JOINT_COMPONENT: Final = re.compile(r"j\d+")
 """Components of joint targets."""
 
 
@@ -117,11 +117,11 @@ def for_arm(
         crossing = taken[one.target]
         given = {"name": one.called, **said, **crossing.said}
         if crossing.target is None:
-            findings += [JOINTS_OUT_OF_REACH(**given, **where) for where in one.wherever(uses)]
+            findings += [_JOINTS_OUT_OF_REACH(**given, **where) for where in one.wherever(uses)]
         else:
-            findings.append(JOINTS_CONVERTED(**given, **one.where))
+            findings.append(_JOINTS_CONVERTED(**given, **one.where))
     findings += [
-        COMPUTED_JOINTS(name=name, **said, span=span) for name, span in _computed_joints(program)
+        _COMPUTED_JOINTS(name=name, **said, span=span) for name, span in _computed_joints(program)
     ]
 
     def visit(part: Any) -> Any:
@@ -149,7 +149,7 @@ def without_unused_joint_targets(
     for one in _stated_joints(program):
         if one.name in unused:
             idle.setdefault(one.name, one)
-    findings = tuple(JOINTS_NOT_WRITTEN(name=one.called, **one.where) for one in idle.values())
+    findings = tuple(_JOINTS_NOT_WRITTEN(name=one.called, **one.where) for one in idle.values())
     targets = {n: v for n, v in program.joint_targets.items() if n.lower() not in idle}
     variables = {n: v for n, v in program.variables.items() if n.lower() not in idle}
     return replace(program, joint_targets=targets, variables=variables), findings
@@ -191,9 +191,9 @@ def _refusal_rule(
     """
     own = _is_of_family(program, language)
     if source is None:
-        return JOINTS_OF_UNKNOWN_ARM if arm is not None or not own else None
+        return _JOINTS_OF_UNKNOWN_ARM if arm is not None or not own else None
     driven = arm is not None or own or language.name in source.languages
-    return None if driven else JOINTS_OF_OTHER_MAKER
+    return None if driven else _JOINTS_OF_OTHER_MAKER
 
 
 def joint_angle_errors(
@@ -228,12 +228,12 @@ def joint_angle_errors(
                 if spoken.family == language.family and telling:
                     span = getattr(part, "span", None)
                     text = " ".join(part.text.split())
-                    yield JOINTS_IN_VENDOR_TEXT(
+                    yield _JOINTS_IN_VENDOR_TEXT(
                         text=text, source=source.name, arm=arm.name, span=span
                     )
 
 
-NameUses = Mapping[tuple[str, str], tuple[Span, ...]]
+_NameUses = Mapping[tuple[str, str], tuple[Span, ...]]
 """Procedure and name in lower case → statements of the procedure that name it."""
 
 
@@ -251,14 +251,14 @@ class _StatedJoints:
     name: str = ""
     seen: frozenset[str] = frozenset()
 
-    def wherever(self, uses: NameUses) -> Iterator[Mapping[str, Any]]:
+    def wherever(self, uses: _NameUses) -> Iterator[Mapping[str, Any]]:
         """Yield its position, and every statement that names it."""
         yield self.where
         for procedure in sorted(self.seen) if self.name else ():
             yield from ({"span": span} for span in uses.get((procedure, self.name), ()))
 
 
-def _name_uses(program: Program) -> NameUses:
+def _name_uses(program: Program) -> _NameUses:
     uses: dict[tuple[str, str], tuple[Span, ...]] = {}
     for procedure in program.procedures:
         for statement, parts in statements_with(procedure, e.Name):
@@ -312,7 +312,7 @@ def _computed_joints(program: Program) -> Iterator[tuple[str, Any]]:
     """
     for statement, parts in statements_with(program, e.Member):
         for part in parts:
-            if JOINT_COMPONENT.fullmatch(part.field.lower()):
+            if _JOINT_COMPONENT.fullmatch(part.field.lower()):
                 value = part.value
                 name = f"`{value.name}.{part.field}`" if isinstance(value, e.Name) else "it"
                 yield name, statement.span
@@ -367,25 +367,25 @@ def _without_branch(part: Any) -> Any:
     return part
 
 
-SPEED_FROM_PERCENT = warning(
+_SPEED_FROM_PERCENT = warning(
     "CO507",
     "a joint move at {percent:g} %, which takes {seconds:.2f} s, is written with {tcp:g} mm/s and "
     "{rotation:g} degrees/s, and takes at least as long",
     "try it at a low override first",
 )
-PERCENT_FROM_SPEED = warning(
+_PERCENT_FROM_SPEED = warning(
     "CO508",
     "a joint move at {tcp:g} mm/s, which takes {seconds:.2f} s, is written with {percent:g} %, and "
     "takes at least as long",
     "try it at a low override first",
 )
-SPEED_OF_PROCESS = warning(
+_SPEED_OF_PROCESS = warning(
     "CO509",
     "a joint speed of {percent} % is written as the {tcp:g} mm/s of the process file",
     "see that the arm is not faster there than it was",
 )
 
-PERCENT_OF_PROCESS = info(
+_PERCENT_OF_PROCESS = info(
     "CO511",
     "joint moves that state mm/s get the {percent:g} % of the process file, `joint_percent`",
 )
@@ -407,7 +407,7 @@ def with_converted_joint_speeds(
         before = robots.solve_program(replace(source, robot=taught.name), taught)
     program, changes = convert_joint_speeds(solution.program, solution, before, percent=percent)
     return program, tuple(
-        _speed_findings(changes, PERCENT_FROM_SPEED if percent else SPEED_FROM_PERCENT)
+        _speed_findings(changes, _PERCENT_FROM_SPEED if percent else _SPEED_FROM_PERCENT)
     )
 
 
@@ -417,8 +417,8 @@ def _speed_findings(changes: tuple[SpeedChange, ...], rule: Rule) -> Iterator[Di
     for change in changes:
         if id(change.statement) not in seen:
             seen.add(id(change.statement))
-            physical = change.before if rule is PERCENT_FROM_SPEED else change.after
-            stated = change.after if rule is PERCENT_FROM_SPEED else change.before
+            physical = change.before if rule is _PERCENT_FROM_SPEED else change.after
+            stated = change.after if rule is _PERCENT_FROM_SPEED else change.before
             yield rule(
                 percent=stated.joint,
                 seconds=change.seconds,
@@ -448,9 +448,9 @@ def with_joint_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagn
             (x.joint for x in parts if isinstance(x, Speed) and _has_percent_only(x)), None
         )
         if percent is not None:
-            found.append(SPEED_OF_PROCESS(percent=f"{percent:g}", tcp=tcp, span=statement.span))
+            found.append(_SPEED_OF_PROCESS(percent=f"{percent:g}", tcp=tcp, span=statement.span))
         elif any(map(_is_computed, records(one))):
-            found.append(SPEED_OF_PROCESS(percent="any", tcp=tcp, span=statement.span))
+            found.append(_SPEED_OF_PROCESS(percent="any", tcp=tcp, span=statement.span))
     return rewrite(program, changed), tuple(found)
 
 
@@ -479,7 +479,7 @@ def with_joint_percent(program: Program, percent: float) -> tuple[Program, tuple
         return part
 
     done = rewrite(program, changed)
-    return done, (PERCENT_OF_PROCESS(percent=percent),) if given else ()
+    return done, (_PERCENT_OF_PROCESS(percent=percent),) if given else ()
 
 
 def has_free_turns(program: Program) -> bool:
@@ -518,7 +518,7 @@ def _clear_of_scene(scene: Scene, arm: Robot) -> tuple[ClearTest, ...]:
     return Space(scene, placed).clear, Space(scene, placed, margin=0.0).clear
 
 
-NO_ROBOT: Final = error(
+_NO_ROBOT: Final = error(
     "CL010",
     "the program names no robot that it is for",
     "name one with --robot; `robot-assistant robots` lists them",
@@ -553,7 +553,7 @@ def solve(
     program, sights = with_located_frames(program, arms)
     arm = arms.robot or known_robot(program.robot)
     if arm is None:
-        raise Refused(NO_ROBOT(path=source), exit_status=2)
+        raise Refused(_NO_ROBOT(path=source), exit_status=2)
     program, changed = for_arm(program, teaching_arm(program, replace(arms, robot=arm)), arm)
     program, turned = with_chosen_turns(program, arm, arms.scene)
     changed += turned

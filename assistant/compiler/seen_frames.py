@@ -38,12 +38,12 @@ from assistant.program.undeclared_names import channels
 from assistant.sources.process import PoseServer
 from assistant.sources.sights import FOUND, QUESTION, Sight, doubts
 
-POSITION_NAMES: Final = ("x", "y", "z")
-ANSWER_NAMES: Final = ("state", *POSITION_NAMES, *e.ANGLES)
+_POSITION_NAMES: Final = ("x", "y", "z")
+_ANSWER_NAMES: Final = ("state", *_POSITION_NAMES, *e.ANGLES)
 """Values of an answer, in this order."""
 
 
-def with_vision_query(
+def _with_vision_query(
     program: Program, usual: Mapping[str, tuple[str, Pose]], whom: PoseServer, within: float
 ) -> Program:
     """The program with a procedure that asks for frames, called where it begins.
@@ -79,7 +79,7 @@ class _VisionQuery:
     def __init__(self, name: Callable[[str], str], whom: PoseServer, within: float) -> None:
         self.whom, self.within = whom, within
         self.channel = name("eyes")
-        self.names = {key: name(f"seen_{key}") for key in (*ANSWER_NAMES, "off", "place")}
+        self.names = {key: name(f"seen_{key}") for key in (*_ANSWER_NAMES, "off", "place")}
         kinds = {one: Variable("number") for key, one in self.names.items() if key != "place"}
         self.variables = {**kinds, self.names["place"]: Variable("pose")}
 
@@ -102,19 +102,19 @@ class _VisionQuery:
     def question(self, frame: str, object: str, usual: Pose) -> Iterator[p.Statement]:
         yield p.Send(self.channel, "line", (e.Text(f"{QUESTION} {object}"),))
         answer = e.Apply("received_number", (e.Text(self.channel),))
-        for key in ANSWER_NAMES:
+        for key in _ANSWER_NAMES:
             yield p.Assign(self.named(key), answer)
         missed = e.Binary("<>", self.named("state"), e.Number(FOUND))
         yield self.ends(missed, f"{object} is not found, or not surely")
         squares = (
             _square_of(self.named(k), c)
-            for k, c in zip(POSITION_NAMES, usual.position, strict=True)
+            for k, c in zip(_POSITION_NAMES, usual.position, strict=True)
         )
         yield p.Assign(self.named("off"), reduce(lambda a, b: e.Binary("+", a, b), squares))
         far = e.Binary(">", self.named("off"), e.number_of(round(self.within**2, 6)))
         yield self.ends(far, f"{object} is too far from where it usually is")
         yield p.Assign(self.named("place"), e.PoseValue(IDENTITY))
-        for key in (*POSITION_NAMES, *e.ANGLES):
+        for key in (*_POSITION_NAMES, *e.ANGLES):
             yield p.Assign(e.Member(self.named("place"), key), self.named(key))
         yield p.Assign(e.Name(frame), self.named("place"))
 
@@ -131,58 +131,58 @@ def _square_of(value: e.Expression, centre: float) -> e.Expression:
     return e.Binary("*", side, side)
 
 
-NO_SIGHT_SOURCE: Final = error(
+_NO_SIGHT_SOURCE: Final = error(
     "CO350",
     "frame `{frame}` is where `{name}` is seen, and nothing says where that is",
     "name a file of what was found with --seen, or have the program ask for it as it runs, with "
     "--ask-at or `ask` under [seen] in the process file",
 )
-OBJECT_NOT_FOUND: Final = error(
+_OBJECT_NOT_FOUND: Final = error(
     "CO351",
     "`{name}`, where frame `{frame}` is seen, is not among what was found: {found}",
     "look anew with it in sight, or write its name as it was found",
 )
-NO_WORLD_POSE: Final = error(
+_NO_WORLD_POSE: Final = error(
     "CO352",
     "`{name}` was found in the world of the cell, and nothing says where the robot stands in it",
     "name the cell with --cell and its robot with --robot, or have it found in the robot's base",
 )
-FRAME_NOT_SEEABLE: Final = error(
+_FRAME_NOT_SEEABLE: Final = error(
     "CO353",
     "frame `{frame}` cannot be seen: {why}",
     "see one that stands still, and declare this one in it",
 )
-NO_USUAL_POSE: Final = error(
+_NO_USUAL_POSE: Final = error(
     "CO354",
     "nothing says where `{name}` usually is, so that reach and limits of what is done there cannot "
     "be looked at before the program asks",
     "give frame `{frame}` the place where it usually is, or name a file with --seen that says "
     "where it was found once",
 )
-NO_ENTRY_TO_ASK: Final = error(
+_NO_ENTRY_TO_ASK: Final = error(
     "CO355",
     "the program has no procedure that it begins with, so nowhere to ask where `{name}` is",
     "give it a main procedure, or name a file of what was found with --seen",
 )
-NAME_NOT_SENDABLE: Final = error(
+_NAME_NOT_SENDABLE: Final = error(
     "CO356",
     "a program cannot ask for `{name}`: a line takes {most} letters, digits, blanks, `-`, `_`, `.`",
     "call the object otherwise",
 )
-FRAME_SEEN: Final = info(
+_FRAME_SEEN: Final = info(
     "CO357",
     "frame `{frame}` is where `{name}` was seen: {pose}, with {sigma_mm:g} mm and {sigma_deg:g} "
     "degrees (one standard deviation)",
 )
-FRAME_ASKED: Final = info(
+_FRAME_ASKED: Final = info(
     "CO358",
     "the program asks {whom} where `{name}` is, once at its beginning, and ends without a move if "
     "it is not found or is more than {within:g} mm from {pose}; reach, limits and contacts are "
     "looked at there alone",
     "try it slowly where the object lies otherwise",
 )
-SENDABLE: Final = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _.\-]{0,38}[A-Za-z0-9_.\-])?")
-MOST_LETTERS: Final = 40
+_SENDABLE: Final = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _.\-]{0,38}[A-Za-z0-9_.\-])?")
+_MOST_LETTERS: Final = 40
 
 
 def with_seen_frames(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnostic, ...]]:
@@ -199,7 +199,7 @@ def with_seen_frames(program: Program, arms: Arms) -> tuple[Program, tuple[Diagn
     if found:
         return replace(program, frames={**program.frames, **plain}), tuple(found)
     if there.found is None and there.ask is None:
-        found += (_about_frame(NO_SIGHT_SOURCE(frame=n, name=f.seen), n) for n, f in seen.items())
+        found += (_about_frame(_NO_SIGHT_SOURCE(frame=n, name=f.seen), n) for n, f in seen.items())
     if there.found is not None:
         for name, frame in seen.items():
             pose = _seen_pose(name, frame, program, arms, found)
@@ -211,7 +211,7 @@ def with_seen_frames(program: Program, arms: Arms) -> tuple[Program, tuple[Diagn
         if not has_errors(found):
             usual = {name: (frame.seen, plain[name].pose) for name, frame in seen.items()}
             found += _query_findings(usual, there.ask, there.trust.within)
-            changed = with_vision_query(changed, usual, there.ask, there.trust.within)
+            changed = _with_vision_query(changed, usual, there.ask, there.trust.within)
     return changed, tuple(found)
 
 
@@ -231,7 +231,7 @@ def _not_seeable_findings(seen: Mapping[str, Frame]) -> Iterator[Diagnostic]:
     for name, frame in seen.items():
         if frame.held or frame.mechanism:
             why = "the robot carries it" if frame.held else f"`{frame.mechanism}` moves it"
-            yield _about_frame(FRAME_NOT_SEEABLE(frame=name, why=why), name)
+            yield _about_frame(_FRAME_NOT_SEEABLE(frame=name, why=why), name)
 
 
 def _seen_pose(
@@ -243,19 +243,19 @@ def _seen_pose(
     if sight is None:
         names = listed([f"`{shown(one)}`" for one in arms.seeing.found or ()][:8])
         found.append(
-            _about_frame(OBJECT_NOT_FOUND(frame=name, name=shown(frame.seen), found=names), name)
+            _about_frame(_OBJECT_NOT_FOUND(frame=name, name=shown(frame.seen), found=names), name)
         )
         return None
     doubted = [_about_frame(one, name) for one in doubts(sight, arms.seeing.trust)]
     found += doubted
     pose = _sight_in_base(sight, program, arms)
     if pose is None:
-        found.append(_about_frame(NO_WORLD_POSE(name=sight.name), name))
+        found.append(_about_frame(_NO_WORLD_POSE(name=sight.name), name))
     if pose is None or doubted:
         return None
     if arms.seeing.ask is None:
         said, mm, deg = _shown_pose(pose), sight.sigma_mm, sight.sigma_deg
-        taken = FRAME_SEEN(frame=name, name=sight.name, pose=said, sigma_mm=mm, sigma_deg=deg)
+        taken = _FRAME_SEEN(frame=name, name=sight.name, pose=said, sigma_mm=mm, sigma_deg=deg)
         found.append(_about_frame(taken, name))
     return pose
 
@@ -272,11 +272,11 @@ def _query_faults(
 ) -> Iterator[Diagnostic]:
     for name, frame in seen.items():
         if program.entry is None or program.procedure(program.entry) is None:
-            yield _about_frame(NO_ENTRY_TO_ASK(name=frame.seen), name)
+            yield _about_frame(_NO_ENTRY_TO_ASK(name=frame.seen), name)
         if plain[name].pose == IDENTITY:
-            yield _about_frame(NO_USUAL_POSE(name=frame.seen, frame=name), name)
-        if SENDABLE.fullmatch(frame.seen) is None:
-            yield _about_frame(NAME_NOT_SENDABLE(name=shown(frame.seen), most=MOST_LETTERS), name)
+            yield _about_frame(_NO_USUAL_POSE(name=frame.seen, frame=name), name)
+        if _SENDABLE.fullmatch(frame.seen) is None:
+            yield _about_frame(_NAME_NOT_SENDABLE(name=shown(frame.seen), most=_MOST_LETTERS), name)
 
 
 def _query_findings(
@@ -285,7 +285,7 @@ def _query_findings(
     for name, (object, pose) in usual.items():
         where = _shown_pose(pose)
         yield _about_frame(
-            FRAME_ASKED(name=object, whom=ask.spoken, within=within, pose=where), name
+            _FRAME_ASKED(name=object, whom=ask.spoken, within=within, pose=where), name
         )
 
 

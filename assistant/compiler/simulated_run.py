@@ -72,15 +72,15 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
 
-RUN_ALONE_ONLY: Final = error(
+_RUN_ALONE_ONLY: Final = error(
     "CO021", "`{name}` is run by itself, beside no other program", "name it alone"
 )
-MIXED_LANGUAGES: Final = error(
+_MIXED_LANGUAGES: Final = error(
     "CO022",
     "`{name}` is written in {language}, `{first}` in {other}",
     "name programs of one language: one controller runs them",
 )
-OPTION_OF_SOURCES: Final = error(
+_OPTION_OF_SOURCES: Final = error(
     "CO023",
     "--{option} is for drawings, tables and pseudo-programs, `{name}` is a robot program",
     "leave it out",
@@ -110,7 +110,7 @@ def programs(
     if len(named) > 1:
         for name in named:
             if is_folder(name) or _is_source(name):
-                raise Refused(RUN_ALONE_ONLY(path=name, name=name), exit_status=2)
+                raise Refused(_RUN_ALONE_ONLY(path=name, name=name), exit_status=2)
     elif folder is None and _is_source(named[0], language):
         loaded = load(named[0], process=process, robot=robot, unit=unit, placement=placement)
         is_text = FilePath(named[0]).suffix.lower() == pseudo.SUFFIX
@@ -124,7 +124,7 @@ def programs(
     for option, value in (("process", process), ("unit", unit), ("place", placement)):
         if value is not None:
             raise Refused(
-                OPTION_OF_SOURCES(path=named[0], option=option, name=named[0]), exit_status=2
+                _OPTION_OF_SOURCES(path=named[0], option=option, name=named[0]), exit_status=2
             )
     files = list(programs_in(folder, language)) if folder else list(dict.fromkeys(named))
     spoken = _one_language(files, language)
@@ -187,10 +187,10 @@ def _one_language(files: Sequence[str], named: str | None) -> Language[Any]:
     for file in files:
         spoken = language_of(named) if named else languages.of_file(file, read_bytes(file))
         if spoken is None:
-            raise Refused(RUN_ALONE_ONLY(path=file, name=file), exit_status=2)
+            raise Refused(_RUN_ALONE_ONLY(path=file, name=file), exit_status=2)
         if first is not None and spoken.family != first[1].family:
             raise Refused(
-                MIXED_LANGUAGES(
+                _MIXED_LANGUAGES(
                     path=file,
                     name=FilePath(file).name,
                     language=spoken.title,
@@ -227,18 +227,18 @@ def _refuse_errors(trees: Sequence[Tree]) -> None:
         raise Refused(*(f for f in found if f.severity is Severity.ERROR))
 
 
-SCRIPT_NO_ROWS: Final = error(
+_SCRIPT_NO_ROWS: Final = error(
     "CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them"
 )
-SCRIPT_KEY_MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
-SCRIPT_KEYS_EXCLUSIVE: Final = error(
+_SCRIPT_KEY_MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
+_SCRIPT_KEYS_EXCLUSIVE: Final = error(
     "CO033", "`{key}` and `{other}` do not go together", "keep one of them, or write two rows"
 )
-SCRIPT_PULSE_TOO_LONG: Final = error(
+_SCRIPT_PULSE_TOO_LONG: Final = error(
     "CO034", "it lasts {lasts:g} s and comes again every {every:g} s", "write a shorter `for`"
 )
 
-VISIT_NOT_IN_PROGRAM: Final = warning(
+_VISIT_NOT_IN_PROGRAM: Final = warning(
     "CO126",
     "the script changes `{name}` at a visit of `{target}`, which no statement names",
     "{cure}",
@@ -250,8 +250,8 @@ _VISIT: Final = re.compile(
 )
 _SIGNAL: Final = re.compile(r"[A-Za-z]\w*|\d+")
 _TRUTHS: Final = {"true": 1.0, "false": 0.0, "high": 1.0, "low": 0.0}
-MOST_SECONDS: Final = 1e9
-MOST_TYPED: Final = 1e15
+_MOST_SECONDS: Final = 1e9
+_MOST_TYPED: Final = 1e15
 """A number of more digits than are kept is typed in as a text."""
 
 
@@ -300,7 +300,7 @@ def _read_when(value: Any) -> When | Visit:
 def _read_answer(value: Any) -> str:
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise Wrong(f"is {kind_of(value)}", "write a text in quotes, or a number")
-    if not isinstance(value, str) and not abs(value) < MOST_TYPED:
+    if not isinstance(value, str) and not abs(value) < _MOST_TYPED:
         raise Wrong("is a number that nobody types in", "write it as a text in quotes")
     return value if isinstance(value, str) else f"{value:.15g}"
 
@@ -311,8 +311,8 @@ def _read_text(value: Any) -> str:
     return value
 
 
-_SECONDS: Final = settings_tables.number("seconds", least=0.0, most=MOST_SECONDS)
-_SOME_SECONDS: Final = settings_tables.number("seconds", above=0.0, most=MOST_SECONDS)
+_SECONDS: Final = settings_tables.number("seconds", least=0.0, most=_MOST_SECONDS)
+_SOME_SECONDS: Final = settings_tables.number("seconds", above=0.0, most=_MOST_SECONDS)
 
 CHANGE_KEYS: Final[Mapping[str, Read]] = {
     "input": _read_signal,
@@ -359,7 +359,7 @@ def unknown_visits(script: Script, sources: Sequence[SourceText]) -> Iterator[Di
         cure = f"write `{near}`" if near else "write the name of a target as the program has it"
         if not sources:
             cure = "write the number of the visit, as `visit 3`: no text names targets"
-        yield VISIT_NOT_IN_PROGRAM(name=change.name, target=place, cure=cure)
+        yield _VISIT_NOT_IN_PROGRAM(name=change.name, target=place, cure=cure)
 
 
 def read_script(path: str | FilePath) -> Script:
@@ -382,7 +382,7 @@ def parse_script(source: SourceText) -> Script:
 def _script_rows(top: Table, key: str) -> Iterator[Table]:
     rows = top.content.get(key, [])
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-        top.say(SCRIPT_NO_ROWS, key, key=key, what=kind_of(rows))
+        top.say(_SCRIPT_NO_ROWS, key, key=key, what=kind_of(rows))
         return
     for number, row in enumerate(rows):
         yield Table(top.page, (key, str(number)), row)
@@ -391,17 +391,17 @@ def _script_rows(top: Table, key: str) -> Iterator[Table]:
 def _change_of(row: Table) -> Change:
     found = row.read(CHANGE_KEYS)
     if "input" not in row.content:
-        row.say(SCRIPT_KEY_MISSING, row="change", key="input", example='input = "diPart"')
+        row.say(_SCRIPT_KEY_MISSING, row="change", key="input", example='input = "diPart"')
     for key, other in (("at", "when"), ("every", "when")):
         if key in row.content and other in row.content:
-            row.say(SCRIPT_KEYS_EXCLUSIVE, key, key=key, other=other)
+            row.say(_SCRIPT_KEYS_EXCLUSIVE, key, key=key, other=other)
     if "after" in row.content and "when" not in row.content:
         row.say(
-            SCRIPT_KEY_MISSING, "after", row="change", key="when", example='when = "doGrip = 1"'
+            _SCRIPT_KEY_MISSING, "after", row="change", key="when", example='when = "doGrip = 1"'
         )
     lasts, every = found.get("for"), found.get("every")
     if lasts is not None and every is not None and lasts >= every:
-        row.say(SCRIPT_PULSE_TOO_LONG, "for", lasts=lasts, every=every)
+        row.say(_SCRIPT_PULSE_TOO_LONG, "for", lasts=lasts, every=every)
     return Change(
         name=found.get("input", ""),
         value=found.get("value", 1.0),
@@ -416,7 +416,7 @@ def _change_of(row: Table) -> Change:
 def _answer_of(row: Table) -> Answer:
     found = row.read(ANSWER_KEYS)
     if "value" not in row.content:
-        row.say(SCRIPT_KEY_MISSING, row="answer", key="value", example='value = "OK"')
+        row.say(_SCRIPT_KEY_MISSING, row="answer", key="value", example='value = "OK"')
     return Answer(
         value=found.get("value", ""),
         to=found.get("to", ""),

@@ -59,34 +59,34 @@ if TYPE_CHECKING:
     from assistant.languages.language_types import Numbering, Outline
 
 
-TEMPLATE_UNREADABLE: Final = error(
+_TEMPLATE_UNREADABLE: Final = error(
     "CO601",
     "the template cannot be read: {reason}",
     "correct the line: `{{{{ author }}}}` writes a value, and each `{{% if author %}}` needs its"
     " end",
 )
-TEMPLATE_WITHOUT_VALUE: Final = error(
+_TEMPLATE_WITHOUT_VALUE: Final = error(
     "CO602", "the template names `{name}`, which is not a value of programs", "write {known}"
 )
-TEMPLATE_FAILED: Final = error(
+_TEMPLATE_FAILED: Final = error(
     "CO603",
     "the template cannot be filled in: {reason}",
     "write only values and filters: a template runs no functions and reads no files",
 )
-TEMPLATE_TOO_LONG: Final = error(
+_TEMPLATE_TOO_LONG: Final = error(
     "CO604",
     "the template writes more than {most:,} characters around a program",
     "shorten it: it holds the comments and the frame, no statements",
 )
-NOT_WRITABLE: Final = error(
+_NOT_WRITABLE: Final = error(
     "CO617",
     "the template writes `{character}`, which is no printable character of ASCII",
     "write it in ASCII; values such as `{{{{ author }}}}` are converted",
 )
 
-MOST_TEMPLATE_TEXT: Final = 200_000
+_MOST_TEMPLATE_TEXT: Final = 200_000
 """Characters that a template may write, sections not counted."""
-SAFE_FILTERS: Final = (
+_SAFE_FILTERS: Final = (
     *("capitalize", "d", "default", "first", "join", "last", "length", "lower", "replace", "sort"),
     *("title", "trim", "unique", "upper"),
 )
@@ -95,7 +95,7 @@ _PLACEHOLDER: Final = re.compile(r"\{\{ *([a-z]+) *\}\}")
 _OPENS, _CLOSES = "\ue000", "\ue001"
 _MARK_OPENS, _MARK_CLOSES = "\ue002", "\ue003"
 _LINE_MARKS: Final = re.compile(f"{_MARK_OPENS}([0-9]{{1,9}}){_MARK_CLOSES}")
-PRIVATE_CHARACTERS: Final = re.compile("[\ue000-\ue003]")
+_PRIVATE_CHARACTERS: Final = re.compile("[\ue000-\ue003]")
 """Characters of placeholders and marks while a template is filled in."""
 _SECTION: Final = re.compile(f"{_OPENS}(.*?){_CLOSES}")
 
@@ -146,13 +146,15 @@ def fill_template(template: SourceText, values: Mapping[str, str]) -> list[tuple
 
     Raises Refused for a template that cannot be read or filled in.
     """
-    if own := PRIVATE_CHARACTERS.search(template.text):
+    if own := _PRIVATE_CHARACTERS.search(template.text):
         line, character = template.text.count("\n", 0, own.start()) + 1, escaped_character(own[0])
-        raise Refused(finding_at_line(template, line, NOT_WRITABLE, character=character))
+        raise Refused(finding_at_line(template, line, _NOT_WRITABLE, character=character))
     known = set(_PLACEHOLDER.findall(template.text)) <= values.keys()
     if known and not re.search(r"\{[{%#]", _PLACEHOLDER.sub("", template.text)):
-        if len(template.text) > MOST_TEMPLATE_TEXT:
-            raise Refused(finding_at_line(template, 1, TEMPLATE_TOO_LONG, most=MOST_TEMPLATE_TEXT))
+        if len(template.text) > _MOST_TEMPLATE_TEXT:
+            raise Refused(
+                finding_at_line(template, 1, _TEMPLATE_TOO_LONG, most=_MOST_TEMPLATE_TEXT)
+            )
         said = _PLACEHOLDER.sub(lambda match: values[match[1]], template.text)
         return [(at, line.rstrip()) for at, line in enumerate(_numbered_lines(said), 1)]
     with within(TEMPLATE, template.path, len(template.text)):
@@ -172,25 +174,27 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
     except TemplateSyntaxError as wrong:
         reason = wrong.message or "it is not finished"
         raise Refused(
-            finding_at_line(template, wrong.lineno, TEMPLATE_UNREADABLE, reason=reason)
+            finding_at_line(template, wrong.lineno, _TEMPLATE_UNREADABLE, reason=reason)
         ) from None
     except SyntaxError as wrong:  # of the Python that Jinja2 makes of it
-        raise Refused(finding_at_line(template, 1, TEMPLATE_UNREADABLE, reason=wrong.msg)) from None
+        raise Refused(
+            finding_at_line(template, 1, _TEMPLATE_UNREADABLE, reason=wrong.msg)
+        ) from None
     except UndefinedError as wrong:
         at = _line_of(wrong)
         name = re.search(r"'(.*?)' is undefined", wrong.message or "")
         if name is None:
             reason = wrong.message or "a value is missing"
-            raise Refused(finding_at_line(template, at, TEMPLATE_FAILED, reason=reason)) from None
+            raise Refused(finding_at_line(template, at, _TEMPLATE_FAILED, reason=reason)) from None
         near = near_names(name[1], list(values))
         fields = {"name": name[1], "known": " or ".join(f"`{one}`" for one in near or values)}
-        raise Refused(finding_at_line(template, at, TEMPLATE_WITHOUT_VALUE, **fields)) from None
+        raise Refused(finding_at_line(template, at, _TEMPLATE_WITHOUT_VALUE, **fields)) from None
     except (TemplateError, TypeError, ValueError, ArithmeticError, LookupError) as wrong:
         if isinstance(wrong, Refused | OverflowError):
             raise
         reason = str(wrong) or type(wrong).__name__
         raise Refused(
-            finding_at_line(template, _line_of(wrong), TEMPLATE_FAILED, reason=reason)
+            finding_at_line(template, _line_of(wrong), _TEMPLATE_FAILED, reason=reason)
         ) from None
     found, at = [], 1
     for line in _numbered_lines(text):
@@ -203,14 +207,14 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
 
 
 def _within_limit(template: SourceText, pieces: Iterator[str]) -> Iterator[str]:
-    most = MOST_TEMPLATE_TEXT * max(1, budget_factor())
+    most = _MOST_TEMPLATE_TEXT * max(1, budget_factor())
     length, at = 0, 1
     for piece in pieces:
         if marks := _LINE_MARKS.findall(piece):
             at = int(marks[-1])
         length += len(_LINE_MARKS.sub("", piece))
         if length > most:
-            raise Refused(finding_at_line(template, at, TEMPLATE_TOO_LONG, most=int(most)))
+            raise Refused(finding_at_line(template, at, _TEMPLATE_TOO_LONG, most=int(most)))
         yield piece
 
 
@@ -272,55 +276,55 @@ def jinja_environment() -> SandboxedEnvironment:
         keep_trailing_newline=True,
     )
     made.globals.clear()
-    made.filters = {name: made.filters[name] for name in SAFE_FILTERS}
+    made.filters = {name: made.filters[name] for name in _SAFE_FILTERS}
     return made
 
 
-NOT_A_COMMENT: Final = error(
+_NOT_A_COMMENT: Final = error(
     "CO611",
     "the template writes `{text}`, which is not a comment: statements come only from the program",
     "begin the line with `{mark}`, or remove it",
 )
-SECTION_LEFT_OUT: Final = error(
+_SECTION_LEFT_OUT: Final = error(
     "CO612",
     "the template leaves `{name}` out, so the program would lose it",
     "write {example} on a separate line",
 )
-SECTION_TWICE: Final = error(
+_SECTION_TWICE: Final = error(
     "CO613", "the template writes `{name}` twice", "remove one of the two lines"
 )
-SECTION_NOT_ALONE: Final = error(
+_SECTION_NOT_ALONE: Final = error(
     "CO614",
     "the template writes `{text}`: the section shares its line with other text, or was changed",
     "write the section on a separate line, as `{{{{ header }}}}`",
 )
-SECTION_OUT_OF_ORDER: Final = error(
+_SECTION_OUT_OF_ORDER: Final = error(
     "CO615",
     "`{name}` is below `{other}`, where {language} does not read it",
     "move it above `{other}`",
 )
-READ_AS_ITEM: Final = error(
+_READ_AS_ITEM: Final = error(
     "CO616",
     "the comment `{text}` would be read as a statement about the program",
     "put another word in front of it",
 )
-TEMPLATE_CHANGES_PROGRAM: Final = error(
+_TEMPLATE_CHANGES_PROGRAM: Final = error(
     "CO618",
     "with the lines of the template, the program is read back differently: {reason}",
     "correct or remove the line; without the template the program is proven",
 )
-NO_TEMPLATE: Final = error(
+_NO_TEMPLATE: Final = error(
     "CO619",
     "`{folder}` is not a folder of the project with a template",
     "write {files} there, or name another folder of the project",
 )
 
-LONGEST_VALUE: Final = 120
+_LONGEST_VALUE: Final = 120
 """Characters of a value in a comment."""
-STYLE_TEXTS: Final = ("project", "author", "revision")
+_STYLE_TEXTS: Final = ("project", "author", "revision")
 """Values that a project gives its templates."""
 STYLE_KEYS: Final[Mapping[str, Callable[[Any], Any]]] = dict.fromkeys(
-    ("template", *STYLE_TEXTS), kinds.text
+    ("template", *_STYLE_TEXTS), kinds.text
 )
 
 
@@ -384,7 +388,7 @@ def style_of(folder: FilePath) -> Style:
         where = _template_folder(at, given, read["template"])
     if page.findings:
         raise Refused(*page.findings, exit_status=2)
-    return Style(where, {key: read[key] for key in STYLE_TEXTS if key in read})
+    return Style(where, {key: read[key] for key in _STYLE_TEXTS if key in read})
 
 
 def _template_folder(at: FilePath, table: Table, text: str) -> FilePath | None:
@@ -398,7 +402,7 @@ def _template_folder(at: FilePath, table: Table, text: str) -> FilePath | None:
     if inside and is_folder(folder) and any(is_file(folder / one) for one in files):
         return folder
     named = " or ".join(f"`{one}`" for one in files)
-    table.say(NO_TEMPLATE, "template", folder=kinds.shown(text), files=named)
+    table.say(_NO_TEMPLATE, "template", folder=kinds.shown(text), files=named)
     return None
 
 
@@ -452,7 +456,7 @@ def apply_style(
         "unit": unit or "",
         "robot": program.robot or "",
         "language": language.title,
-        **{key: style.values.get(key, "") for key in STYLE_TEXTS},
+        **{key: style.values.get(key, "") for key in _STYLE_TEXTS},
     }
     written = fill_template(template, {**{k: comment_value(v) for k, v in stated.items()}, **known})
     if own:
@@ -468,7 +472,7 @@ def comment_value(value: str) -> str:
     """Return a value as one line of ASCII of at most LONGEST characters, for a comment."""
     plain = in_ascii(one_line(value))
     plain = "".join(c if " " <= c <= "~" else " " for c in plain)
-    return " ".join(plain.split())[:LONGEST_VALUE].strip()
+    return " ".join(plain.split())[:_LONGEST_VALUE].strip()
 
 
 def _check(
@@ -491,29 +495,33 @@ def _check(
             continue
         part = section_on(line)
         odd = next((c for c in line if not " " <= c <= "~"), None) if part is None else None
-        if odd is not None and not PRIVATE_CHARACTERS.search(line):
-            say(at, NOT_WRITABLE, character=escaped_character(odd))
+        if odd is not None and not _PRIVATE_CHARACTERS.search(line):
+            say(at, _NOT_WRITABLE, character=escaped_character(odd))
             continue
         part = part or _is_frame_line(line, outline, name)
         if part is not None and part in outline.rank:
             if part in seen:
-                say(at, SECTION_TWICE, name=part)
+                say(at, _SECTION_TWICE, name=part)
             elif last and outline.rank[part] < outline.rank[last]:
-                say(at, SECTION_OUT_OF_ORDER, name=part, other=last, language=language.title)
+                say(at, _SECTION_OUT_OF_ORDER, name=part, other=last, language=language.title)
             else:
                 last = part
             seen.setdefault(part, at)
-        elif PRIVATE_CHARACTERS.search(line):
-            say(at, SECTION_NOT_ALONE, text=with_placeholder_names(line))
+        elif _PRIVATE_CHARACTERS.search(line):
+            say(at, _SECTION_NOT_ALONE, text=with_placeholder_names(line))
         else:
             comment = line.strip().removeprefix(language.comment_mark)
             if not line.strip().startswith(language.comment_mark):
-                say(at, NOT_A_COMMENT, text=line.strip(), mark=language.comment_mark)
+                say(at, _NOT_A_COMMENT, text=line.strip(), mark=language.comment_mark)
             elif outline.item(comment):
-                say(at, READ_AS_ITEM, text=comment.strip())
+                say(at, _READ_AS_ITEM, text=comment.strip())
             elif _is_after_sections(last, outline):
                 say(
-                    at, SECTION_OUT_OF_ORDER, name=line.strip(), other=last, language=language.title
+                    at,
+                    _SECTION_OUT_OF_ORDER,
+                    name=line.strip(),
+                    other=last,
+                    language=language.title,
                 )
     whole = max(outline.complete, key=lambda parts: len(seen.keys() & set(parts)))
     for part in whole:
@@ -521,10 +529,10 @@ def _check(
             example = f"`{part}`" if part in outline.frame else f"`{{{{ {part} }}}}`"
             if part in outline.frame and "{name}" in outline.frame[part]:
                 example = f"`{part} {{{{ name }}}}`"
-            say(len(template.text.split("\n")), SECTION_LEFT_OUT, name=part, example=example)
+            say(len(template.text.split("\n")), _SECTION_LEFT_OUT, name=part, example=example)
     for part, at in seen.items():
         if part not in whole:
-            say(at, SECTION_TWICE, name=part)
+            say(at, _SECTION_TWICE, name=part)
     if found:
         raise Refused(*found)
 
@@ -591,6 +599,8 @@ def findings_of_templates(
         styled = files.get(finding.path or "") or next(iter(files.values()))
         line = styled.lines.get(finding.line or 0, 1)
         found[
-            finding_at_line(styled.template, line, TEMPLATE_CHANGES_PROGRAM, reason=finding.message)
+            finding_at_line(
+                styled.template, line, _TEMPLATE_CHANGES_PROGRAM, reason=finding.message
+            )
         ] = None
     return list(found)

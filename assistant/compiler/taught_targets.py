@@ -41,33 +41,33 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-POSE_OF_OTHER_TOOL: Final = error(
+_POSE_OF_OTHER_TOOL: Final = error(
     "CO701",
     "the controller shows a pose that is {distance:.2f} mm and {angle:.2f} degrees off where its "
     "joints put tool `{tool}` in frame `{frame}`",
     "declare in {file} the tool and the frame that the controller uses, and name them, or store "
     "joints",
 )
-JOINTS_OF_OTHER_ARM: Final = error(
+_JOINTS_OF_OTHER_ARM: Final = error(
     "CO702",
     "the controller tells joints {told}, and `{robot}` has {axes}",
     "correct `robot` of the controller in the project's file",
 )
-TARGET_CHANGES_OTHERS: Final = error(
+_TARGET_CHANGES_OTHERS: Final = error(
     "CO703",
     "`{name}` cannot be written into {file} without changing the rest of it; it was not touched",
     "name another file",
 )
-POSE_INCOMPLETE: Final = error(
+_POSE_INCOMPLETE: Final = error(
     "CO704", "the controller tells no whole pose", "store joints, or ask it again"
 )
-MOST_POSE_OFFSET: Final = 2.0
+_MOST_POSE_OFFSET: Final = 2.0
 """mm that a shown pose may be off: a hundredth of a degree in each joint, and the lengths of
 the catalogue, which are not those of one calibrated arm."""
-MOST_POSE_TURN: Final = 0.5
+_MOST_POSE_TURN: Final = 0.5
 """degrees, as well."""
 
-MOST_ARM_JOINTS: Final = 6
+_MOST_ARM_JOINTS: Final = 6
 """Joints that no external axis has; those behind may be of the arm or not."""
 
 
@@ -98,16 +98,16 @@ def teach_target(
     own = own_joints(position, robot) if robot is not None else None
     arm = None if robot is None else robot.name
     target = TaughtTarget(
-        name, _target_values(position, robot, own, wanted), more_keys(wanted), arm
+        name, _target_values(position, robot, own, wanted), _more_keys(wanted), arm
     )
-    source, changed, reading = taught_text(file, target, wanted)
+    source, changed, reading = _taught_text(file, target, wanted)
     if robot is not None and own is not None and not wanted.joints:
         _check_pose(file, position, robot, own, reading, name)
-    write_taught(file, source, changed, name)
+    _write_taught(file, source, changed, name)
     return reading
 
 
-def taught_text(
+def _taught_text(
     file: FilePath, target: TaughtTarget, wanted: TargetOptions
 ) -> tuple[SourceText, SourceText, Reading]:
     """The text of a file as it is and with a target, and what that reads as.
@@ -119,20 +119,20 @@ def taught_text(
     return source, changed, reading
 
 
-def write_taught(file: FilePath, source: SourceText, changed: SourceText, name: str) -> None:
+def _write_taught(file: FilePath, source: SourceText, changed: SourceText, name: str) -> None:
     """Writes a text that says something else of one target only; raises Refused."""
     if not is_otherwise_equal(source.text, changed.text, name):
-        raise Refused(TARGET_CHANGES_OTHERS(path=str(file), name=name, file=file))
+        raise Refused(_TARGET_CHANGES_OTHERS(path=str(file), name=name, file=file))
     write_files({file.name: encode(changed)}, file.parent)
 
 
 def own_joints(position: Position, robot: Robot) -> tuple[float, ...]:
     """(a,) joints of the arm's axes as a controller tells them; raises Refused for another arm."""
     told = {f"J{i}": joint for i, joint in enumerate(position.joints, 1) if joint is not None}
-    others = {f"J{i}" for i in range(1, MOST_ARM_JOINTS + 1)} & told.keys() - {*robot.axes}
+    others = {f"J{i}" for i in range(1, _MOST_ARM_JOINTS + 1)} & told.keys() - {*robot.axes}
     if others or not told.keys() >= {*robot.axes}:
         there, axes = " ".join(told) or "none", " ".join(robot.axes)
-        raise Refused(JOINTS_OF_OTHER_ARM(told=there, robot=robot.name, axes=axes), exit_status=2)
+        raise Refused(_JOINTS_OF_OTHER_ARM(told=there, robot=robot.name, axes=axes), exit_status=2)
     return tuple(told[axis] for axis in robot.axes)
 
 
@@ -147,10 +147,10 @@ def _target_values(
 ) -> dict[str, str]:
     if wanted.joints:
         joints = (math.nan if joint is None else joint for joint in position.joints)
-        return {"joints": number_list(joints_without_end(list(joints)), 4)}
+        return {"joints": number_list(_joints_without_end(list(joints)), 4)}
     numbers = (*position.position, *position.quaternion)
     if not all(map(math.isfinite, numbers)):
-        raise Refused(POSE_INCOMPLETE())
+        raise Refused(_POSE_INCOMPLETE())
     found = {
         "position": number_list(position.position, 4),
         "quaternion": number_list(rotations.canonical(position.quaternion).tolist(), 9),
@@ -173,14 +173,14 @@ def branch_words(branch: Configuration) -> str:
     return f"{{{said}, quadrants = {list(branch.quadrants)}}}"
 
 
-def joints_without_end(joints: list[float]) -> list[float]:
+def _joints_without_end(joints: list[float]) -> list[float]:
     """Return the joints without unused values after the last axis of the arm."""
     while joints and math.isnan(joints[-1]):
         joints.pop()
     return joints
 
 
-def more_keys(wanted: TargetOptions) -> dict[str, str]:
+def _more_keys(wanted: TargetOptions) -> dict[str, str]:
     """Tool and frame as the TOML of a file of targets."""
     given = {"tool": wanted.tool, "frame": wanted.frame}
     return {key: json.dumps(name) for key, name in given.items() if name is not None}
@@ -211,7 +211,7 @@ def _check_pose(
     otherwise.
     """
     program = reading.program
-    motion = motion_to(program, name)
+    motion = _motion_to(program, name)
     tool_name, frame_name = str(motion.tool), str(motion.frame)
     tool, frame = program.tools.get(tool_name), program.frames.get(frame_name)
     if (tool is not None and not tool.held) or (frame is not None and frame.held):
@@ -221,8 +221,8 @@ def _check_pose(
     expected = tip if frame is None else frame.pose.inverse() @ tip
     distance = math.dist(expected.position, position.position)
     angle = float(rotations.angle_between(expected.quaternion, position.quaternion))
-    if distance > MOST_POSE_OFFSET or angle > MOST_POSE_TURN:
-        finding = POSE_OF_OTHER_TOOL(
+    if distance > _MOST_POSE_OFFSET or angle > _MOST_POSE_TURN:
+        finding = _POSE_OF_OTHER_TOOL(
             path=str(file),
             distance=distance,
             angle=angle,
@@ -233,7 +233,7 @@ def _check_pose(
         raise Refused(finding)
 
 
-def motion_to(program: Program, name: str) -> Motion:
+def _motion_to(program: Program, name: str) -> Motion:
     """The motion of the one move that a file of targets makes to each of them."""
     moves = (s for s in program.procedures[0].body if isinstance(s, Move | MoveCircular))
     for move in moves:
@@ -254,31 +254,31 @@ DEVICE_TILTED: Final = error(
     "tool in, {most:.0f} allowed",
     "tilt it towards or away from axis 1 only",
 )
-DEVICE_TURNED_INTO_PLANE: Final = warning(
+_DEVICE_TURNED_INTO_PLANE: Final = warning(
     "CO733",
     "the device was tilted {angle:.1f} degrees out of the plane that an arm of five axes turns its "
     "tool in; the target is turned into it",
     "look whether that does",
 )
-NO_CAMERA_FRAME: Final = error(
+_NO_CAMERA_FRAME: Final = error(
     "CO734",
     "the file declares no frame `{name}`, in which the cameras stand",
     "declare [frames.{name}] with the pose of the cameras' world in the base of the robot",
 )
-ARM_RESTS_ELSEWHERE: Final = error(
+_ARM_RESTS_ELSEWHERE: Final = error(
     "CO735",
     "the arm came to rest {distance:.2f} mm and {angle:.2f} degrees from the place that was shown, "
     "{most:.1f} mm and {turned:.1f} degrees allowed; nothing was stored",
     "look at what holds it, and show the place again",
 )
-MOST_DEVICE_TILT: Final = 15.0
+_MOST_DEVICE_TILT: Final = 15.0
 """Degrees, of an arm of five axes."""
-REPORTED_TILT: Final = 1.0
+_REPORTED_TILT: Final = 1.0
 """Degrees of tilt from which it is reported."""
-MOST_PLANE_ROUNDS: Final = 30
-MOST_REST_OFFSET: Final = 1.0
+_MOST_PLANE_ROUNDS: Final = 30
+_MOST_REST_OFFSET: Final = 1.0
 """mm that an arm may come to rest from where it was sent."""
-MOST_REST_TURN: Final = 0.5
+_MOST_REST_TURN: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -319,9 +319,9 @@ def target_of_shown(
     that is the world of the cameras, None for the base of the robot. Raises Refused and Unreadable.
     """
     arm = None if robot is None else robot.name
-    first = TaughtTarget(name, _pose_values(shown), more_keys(wanted), arm)
-    program = taught_text(file, first, wanted)[2].program
-    motion = motion_to(program, name)
+    first = TaughtTarget(name, _pose_values(shown), _more_keys(wanted), arm)
+    program = _taught_text(file, first, wanted)[2].program
+    motion = _motion_to(program, name)
     tool_name, frame_name = str(motion.tool), str(motion.frame)
     tool, frame = program.tools.get(tool_name), program.frames.get(frame_name)
     flange_to_tip = tool.tip if tool is not None and tool.held else Pose()
@@ -342,7 +342,7 @@ def target_of_shown(
             values["configuration"] = branch_words(branch_at(robot, joints.tolist()))
     target = replace(first, values=values)
     return ShownTarget(
-        name, pose, joints, tip, target, taught_text(file, target, wanted)[2], findings
+        name, pose, joints, tip, target, _taught_text(file, target, wanted)[2], findings
     )
 
 
@@ -357,7 +357,9 @@ def check_names(
         once.add(name.lower())
     arm = None if robot is None else robot.name
     for name in names:
-        taught_text(file, TaughtTarget(name, _pose_values(Pose()), more_keys(wanted), arm), wanted)
+        _taught_text(
+            file, TaughtTarget(name, _pose_values(Pose()), _more_keys(wanted), arm), wanted
+        )
 
 
 def turned_into_plane(positions: Floats, quaternions: Floats, robot: Robot | None) -> Floats:
@@ -371,15 +373,15 @@ def turned_into_plane(positions: Floats, quaternions: Floats, robot: Robot | Non
 
     turned = from_ab(positions, to_ab(positions, quaternions))
     angle = float(rotations.angle_between(quaternions, turned).max())
-    if angle > MOST_DEVICE_TILT:
-        raise Refused(DEVICE_TILTED(angle=angle, most=MOST_DEVICE_TILT))
+    if angle > _MOST_DEVICE_TILT:
+        raise Refused(DEVICE_TILTED(angle=angle, most=_MOST_DEVICE_TILT))
     return turned
 
 
 def store_target(file: FilePath, place: ShownTarget, wanted: TargetOptions) -> Reading:
     """Writes the target into the file, whole or not at all; raises Refused and Unreadable."""
-    source, changed, reading = taught_text(file, place.target, wanted)
-    write_taught(file, source, changed, place.name)
+    source, changed, reading = _taught_text(file, place.target, wanted)
+    _write_taught(file, source, changed, place.name)
     return reading
 
 
@@ -388,7 +390,7 @@ def program_to_target(place: ShownTarget, above: float, *, to_its_end: bool = Tr
     its own z axis, and straight from there unless the rest is left to others.
     """
     program, name = place.program, place.name
-    motion = motion_to(program, name)
+    motion = _motion_to(program, name)
     branch = program.targets[name].configuration if name in program.targets else None
     before = f"{name}_before"
     targets = {
@@ -410,13 +412,13 @@ def check_reached(place: ShownTarget, reached: Pose) -> tuple[float, float]:
     """
     distance = float(np.linalg.norm(np.subtract(place.tip.position, reached.position)))
     angle = float(rotations.angle_between(place.tip.quaternion, reached.quaternion))
-    if not (distance <= MOST_REST_OFFSET and angle <= MOST_REST_TURN):
-        finding = ARM_RESTS_ELSEWHERE(
+    if not (distance <= _MOST_REST_OFFSET and angle <= _MOST_REST_TURN):
+        finding = _ARM_RESTS_ELSEWHERE(
             place=place.name,
             distance=distance,
             angle=angle,
-            most=MOST_REST_OFFSET,
-            turned=MOST_REST_TURN,
+            most=_MOST_REST_OFFSET,
+            turned=_MOST_REST_TURN,
         )
         raise Refused(finding)
     return distance, angle
@@ -430,7 +432,7 @@ def tip_at(place: ShownTarget, joints: tuple[float, ...], robot: Robot) -> Pose:
 
 def tip_of(place: ShownTarget) -> Pose:
     """The tip of a place's tool on the flange."""
-    tool = place.program.tools.get(str(motion_to(place.program, place.name).tool))
+    tool = place.program.tools.get(str(_motion_to(place.program, place.name).tool))
     return tool.tip if tool is not None and tool.held else Pose()
 
 
@@ -446,7 +448,7 @@ def _shown_in_base(shown: Pose, program: Program, world: str | None, file: FileP
         return shown
     name = next((n for n in program.frames if n.lower() == world.lower()), None)
     if name is None:
-        raise Refused(NO_CAMERA_FRAME(path=str(file), name=world), exit_status=2)
+        raise Refused(_NO_CAMERA_FRAME(path=str(file), name=world), exit_status=2)
     return program.frames[name].pose @ shown
 
 
@@ -457,16 +459,16 @@ def _flange_in_plane(flange: Pose, tool: Pose, robot: Robot) -> tuple[Pose, tupl
     from assistant.robots.arms.closed_form import from_ab, to_ab
 
     tip, wished = flange @ tool, flange.quaternion
-    for _ in range(MOST_PLANE_ROUNDS):
+    for _ in range(_MOST_PLANE_ROUNDS):
         place = [flange.position]
         turn = Pose.of(np.zeros(3), from_ab(place, to_ab(place, [wished]))[0])
         before, flange = flange, Pose(tip.position) @ turn @ Pose(tool.position).inverse()
         if np.allclose(before.position, flange.position, atol=1e-9):
             break
     angle = float(rotations.angle_between(wished, flange.quaternion))
-    if angle > MOST_DEVICE_TILT:
-        raise Refused(DEVICE_TILTED(angle=angle, most=MOST_DEVICE_TILT))
-    return flange, (DEVICE_TURNED_INTO_PLANE(angle=angle),) if angle > REPORTED_TILT else ()
+    if angle > _MOST_DEVICE_TILT:
+        raise Refused(DEVICE_TILTED(angle=angle, most=_MOST_DEVICE_TILT))
+    return flange, (_DEVICE_TURNED_INTO_PLANE(angle=angle),) if angle > _REPORTED_TILT else ()
 
 
 def _nearest_joints(flange: Pose, robot: Robot, near: Floats | None, tool: str) -> Floats:

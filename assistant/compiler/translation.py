@@ -1,6 +1,6 @@
 """Translation: a vendor program in another language, with a report on each of its statements.
 
-`add_losses` adds to the report what is not translated although nothing is wrong with it:
+`_add_losses` adds to the report what is not translated although nothing is wrong with it:
 statements inside of statements or procedures that are not translated, and calls of such
 procedures.
 """
@@ -74,17 +74,17 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-CALLS_PARTLY_TRANSLATED = warning(
+_CALLS_PARTLY_TRANSLATED = warning(
     "CO013",
     "`{name}` is called, and not all that it does is said",
     "see to its statements; the call itself is said",
 )
-CALLS_NOT_TRANSLATED = error(
+_CALLS_NOT_TRANSLATED = error(
     "CO014", "`{name}` is called, which is not said", "see to that procedure first"
 )
 
 
-def add_losses(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None:
+def _add_losses(program: Program, found: Mapping[Span, list[Diagnostic]]) -> None:
     """Add the losses caused by other parts to the findings about a program's parts, by their spans.
 
     Parts inside an untranslated part are untranslated for the same reasons; calls of it are
@@ -143,7 +143,7 @@ def _losses_by_calls(
                 continue
             for name in dict.fromkeys(_names_called(statement)):
                 if lacks.get(name):
-                    rule = CALLS_NOT_TRANSLATED if name in gone else CALLS_PARTLY_TRANSLATED
+                    rule = _CALLS_NOT_TRANSLATED if name in gone else _CALLS_PARTLY_TRANSLATED
                     yield span, rule(span=span, name=named[name].name)
 
 
@@ -155,7 +155,7 @@ def _names_called(statement: p.Statement) -> Iterator[str]:
                 yield name.lower()
 
 
-NO_PROGRAM = error(
+_NO_PROGRAM = error(
     "CO005",
     "`{name}` is no program in a robot language",
     "compile it: `robot-assistant compile`",
@@ -163,7 +163,7 @@ NO_PROGRAM = error(
 
 Level = Literal["supported", "partial", "not"]
 LEVELS: Final[tuple[Level, ...]] = ("supported", "partial", "not")
-LONGEST_TEXT: Final = 100
+_LONGEST_TEXT: Final = 100
 """Characters of a statement that a row shows."""
 
 
@@ -287,7 +287,7 @@ def translate(
     if not isinstance(loaded, Loaded):
         loaded = load(loaded, process=process, robot=arms.written_for, language=language)
     if loaded.language is None or loaded.program.origin is None:
-        raise Refused(NO_PROGRAM(name=source), exit_status=2)
+        raise Refused(_NO_PROGRAM(name=source), exit_status=2)
     if cell is not None:
         loaded = with_values_of_file(loaded, cell, taught=arms.written_for is not None, to=target)
     loaded = without_names(loaded, process)
@@ -472,7 +472,7 @@ def _report(
                 one.note(finding, line)
     _pass_on_findings(parts)
     _pass_down_findings(parts, [f for f in (*compiled.found, *later) if f.code == NOT_CALLED.code])
-    add_losses(compiled.source, {span: part.found for span, part in parts.items()})
+    _add_losses(compiled.source, {span: part.found for span, part in parts.items()})
     shown = [part for part in parts.values() if part.found or part.at or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)
@@ -664,7 +664,7 @@ def _report_row(
     reasons = sorted(part.reasons(line), key=lambda f: f.severity is not Severity.ERROR)
     texts = [text.strip() for text in lines_of(place.text) if text.strip()]
     text = " ".join(texts[:1] if part.head else texts)
-    if len(text) > LONGEST_TEXT:
-        text = text[: LONGEST_TEXT - 1] + "…"
+    if len(text) > _LONGEST_TEXT:
+        text = text[: _LONGEST_TEXT - 1] + "…"
     went = trace.written(span) if line is None else trace.written_line(part.span, line)
     return ReportRow(place, text, level(reasons), tuple(reasons), tuple(went))

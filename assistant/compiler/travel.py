@@ -1,7 +1,7 @@
 """`travel to` as moves: each path is planned through the cell, from where the arm is then.
 
 A statement that is reached from several positions of the arm is planned for each, at most
-`MOST_PLANS` times, and refused if the paths differ.
+`_MOST_PLANS` times, and refused if the paths differ.
 """
 
 from __future__ import annotations
@@ -32,47 +32,47 @@ if TYPE_CHECKING:
     from assistant.robots.timing.program_walk import Arrival
 
 
-TRAVEL_WITHOUT_CELL = error(
+_TRAVEL_WITHOUT_CELL = error(
     "CK470",
     "a way to `{target}` is planned through a cell, and none is told",
     "name the file of the cell: --cell cell.toml",
 )
-START_UNKNOWN = error(
+_START_UNKNOWN = error(
     "CK471",
     "where the arm is when it begins to travel to `{target}` is not known: {why}",
     "{cure}",
 )
-TRAVEL_FROM_SEVERAL = error(
+_TRAVEL_FROM_SEVERAL = error(
     "CK472",
     "the way to `{target}` is not the same each time: it {what}",
     "move to one place before it, or write a `travel to` for each of them",
 )
-GOAL_UNKNOWN = error(
+_GOAL_UNKNOWN = error(
     "CK473",
     "only running the program tells where `{target}` is, so no way there can be planned",
     "travel to a target whose place the text tells",
 )
-TRAVEL_NOT_REACHED = error(
+_TRAVEL_NOT_REACHED = error(
     "CK474",
     "no way through the program leads to `travel to {target}`, so nothing tells where it begins",
     "take it out, or call its procedure from where the program begins",
 )
-TRAVEL_EXTERNAL_AXES = error(
+_TRAVEL_EXTERNAL_AXES = error(
     "CK475",
     "`{target}` moves external axes, for which no way is planned",
     "move them before, and travel to a target that says nothing of them",
 )
-FROM_HOME = info(
+_FROM_HOME = info(
     "CK476",
     "the way to `{target}` is planned from where the robot is at home, as nothing moves before it",
     "begin the program with a move to a known place, from which the way leads",
 )
-TRAVEL_UNDECLARED = error(
+_TRAVEL_UNDECLARED = error(
     "CK495",
     "no {what} `{name}` is declared, so no way to `{target}` can be planned",
     "declare it",
 )
-TRAVEL_NO_NUMBER = error(
+_TRAVEL_NO_NUMBER = error(
     "CK496",
     "the `{word}` of the way to `{target}` is `{value}`, which is no number above 0 that the text "
     "tells",
@@ -80,9 +80,9 @@ TRAVEL_NO_NUMBER = error(
 )
 
 
-SEARCH_SECONDS: Final = 30.0
+_SEARCH_SECONDS: Final = 30.0
 """That a search for a way takes at most."""
-MOST_PLANS: Final = 3
+_MOST_PLANS: Final = 3
 """Ways that are planned for one statement, when what comes before it changes."""
 
 
@@ -126,7 +126,7 @@ def with_planned_travels(
     if scene is None or robot is None:
         statements = [s for s in program.statements() if isinstance(s, Travel)]
         return PlannedTravels(
-            program, tuple(_travel_finding(TRAVEL_WITHOUT_CELL, s) for s in statements)
+            program, tuple(_travel_finding(_TRAVEL_WITHOUT_CELL, s) for s in statements)
         )
     planning = _TravelPlanner(replace(program, robot=robot.name), robot, scene, places)
     try:
@@ -189,12 +189,12 @@ class _TravelPlanner:
             for number, statement in enumerate(self.statements):
                 theirs = [arrival for arrival in found if arrival.number == number]
                 if not theirs:
-                    raise Refused(_travel_finding(TRAVEL_NOT_REACHED, statement))
+                    raise Refused(_travel_finding(_TRAVEL_NOT_REACHED, statement))
                 self.same(statement, theirs)
                 if not ways[number].fits(theirs[0]):
-                    if plans[number] == MOST_PLANS:
+                    if plans[number] == _MOST_PLANS:
                         what = "begins elsewhere each time that it is planned"
-                        raise Refused(_travel_finding(TRAVEL_FROM_SEVERAL, statement, what=what))
+                        raise Refused(_travel_finding(_TRAVEL_FROM_SEVERAL, statement, what=what))
                     del ways[number]
                     break
             else:
@@ -251,7 +251,9 @@ class _TravelPlanner:
             if first.setdefault(arrival.number, arrival).goal != arrival.goal:
                 what = "leads to several places"
                 raise Refused(
-                    _travel_finding(TRAVEL_FROM_SEVERAL, self.statements[arrival.number], what=what)
+                    _travel_finding(
+                        _TRAVEL_FROM_SEVERAL, self.statements[arrival.number], what=what
+                    )
                 )
 
     def same(self, statement: Travel, arrivals: list[Arrival]) -> None:
@@ -265,7 +267,7 @@ class _TravelPlanner:
             count = len(set(values))
             if count > 1:
                 raise Refused(
-                    _travel_finding(TRAVEL_FROM_SEVERAL, statement, what=what.format(count=count))
+                    _travel_finding(_TRAVEL_FROM_SEVERAL, statement, what=what.format(count=count))
                 )
 
     def known(self, statement: Travel, arrival: Arrival) -> None:
@@ -275,28 +277,30 @@ class _TravelPlanner:
             ("frame", motion.frame, self.names.frame(motion.frame)),
         ):
             if there is None:
-                raise Refused(_travel_finding(TRAVEL_UNDECLARED, statement, what=what, name=name))
+                raise Refused(_travel_finding(_TRAVEL_UNDECLARED, statement, what=what, name=name))
         if arrival.goal is None and isinstance(target, Name) and self.nowhere(target.name):
             raise Refused(
-                _travel_finding(TRAVEL_UNDECLARED, statement, what="target", name=target.name)
+                _travel_finding(_TRAVEL_UNDECLARED, statement, what="target", name=target.name)
             )
         changed = {
             base_variable(s.target) for s in self.program.statements() if isinstance(s, Assign)
         }
         if arrival.goal is None or {motion.tool.lower(), motion.frame.lower()} & changed:
-            raise Refused(_travel_finding(GOAL_UNKNOWN, statement))
+            raise Refused(_travel_finding(_GOAL_UNKNOWN, statement))
         if arrival.external:
-            raise Refused(_travel_finding(TRAVEL_EXTERNAL_AXES, statement))
+            raise Refused(_travel_finding(_TRAVEL_EXTERNAL_AXES, statement))
         if arrival.doubt is not None:
             doubt = arrival.doubt
-            raise Refused(_travel_finding(START_UNKNOWN, statement, why=doubt.why, cure=doubt.cure))
+            raise Refused(
+                _travel_finding(_START_UNKNOWN, statement, why=doubt.why, cure=doubt.cure)
+            )
         if len(arrival.places) > 1:
             what = f"begins at {len(arrival.places)} places"
-            raise Refused(_travel_finding(TRAVEL_FROM_SEVERAL, statement, what=what))
+            raise Refused(_travel_finding(_TRAVEL_FROM_SEVERAL, statement, what=what))
         if not arrival.places:
             why = "only running the program tells what moves before it"
             cure = "move to a place that the text tells, right before it"
-            raise Refused(_travel_finding(START_UNKNOWN, statement, why=why, cure=cure))
+            raise Refused(_travel_finding(_START_UNKNOWN, statement, why=why, cure=cure))
 
     def nowhere(self, name: str) -> bool:
         """True if no data of that name are declared in the program."""
@@ -316,12 +320,12 @@ class _TravelPlanner:
         statement = self.statements[arrival.number]
         self.known(statement, arrival)
         if arrival.joints is None or arrival.goal is None:
-            raise Refused(_travel_finding(GOAL_UNKNOWN, statement))
+            raise Refused(_travel_finding(_GOAL_UNKNOWN, statement))
         tool = self.names.tool(statement.motion.tool) or Tool()
         tip = tool.tip if tool.held else IDENTITY
         seconds = self.value(statement, "search", statement.search)
         tilt = self.value(statement, "tilt", statement.tilt)
-        asked = _TravelGoal(arrival, tip, tilt, SEARCH_SECONDS if seconds is None else seconds)
+        asked = _TravelGoal(arrival, tip, tilt, _SEARCH_SECONDS if seconds is None else seconds)
         same = next((way for known, way in self.planned_ways if known.same(asked)), None)
         if same is not None:
             return _PlannedPath(arrival, same)
@@ -369,7 +373,7 @@ class _TravelPlanner:
         number = self.names.number(said)
         if number is None or not number > 0.0:
             raise Refused(
-                _travel_finding(TRAVEL_NO_NUMBER, statement, word=word, value=_goal_text(said))
+                _travel_finding(_TRAVEL_NO_NUMBER, statement, word=word, value=_goal_text(said))
             )
         return number
 
@@ -393,7 +397,7 @@ class _TravelPlanner:
         for number, statement in enumerate(self.statements):
             way = ways[number]
             if way.arrival.first:
-                yield _travel_finding(FROM_HOME, statement)
+                yield _travel_finding(_FROM_HOME, statement)
             for finding in way.planned.findings:
                 yield _located_finding(statement, finding)
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-LOCATION_NO_TARGET: Final = error(
+_LOCATION_NO_TARGET: Final = error(
     "CO077", "the location `{name}` of the cell is no target here: {reason}", "{cure}"
 )
 
@@ -74,7 +74,7 @@ def with_locations(program: Program, arms: Arms) -> tuple[Program, tuple[Diagnos
         if pose is None:
             moves = f"`{place.body.name}` moves with an arm"
             found.append(
-                LOCATION_NO_TARGET(name=name, reason=moves, cure="declare a target of its own")
+                _LOCATION_NO_TARGET(name=name, reason=moves, cure="declare a target of its own")
             )
             continue
         in_base = placed.base.inverse() @ pose @ place.body.locations[place.name]
@@ -153,18 +153,18 @@ def _location_fault(
     if len(places) > 1:
         bodies = ", ".join(f"`{place.body.name}`" for place in places)
         long = " or ".join(f"`{place.long}`" for place in places)
-        return LOCATION_NO_TARGET(name=name, reason=f"it is one of {bodies}", cure=f"write {long}")
+        return _LOCATION_NO_TARGET(name=name, reason=f"it is one of {bodies}", cure=f"write {long}")
     if len(frames) > 1:
         names = ", ".join("the base" if one == BASE else f"frame `{one}`" for one in frames)
         reason = f"moves go to it in {names}"
-        return LOCATION_NO_TARGET(name=name, reason=reason, cure="move to it in one frame")
+        return _LOCATION_NO_TARGET(name=name, reason=reason, cure="move to it in one frame")
     frame = _frame_named(program, frames[0])
     if frame.held or frame.mechanism or frame.seen:
         reason = f"the frame `{frames[0]}` of the moves there does not stand still"
-        return LOCATION_NO_TARGET(name=name, reason=reason, cure="move to it in another frame")
+        return _LOCATION_NO_TARGET(name=name, reason=reason, cure="move to it in another frame")
     if not standing:
         reason = "which robot of the cell runs the program is not known"
-        return LOCATION_NO_TARGET(
+        return _LOCATION_NO_TARGET(
             name=name, reason=reason, cure="name the robot as the cell does: --robot"
         )
     return None
@@ -191,19 +191,19 @@ def _fixed_pose(scene: Scene, body: Body) -> Pose | None:
     return Pose.of(origins[0, carrier], turn) @ pose
 
 
-PLACEMENT_CURE: Final = (
+_PLACEMENT_CURE: Final = (
     "give the work its place: `position` of a frame that [motion] names, or of [placement], in the"
     " process file, or --place X,Y,Z for one run; --place 0,0,0 if it is drawn around the base"
 )
-FRAME_CURE: Final = (
+_FRAME_CURE: Final = (
     "give the work its place: `position` of a frame that [motion] names, in the process file"
 )
-UNPLACED: Final = error(
+_UNPLACED: Final = error(
     "CO340", "nothing places the work, so it stands at the base of {arm}{codes}", "{cure}"
 )
-REACH_CODES: Final = ("RB", "CK3", "CK42")
+_REACH_CODES: Final = ("RB", "CK3", "CK42")
 """Code prefixes of findings about an arm's limits at a position."""
-NEAR_AXIS_PART: Final = 0.15
+_NEAR_AXIS_PART: Final = 0.15
 """Part of an arm's reach from its axis 1 in which nobody puts a work piece."""
 
 
@@ -216,10 +216,10 @@ def fold_unplaced_work(
     Findings on reach, limits, singularities and speeds there have the same cause.
     """
     found = tuple(found)
-    told = [one for one in found if one.code.startswith(REACH_CODES)]
+    told = [one for one in found if one.code.startswith(_REACH_CODES)]
     if program.placed is False and _is_in_base(program):
         return (
-            _unplaced_finding(arm, told, PLACEMENT_CURE),
+            _unplaced_finding(arm, told, _PLACEMENT_CURE),
             *(other for other in found if other not in told),
         )
     if program.placed is not None:
@@ -227,7 +227,7 @@ def fold_unplaced_work(
     if not has_errors(told) or program.origin is not None or not _is_at_base(program, arm):
         return found
     return (
-        _unplaced_finding(arm, told, FRAME_CURE),
+        _unplaced_finding(arm, told, _FRAME_CURE),
         *(other for other in found if other not in told),
     )
 
@@ -236,7 +236,7 @@ def _unplaced_finding(arm: Robot, told: Sequence[Diagnostic], cure: str) -> Diag
     counts = Counter(one.code for one in told)
     codes = ", ".join(f"{code} ({n} times)" if n > 1 else code for code, n in counts.items())
     there = f", where it cannot do all of it: {codes}" if told else ""
-    return UNPLACED(arm=arm.title, codes=there, cure=cure)
+    return _UNPLACED(arm=arm.title, codes=there, cure=cure)
 
 
 def _is_in_base(program: Program) -> bool:
@@ -260,7 +260,7 @@ def _is_at_base(program: Program, arm: Robot) -> bool:
     if not len(way):
         return False
     off = np.maximum(np.maximum(way.min(axis=0), -way.max(axis=0)), 0.0)
-    return bool(np.hypot(*off) < NEAR_AXIS_PART * arm.reach)
+    return bool(np.hypot(*off) < _NEAR_AXIS_PART * arm.reach)
 
 
 def _frames_of(statement: object) -> Iterator[str]:

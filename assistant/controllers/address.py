@@ -21,7 +21,7 @@ from assistant.controllers import rules
 
 
 @dataclass(frozen=True, slots=True)
-class Scheme:
+class _Scheme:
     """Permitted parts of an address of one kind.
 
     port: where the controller listens if the address names none. folder: for programs if the
@@ -38,35 +38,35 @@ class Scheme:
     options: Mapping[str, str] = field(default_factory=dict)
 
 
-END_OPTION: Final = {"end": "cr|crlf|none"}
+_END_OPTION: Final = {"end": "cr|crlf|none"}
 """End of a command of the controller link."""
-SERIAL_OPTIONS: Final = {
-    **END_OPTION,
+_SERIAL_OPTIONS: Final = {
+    **_END_OPTION,
     "baud": "[1-9][0-9]{2,5}",
     "bits": "7|8",
     "parity": "even|odd|none",
     "stop": "1|2",
     "framing": "plain|procedural",
 }
-FTP_OPTIONS: Final = {"mode": "passive|active"}
+_FTP_OPTIONS: Final = {"mode": "passive|active"}
 """Who connects for a transfer: the client, or the controller."""
-SFTP_OPTIONS: Final = {"fingerprint": "SHA256:[A-Za-z0-9+/ ]{43}"}
+_SFTP_OPTIONS: Final = {"fingerprint": "SHA256:[A-Za-z0-9+/ ]{43}"}
 """Fingerprint of the host's key; an unquoted `+` is decoded as a blank."""
-SERIAL_DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
+_SERIAL_DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
 """A file of a serial line, or its name in Windows."""
 
 SCHEMES: Final = {
-    "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True, options=FTP_OPTIONS),
-    "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True, options=FTP_OPTIONS),
-    "sftp": Scheme("ABB OmniCore by SFTP", 22, login=True, options=SFTP_OPTIONS),
-    "rws": Scheme("ABB IRC5 by Robot Web Services 1.0", 80, "HOME:", login=True),
-    "rwss": Scheme("ABB OmniCore by Robot Web Services 2.0", 443, "HOME:", login=True),
-    "melfa": Scheme("Mitsubishi CR controller by controller link", 10001, options=END_OPTION),
-    "melfa-serial": Scheme(
+    "ftp": _Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True, options=_FTP_OPTIONS),
+    "ftps": _Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True, options=_FTP_OPTIONS),
+    "sftp": _Scheme("ABB OmniCore by SFTP", 22, login=True, options=_SFTP_OPTIONS),
+    "rws": _Scheme("ABB IRC5 by Robot Web Services 1.0", 80, "HOME:", login=True),
+    "rwss": _Scheme("ABB OmniCore by Robot Web Services 2.0", 443, "HOME:", login=True),
+    "melfa": _Scheme("Mitsubishi CR controller by controller link", 10001, options=_END_OPTION),
+    "melfa-serial": _Scheme(
         "Mitsubishi CR controller by controller link on a serial line",
         0,
         device=True,
-        options=SERIAL_OPTIONS,
+        options=_SERIAL_OPTIONS,
     ),
 }
 """Kinds of addresses. Port 10001 is the first controller-link line (parameter CPRCE11 = 0)."""
@@ -154,7 +154,7 @@ def _bad(shown: str, reason: str) -> Refused:
     return Refused(rules.BAD_ADDRESS(place=shown, reason=reason), exit_status=2)
 
 
-def _wrong(parts: SplitResult, port: int | None, scheme: Scheme) -> str | None:
+def _wrong(parts: SplitResult, port: int | None, scheme: _Scheme) -> str | None:
     """The first thing wrong with the parts of an address."""
     said = unquote(parts.path + (parts.username or ""))
     checks = (
@@ -173,12 +173,12 @@ def _wrong(parts: SplitResult, port: int | None, scheme: Scheme) -> str | None:
 def _wrong_device(parts: SplitResult) -> str | None:
     """The first thing wrong with the name of a serial line."""
     name = parts.netloc + parts.path
-    if not SERIAL_DEVICE.fullmatch(name) or ".." in name.split("/"):
+    if not _SERIAL_DEVICE.fullmatch(name) or ".." in name.split("/"):
         return "a serial line is a file such as `/dev/ttyS0`, or `COM3`"
     return None
 
 
-def _wrong_options(parts: SplitResult, scheme: Scheme) -> str | None:
+def _wrong_options(parts: SplitResult, scheme: _Scheme) -> str | None:
     """The first thing wrong with what follows the `?`."""
     if parts.fragment:
         return "nothing may follow a `#`"
@@ -195,7 +195,7 @@ def _wrong_options(parts: SplitResult, scheme: Scheme) -> str | None:
     return None if len(dict(pairs)) == len(pairs) else "an option stands twice"
 
 
-BEGINNING: Final = re.compile(
+_BEGINNING: Final = re.compile(
     rf"(?:(?:{'|'.join(sorted(SCHEMES, key=len, reverse=True))}|https?):?"
     r"|[a-z][a-z0-9+.-]*:(?=//))?[/\\]*",
     re.IGNORECASE,
@@ -203,9 +203,9 @@ BEGINNING: Final = re.compile(
 """Beginning of an address, also one whose `://` is mistyped. Not a word with a `:` alone: that may
 be a user with a password.
 """
-SECRET_IN_ADDRESS: Final = re.compile(r"[^/@:]*:.*@", re.DOTALL)
+_SECRET_IN_ADDRESS: Final = re.compile(r"[^/@:]*:.*@", re.DOTALL)
 """A user and a password, with whatever a password may hold."""
-HARMLESS: Final = re.compile(
+_HARMLESS: Final = re.compile(
     r"(?:\[[0-9A-Fa-f:.]*\]|[^:=\s\[\]]*)(?::[0-9]{0,5}(?=/|$))?(?:/[^:]*(?:\bHOME:[^:]*)?)?",
     re.IGNORECASE,
 )
@@ -223,8 +223,8 @@ def holds_password(text: str) -> bool:
     inside = re.split(r"[/?#]", rest, maxsplit=1)[0]
     user = inside.rpartition("@")[0]
     return bool(
-        SECRET_IN_ADDRESS.match(rest)
-        or SECRET_IN_ADDRESS.match(_plain(inside))
+        _SECRET_IN_ADDRESS.match(rest)
+        or _SECRET_IN_ADDRESS.match(_plain(inside))
         or ":" in _plain(user)
     )
 
@@ -242,7 +242,7 @@ def without_password(text: str) -> str:
     place, *options = re.split(r"[?#]", text[start:], maxsplit=1)
     _, at, rest = _plain(place).rpartition("@")
     mark = "?***" if options else ""
-    if not HARMLESS.fullmatch(rest):
+    if not _HARMLESS.fullmatch(rest):
         rest, mark = re.split(r"[:=\s]", rest, maxsplit=1)[0] + ":***", ""
     return f"{text[:start]}{'***@' if at else ''}{rest}{mark}"
 
@@ -264,7 +264,7 @@ def _is_plain(text: str) -> bool:
 
 
 def _beginning(text: str) -> int:
-    found = BEGINNING.match(text)
+    found = _BEGINNING.match(text)
     return found.end() if found else 0
 
 
@@ -275,7 +275,7 @@ def _plain(text: str) -> str:
     return text
 
 
-CLEAR_TEXT_CURES: Final = {
+_CLEAR_TEXT_CURES: Final = {
     "rws": "an OmniCore speaks `rwss://`, which is encrypted",
     "melfa": "the controller link knows neither encryption nor a login: let nobody else reach it",
 }
@@ -288,9 +288,9 @@ def clear_text_finding(address: Address) -> Diagnostic | None:
         return None
     if address.scheme == "ftp":
         return rules.CLEAR_LOGIN(place=str(address), address=address)
-    if address.scheme in CLEAR_TEXT_CURES:
+    if address.scheme in _CLEAR_TEXT_CURES:
         return rules.CLEAR(
-            place=str(address), address=address, cure=CLEAR_TEXT_CURES[address.scheme]
+            place=str(address), address=address, cure=_CLEAR_TEXT_CURES[address.scheme]
         )
     return None
 
@@ -305,8 +305,8 @@ def _is_this_computer(host: str) -> bool:
 
 USER_VARIABLE: Final = "ROBOT_ASSISTANT_USER"
 PASSWORD_VARIABLE: Final = "ROBOT_ASSISTANT_PASSWORD"  # noqa: S105 - the name of a variable
-VARIABLE_PREFIX: Final = "ROBOT_ASSISTANT_"
-KEYRING_SERVICE: Final = "robot-assistant"
+_VARIABLE_PREFIX: Final = "ROBOT_ASSISTANT_"
+_KEYRING_SERVICE: Final = "robot-assistant"
 """Service name in the keyring; the entry is `user@host`."""
 
 Question = Callable[[str], str | None]
@@ -331,7 +331,7 @@ def password_variable(controller: str, what: str) -> str:
 
     what: USER or PASSWORD.
     """
-    return f"{VARIABLE_PREFIX}{controller.upper().replace('-', '_')}_{what}"
+    return f"{_VARIABLE_PREFIX}{controller.upper().replace('-', '_')}_{what}"
 
 
 def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
@@ -339,7 +339,7 @@ def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, 
     return {
         name: value
         for name, value in environment.items()
-        if not (name.upper().startswith(VARIABLE_PREFIX) and name.upper().endswith("PASSWORD"))
+        if not (name.upper().startswith(_VARIABLE_PREFIX) and name.upper().endswith("PASSWORD"))
     }
 
 
@@ -388,7 +388,7 @@ def _from_keyring(entry: str) -> str | None:
     except ImportError:
         return None
     try:
-        found: str | None = keyring.get_password(KEYRING_SERVICE, entry)
+        found: str | None = keyring.get_password(_KEYRING_SERVICE, entry)
     except keyring.errors.KeyringError:
         return None  # locked or without a backend: the next source is asked
     return found

@@ -19,11 +19,11 @@ from assistant.controllers.states import Position, State
 
 PATIENCE: Final = 5.0
 """Seconds that the second session waits for each answer at most."""
-SETTLING: Final = 3.0
+_SETTLING: Final = 3.0
 """Seconds that an arm may take to come to rest."""
 BETWEEN: Final = 0.1
 """Seconds between two looks at the joints."""
-STANDS: Final = 0.02
+_STANDS: Final = 0.02
 """Degrees or mm that a joint that stands may differ from one look to the next: the last digit
 that controllers show, twice."""
 
@@ -77,7 +77,7 @@ def _unknown(refused: Refused) -> Rest:
 
 def _watched(session: Controller) -> Rest:
     """Looks until the arm stands, or for as long as it may take."""
-    end = time.monotonic() + SETTLING
+    end = time.monotonic() + _SETTLING
     before = session.position()
     while True:
         time.sleep(BETWEEN)
@@ -94,5 +94,5 @@ def _same(one: Position, other: Position) -> bool:
         return False
     pairs = zip(one.joints, other.joints, strict=True)
     return all(
-        a == b or (a is not None and b is not None and abs(a - b) <= STANDS) for a, b in pairs
+        a == b or (a is not None and b is not None and abs(a - b) <= _STANDS) for a, b in pairs
     )

@@ -21,7 +21,7 @@ from assistant.base.file_access import read_text
 
 LEAST_BYTES: Final = 1024
 """Bytes that have to go through in each time-out; fewer only at the end."""
-LARGEST_TRANSFER: Final = 1 << 30
+_LARGEST_TRANSFER: Final = 1 << 30
 """Bytes after which a transfer counts as garbage."""
 
 
@@ -53,7 +53,7 @@ class TransferDeadline:
     def moved(self, count: int) -> None:
         """So many bytes have gone through; raises TimeoutError where they never end."""
         self._count += count
-        if self._count > LARGEST_TRANSFER:
+        if self._count > _LARGEST_TRANSFER:
             self._over.set()
             raise TimeoutError
 
@@ -87,7 +87,7 @@ def reason_of(error: Exception) -> str:
     return " / ".join(line.strip() for line in str(text).splitlines() if line.strip())
 
 
-PEM_CERTIFICATE: Final = re.compile(
+_PEM_CERTIFICATE: Final = re.compile(
     r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL
 )
 
@@ -109,7 +109,7 @@ def tls_context(certificate: str | FilePath | None, shown: Callable[[], bytes]) 
     try:
         text = read_text(certificate, "ascii", "replace")  # a pipe would never end
         trusted = ssl.create_default_context(cafile=str(certificate))
-        known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM_CERTIFICATE.findall(text)}
+        known = {ssl.PEM_cert_to_DER_cert(found) for found in _PEM_CERTIFICATE.findall(text)}
     except (OSError, ValueError) as error:
         raise BadCertificateFile(reason_of(error)) from None
     if shown() in known:

@@ -170,7 +170,7 @@ class Restoring(Protocol):
         """Restores; raises Refused with what has been restored by then."""
 
 
-CLIENTS: Final = {
+_CLIENTS: Final = {
     "ftp": ("assistant.controllers.abb.ftp", "Ftp"),
     "ftps": ("assistant.controllers.abb.ftp", "Ftp"),
     "sftp": ("assistant.controllers.abb.sftp", "Sftp"),
@@ -216,7 +216,7 @@ def connect(
         finding = rules.ONLY_DEPLOYED(place=one.name, name=one.name, kind=one.virtual)
         raise Refused(finding, exit_status=2)
     place, waiting = one.address, timeout or one.timeout or TIMEOUT
-    module, name = CLIENTS[place.scheme]
+    module, name = _CLIENTS[place.scheme]
     client = getattr(importlib.import_module(module), name)
     if not SCHEMES[place.scheme].login:
         return client(place, timeout=waiting)  # type: ignore[no-any-return]

@@ -25,17 +25,17 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Final
 
-GREETING: Final = "GATEWAY 1"
-PIECE: Final = 50
+_GREETING: Final = "GATEWAY 1"
+_PIECE: Final = 50
 """Bytes handed over at once: controllers have texts of about 127 characters."""
-FOR_EVER: Final = 99_999_000
+_FOR_EVER: Final = 99_999_000
 """Milliseconds that stand for no end of a wait."""
-MOST_WAITING: Final = 1 << 16
+_MOST_WAITING: Final = 1 << 16
 """Bytes of the other end that wait for the controller, until the gateway reads no more."""
-AGAIN: Final = 0.5
+_AGAIN: Final = 0.5
 """Seconds between tries to connect."""
-AT_ONCE: Final = 4096
-LONGEST: Final = 1 << 10
+_AT_ONCE: Final = 4096
+_LONGEST: Final = 1 << 10
 """Characters of a text of the controller; the longest word has about a hundred."""
 
 Address = tuple[str, int]
@@ -56,11 +56,11 @@ class _Other:
     async def read(self) -> None:
         """Takes what comes until the other end closes."""
         try:
-            while data := await self.reader.read(AT_ONCE):
+            while data := await self.reader.read(_AT_ONCE):
                 async with self.changed:
                     self.come += data
                     self.changed.notify_all()
-                    await self.changed.wait_for(lambda: len(self.come) < MOST_WAITING)
+                    await self.changed.wait_for(lambda: len(self.come) < _MOST_WAITING)
         except OSError:
             pass
         async with self.changed:
@@ -74,7 +74,7 @@ class _Other:
         """
         async with self.changed:
             enough = self.changed.wait_for(lambda: len(self.come) >= least or self.over)
-            await asyncio.wait_for(enough, None if wait >= FOR_EVER else wait / 1000)
+            await asyncio.wait_for(enough, None if wait >= _FOR_EVER else wait / 1000)
             if len(self.come) < least:
                 return None
             taken = bytes(self.come[:most])
@@ -109,8 +109,8 @@ class _Words:
         word.
         """
         kind, rest = word[:1], word[1:]
-        if word == GREETING:
-            return GREETING
+        if word == _GREETING:
+            return _GREETING
         if kind == "W":
             self.said += bytes.fromhex(rest)
             return None
@@ -128,7 +128,7 @@ class _Words:
             self.taken = taken
             return f"B{len(taken):04X}"
         if word == "G":
-            piece, self.taken = self.taken[:PIECE], self.taken[PIECE:]
+            piece, self.taken = self.taken[:_PIECE], self.taken[_PIECE:]
             return "D" + piece.hex().upper()
         if word == "P":
             return f"B{min(len(self.other.come), 0xFFFF):04X}"
@@ -148,7 +148,7 @@ class Gateway:
 
     async def start(self) -> asyncio.Server:
         """Listens; raises OSError if that cannot be done."""
-        server = await asyncio.start_server(self._come, *self.at, limit=LONGEST)
+        server = await asyncio.start_server(self._come, *self.at, limit=_LONGEST)
         self.at = server.sockets[0].getsockname()[:2]
         return server
 
@@ -178,9 +178,9 @@ class Gateway:
         """The end that this computer connects to; None if who waits for it has gone."""
         while not waiting.at_eof():
             try:
-                return await asyncio.open_connection(*self.to, limit=LONGEST)
+                return await asyncio.open_connection(*self.to, limit=_LONGEST)
             except OSError:
-                await asyncio.sleep(AGAIN)
+                await asyncio.sleep(_AGAIN)
         return None
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from assistant.program.settings_tables import Table
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
-NO_USER: Final = re.compile("[:/=;?#]")
+_NO_USER: Final = re.compile("[:/=;?#]")
 """Characters that separate a user from a password, or from another word, and are in no user
 name.
 """
@@ -51,7 +51,7 @@ VIRTUAL: Final[Mapping[str, Address]] = {
     "cr": Address("melfa", "127.0.0.1", 0),
 }
 """Words after `virtual:` in an address → address of that controller."""
-VIRTUALLY: Final = "virtual:"
+_VIRTUALLY: Final = "virtual:"
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +168,7 @@ class _Reader:
         address = self._address(found["address"], (name, "address")) if "address" in found else None
         if address is None:
             return None
-        if NO_USER.search(found.get("user", "")):
+        if _NO_USER.search(found.get("user", "")):
             table.say(
                 rules.PASSWORD_IN_FILE,
                 "user",
@@ -219,7 +219,7 @@ class _Reader:
 
 def _virtual(text: str) -> str | None:
     """Which virtual controller an address names, None for the address of another."""
-    kind = text.removeprefix(VIRTUALLY)
+    kind = text.removeprefix(_VIRTUALLY)
     return kind if kind != text and kind in VIRTUAL else None
 
 

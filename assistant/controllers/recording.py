@@ -18,10 +18,10 @@ from assistant.base.diagnostics import Refused, error
 from assistant.base.file_sets import write_or_raise
 from assistant.lazy import pictured
 
-NO_FORMAT: Final = error(
+_NO_FORMAT: Final = error(
     "CN601", "a recording cannot be written as `{suffix}`", "name a file that ends in {known}"
 )
-NOT_SAVED: Final = error(
+_NOT_SAVED: Final = error(
     "CN602",
     "the recording cannot be written: {reason}; what was there before is untouched",
     "free space or name another file",
@@ -97,13 +97,13 @@ def check_place(path: str | FilePath) -> None:
     """
     target = FilePath(path)
     form = target.suffix.lower()
-    if form not in FORMS:
-        known = " or ".join(f"`{suffix}`" for suffix in FORMS)
-        finding = NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
+    if form not in _FORMS:
+        known = " or ".join(f"`{suffix}`" for suffix in _FORMS)
+        finding = _NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
         raise Refused(finding, exit_status=2)
     if not target.parent.is_dir():
         reason = f"there is no folder `{target.parent}`"
-        raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2)
+        raise Refused(_NOT_SAVED(path=str(target), reason=reason), exit_status=2)
 
 
 def save_columns(
@@ -122,7 +122,7 @@ def save_columns(
         write_or_raise({target: data})
     except OSError as wrong:
         reason = wrong.strerror or str(wrong)
-        raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2) from None
+        raise Refused(_NOT_SAVED(path=str(target), reason=reason), exit_status=2) from None
 
 
 def _csv(columns: Mapping[str, Floats]) -> bytes:
@@ -148,4 +148,4 @@ def _npz(arrays: Mapping[str, Floats]) -> bytes:
     return data.getvalue()
 
 
-FORMS: Final = (".csv", ".npz")
+_FORMS: Final = (".csv", ".npz")

@@ -3,8 +3,8 @@
 A caller that computes each step while the arm moves, from camera pictures for instance, hands the
 step to a `Carrier`, which takes it to the arm and reports where the arm is. `MODES` lists the
 modes; each makes a `Carrier` of a session with the controller. A new mode is a class and a row.
-`JogCarrier`: each step is a jog and ends before the next one begins. `DataLinkCarrier`: a joint
-position on a line, sent before the last one is reached. `PoseCarrier`: a request by file, whose
+`_JogCarrier`: each step is a jog and ends before the next one begins. `DataLinkCarrier`: a joint
+position on a line, sent before the last one is reached. `_PoseCarrier`: a request by file, whose
 answer tells where the arm is. `CyclicCarrier`: a correction of the loop that sends the packets
 (EGM, Mxt).
 """
@@ -40,7 +40,7 @@ from assistant.program.geometry import Pose
 
 __all__ = ["MODES", "Arm", "Carrier", "Mode"]
 
-USUAL_AXES: Final = 6
+_USUAL_AXES: Final = 6
 """Axes of a usual arm, which protocols count with or without them."""
 
 
@@ -72,7 +72,7 @@ class Arm:
 
     def numbered(self, values: Floats, missing: float) -> Floats:
         """Values of axes (…, a) with a column for each number; missing: of the others."""
-        width = max(USUAL_AXES, max(self.places) + 1)
+        width = max(_USUAL_AXES, max(self.places) + 1)
         found = np.full((*values.shape[:-1], width), missing)
         found[..., self.places] = values
         return found
@@ -134,7 +134,7 @@ MakeCarrier = Callable[[Programs, Arm, LinkOptions, Floats], Carrier]
 position.
 """
 SpeedKeeper = Literal["cycles", "percent", "program"]
-SLOWEST_OVERRIDE: Final = 0.01
+_SLOWEST_OVERRIDE: Final = 0.01
 """Part of its full speed: the least that a controller can be set to."""
 
 
@@ -156,9 +156,9 @@ class Mode:
 
     def faster(self, arm: Arm, place: str) -> Iterator[Diagnostic]:
         """Report where the arm may be faster than what `arm` may do: the way cannot keep to it."""
-        if self.keeps == "percent" and arm.part < SLOWEST_OVERRIDE:
-            times = f"{SLOWEST_OVERRIDE / arm.part:.1f}"
-            yield rules.NO_SLOWER(place=place, percent=100.0 * SLOWEST_OVERRIDE, times=times)
+        if self.keeps == "percent" and arm.part < _SLOWEST_OVERRIDE:
+            times = f"{_SLOWEST_OVERRIDE / arm.part:.1f}"
+            yield rules.NO_SLOWER(place=place, percent=100.0 * _SLOWEST_OVERRIDE, times=times)
         elif self.keeps == "program":
             yield rules.OWN_SPEED(place=place)
 
@@ -166,7 +166,7 @@ class Mode:
 def _jog(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
 
     assert isinstance(session, JogsJoints)
-    return JogCarrier(session, arm)
+    return _JogCarrier(session, arm)
 
 
 def _jogs_joints(session: Programs, wishes: LinkOptions) -> None:  # noqa: ARG001 - as of each way
@@ -197,11 +197,16 @@ def _egm(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carr
 
 def _exchange(session: Programs, arm: Arm, wishes: LinkOptions, near: Floats) -> Carrier:  # noqa: ARG001
 
-    return PoseCarrier(session, arm, near)
+    return _PoseCarrier(session, arm, near)
 
 
 def _mode(
-    name: str, title: str, make: MakeCarrier, *, waits: bool = False, keeps: SpeedKeeper = "cycles"
+    name: str,
+    title: str,
+    make: MakeCarrier,
+    *,
+    waits: bool = False,
+    keeps: SpeedKeeper = "cycles",
 ) -> Mode:
     """Needs what following a trajectory by the same way does."""
     other = FOLLOWING[name]
@@ -228,18 +233,18 @@ MODES: Final[Mapping[str, Mode]] = {
 }
 
 
-JOG_PERIOD: Final = 1.0
+_JOG_PERIOD: Final = 1.0
 """Greatest seconds of a step: nothing is checked meanwhile, but requests take much of each step."""
-LEAST_JOG: Final = 0.01
+_LEAST_JOG: Final = 0.01
 """Degrees or mm of a step: places are written with two decimals."""
 
 
-class JogCarrier:
+class _JogCarrier:
     """controller: is connected, has its motors on, and jogs several joints at once."""
 
     waits = True
 
-    def __init__(self, controller: JogsJoints, arm: Arm, period: float = JOG_PERIOD) -> None:
+    def __init__(self, controller: JogsJoints, arm: Arm, period: float = _JOG_PERIOD) -> None:
         self.period, self.speeds = period, arm.slow
         self._controller, self._arm = controller, arm
 
@@ -262,7 +267,7 @@ class JogCarrier:
         return self.joints()
 
     def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the percentage tells
-        if float(np.abs(to - self.joints()).max()) < LEAST_JOG:
+        if float(np.abs(to - self.joints()).max()) < _LEAST_JOG:
             return
         goal = dict(zip(self._arm.axes, to.tolist(), strict=True))
         self._controller.jog_joints(goal, float(self._arm.percent))
@@ -271,11 +276,11 @@ class JogCarrier:
         """It stands."""
 
 
-STEPS_AHEAD: Final = 1
+_STEPS_AHEAD: Final = 1
 """Steps that wait on the line: what the arm still goes when no more follow."""
-STEP_TOLERANCE: Final = 0.1
+_STEP_TOLERANCE: Final = 0.1
 """Degrees that a step may be larger than it was worked out to be: positions are rounded."""
-LONGEST_STEP: Final = 1.0
+_LONGEST_STEP: Final = 1.0
 """Seconds that a step takes at most; it bounds how far one may lead."""
 
 
@@ -303,14 +308,14 @@ class DataLinkCarrier:
         self._controller, self._arm = controller, arm
         limits = arm.numbered(arm.limits.T, np.nan).T
         limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
-        farthest = float((self.speeds * LONGEST_STEP).max()) + STEP_TOLERANCE
+        farthest = float((self.speeds * _LONGEST_STEP).max()) + _STEP_TOLERANCE
         self._mode = ControlMode(
             controller,
             control,
             status,
             limits=limits,
             most_step=farthest,
-            ahead=STEPS_AHEAD,
+            ahead=_STEPS_AHEAD,
             replace=replace,
         )
         self._told: Floats | None = None
@@ -364,13 +369,13 @@ class DataLinkCarrier:
         return np.array(values, dtype=np.float64)[self._arm.places]
 
 
-POSE_PERIOD: Final = 0.5
+_POSE_PERIOD: Final = 0.5
 """Greatest seconds of a step: nothing is checked meanwhile, but the files take much of each
 step.
 """
 
 
-class PoseCarrier:
+class _PoseCarrier:
     """Carrier over the running pose exchange, with the tool of `Arm.pose_of`, in the base.
 
     Its speed is that of its module. begin: (a,) joints near the first pose: the answers contain no
@@ -380,7 +385,7 @@ class PoseCarrier:
     waits = True
 
     def __init__(
-        self, programs: Programs, arm: Arm, begin: Floats, period: float = POSE_PERIOD
+        self, programs: Programs, arm: Arm, begin: Floats, period: float = _POSE_PERIOD
     ) -> None:
         self.period, self.speeds = period, arm.speeds
         self._arm, self._exchange, self._near = arm, PoseExchange(programs), begin
@@ -426,10 +431,10 @@ class PoseCarrier:
         self._near = found
 
 
-FIRST_PACKET_TIMEOUT: Final = 10.0
+_FIRST_PACKET_TIMEOUT: Final = 10.0
 """Seconds in which a program that was started must answer the first packet."""
-CYCLIC_PERIOD: Final = 0.02
-CATCH_UP_SPEED: Final = 1.1
+_CYCLIC_PERIOD: Final = 0.02
+_CATCH_UP_SPEED: Final = 1.1
 """Part of the speeds of steps that a cycle may have: a step that comes late is caught up with."""
 
 
@@ -442,7 +447,7 @@ class CyclicCarrier:
     waits = False
 
     def __init__(
-        self, arm: Arm, made: Callable[[Limits, ExitStack], Leading], period: float = CYCLIC_PERIOD
+        self, arm: Arm, made: Callable[[Limits, ExitStack], Leading], period: float = _CYCLIC_PERIOD
     ) -> None:
         self.period, self.speeds = period, arm.speeds
         self._arm, self._made = arm, made
@@ -457,7 +462,7 @@ class CyclicCarrier:
 
     def __enter__(self) -> Self:
         arm = self._arm
-        full = np.minimum(CATCH_UP_SPEED * arm.speeds, arm.full)
+        full = np.minimum(_CATCH_UP_SPEED * arm.speeds, arm.full)
         limits = Limits(
             tuple(arm.numbered(full, 1.0).tolist()),
             tuple(arm.numbered(arm.rises, 1.0).tolist()),
@@ -533,7 +538,7 @@ def by_mxt(controller: Controller, arm: Arm, wishes: LinkOptions) -> CyclicCarri
             cycle=wishes.cycle or external_control.CYCLES["CR750"],
             axes=len(limits.speeds),
             sliding=sliding,
-            settings=Settings(opening=FIRST_PACKET_TIMEOUT),
+            settings=Settings(opening=_FIRST_PACKET_TIMEOUT),
         )
         opening.enter_context(mxt_installed(controller, wishes))
         controller.load(MXT_PROGRAM)

@@ -96,7 +96,7 @@ Check = Callable[[Programs, LinkOptions], None]
 """Raises Refused for a controller that cannot be led that way, or that not all is known of."""
 
 
-OPTIONS: Final = {"port": "--port", "lines": "--line", "cycle": "--cycle"}
+_OPTIONS: Final = {"port": "--port", "lines": "--line", "cycle": "--cycle"}
 """Fields of `LinkOptions` → their command-line options."""
 
 
@@ -107,7 +107,7 @@ def check_of(*names: str, then: Check | None = None) -> Check:
     """
 
     def check(session: Programs, wishes: LinkOptions) -> None:
-        for name, option in OPTIONS.items():
+        for name, option in _OPTIONS.items():
             if name not in names and getattr(wishes, name):
                 reason = f"`{option}` belongs to another way to lead it"
                 raise _not_here(session, reason, "leave it out, or choose another way by --by")
@@ -149,10 +149,15 @@ def _limits(led: TimedMotion) -> Limits:
 
 # ------------------------------------------------------------------------------------- ABB
 
-NOTHING_SENT: Final = "nothing that moves the robot was sent"
+_NOTHING_SENT: Final = "nothing that moves the robot was sent"
 
 
-def _exchange(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress) -> Done:  # noqa: ARG001
+def _exchange(
+    session: Programs,
+    led: TimedMotion,
+    wishes: LinkOptions,  # noqa: ARG001
+    progress: Progress,
+) -> Done:
     """Send poses by files, one after the other; the program of the exchange already runs.
 
     An interrupting error gets a note on the known condition of the robot.
@@ -169,7 +174,7 @@ def _exchange(session: Programs, led: TimedMotion, wishes: LinkOptions, progress
                 progress=lambda done, count, _: progress(done / count),
             )
     except BaseException as error:
-        note = exchange.ended if begun else NOTHING_SENT
+        note = exchange.ended if begun else _NOTHING_SENT
         if note and note not in getattr(error, "__notes__", ()):
             error.add_note(note)
         raise
@@ -195,15 +200,15 @@ def _egm(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Pro
 
 # ------------------------------------------------------------------------------ Mitsubishi
 
-CONTROL_PORT, STATUS_PORT = 10002, 10003
+_CONTROL_PORT, _STATUS_PORT = 10002, 10003
 """Ports of the lines OPT12 and OPT13, which must be COM1 and COM2 of the programs; the controller
 link is on OPT11.
 """
-LINES_NEEDED: Final = (
+_LINES_NEEDED: Final = (
     "set COMDEV = OPT12, OPT13 and CPRCE12 = CPRCE13 = 2 on the controller and switch it off and "
     "on (a virtual one: --line COM1=PORT --line COM2=PORT), or name the two lines by --line"
 )
-STEP_TOLERANCE: Final = 0.1
+_STEP_TOLERANCE: Final = 0.1
 """Degrees that the arm may have moved since the points were worked out."""
 
 
@@ -219,7 +224,7 @@ def lines_of(session: Programs, wishes: LinkOptions) -> tuple[str, str]:
     if not is_device and f"{address.host}:{address.port}" in named:
         reason = "a line of data is its controller link, which stays in use"
         raise _not_here(session, reason, "name a line that is for data link (CPRCE.. = 2)")
-    usual = (f"{address.host}:{CONTROL_PORT}", f"{address.host}:{STATUS_PORT}")
+    usual = (f"{address.host}:{_CONTROL_PORT}", f"{address.host}:{_STATUS_PORT}")
     control, status = (*named, *usual[len(named) :])
     for target in named:
         stream_to(target)
@@ -244,7 +249,7 @@ def _has_lines(session: Programs, wishes: LinkOptions) -> None:
         device = devices[number] if number < len(devices) else ""
         if target.rpartition(":")[0] == own and not device.startswith("OPT"):
             name = f"`COM{number + 1}:` of its programs is {device or 'no line'} (COMDEV = {text})"
-            raise _not_here(session, f"{name}, to which {target} does not lead", LINES_NEEDED)
+            raise _not_here(session, f"{name}, to which {target} does not lead", _LINES_NEEDED)
 
 
 def _of_cr(session: Programs) -> None:
@@ -279,7 +284,7 @@ def _data_link(
     limits = led.numbered(led.limits.T, np.nan).T
     limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
     points = led.numbered(led.joints, np.nan)
-    farthest = float(np.nan_to_num(np.abs(np.diff(points, axis=0))).max()) + STEP_TOLERANCE
+    farthest = float(np.nan_to_num(np.abs(np.diff(points, axis=0))).max()) + _STEP_TOLERANCE
     mode = ControlMode(
         controller, control, status, limits=limits, most_step=farthest, replace=wishes.replace
     )
@@ -345,7 +350,7 @@ def mxt_installed(controller: Controller, wishes: LinkOptions) -> Iterator[None]
     text = program(_own_address(controller.address.host)).encode("ascii")
     with borrowed(controller, (MXT_PROGRAM,)):
         there = controller.read(MXT_PROGRAM)
-        if there is None or steps_of(controller, there) != steps_of(controller, text):
+        if there is None or _steps_of(controller, there) != _steps_of(controller, text):
             if there is not None and not wishes.replace:
                 place = str(controller.address)
                 raise Refused(rules.OTHER_PROGRAM(place=place, name=MXT_PROGRAM))
@@ -353,7 +358,7 @@ def mxt_installed(controller: Controller, wishes: LinkOptions) -> Iterator[None]
         yield
 
 
-def steps_of(controller: Controller, program: bytes) -> list[bytes]:
+def _steps_of(controller: Controller, program: bytes) -> list[bytes]:
     """Return the lines of a program without its variables, whose values change as it runs."""
     return [line for line in controller.stored(program).splitlines() if line[:1].isdigit()]
 

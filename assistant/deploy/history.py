@@ -46,14 +46,14 @@ from assistant.deploy.site import RECORD, UNDER_WAY, Site, of_deployments
 HISTORY: Final = FilePath(".robot-assistant") / "deployments"
 """Beside the project, one folder a controller in it."""
 RECORD_FILE: Final = "record.json"
-EARLIER_FILE: Final = "earlier.json"
-PROGRAMS_FILE: Final = "programs.json"
-STEPS_FILE: Final = "journal.jsonl"
-FOLDER_NUMBER: Final = re.compile(r"\d{4,}")
-PARTS: Final = ("before", "after")
-KEPT_FILE: Final = re.compile(rf"(before|after)/\d{{1,6}}-{PROGRAM_NAME.pattern}", re.ASCII)
+_EARLIER_FILE: Final = "earlier.json"
+_PROGRAMS_FILE: Final = "programs.json"
+_STEPS_FILE: Final = "journal.jsonl"
+_FOLDER_NUMBER: Final = re.compile(r"\d{4,}")
+_PARTS: Final = ("before", "after")
+_KEPT_FILE: Final = re.compile(rf"(before|after)/\d{{1,6}}-{PROGRAM_NAME.pattern}", re.ASCII)
 """A file of a program in the folder; the number is that of its entry."""
-UNNUMBERED_PREFIX: Final = ".new"
+_UNNUMBERED_PREFIX: Final = ".new"
 """Prefix of a folder's name until it has its number."""
 
 
@@ -129,7 +129,7 @@ class Journal:
         if program:
             row["program"] = program
         try:
-            file_access.add_line(self.folder / STEPS_FILE, json.dumps(row))
+            file_access.add_line(self.folder / _STEPS_FILE, json.dumps(row))
         except OSError as error:
             raise unusable_history(self.folder, error) from None
 
@@ -147,9 +147,9 @@ def create_journal(
     def fill(new: FilePath) -> None:
         file_access.write_new(new / RECORD_FILE, record.written())
         if earlier is not None:
-            file_access.write_new(new / EARLIER_FILE, earlier)
+            file_access.write_new(new / _EARLIER_FILE, earlier)
         rows = [_write_program(new, number, entry) for number, entry in enumerate(entries, 1)]
-        file_access.write_new(new / PROGRAMS_FILE, (json.dumps(rows, indent=2) + "\n").encode())
+        file_access.write_new(new / _PROGRAMS_FILE, (json.dumps(rows, indent=2) + "\n").encode())
 
     journal = Journal(new_folder(place, fill), record, tuple(entries), earlier)
     journal.add(Step.BEGUN)
@@ -163,12 +163,12 @@ def new_folder(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
     """
     with report_file_errors(place):
         file_access.make_folders(place)
-        for rest in place.glob(f"{UNNUMBERED_PREFIX}*"):
+        for rest in place.glob(f"{_UNNUMBERED_PREFIX}*"):
             shutil.rmtree(rest, ignore_errors=True)
-        new = FilePath(tempfile.mkdtemp(prefix=UNNUMBERED_PREFIX, dir=place))
+        new = FilePath(tempfile.mkdtemp(prefix=_UNNUMBERED_PREFIX, dir=place))
         try:
             fill(new)
-            for folder in (*(new / part for part in PARTS), new):
+            for folder in (*(new / part for part in _PARTS), new):
                 if folder.is_dir():
                     file_access.sync_folder(folder)
             new.chmod(0o755)
@@ -183,11 +183,11 @@ def read_journal(folder: FilePath) -> Journal:
     """A deployment of a history; raises Refused if it is damaged."""
     with report_file_errors(folder):
         record = read_record(read_file(folder / RECORD_FILE), str(folder / RECORD_FILE))
-        rows = json.loads(read_file(folder / PROGRAMS_FILE))
+        rows = json.loads(read_file(folder / _PROGRAMS_FILE))
         entries = tuple(_read_entry(folder, row) for row in rows)
         if len({entry.name.lower() for entry in entries}) < len(entries):
             raise ValueError("a program is there twice")
-        kept = folder / EARLIER_FILE
+        kept = folder / _EARLIER_FILE
         return Journal(folder, record, entries, read_file(kept) if kept.exists() else None)
 
 
@@ -196,7 +196,7 @@ def journal_folders(place: FilePath) -> list[FilePath]:
     with report_file_errors(place):
         if not place.is_dir():
             return []
-        found = [entry for entry in place.iterdir() if FOLDER_NUMBER.fullmatch(entry.name)]
+        found = [entry for entry in place.iterdir() if _FOLDER_NUMBER.fullmatch(entry.name)]
     return sorted(found, key=lambda folder: int(folder.name))
 
 
@@ -216,7 +216,7 @@ def steps_of(folder: FilePath) -> list[tuple[Step, str]]:
     found: list[tuple[Step, str]] = []
     with report_file_errors(folder):
         try:
-            text = read_text(folder / STEPS_FILE, "utf-8", "replace")
+            text = read_text(folder / _STEPS_FILE, "utf-8", "replace")
         except FileNotFoundError:
             return found
     lines = text.split("\n")
@@ -240,7 +240,7 @@ def last_step(folder: FilePath) -> Step:
     if steps:
         return steps[-1][0]
     with report_file_errors(folder):
-        file = folder / STEPS_FILE
+        file = folder / _STEPS_FILE
         return Step.BEGUN if file.is_file() and b"\n" in read_file(file) else Step.NOTHING
 
 
@@ -260,7 +260,7 @@ def _write_program(folder: FilePath, number: int, entry: Entry) -> Mapping[str, 
     """Writes the bytes of a program; in which file each part of it stands, with its digest."""
     row: dict[str, object] = {"name": entry.name}
     digests: dict[str, str] = {}
-    for part, held in zip(PARTS, (entry.before, entry.after), strict=True):
+    for part, held in zip(_PARTS, (entry.before, entry.after), strict=True):
         names: dict[str, str | None] = {}
         for kind, data in (("file", held.file), ("loaded", held.loaded)):
             file = f"{part}/{number}-{entry.name}" + (".loaded" if kind == "loaded" else "")
@@ -277,7 +277,7 @@ def _read_entry(folder: FilePath, row: Mapping[str, Mapping[str, str | None]]) -
     name = row["name"]
     if not isinstance(name, str) or PROGRAM_NAME.fullmatch(name) is None or of_deployments(name):
         raise ValueError(f"`{name}` is no name of a program")
-    before, after = (_read_installed(folder, row[part], row["sha256"]) for part in PARTS)
+    before, after = (_read_installed(folder, row[part], row["sha256"]) for part in _PARTS)
     return Entry(name, before, after)
 
 
@@ -287,7 +287,7 @@ def _read_installed(
     def data(name: str | None) -> bytes | None:
         if name is None:
             return None
-        if KEPT_FILE.fullmatch(name) is None:
+        if _KEPT_FILE.fullmatch(name) is None:
             raise ValueError(f"`{name}` is no file of it")
         found = read_file(folder / name)
         if hashlib.sha256(found).hexdigest() != digests[name]:
@@ -299,7 +299,7 @@ def _read_installed(
 
 def _numbered(new: FilePath, place: FilePath) -> FilePath:
     """Gives a folder that is whole the next number; two runs at once get two."""
-    numbers = [int(entry.name) for entry in place.iterdir() if FOLDER_NUMBER.fullmatch(entry.name)]
+    numbers = [int(entry.name) for entry in place.iterdir() if _FOLDER_NUMBER.fullmatch(entry.name)]
     number = max(numbers, default=0) + 1
     while True:
         folder = place / f"{number:04}"
@@ -331,10 +331,10 @@ def unusable_history(place: FilePath, error: Exception) -> Refused:
 
 MOST_ARCHIVE_BYTES: Final = 256 * 2**20
 """Bytes of an archive, packed and unpacked."""
-MOST_ARCHIVE_FILES: Final = 10_000
-BROKEN_ARCHIVE: Final = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError)
+_MOST_ARCHIVE_FILES: Final = 10_000
+_BROKEN_ARCHIVE: Final = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError)
 """Errors of a truncated or forged archive, in addition to ValueError and the like."""
-COMPRESSIONS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_COMPRESSIONS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 def pack_journal(journal: Journal) -> bytes:
@@ -342,7 +342,7 @@ def pack_journal(journal: Journal) -> bytes:
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w") as archive:
         for file in sorted(journal.folder.rglob("*")):
-            if file.is_file() and file.name != STEPS_FILE:
+            if file.is_file() and file.name != _STEPS_FILE:
                 name = file.relative_to(journal.folder).as_posix()
                 archive.writestr(zipfile.ZipInfo(name), read_file(file), zipfile.ZIP_DEFLATED)
     return data.getvalue()
@@ -376,7 +376,7 @@ def _archive_files(data: bytes) -> dict[str, bytes]:
     """The files of an archive; raises ValueError."""
     try:
         return _journal_files(data)
-    except (*BROKEN_ARCHIVE, NotImplementedError, RuntimeError) as error:
+    except (*_BROKEN_ARCHIVE, NotImplementedError, RuntimeError) as error:
         raise ValueError(f"the archive on the controller is damaged ({error})") from None
 
 
@@ -393,17 +393,17 @@ def _journal_files(data: bytes) -> dict[str, bytes]:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         rows = archive.infolist()
         whole = sum(row.file_size for row in rows)
-        if whole > MOST_ARCHIVE_BYTES or len(rows) > MOST_ARCHIVE_FILES:
+        if whole > MOST_ARCHIVE_BYTES or len(rows) > _MOST_ARCHIVE_FILES:
             raise ValueError("the archive on the controller is too long")
         if any(row.filename == RECORD_FILE and row.file_size > LONGEST_RECORD for row in rows):
             raise ValueError("the record in the archive on the controller is too long")
         wanted = [
             row
             for row in rows
-            if row.filename in (RECORD_FILE, EARLIER_FILE, PROGRAMS_FILE)
-            or KEPT_FILE.fullmatch(row.filename)
+            if row.filename in (RECORD_FILE, _EARLIER_FILE, _PROGRAMS_FILE)
+            or _KEPT_FILE.fullmatch(row.filename)
         ]
-        if any(row.compress_type not in COMPRESSIONS for row in wanted):
+        if any(row.compress_type not in _COMPRESSIONS for row in wanted):
             raise ValueError("the archive on the controller is packed in a way that is not known")
         if len({row.filename.lower() for row in wanted}) < len(wanted):
             raise ValueError("the archive on the controller has a file twice")

@@ -22,7 +22,7 @@ from assistant.deploy.history import report_file_errors
 from assistant.deploy.record import Record, plain_text
 from assistant.deploy.site import BETWEEN, CLAIM, CLAIMANT, Site
 
-LOCK_FILE: Final = "lock"
+_LOCK_FILE: Final = "lock"
 
 
 @contextmanager
@@ -35,7 +35,7 @@ def lock_on_this_computer(place: FilePath) -> Iterator[None]:
 
     with report_file_errors(place):
         file_access.make_folders(place)
-        lock = FileLock(place / LOCK_FILE, timeout=0)
+        lock = FileLock(place / _LOCK_FILE, timeout=0)
         try:
             lock.acquire()
         except Timeout:  # which is an OSError

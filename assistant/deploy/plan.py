@@ -1,7 +1,7 @@
 """Plan of a deployment: local programs compared with those on the controller, without a change.
 
-The files to deploy are gathered and checked, each gets its name on the controller, and `Classifier`
-decides the effect of the deployment on each program: its present content, its owner, its
+The files to deploy are gathered and checked, each gets its name on the controller, and the
+effect of the deployment on each program is decided: its present content, its owner, its
 differences.
 """
 
@@ -128,7 +128,7 @@ EVERY: Final = "*"
 """In place of the names of programs: all of them."""
 
 
-class Classifier:
+class _Classifier:
     """Judges programs by what a controller has of them. notes: whose they were found to be."""
 
     def __init__(
@@ -410,7 +410,7 @@ def plan(
         stranger = of_another(identity, record)
         if stranger is not None:
             record, told = None, (*told, stranger)
-        look = Classifier(site, record, load, replace, history)
+        look = _Classifier(site, record, load, replace, history)
         planned = tuple(look.at(path, names[path], data[path], notes[path]) for path in ordered)
         told = (*told, *check_clashes(site, [file.entry for file in planned]))
     ours = {name.lower() for name in (record.programs if record else ())}

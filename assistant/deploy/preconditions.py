@@ -25,7 +25,7 @@ from assistant.deploy.record import Held
 from assistant.deploy.site import Site
 from assistant.languages import Tree
 
-MOST_PROGRAMS: Final = 200
+_MOST_PROGRAMS: Final = 200
 """That are followed from a running one through its calls."""
 
 
@@ -85,28 +85,28 @@ def _of_slots(
     site: Site, entries: Iterable[Entry], running: Iterable[TaskState]
 ) -> list[Diagnostic]:
     users: dict[str, str] = {}
-    there = by_stem(site.controller) if running else {}
+    there = _by_stem(site.controller) if running else {}
     for task in running:
-        for used in with_called(site.controller, site.language, task.program, there):
+        for used in _with_called(site.controller, site.language, task.program, there):
             users.setdefault(used, task.program)
     found = []
     for entry in entries:
-        used = program_stem(entry.name)
+        used = _program_stem(entry.name)
         if used in users:
             user = users[used]
             reason = (
-                "it is running" if program_stem(user) == used else f"`{user}` runs, which uses it"
+                "it is running" if _program_stem(user) == used else f"`{user}` runs, which uses it"
             )
             found.append(rules.RUNNING(place=entry.name, name=entry.name, reason=reason))
     return found
 
 
-def by_stem(controller: Programs) -> dict[str, str]:
+def _by_stem(controller: Programs) -> dict[str, str]:
     """Return the programs of a controller by their stems."""
-    return {program_stem(name): name for name in controller.names()}
+    return {_program_stem(name): name for name in controller.names()}
 
 
-def with_called(
+def _with_called(
     controller: Programs, language: str, program: str, there: Mapping[str, str]
 ) -> set[str]:
     """Stems of a program and of all that it calls, or runs beside it, as far as they can be read.
@@ -115,8 +115,8 @@ def with_called(
     """
     spoken = languages.get(language)
     open_ones, found = [program], set[str]()
-    while open_ones and len(found) < MOST_PROGRAMS:
-        used = program_stem(open_ones.pop())
+    while open_ones and len(found) < _MOST_PROGRAMS:
+        used = _program_stem(open_ones.pop())
         if used in found:
             continue
         found.add(used)
@@ -127,7 +127,7 @@ def with_called(
     return found
 
 
-def program_stem(name: str) -> str:
+def _program_stem(name: str) -> str:
     """A program's name without suffix, in lower case."""
     return FilePath(name).stem.lower()
 
@@ -173,19 +173,19 @@ def _in_use(controller: Controller, names: Sequence[str]) -> Iterator[Diagnostic
                 yield rules.IN_USE(place=name, name=name, reason=reason)
         return
     users: dict[str, str] = {}
-    there = by_stem(controller)
+    there = _by_stem(controller)
     for task in controller.state().tasks:
         if not task.program:
             continue
         does = "runs" if task.running else "is loaded"
-        users.setdefault(program_stem(task.program), f"it {does} in slot {task.name}")
-        if task.running and not all(program_stem(name) in users for name in names):
+        users.setdefault(_program_stem(task.program), f"it {does} in slot {task.name}")
+        if task.running and not all(_program_stem(name) in users for name in names):
             reason = f"`{task.program}` runs, which uses it"
-            for used in with_called(controller, controller.languages[0], task.program, there):
+            for used in _with_called(controller, controller.languages[0], task.program, there):
                 users.setdefault(used, reason)
     for name in names:
-        if program_stem(name) in users:
-            yield rules.IN_USE(place=name, name=name, reason=users[program_stem(name)])
+        if _program_stem(name) in users:
+            yield rules.IN_USE(place=name, name=name, reason=users[_program_stem(name)])
 
 
 def check_clashes(

@@ -57,11 +57,11 @@ def digest(data: bytes | None) -> str | None:
     return None if data is None else hashlib.sha256(data).hexdigest()
 
 
-FORMAT: Final = 1
+_FORMAT: Final = 1
 PROGRAM_NAME: Final = re.compile(r"[A-Za-z0-9_][\w. ~-]{0,70}(?<![ .~])", re.ASCII)
 """Name of a program; also valid for a file of this computer."""
 DIGEST: Final = re.compile("[0-9a-f]{64}")
-LONGEST_TEXT: Final = 1000
+_LONGEST_TEXT: Final = 1000
 """Characters of a text in it."""
 LONGEST_RECORD: Final = 1_000_000
 """Bytes of a record that are read at most."""
@@ -89,7 +89,7 @@ class Record:
 
     def written(self) -> bytes:
         """Return the record as JSON, with the digest of all the rest."""
-        content = {"format": FORMAT, **asdict(self)}
+        content = {"format": _FORMAT, **asdict(self)}
         return _text({**content, "digest": _digest(content)}).encode()
 
 
@@ -112,7 +112,7 @@ def new_record(address: str, identity: Identity | None, task: str = "") -> Recor
 
 def plain_text(text: str) -> str:
     """Return external text, shortened and without characters that control a terminal."""
-    return "".join(c if c.isprintable() else "?" for c in text[:LONGEST_TEXT])
+    return "".join(c if c.isprintable() else "?" for c in text[:_LONGEST_TEXT])
 
 
 def read_record(data: bytes, place: str) -> Record:
@@ -122,7 +122,7 @@ def read_record(data: bytes, place: str) -> Record:
             raise ValueError("it is too long")
         content = json.loads(data)
         told = content.pop("digest")
-        if content.get("format") != FORMAT:
+        if content.get("format") != _FORMAT:
             raise ValueError("it is of another version of this program")
         if told != _digest(content):
             raise ValueError("it was changed after it was written")
@@ -161,8 +161,8 @@ def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(_text(content).encode()).hexdigest()
 
 
-NAME_WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
-CLOSE_FIGURES: Final = 0.05
+_NAME_WORD: Final = re.compile(r"\d+(?:\.\d+)?|[a-z]+")
+_CLOSE_FIGURES: Final = 0.05
 """Greatest difference between two figures of a robot's name: a reach of 0.58 m is also written as
 0.6.
 """
@@ -176,7 +176,7 @@ def check_meant(identity: Identity | None, meant: Identity, place: str) -> tuple
     """
     told = identity or Identity()
     refused: list[Diagnostic] = []
-    if _is_model(told.robot) and meant.robot and not same_robot(meant.robot, told.robot):
+    if _is_model(told.robot) and meant.robot and not _same_robot(meant.robot, told.robot):
         refused.append(
             rules.NOT_MEANT(place=place, what="the robot", wanted=meant.robot, told=told.robot)
         )
@@ -216,7 +216,7 @@ def _other(identity: Identity | None, record: Record) -> tuple[str, str] | None:
     return next(((now, then) for now, then in pairs if now and then and now != then), None)
 
 
-def same_robot(one: str, other: str) -> bool:
+def _same_robot(one: str, other: str) -> bool:
     """True if two names denote the same robot: `irb1200-7-0.7` is `IRB 1200-7/0.7`.
 
     The shorter name may lack additions of the other: the maker, a cable or a colour.
@@ -238,10 +238,10 @@ def _is_model(name: str) -> bool:
 
 
 def _name_words(name: str) -> list[str]:
-    return NAME_WORD.findall(name.lower())
+    return _NAME_WORD.findall(name.lower())
 
 
 def _similar_words(one: str, other: str) -> bool:
     if "." in one and "." in other:
-        return abs(float(one) - float(other)) < CLOSE_FIGURES
+        return abs(float(one) - float(other)) < _CLOSE_FIGURES
     return one == other

@@ -17,24 +17,24 @@ from typing import Final
 
 from assistant.controllers.address import without_passwords
 
-OPTIONS: Final = (
+_OPTIONS: Final = (
     "--literal-pathspecs",
     *("-c", "core.fsmonitor=false"),
     *("-c", f"core.hooksPath={os.devnull}"),
     *("-c", "safe.bareRepository=explicit"),
 )
-ALONE: Final = {
+_ALONE: Final = {
     "GIT_ALLOW_PROTOCOL": "none",  # what is missing is not fetched
     "GIT_NO_LAZY_FETCH": "1",
     "GIT_OPTIONAL_LOCKS": "0",
     "GIT_TERMINAL_PROMPT": "0",
 }
-OWN: Final = ("system", "global", "command")
+_OWN: Final = ("system", "global", "command")
 """Scopes of configuration that belong to the user."""
-FILTER: Final = re.compile(r"filter\.([\w. /-]+)\.[a-z]+", re.ASCII | re.IGNORECASE)
+_FILTER: Final = re.compile(r"filter\.([\w. /-]+)\.[a-z]+", re.ASCII | re.IGNORECASE)
 TIMEOUT: Final = 10
 """Seconds for each question."""
-DEEPEST: Final = 8
+_DEEPEST: Final = 8
 """Repositories in each other."""
 
 
@@ -67,7 +67,7 @@ def _has_changes(folder: FilePath, depth: int = 0) -> bool | None:
     rows = (_told(place, "ls-files", "--stage", "-z") or "").split("\0")
     inner = [place / row.partition("\t")[2] for row in rows if row.startswith("160000 ")]
     there = [one for one in inner if (one / ".git").exists()]
-    if there and depth == DEEPEST:
+    if there and depth == _DEEPEST:
         return None
     each = [_has_changes(one, depth + 1) for one in there]
     return None if None in each else True in each
@@ -81,8 +81,8 @@ def _compared(folder: FilePath, *words: str) -> str | None:
     fields = listed.split("\0")
     without: list[str] = []
     for scope, key in zip(fields[::2], fields[1::2], strict=False):
-        if scope not in OWN and key.startswith("filter."):
-            found = FILTER.fullmatch(key)
+        if scope not in _OWN and key.startswith("filter."):
+            found = _FILTER.fullmatch(key)
             if found is None:
                 return None  # a name by which it cannot be switched off
             for kind, value in (("clean", ""), ("process", ""), ("required", "false")):
@@ -103,9 +103,9 @@ def _told(folder: FilePath, *words: str) -> str | None:
     }
     try:
         done = subprocess.run(  # noqa: S603
-            [git, *OPTIONS, *words],
+            [git, *_OPTIONS, *words],
             cwd=folder,
-            env={**theirs, **ALONE},
+            env={**theirs, **_ALONE},
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,

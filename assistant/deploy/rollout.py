@@ -24,7 +24,7 @@ from assistant.deploy.plan import Plan
 
 PARALLEL: Final = 4
 """Controllers that are deployed to at the same time."""
-DONE_POLL: Final = 0.2
+_DONE_POLL: Final = 0.2
 """Seconds between two looks whether all are done: a wait without end could not be interrupted on
 every system."""
 
@@ -275,7 +275,7 @@ def _wait(under_way: Sequence[Future[None]], halt: Halt) -> None:
     noticed = halt.asked
     while True:
         try:
-            if not wait(under_way, timeout=DONE_POLL).not_done:
+            if not wait(under_way, timeout=_DONE_POLL).not_done:
                 break
             if halt.asked and not noticed:
                 noticed = True

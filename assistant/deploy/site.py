@@ -26,7 +26,7 @@ from assistant.deploy import rules
 from assistant.deploy.record import NOTHING_INSTALLED, Digests, Held, digest
 
 
-def module_form(data: bytes, language: str) -> bytes:
+def _module_form(data: bytes, language: str) -> bytes:
     """Return the content of a module without its layout, one line per declaration or statement."""
     return "\r\n".join(form for form, _ in _module_pieces(data, language)).encode()
 
@@ -69,11 +69,11 @@ CLAIM: Final = "robot-assistant.lock"
 """A folder that is there while somebody deploys."""
 CLAIMANT: Final = "robot-assistant.claim.json"
 """Who that is."""
-WAITING: Final = 5.0
+_WAITING: Final = 5.0
 """Seconds to wait for a program that another user has open."""
 BETWEEN: Final = 0.5
 """Seconds between two tries."""
-OURS: Final = frozenset({RECORD, UNDER_WAY, CLAIM, CLAIMANT})
+_OURS: Final = frozenset({RECORD, UNDER_WAY, CLAIM, CLAIMANT})
 """Files that deployments store on a disk next to the programs."""
 
 
@@ -82,7 +82,7 @@ Answer = TypeVar("Answer")
 
 def of_deployments(name: str) -> bool:
     """True if a file is not a program, but a file of deployments, or the rest of a transfer."""
-    return name.lower().strip("~") in OURS or name.startswith("~") or name.endswith("~")
+    return name.lower().strip("~") in _OURS or name.startswith("~") or name.endswith("~")
 
 
 class Site:
@@ -92,7 +92,7 @@ class Site:
     patience: seconds to wait for a program that another user has open.
     """
 
-    def __init__(self, controller: Programs, task: str = "", patience: float = WAITING) -> None:
+    def __init__(self, controller: Programs, task: str = "", patience: float = _WAITING) -> None:
         self.controller = controller
         self.task = task
         self.patience = patience
@@ -217,7 +217,7 @@ class Site:
         file = None if held.file is None else self.controller.stored(held.file)
         loaded = held.loaded
         if self.memory is not None and loaded is not None:
-            loaded = module_form(loaded, self.language)
+            loaded = _module_form(loaded, self.language)
         return Held(file, loaded)
 
     def in_memory(self, data: bytes) -> bytes:

@@ -21,7 +21,7 @@ from assistant.editing.live_findings import Seen, Unseen
 from assistant.editing.workspace import Document, Workspace
 
 COMMAND: Final = (sys.executable, "-m", "assistant.editing.checker")
-NICE: Final = 5
+_NICE: Final = 5
 """Nice value of the process that checks, so that the one that answers comes first."""
 
 
@@ -119,7 +119,7 @@ def main() -> None:
     sink: Any = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what else is printed
     with suppress(OSError, AttributeError):
-        os.nice(NICE)
+        os.nice(_NICE)
     with suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
             _write(sink, pickle.dumps(looked(pickle.loads(_read(source)))))  # noqa: S301

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-MOST_COMPLETIONS: Final = 500
+_MOST_COMPLETIONS: Final = 500
 """Largest number of completions in one answer."""
 _COMPLETION_KINDS: Final = {
     "procedure": "procedure", "function": "function", "interrupt": "procedure", "record": "type",
@@ -60,13 +60,13 @@ def completions(document: Document, place: Place) -> tuple[Completion, ...]:
     return tuple(_fitting(speaks, offered, prefix, range))
 
 
-Offer = tuple[str, CompletionKind, str, str, int]
+_Offer = tuple[str, CompletionKind, str, str, int]
 """Label, kind, detail, more, and rank."""
 
 
 def _offered(
     document: Document, speaks: Editable, line: int, before: list[Word]
-) -> Iterator[Offer]:
+) -> Iterator[_Offer]:
     last = before[-1].text if before else ""
     if last == "." and len(before) > 1:
         detail = _detail(document, speaks, line, before[-2].text)
@@ -123,10 +123,10 @@ def _detail(document: Document, speaks: Editable, line: int, name: str) -> str:
 
 
 def _fitting(
-    speaks: Editable, offered: Iterator[Offer], prefix: str, range: Range
+    speaks: Editable, offered: Iterator[_Offer], prefix: str, range: Range
 ) -> Iterator[Completion]:
     wanted = speaks.folded(prefix)
-    found: dict[str, tuple[int, Offer]] = {}
+    found: dict[str, tuple[int, _Offer]] = {}
     for offer in offered:
         key = speaks.folded(offer[0])
         if not _fits(key, wanted):
@@ -135,7 +135,7 @@ def _fitting(
         if key not in found or rank < found[key][0]:
             found[key] = rank, offer
     ranked = sorted(found.values(), key=lambda one: (one[0], one[1][0].lower()))
-    for rank, (name, kind, detail, about, _) in ranked[:MOST_COMPLETIONS]:
+    for rank, (name, kind, detail, about, _) in ranked[:_MOST_COMPLETIONS]:
         yield Completion(name, kind, name, range, detail, about, rank)
 
 
@@ -151,7 +151,7 @@ def _fits(key: str, wanted: str) -> bool:
     return all(letter in letters for letter in wanted)
 
 
-MOST_COMMENT: Final = 5
+_MOST_COMMENT: Final = 5
 """Lines of a comment above a declaration that are shown."""
 
 
@@ -202,7 +202,7 @@ def _of_declared(document: Document, found: Named) -> Iterator[str]:
 
 def _comment_above(document: Document, line: int) -> Iterator[str]:
     above = line - 1
-    while above >= 0 and line - above <= MOST_COMMENT:
+    while above >= 0 and line - above <= _MOST_COMMENT:
         words = document.facts[above].words
         if len(words) != 1 or words[0].kind != "comment":
             break
@@ -288,8 +288,8 @@ _DECLARED_SORTS: Final[Mapping[str, str]] = {
     "parameter": "parameter", "label": "label", "step": "label", "module": "type",
     "program": "type",
 }  # fmt: skip
-DECLARATION, READONLY, PREDEFINED = 1, 2, 4
-LineTokens = tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...], tuple[int, ...]]
+_DECLARATION, READONLY, _PREDEFINED = 1, 2, 4
+_LineTokens = tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...], tuple[int, ...]]
 
 
 def tokens(document: Document, first: int, last: int | None) -> Tokens:
@@ -341,7 +341,7 @@ def _line_tokens(
     for kind, start, end, text in facts.words:
         own = here.get(start)
         if own is not None:
-            packed = _packed_sort(own) | DECLARATION
+            packed = _packed_sort(own) | _DECLARATION
         elif kind != "name":
             packed = _PLAIN_SORTS[kind] << 3
         else:
@@ -356,4 +356,4 @@ def _line_tokens(
 def _of_known(known: KnownWord | None) -> int:
     if known is None:
         return _SORT["variable"] << 3
-    return _SORT[known.sort] << 3 | PREDEFINED
+    return _SORT[known.sort] << 3 | _PREDEFINED

@@ -64,9 +64,9 @@ def _line_range(document: Document, line: int) -> Range:
     return lines.range(Span(start + begin, start + max(len(text.rstrip()), begin)))
 
 
-MOST_TRIED: Final = 24
+_MOST_TRIED: Final = 24
 """Edits of one finding that are tried."""
-MOST_OFFERED: Final = 5
+_MOST_OFFERED: Final = 5
 _QUOTED: Final = re.compile(r"`([^`]+)`")
 _MEANT: Final = re.compile(r"did you mean ([^?]+)\?")
 _DELETE: Final = re.compile(r"\b(?:delete|remove|take)\b", re.IGNORECASE)
@@ -89,10 +89,10 @@ def fixes(document: Document, found: Found) -> tuple[Fix, ...]:
     made: list[Fix] = []
     tried: set[tuple[Span, str]] = set()
     for edit in _candidate_edits(document, found):
-        if (edit.span, edit.text) in tried or len(made) >= MOST_OFFERED:
+        if (edit.span, edit.text) in tried or len(made) >= _MOST_OFFERED:
             continue
         tried.add((edit.span, edit.text))
-        if len(tried) > MOST_TRIED:
+        if len(tried) > _MOST_TRIED:
             break
         if _cures(document, finding, edit):
             made.append(_fix(document, edit, code, preferred=not made))

@@ -16,7 +16,7 @@ from assistant.base.source_text import SomeLines, SourceText
 from assistant.program.editor_support import Declaration, LineFacts
 
 Fold = Callable[[str], str]
-MOST_PIECE_LINES: Final = 40
+_MOST_PIECE_LINES: Final = 40
 """Largest number of lines of a piece, unless a block continues."""
 
 
@@ -107,7 +107,7 @@ class _Building:
             return
         self._depth = 0
         declares = any(not one.implied for one in facts.declares)
-        if declares or line - self._first + 1 >= MOST_PIECE_LINES:
+        if declares or line - self._first + 1 >= _MOST_PIECE_LINES:
             self._close(line + 1)
 
     def _close(self, behind: int) -> None:
@@ -142,7 +142,7 @@ def declarations(facts: Sequence[LineFacts]) -> Iterator[tuple[int, Declaration]
             yield line, declared
 
 
-MOST_EXCERPT_LINES: Final = 200
+_MOST_EXCERPT_LINES: Final = 200
 """That are kept for names on them; more are left to the look at the whole program."""
 
 
@@ -237,7 +237,7 @@ def _using(
 ) -> set[int]:
     """Pieces that name something, as long as there are not too many lines of them."""
     found: set[int] = set()
-    room = MOST_EXCERPT_LINES
+    room = _MOST_EXCERPT_LINES
     for index, piece in enumerate(made_of.pieces):
         if index in kept:
             continue

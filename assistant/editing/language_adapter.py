@@ -41,11 +41,11 @@ from assistant.program.pseudo.editor_support import EditablePseudo
 from assistant.program.undeclared_names import SuppliedValue, Wanted
 from assistant.robots import Robot
 
-PSEUDO_INDENT: Final = "  "
+_PSEUDO_INDENT: Final = "  "
 _DIVIDING: Final = ("else", "elseif", "case")
 
 
-def laid_out_pseudo(source: SourceText, folder: FilePath | None) -> str:
+def _laid_out_pseudo(source: SourceText, folder: FilePath | None) -> str:
     """Return the text in the standard layout, proven to have the same meaning; raises Refused if it
     cannot be read.
 
@@ -68,14 +68,14 @@ def _indented(text: str) -> str:
         at = behind
         bare = line.strip(" \t\f")
         if bare.startswith("|"):  # what stands behind it is as it is
-            made += PSEUDO_INDENT * depth + line.lstrip(" \t\f") + end
+            made += _PSEUDO_INDENT * depth + line.lstrip(" \t\f") + end
             continue
         facts = language.facts(line)
         first = facts.words[0].text if facts.words else ""
         less = facts.opens < 0 or first in _DIVIDING
         depth = max(depth + min(facts.opens, 0), 0)
         inner = depth - (less and facts.opens >= 0)
-        made += (PSEUDO_INDENT * max(inner, 0) + bare if bare else "") + end
+        made += (_PSEUDO_INDENT * max(inner, 0) + bare if bare else "") + end
         depth += max(facts.opens, 0) + facts.begins
     return made
 
@@ -184,7 +184,7 @@ class _PseudoAdapter(LanguageAdapter):
 
     def syntax(self, text: SourceText) -> tuple[Diagnostic, ...]:
         try:
-            parse_pseudo(text, folder_of(text))
+            parse_pseudo(text, _folder_of(text))
         except Refused as refused:
             return refused.findings
         return ()
@@ -195,7 +195,7 @@ class _PseudoAdapter(LanguageAdapter):
         others: Sequence[SourceText],  # noqa: ARG002
     ) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
         try:
-            program = parse_pseudo(text, folder_of(text))
+            program = parse_pseudo(text, _folder_of(text))
         except Refused as refused:
             return refused.findings, refused.findings
         places = Places(program, text)
@@ -211,7 +211,7 @@ class _PseudoAdapter(LanguageAdapter):
         return check_text(text, **given)
 
     def laid_out(self, text: SourceText) -> str:
-        return laid_out_pseudo(text, folder_of(text))
+        return _laid_out_pseudo(text, _folder_of(text))
 
     def program(
         self,
@@ -219,7 +219,7 @@ class _PseudoAdapter(LanguageAdapter):
         others: Sequence[SourceText],  # noqa: ARG002
         robot: Robot | None = None,  # noqa: ARG002
     ) -> Program:
-        return parse_pseudo(text, folder_of(text))
+        return parse_pseudo(text, _folder_of(text))
 
     def declarations(
         self,
@@ -236,7 +236,7 @@ class _PseudoAdapter(LanguageAdapter):
         to: str,
         stands: InCell,
     ) -> Translated:
-        program = parse_pseudo(text, folder_of(text))
+        program = parse_pseudo(text, _folder_of(text))
         compiled = compile(Loaded(program, text=text), language=to, cell=stands)
         trace = Trace(compiled.program, compiled.proof.lifted)
         rows = []
@@ -266,7 +266,7 @@ class _VendorAdapter(LanguageAdapter):
     def quick(
         self, text: SourceText, others: Sequence[SourceText]
     ) -> tuple[tuple[Diagnostic, ...], tuple[Diagnostic, ...]]:
-        folder = folder_of(text)
+        folder = _folder_of(text)
         language = (
             self._language if folder is None else with_project_settings(self._language, folder)
         )
@@ -277,7 +277,7 @@ class _VendorAdapter(LanguageAdapter):
         return syntax, tuple(dict.fromkeys((*tree.findings, *found)))
 
     def whole(self, text: SourceText, others: Sequence[SourceText], **given: Any) -> Checked:
-        folder = folder_of(text)
+        folder = _folder_of(text)
         return check_text(text, language=self.name, others=others, beside=folder, **given)
 
     def laid_out(self, text: SourceText) -> str:
@@ -319,7 +319,7 @@ class _VendorAdapter(LanguageAdapter):
     def translated(
         self, text: SourceText, others: Sequence[SourceText], to: str, stands: InCell
     ) -> Translated:
-        trees = read_trees(self._language, (text, *others), beside=folder_of(text))
+        trees = read_trees(self._language, (text, *others), beside=_folder_of(text))
         robot = None if stands.robot is None else stands.robot.name
         loaded = lift_trees(self._language, trees, stands.robot)
         if to == PSEUDO:
@@ -377,7 +377,7 @@ _LEAST: Final[Mapping[str, SuppliedValue]] = {
 }
 
 
-def folder_of(text: SourceText) -> FilePath | None:
+def _folder_of(text: SourceText) -> FilePath | None:
     """The folder of a file that there is."""
     folder = FilePath(text.path or "").absolute().parent
     return folder if text.path and folder.is_dir() else None

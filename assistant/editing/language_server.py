@@ -29,12 +29,12 @@ from assistant.editing.service import Change, Changes, Document, Location, Works
 
 REST: Final = 0.4
 """Seconds without a key after which the complete program is checked."""
-SOON: Final = 0.03
+_SOON: Final = 0.03
 """Seconds without a key after which the changed parts are checked: a request sent with the key is
 answered first.
 """
-LANGUAGES: Final = "assistant"
-TRANSLATION: Final = "robot-assistant.translation"
+_LANGUAGES: Final = "assistant"
+_TRANSLATION: Final = "robot-assistant.translation"
 """Command of the server: an address and a language; gives files and lines."""
 T = TypeVar("T")
 
@@ -142,7 +142,7 @@ class Server(LanguageServer):
             tasks[uri] = asyncio.get_running_loop().create_task(made)
 
     async def _soon(self, uri: str) -> None:
-        await asyncio.sleep(SOON)
+        await asyncio.sleep(_SOON)
         document = self.documents.documents.get(self.path(uri))
         if document is not None and self.documents.is_known(document):
             self._tell(uri, document, service.findings(document))
@@ -393,7 +393,7 @@ def _add_tokens(server: Server) -> None:
 
 
 def _add_commands(server: Server) -> None:
-    @server.command(TRANSLATION)
+    @server.command(_TRANSLATION)
     async def translation(ls: Server, uri: str, language: str) -> dict[str, Any]:
         document = ls.document(uri)
         work = asyncio.to_thread(refusing, lambda: service.translation(document, language))
@@ -409,7 +409,7 @@ def _add_commands(server: Server) -> None:
         }
 
 
-LOOPBACK: Final = "127.0.0.1"
+_LOOPBACK: Final = "127.0.0.1"
 _BEGIN: Final = b"Content-"
 """First bytes of every message of the protocol; a browser's request begins otherwise."""
 
@@ -459,7 +459,7 @@ async def _serve_line(version: str, port: int, listening: Callable[[int], None])
             left.set()
 
     try:
-        listener = await asyncio.start_server(connected, LOOPBACK, port)
+        listener = await asyncio.start_server(connected, _LOOPBACK, port)
     except (OSError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise Refused(symbols.NOT_BOUND(port=port, reason=reason), exit_status=2) from None

@@ -16,7 +16,7 @@ from assistant.editing.answers import MARKS, Change, Completion, Fix, Found, Out
 from assistant.editing.text_lines import Place, Range
 from assistant.findings.rulebook import PAGES
 
-SOURCE: Final = "robot-assistant"
+_SOURCE: Final = "robot-assistant"
 _SEVERITIES: Final = {
     Severity.ERROR: lsp.DiagnosticSeverity.Error,
     Severity.WARNING: lsp.DiagnosticSeverity.Warning,
@@ -91,7 +91,7 @@ def diagnostic(found: Found) -> lsp.Diagnostic:
         severity=_SEVERITIES[one.severity],
         code=one.code,
         code_description=lsp.CodeDescription(f"{PAGES}#{one.code.lower()}"),
-        source=SOURCE,
+        source=_SOURCE,
     )
 
 

@@ -21,10 +21,10 @@ def formatted(document: Document) -> tuple[Change, ...]:
     if speaks is None:
         return ()
     text = speaks.laid_out(document.source)
-    return () if text == document.text else changes_to(document.lines, text)
+    return () if text == document.text else _changes_to(document.lines, text)
 
 
-def changes_to(lines: Lines, text: str) -> tuple[Change, ...]:
+def _changes_to(lines: Lines, text: str) -> tuple[Change, ...]:
     """Return the changes that turn these lines into another text, complete lines at a time."""
     new = Lines(text)
     before, after = _ended(lines), _ended(new)

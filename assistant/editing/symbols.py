@@ -16,13 +16,13 @@ from assistant.editing.text_lines import Lines, Place, Range
 from assistant.editing.workspace import Document
 from assistant.program.editor_support import Declaration, Editable, Word
 
-NO_NAME: Final = error("ED001", "the name `{name}` {why}", "choose another name")
-TAKEN: Final = error(
+_NO_NAME: Final = error("ED001", "the name `{name}` {why}", "choose another name")
+_TAKEN: Final = error(
     "ED002",
     "`{name}` is taken: line {first} of `{file}` has it already",
     "choose a name that is not in use there, or rename that one first",
 )
-NOT_DECLARED: Final = error(
+_NOT_DECLARED: Final = error(
     "ED003",
     "nothing with a name that can be changed stands here",
     "put the cursor on a name that the program declares",
@@ -227,11 +227,11 @@ def rename(document: Document, place: Place, name: str) -> Changes:
     found = named(document, place)
     speaks = editable(document)
     if found is None or found.declared is None or speaks is None:
-        raise Refused(NOT_DECLARED(path=document.path, line=place.line + 1))
+        raise Refused(_NOT_DECLARED(path=document.path, line=place.line + 1))
     mark = "*" if found.word.text.startswith("*") else ""
     name = mark + name.removeprefix("*") if mark else name
     if why := speaks.no_name(name, found.word.text):
-        raise Refused(NO_NAME(path=document.path, line=found.line + 1, name=name, why=why))
+        raise Refused(_NO_NAME(path=document.path, line=found.line + 1, name=name, why=why))
     every = list(uses(found))
     if speaks.folded(name) != speaks.folded(found.word.text):
         _check_free(found, speaks, name, document.path)
@@ -253,7 +253,7 @@ def _check_free(found: Named, speaks: Editable, name: str, path: str) -> None:
         )
         for line in lines:
             if key in document.facts[line].names:
-                raise Refused(TAKEN(path=path, name=name, first=line + 1, file=document.path))
+                raise Refused(_TAKEN(path=path, name=name, first=line + 1, file=document.path))
 
 
 _HELD: Final = ("module", "program")

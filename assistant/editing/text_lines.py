@@ -116,7 +116,7 @@ def _split(text: str) -> tuple[list[str], Iterable[int]]:
     return parts[::2], [*map(len, parts[1::2]), 0]
 
 
-MOST_COMPARED: Final = 400
+_MOST_COMPARED: Final = 400
 """Lines that are compared with each other; what differs in more counts as one change."""
 
 
@@ -141,7 +141,7 @@ def hunks(before: Sequence[str], after: Sequence[str]) -> tuple[Hunk, ...]:
     old, new = old - end, new - end
     if start == old and start == new:
         return ()
-    if max(old, new) - start > MOST_COMPARED:
+    if max(old, new) - start > _MOST_COMPARED:
         return (Hunk(start, old, start, new),)
     matcher = SequenceMatcher(None, before[start:old], after[start:new], autojunk=False)
     return tuple(

@@ -29,13 +29,13 @@ from assistant.project.source_options import SourceOptions, completed_options
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-MOST_FILES: Final = 200
+_MOST_FILES: Final = 200
 """Files of a task that are read beside an open one."""
-Stamps = tuple[tuple[str, int], ...]
+_Stamps = tuple[tuple[str, int], ...]
 """Files with the times of their last change."""
 MOST_ENTRIES: Final = 5000
 """Largest number of names in a folder that are examined."""
-LONGEST: Final = 4_000_000
+_LONGEST: Final = 4_000_000
 """Largest number of characters of a document that is checked while it is typed; a longer one has no
 findings.
 """
@@ -106,7 +106,7 @@ class Workspace:
         self._warm: set[str] = set()
         self.apart: Callable[[Document, Unseen], Seen | None] | None = None
         """Looks at whole programs elsewhere; None for what it cannot."""
-        self._groups: dict[FilePath, tuple[Stamps, Mapping[str, tuple[str, ...]]]] = {}
+        self._groups: dict[FilePath, tuple[_Stamps, Mapping[str, tuple[str, ...]]]] = {}
         self._files: dict[str, tuple[tuple[int, int], Document]] = {}
 
     def open(self, path: str, text: str, version: int = 0, language: str = "") -> Document:
@@ -172,7 +172,7 @@ class Workspace:
             stamp = stat.st_mtime_ns, stat.st_size
             if known is not None and known[0] == stamp:
                 return known[1]
-            data = read_bytes(path, most=LONGEST)
+            data = read_bytes(path, most=_LONGEST)
             text = _decoded(data, path)
         except (OSError, ValueError):
             return None
@@ -190,7 +190,7 @@ class Workspace:
             room = speaks.program_of(path.absolute())
             if room == path.absolute() or not room.is_dir():
                 return []
-            there = sorted(_of_room(room, speaks))[:MOST_FILES]
+            there = sorted(_of_room(room, speaks))[:_MOST_FILES]
             stamps = tuple((str(one), one.stat().st_mtime_ns) for one in there)
         except (OSError, ValueError):
             return []
@@ -208,7 +208,7 @@ class Workspace:
     def found(self, document: Document, *, whole: bool) -> tuple[tuple[Diagnostic, ...], bool]:
         """Findings of a document, and whether they are of the whole program."""
         speaks = document.spoken
-        if speaks is None or len(document.text) > LONGEST:
+        if speaks is None or len(document.text) > _LONGEST:
             return (), True
         if speaks.remembered is None:
             return self._guarded(lambda: self._whole(document, document.text)), True

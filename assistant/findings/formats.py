@@ -22,25 +22,25 @@ from assistant.base.diagnostics import LONGEST_EXCERPT, Diagnostic, FailOn, Rule
 from assistant.base.source_text import visible
 from assistant.findings.rulebook import Page, page_address, pages, rules
 
-SARIF_SCHEMA: Final = (
+_SARIF_SCHEMA: Final = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 )
-SARIF_LEVELS: Final = {
+_SARIF_LEVELS: Final = {
     Severity.ERROR: "error",
     Severity.WARNING: "warning",
     Severity.INFO: "note",
 }
-GITLAB_LEVELS: Final = {
+_GITLAB_LEVELS: Final = {
     Severity.ERROR: "critical",
     Severity.WARNING: "minor",
     Severity.INFO: "info",
 }
-GITHUB_LEVELS: Final = {
+_GITHUB_LEVELS: Final = {
     Severity.ERROR: "error",
     Severity.WARNING: "warning",
     Severity.INFO: "notice",
 }
-RECORDED: Final = (
+_RECORDED: Final = (
     "code", "severity", "message", "cure", "path", "span", "line", "column", "place", "excerpt",
     "end_line", "end_column",
 )  # fmt: skip
@@ -54,7 +54,7 @@ def finding_record(finding: Diagnostic) -> dict[str, Any]:
 
     A line that is too long to be shown is left out.
     """
-    said = {key: value for key in RECORDED if (value := getattr(finding, key)) is not None}
+    said = {key: value for key in _RECORDED if (value := getattr(finding, key)) is not None}
     if finding.span is not None:
         said["span"] = asdict(finding.span)
     if len(said.get("excerpt", "")) > LONGEST_EXCERPT:
@@ -75,7 +75,7 @@ def github_line(finding: Diagnostic) -> str:
     given = ",".join(f"{k}={_escaped(v, ':,')}" for k, v in where.items() if v is not None)
     text = " ".join(part for part in (finding.place, finding.message) if part)
     said = f"{text}\n{finding.cure}" if finding.cure else text
-    return f"::{GITHUB_LEVELS[finding.severity]} {given}::{_escaped(said)}"
+    return f"::{_GITHUB_LEVELS[finding.severity]} {given}::{_escaped(said)}"
 
 
 def gitlab(findings: Sequence[Diagnostic], root: FilePath) -> list[dict[str, Any]]:
@@ -98,7 +98,7 @@ def gitlab(findings: Sequence[Diagnostic], root: FilePath) -> list[dict[str, Any
                 "description": f"{text}: {finding.cure}" if finding.cure else text,
                 "check_name": finding.code,
                 "fingerprint": digest.hexdigest(),
-                "severity": GITLAB_LEVELS[finding.severity],
+                "severity": _GITLAB_LEVELS[finding.severity],
                 "location": {"path": path, "lines": _lines(finding)},
             }
         )
@@ -132,7 +132,7 @@ def sarif(
         {**_result(f, index, root), "suppressions": [{"kind": "inSource"}]} for f in ignored
     ]
     return {
-        "$schema": SARIF_SCHEMA,
+        "$schema": _SARIF_SCHEMA,
         "version": "2.1.0",
         "runs": [
             {
@@ -158,7 +158,7 @@ def _rule(rule: Rule) -> dict[str, Any]:
         "shortDescription": {"text": rule.sentence(rule.message)},
         "help": {"text": rule.sentence(rule.cure) or "Nothing needs to be done."},
         "helpUri": page_address(rule.code),
-        "defaultConfiguration": {"level": SARIF_LEVELS[rule.severity]},
+        "defaultConfiguration": {"level": _SARIF_LEVELS[rule.severity]},
     }
     if why := pages().get(rule.code, Page()).why:
         said["fullDescription"] = {"text": why.strip()}
@@ -170,7 +170,7 @@ def _result(finding: Diagnostic, index: dict[str, int], root: FilePath) -> dict[
     said: dict[str, Any] = {
         "ruleId": finding.code,
         "ruleIndex": index[finding.code],
-        "level": SARIF_LEVELS[finding.severity],
+        "level": _SARIF_LEVELS[finding.severity],
         "message": {"text": text},
     }
     location: dict[str, Any] = {}
@@ -206,11 +206,11 @@ def _escaped(text: object, more: str = "") -> str:
     return "".join(f"%{ord(c):02X}" if c in "%\r\n" + more else c for c in str(text))
 
 
-JUNIT_COUNTS: Final = {"failures": "failure", "errors": "error", "skipped": "skipped"}
+_JUNIT_COUNTS: Final = {"failures": "failure", "errors": "error", "skipped": "skipped"}
 """Count attributes of a suite, each with the element in a test that it counts."""
-SUITE_WITHOUT_FILE: Final = "robot-assistant"
+_SUITE_WITHOUT_FILE: Final = "robot-assistant"
 """The suite of findings that are about no file."""
-TEST_WITHOUT_FINDINGS: Final = "check"
+_TEST_WITHOUT_FINDINGS: Final = "check"
 """The test of a file that nothing was found in."""
 
 
@@ -219,7 +219,7 @@ def junit_document(name: str, suites: Sequence[ET.Element], time: str | None = N
     root = ET.Element("testsuites", {"name": name, **({} if time is None else {"time": time})})
     for one in suites:
         one.set("tests", str(len(one.findall("testcase"))))
-        for key, element in JUNIT_COUNTS.items():
+        for key, element in _JUNIT_COUNTS.items():
             one.set(key, str(len(one.findall(f"testcase/{element}"))))
     for key in ("tests", "failures", "errors"):
         root.set(key, str(sum(int(one.get(key, "0")) for one in suites)))
@@ -260,9 +260,9 @@ def junit_report(
     """
     by_file: dict[str, list[Diagnostic]] = {file: [] for file in files}
     for finding in findings:
-        by_file.setdefault(finding.path or SUITE_WITHOUT_FILE, []).append(finding)
+        by_file.setdefault(finding.path or _SUITE_WITHOUT_FILE, []).append(finding)
     suites = by_file or {
-        SUITE_WITHOUT_FILE: []
+        _SUITE_WITHOUT_FILE: []
     }  # some readers take a report without a test for a fault
     return junit_document(name, [_junit_suite(*one, fail_on) for one in suites.items()])
 
@@ -270,7 +270,7 @@ def junit_report(
 def _junit_suite(file: str, findings: Sequence[Diagnostic], fail_on: FailOn) -> ET.Element:
     suite = ET.Element("testsuite", {"name": visible(file)})
     if not findings:
-        junit_case(suite, TEST_WITHOUT_FINDINGS)
+        junit_case(suite, _TEST_WITHOUT_FINDINGS)
     named: dict[str, int] = {}
     for finding in findings:
         about = " ".join(word for word in (finding.code, finding.place) if word)

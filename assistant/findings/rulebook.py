@@ -44,7 +44,7 @@ _OWN_FAMILIES: Final = {
 """Those that are of no language."""
 
 PAGES: Final = "https://github.com/robot-assistant/robot-assistant/blob/main/docs/findings.md"
-NO_RULE: Final = error(
+_NO_RULE: Final = error(
     "FN001",
     "there is no finding `{code}`",
     "write a code as findings show it, such as RA204; docs/findings.md lists all",
@@ -114,7 +114,7 @@ def explain(codes: Sequence[str]) -> str:
     book = rules()
     unknown = [code for code in codes if code.upper() not in book]
     if unknown:
-        raise Refused(*(NO_RULE(code=code) for code in unknown), exit_status=2)
+        raise Refused(*(_NO_RULE(code=code) for code in unknown), exit_status=2)
     return "\n".join(section(book[code.upper()]) for code in codes)
 
 

@@ -52,19 +52,19 @@ TABLE: Final = "severity"
 OFF: Final = "off"
 LEVELS: Final = (OFF, *(str(s) for s in reversed(Severity)))
 
-UNKNOWN_KEY: Final = warning("FN101", "`{key}` is no setting", "write a table `{table}`")
-NO_SUCH_CODE: Final = warning(
+_UNKNOWN_KEY: Final = warning("FN101", "`{key}` is no setting", "write a table `{table}`")
+_NO_SUCH_CODE: Final = warning(
     "FN102",
     "no finding has a code that begins with `{code}`",
     "write a code as findings show it, such as RA204, or how several begin, such as RA2",
 )
-NOT_LOWERED: Final = warning(
+_NOT_LOWERED: Final = warning(
     "FN103",
     "`{code}` stays an error: it tells what cannot be read, or why nothing is written",
     "correct what it finds; errors of a language's own check of a program can be turned down",
 )
-NO_LEVEL: Final = error("FN104", "`{value}` is no severity", "write one of {levels}")
-NO_TABLE: Final = error(
+_NO_LEVEL: Final = error("FN104", "`{value}` is no severity", "write one of {levels}")
+_NO_TABLE: Final = error(
     "FN105", "`{key}` is no table", 'write lines such as RA204 = "warning" in it'
 )
 
@@ -87,7 +87,7 @@ class Severities:
         if chosen is None:
             return finding
         level = self.levels[chosen]
-        if is_lower(level, finding.severity) and not rulebook.is_adjustable(finding):
+        if _is_lower(level, finding.severity) and not rulebook.is_adjustable(finding):
             return finding
         return None if level is None else replace(finding, severity=level)
 
@@ -95,7 +95,7 @@ class Severities:
 AS_THEY_ARE: Final = Severities()
 
 
-def is_lower(level: Severity | None, than: Severity) -> bool:
+def _is_lower(level: Severity | None, than: Severity) -> bool:
     order = list(Severity)
     return level is None or order.index(level) > order.index(than)
 
@@ -122,18 +122,18 @@ class _Page:
     def severities(self, content: object) -> Severities:
         levels: dict[str, Severity | None] = {}
         if not isinstance(content, Mapping):
-            self.say(NO_TABLE, (), key=".".join(self.project.table))
+            self.say(_NO_TABLE, (), key=".".join(self.project.table))
             return Severities(findings=tuple(self.findings))
         wanted = content.get(TABLE, {})
         table = ".".join((*self.project.table, TABLE))
         for key in content.keys() - {TABLE, *_tables()}:
-            self.say(UNKNOWN_KEY, (key,), key=key, table=table)
+            self.say(_UNKNOWN_KEY, (key,), key=key, table=table)
         if not isinstance(wanted, Mapping):
-            self.say(NO_TABLE, (TABLE,), key=".".join((*self.project.table, TABLE)))
+            self.say(_NO_TABLE, (TABLE,), key=".".join((*self.project.table, TABLE)))
             wanted = {}
         for code, value in wanted.items():
             if value not in LEVELS:
-                self.say(NO_LEVEL, (TABLE, code), value=value, levels=", ".join(LEVELS))
+                self.say(_NO_LEVEL, (TABLE, code), value=value, levels=", ".join(LEVELS))
                 continue
             levels[code.upper()] = None if value == OFF else Severity(value)
         self.look_up(levels, {code.upper(): code for code in wanted})
@@ -146,10 +146,10 @@ class _Page:
         for code, level in levels.items():
             at = (TABLE, written[code])
             if not code or not any(known.startswith(code) for known in book):
-                self.say(NO_SUCH_CODE, at, code=written[code])
-            elif (rule := book.get(code)) and is_lower(level, rule.severity):
+                self.say(_NO_SUCH_CODE, at, code=written[code])
+            elif (rule := book.get(code)) and _is_lower(level, rule.severity):
                 if not rulebook.adjustable(rule):
-                    self.say(NOT_LOWERED, at, code=code)
+                    self.say(_NOT_LOWERED, at, code=code)
 
     def say(self, rule: Rule, at: tuple[str, ...], /, **fields: object) -> None:
         self.findings.append(self.project.finding(rule, at, **fields))
@@ -161,28 +161,28 @@ def _tables() -> set[str]:
     return {*of_languages, CONTROLLERS, PROGRAMS, TARGETS, DEPLOY, STYLE}
 
 
-def adjusted(findings: Iterable[Diagnostic], severities: Severities) -> list[Diagnostic]:
+def _adjusted(findings: Iterable[Diagnostic], severities: Severities) -> list[Diagnostic]:
     """The findings as the project wants them, without those that are off."""
     wanted = (severities.of(finding) for finding in findings)
     return [finding for finding in wanted if finding is not None]
 
 
-NOTHING_IGNORED: Final = info(
+_NOTHING_IGNORED: Final = info(
     "FN201", "`{code}` is ignored here, but is not found", "delete the comment"
 )
-NOT_IGNORED: Final = warning(
+_NOT_IGNORED: Final = warning(
     "FN202",
     "`{code}` cannot be ignored: it tells what cannot be read, or why nothing is written",
     "correct what it finds",
 )
-NO_CODE: Final = warning(
+_NO_CODE: Final = warning(
     "FN203",
     "the comment ignores nothing: no code of a finding stands in it",
     "write the codes behind `ignore`, such as `assistant: ignore RA204, RA205`",
 )
 
 WORD: Final = re.compile(r"assistant:[ \t]*ignore(-file)?\b", re.IGNORECASE)
-CODES: Final = re.compile(r"[ \t]+([A-Z]{2}\d{3}(?:[ \t]*,[ \t]*[A-Z]{2}\d{3})*)\b", re.IGNORECASE)
+_CODES: Final = re.compile(r"[ \t]+([A-Z]{2}\d{3}(?:[ \t]*,[ \t]*[A-Z]{2}\d{3})*)\b", re.IGNORECASE)
 STEP: Final = re.compile(r"\s*\d*\s*")
 """Text allowed before a comment that is alone on its line: a step number."""
 
@@ -220,11 +220,11 @@ def sift(
             (ignored if fitting else left).append(finding)
     for comment in ignoring:
         if comment.code is None:
-            left.append(source.finding(NO_CODE, comment.span))
+            left.append(source.finding(_NO_CODE, comment.span))
         elif id(comment) in refused:
-            left.append(source.finding(NOT_IGNORED, comment.span, code=comment.code))
+            left.append(source.finding(_NOT_IGNORED, comment.span, code=comment.code))
         elif complete and not comment.used:
-            left.append(source.finding(NOTHING_IGNORED, comment.span, code=comment.code))
+            left.append(source.finding(_NOTHING_IGNORED, comment.span, code=comment.code))
     return Sifted(tuple(left), tuple(ignored))
 
 
@@ -255,7 +255,7 @@ def _ignoring(source: SourceText, mark: str) -> Iterator[_Comment]:
             lines = None
         elif STEP.fullmatch(text, 0, begin):
             lines = (line, _next_code(source, line, mark))
-        codes = CODES.match(source.text, word.end())
+        codes = _CODES.match(source.text, word.end())
         if codes is None:
             yield _Comment(None, lines, Span(*word.span()))
             continue
@@ -303,7 +303,7 @@ def apply_severities(
         folder = FilePath(path).absolute().parent
         if folder not in wanted:
             wanted[folder] = severities_for(folder)
-        left += adjusted(sifted.left, wanted[folder])
-        ignored += adjusted(sifted.ignored, wanted[folder])
+        left += _adjusted(sifted.left, wanted[folder])
+        ignored += _adjusted(sifted.ignored, wanted[folder])
     odd = dict.fromkeys(f for severities in wanted.values() for f in severities.findings)
     return Sifted((*odd, *left), tuple(ignored))

@@ -153,7 +153,7 @@ def _read_elsewhere(node: p.Statement) -> set[e.Expression]:
     return set(found) if len(found) > 1 else set()
 
 
-Moved = tuple[e.TargetValue, dict[str, e.Expression]]
+_Moved = tuple[e.TargetValue, dict[str, e.Expression]]
 """Shift of a target in its tool: the known part, and the components that are not known."""
 
 
@@ -165,7 +165,7 @@ def _along(node: p.Statement) -> tuple[p.Move, e.Expression, e.Expression] | Non
     return None
 
 
-def _shift(value: e.Expression) -> tuple[e.Expression, tuple[Moved, ...]] | None:
+def _shift(value: e.Expression) -> tuple[e.Expression, tuple[_Moved, ...]] | None:
     """Return a target that is shifted in its tool, and its shifts in order; None for others.
 
     A known shift with turns about one axis at most has a separate form. Turns are about x, then the
@@ -192,7 +192,7 @@ def _one_by_one(
     shift: tuple[e.Expression, ...],
     computed: dict[str, e.Expression],
     turns: tuple[e.Expression, ...],
-) -> Iterator[Moved]:
+) -> Iterator[_Moved]:
     """A shift with the first turn, then the other turns."""
     pairs = [pair for pair in zip(e.ANGLES, turns, strict=True) if not _is_zero(pair[1])]
     for at, (angle, turn) in enumerate(pairs):
@@ -206,11 +206,11 @@ def _moved_by(shift: tuple[e.Expression, ...], turn: Floats) -> e.TargetValue:
     return e.TargetValue(Target(Pose.of(position, turn), Configuration()))
 
 
-Parts = tuple[e.Expression, dict[str, e.Expression], bool]
+_Parts = tuple[e.Expression, dict[str, e.Expression], bool]
 """Parts of a computed target: another target, components, and true if they are added to its own."""
 
 
-def _parts(value: e.Expression) -> Parts | None:
+def _parts(value: e.Expression) -> _Parts | None:
     """Return the parts of a computed target, None for others."""
     match value:
         case e.Apply(function, (base, x, y, z)) if function.lower() == "offset":

@@ -19,9 +19,9 @@ from assistant.program import statements as p
 from assistant.program.program import Program
 from assistant.program.rewriting import head, records
 
-Level = Literal["supported", "partial", "verbatim"]
+_Level = Literal["supported", "partial", "verbatim"]
 
-LEVELS: Final[tuple[Level, ...]] = ("supported", "partial", "verbatim")
+_LEVELS: Final[tuple[_Level, ...]] = ("supported", "partial", "verbatim")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,18 +51,18 @@ def total(tables: Iterable[Iterable[Construct]]) -> tuple[Construct, ...]:
     found: dict[str, Construct] = {}
     for one in chain.from_iterable(tables):
         row = found.get(one.name.lower(), Construct(one.name))
-        counts = {level: getattr(row, level) + getattr(one, level) for level in LEVELS}
+        counts = {level: getattr(row, level) + getattr(one, level) for level in _LEVELS}
         found[one.name.lower()] = replace(row, **counts)
     return tuple(sorted(found.values(), key=lambda c: (-c.count, c.name.lower())))
 
 
-def _one(found: tuple[str, Level, int]) -> Construct:
+def _one(found: tuple[str, _Level, int]) -> Construct:
     name, level, count = found
-    supported, partial, verbatim = (count if level == one else 0 for one in LEVELS)
+    supported, partial, verbatim = (count if level == one else 0 for one in _LEVELS)
     return Construct(name, supported, partial, verbatim)
 
 
-def _constructs(language: Language[Any], tree: Any) -> Iterator[tuple[str, Level, int]]:
+def _constructs(language: Language[Any], tree: Any) -> Iterator[tuple[str, _Level, int]]:
     program = language.lift(tree)
     text = language.render(tree)
     for statement in program.statements():
@@ -88,7 +88,7 @@ def _tables(program: Program) -> Iterator[tuple[str, Any]]:
     yield "variable", program.variables
 
 
-NAMED: Final[dict[type, str]] = {
+_NAMED: Final[dict[type, str]] = {
     p.Assign: "assignment",
     p.Comment: "comment",
     p.Label: "label",
@@ -100,7 +100,7 @@ _WORD: Final = re.compile(r"\s*(?:\d+\s+)?([A-Za-z_]\w*)")
 
 
 def _name(language: Language[Any], statement: p.Statement, text: str) -> str:
-    named = NAMED.get(type(statement))
+    named = _NAMED.get(type(statement))
     if named is not None:
         return named
     if isinstance(statement, p.Opaque):
@@ -125,12 +125,12 @@ def _first_words(text: str) -> str:
         if form.match(text):
             return name
     if _CALLED.fullmatch(text):
-        return NAMED[p.Call]
+        return _NAMED[p.Call]
     word = re.search(r"[A-Za-z_]\w*|[^\sA-Za-z_]", text[:80])
     return word[0] if word else "nothing"
 
 
-def _level(statement: p.Statement) -> Level:
+def _level(statement: p.Statement) -> _Level:
     if isinstance(statement, p.Opaque):
         return "verbatim"
     return "partial" if _holds_verbatim(statement) else "supported"

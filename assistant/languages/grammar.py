@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from lark import Lark
 
 
-CACHE_FORMAT: Final = 1
+_CACHE_FORMAT: Final = 1
 """Format of the cache; a cache of another format is built anew."""
 
 
@@ -91,11 +91,11 @@ def load(name: str, starts: tuple[str, ...]) -> Grammar:
     if place is not None:
         with suppress(OSError, ValueError, TypeError, LookupError):
             kept = json.loads(place.read_bytes())
-            if kept["of"] == [CACHE_FORMAT, text, *starts]:
+            if kept["of"] == [_CACHE_FORMAT, text, *starts]:
                 return _unpacked(kept)
     packed = _packed(_treeless(text, starts), starts)
     if place is not None:
-        _keep(place, json.dumps({"of": [CACHE_FORMAT, text, *starts], **packed}).encode())
+        _keep(place, json.dumps({"of": [_CACHE_FORMAT, text, *starts], **packed}).encode())
     return _unpacked(packed)
 
 
@@ -124,7 +124,7 @@ def acceptor(name: str, starts: tuple[str, ...]) -> Lark:
     from lark.lexer import TerminalDef
 
     text = read_grammar(name)
-    of = [CACHE_FORMAT, package.__version__, text, *starts]
+    of = [_CACHE_FORMAT, package.__version__, text, *starts]
     place = kept_place(name, ".lark")
     if place is not None:
         with suppress(OSError, EOFError, ValueError, TypeError, LookupError, AttributeError):

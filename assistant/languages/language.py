@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-SizeMeasure = Callable[[Any], tuple[str | None, int]]
+_SizeMeasure = Callable[[Any], tuple[str | None, int]]
 """The place and the size of an input: of a text, a tree, some trees, or a program."""
 
 
@@ -75,7 +75,7 @@ def program_size(program: Program) -> tuple[str | None, int]:
     return None, program.size()
 
 
-BUDGETED: Final[dict[str, tuple[Stage, SizeMeasure]]] = {
+_BUDGETED: Final[dict[str, tuple[Stage, _SizeMeasure]]] = {
     "parse": (READING, text_size),
     "check": (CHECKING, trees_size),
     "lift_trees": (LIFTING, trees_size),
@@ -93,13 +93,13 @@ def budgeted(methods: dict[str, Any]) -> dict[str, Callable[..., Any]]:
     """Those of the methods that are stages, within their budgets."""
     return {
         name: _with_budget(methods[name], stage, measure)
-        for name, (stage, measure) in BUDGETED.items()
+        for name, (stage, measure) in _BUDGETED.items()
         if name in methods and not getattr(methods[name], "__isabstractmethod__", False)
     }
 
 
 def _with_budget(
-    method: Callable[..., Any], stage: Stage, measure: SizeMeasure
+    method: Callable[..., Any], stage: Stage, measure: _SizeMeasure
 ) -> Callable[..., Any]:
     @wraps(method)
     def run(self: Any, first: Any, *rest: Any, **named: Any) -> Any:

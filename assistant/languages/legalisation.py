@@ -73,15 +73,15 @@ def adapted(
     return Adapted(program, tuple(dict.fromkeys(findings)), trees)
 
 
-ORIENTATION_TOLERANCE: Final = 0.05
+_ORIENTATION_TOLERANCE: Final = 0.05
 """degrees by which an orientation may leave what five axes reach."""
-EQUAL_ORIENTATION: Final = 1e-6
+_EQUAL_ORIENTATION: Final = 1e-6
 """degrees below which it is reached as it is."""
-VERTICAL: Final = 1e-4
+_VERTICAL: Final = 1e-4
 """Sine of the tool's tilt below which it counts as straight up or down."""
 
 
-def over_the_back(
+def _over_the_back(
     positions: Floats,
     quaternions: Floats,
     configurations: NDArray[np.int8],
@@ -94,40 +94,40 @@ def over_the_back(
     from assistant.robots.arms import closed_form
 
     tilt = closed_form.to_ab(positions, quaternions)[:, 1]
-    tilted = np.abs(np.sin(np.radians(tilt))) > VERTICAL
+    tilted = np.abs(np.sin(np.radians(tilt))) > _VERTICAL
     return np.asarray((configurations[:, BACK] == 1) & tilted)
 
 
-def target_in_reach(
+def _target_in_reach(
     name: str, target: Target, about: Subject | str, can: FiveAxes, findings: Findings
 ) -> Target:
     """A target with the orientation that is reached at its position."""
     positions, quaternions = np.array([target.pose.position]), np.array([target.pose.quaternion])
     row = np.array([configuration_row(target.configuration)], dtype=np.int8)
-    if over_the_back(positions, quaternions, row)[0]:
+    if _over_the_back(positions, quaternions, row)[0]:
         findings.append(can.over_the_back(name=name, about=about))
     (angle,) = miss = _orientation_error(positions, quaternions)
-    if angle > ORIENTATION_TOLERANCE:
+    if angle > _ORIENTATION_TOLERANCE:
         findings.append(can.unreachable(name=name, angle=float(angle), about=about))
-    if angle <= EQUAL_ORIENTATION:
+    if angle <= _EQUAL_ORIENTATION:
         return target
     w, x, y, z = (float(v) for v in _reached_orientations(positions, quaternions, miss)[0])
     return replace(target, pose=replace(target.pose, quaternion=(w, x, y, z)))
 
 
-def path_in_reach(path: Path, can: FiveAxes, findings: Findings) -> Path:
+def _path_in_reach(path: Path, can: FiveAxes, findings: Findings) -> Path:
     """A path with the orientations that are reached at its positions."""
-    behind = over_the_back(path.positions, path.quaternions, path.configurations)
+    behind = _over_the_back(path.positions, path.quaternions, path.configurations)
     if behind.any():
         place = f"{int(behind.sum())} targets of {path.name}"
         name = f"{path.name}_{int(behind.argmax()) + 1}"
         findings.append(can.over_the_back(name=name, place=place))
     miss = _orientation_error(path.positions, path.quaternions)
-    if far := int(np.count_nonzero(miss > ORIENTATION_TOLERANCE)):
+    if far := int(np.count_nonzero(miss > _ORIENTATION_TOLERANCE)):
         worst = int(np.argmax(miss))
         name, place = f"{path.name}_{worst + 1}", f"{far} targets of {path.name}"
         findings.append(can.unreachable(name=name, angle=float(miss[worst]), place=place))
-    if not (miss > EQUAL_ORIENTATION).any():
+    if not (miss > _EQUAL_ORIENTATION).any():
         return path
     return replace(path, quaternions=_reached_orientations(path.positions, path.quaternions, miss))
 
@@ -142,19 +142,19 @@ def _reached_orientations(positions: Floats, quaternions: Floats, miss: Floats) 
     """The orientations, those that are missed exchanged for what is reached there."""
     from assistant.robots.arms import closed_form
 
-    off, made = miss > EQUAL_ORIENTATION, quaternions.copy()
+    off, made = miss > _EQUAL_ORIENTATION, quaternions.copy()
     ab = closed_form.to_ab(positions[off], quaternions[off])
     made[off] = closed_form.from_ab(positions[off], ab)
     return made
 
 
-ORDINALS: Final = ("first", "second", "third", "fourth", "fifth", "sixth")
-COUNTS: Final = ("no", "one", "two", "three", "four", "five", "six")
-AXIS_4: Final = 3
+_ORDINALS: Final = ("first", "second", "third", "fourth", "fifth", "sixth")
+_COUNTS: Final = ("no", "one", "two", "three", "four", "five", "six")
+_AXIS_4: Final = 3
 """Index of axis 4 among six joints: an arm of five axes has none."""
-NEGLIGIBLE: Final = 0.01
+_NEGLIGIBLE: Final = 0.01
 """mm or degrees: a smaller value of the axis, or offset of a tool from its axis, counts as zero."""
-LEAST_NORM: Final = 0.5
+_LEAST_NORM: Final = 0.5
 """A quaternion that is shorter is no orientation."""
 
 
@@ -181,7 +181,7 @@ class PartLegaliser:
         (branch,) = self._branches(row, about)
         self._check_external(np.array([target.external]), name, about)
         if self.five_axes is not None:
-            target = target_in_reach(name, target, about, self.five_axes, self.job.findings)
+            target = _target_in_reach(name, target, about, self.five_axes, self.job.findings)
         external = self.external(target.external)
         return replace(target, configuration=configuration_of(branch), external=external)
 
@@ -200,7 +200,7 @@ class PartLegaliser:
         unstated = int(np.count_nonzero(path.configurations[:, 0] == UNSTATED))
         branches = self._branches(path.configurations, f"{unstated} targets of `{path.name}`")
         if self.five_axes is not None:
-            path = path_in_reach(path, self.five_axes, self.job.findings)
+            path = _path_in_reach(path, self.five_axes, self.job.findings)
         if self.can.quaternions:
             path = replace(path, quaternions=rotations.canonical(path.quaternions))
         if not np.isnan(path.external).all():
@@ -213,10 +213,10 @@ class PartLegaliser:
         """With the joints that the arm has; name: see `target`."""
         joints, can = target.joints, self.can
         if self.five_axes is not None and len(joints) == can.joints + 1:
-            if abs(joints[AXIS_4]) > NEGLIGIBLE:
+            if abs(joints[_AXIS_4]) > _NEGLIGIBLE:
                 what = f"axis 4 of `{name}` for an arm of five axes"
                 self.job.cannot(what, "teach it on this arm")
-            joints = joints[:AXIS_4] + joints[AXIS_4 + 1 :]
+            joints = joints[:_AXIS_4] + joints[_AXIS_4 + 1 :]
         joints = can.own(joints)
         missing = max(0, can.joints - len(joints)) if can.padded else 0
         if missing or any(v != v for v in joints):
@@ -228,7 +228,7 @@ class PartLegaliser:
             used != target.external[: len(used)] or len(used) > can.external
         )
         if len(joints) != can.joints or uneven:
-            most = COUNTS[len(COUNTS) - 1 if can.external is None else can.external]
+            most = _COUNTS[len(_COUNTS) - 1 if can.external is None else can.external]
             self.job.cannot(
                 what=f"the {len(joints)} joints and external axes of `{name}`",
                 cure=f"give {can.joints} joints and at most {most} external axes",
@@ -258,7 +258,7 @@ class PartLegaliser:
         numbers = np.concatenate([positions, quaternions], axis=1)
         tame = (np.abs(numbers) < self.can.farthest).all(axis=1)
         squared = np.einsum("ij,ij->i", quaternions, quaternions)
-        return np.asarray(~(tame & (squared > LEAST_NORM**2)))
+        return np.asarray(~(tame & (squared > _LEAST_NORM**2)))
 
     def _branches(self, rows: NDArray[np.int8], about: Subject | str) -> NDArray[np.int8]:
         """Arm branches as they are written. about: the targets, where some state none."""
@@ -277,15 +277,15 @@ class PartLegaliser:
             return
         used = ~np.isnan(external)
         if used[:, most:].any():
-            beyond = f"external axes beyond the {ORDINALS[most - 1]}, of `{name}`"
+            beyond = f"external axes beyond the {_ORDINALS[most - 1]}, of `{name}`"
             self.job.cannot(beyond, "leave them out", about)
         used = used[:, :most]
         late = (used[:, 1:] & ~used[:, :-1]).any(axis=0)
         if len(used) == 1 and late.any():
             at = int(np.flatnonzero(late)[0])
             self.job.cannot(
-                f"the {ORDINALS[at + 1]} external axis of `{name}` without the {ORDINALS[at]}",
-                f"give the {ORDINALS[at]} one a value as well",
+                f"the {_ORDINALS[at + 1]} external axis of `{name}` without the {_ORDINALS[at]}",
+                f"give the {_ORDINALS[at]} one a value as well",
                 about,
             )
         elif late.any() or (used.any(axis=0) != used.all(axis=0)).any():
@@ -324,7 +324,7 @@ class PartLegaliser:
             findings.append(can.load(name=name, about=about))
         if self.five_axes is not None:
             turned = rotations.angle_between(tool.tip.quaternion, IDENTITY.quaternion)
-            if math.hypot(*tool.tip.position[:2]) > NEGLIGIBLE or turned > NEGLIGIBLE:
+            if math.hypot(*tool.tip.position[:2]) > _NEGLIGIBLE or turned > _NEGLIGIBLE:
                 findings.append(can.bent(name=name, about=about))
         return replace(tool, load=None)
 

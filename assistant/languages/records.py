@@ -31,7 +31,7 @@ from assistant.robots.configurations import from_confdata, to_confdata
 Values = Any
 """A number, truth or text, or a list of values; None for anything else."""
 
-UNUSED: Final = 9e9
+_UNUSED: Final = 9e9
 """Stands for an external axis that there is none of."""
 _POSE: Final = "[[nnn][nnnn]]"
 _TOOL: Final = f"b{_POSE}[n[nnn][nnnn]nnn]"
@@ -125,7 +125,7 @@ def _pose(position: Sequence[float], quaternion: Sequence[float]) -> Pose | None
 
 
 def _external(values: Sequence[float]) -> tuple[float, ...]:
-    return tuple(UNUSED_AXIS if v >= UNUSED else v for v in values)
+    return tuple(UNUSED_AXIS if v >= _UNUSED else v for v in values)
 
 
 # ------------------------------------------------------------------------------------ write
@@ -178,4 +178,4 @@ class Decimals:
         return [place, self.rounded(pose.quaternion, self.quaternion, what)]
 
     def _external(self, values: Sequence[float], what: str) -> list[float]:
-        return self.rounded([UNUSED if v != v else v for v in values], self.joint, what)
+        return self.rounded([_UNUSED if v != v else v for v in values], self.joint, what)

@@ -30,7 +30,7 @@ from assistant.program.vendor_statements import effect_of
 
 _ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
 
-KINDS: Final = (
+_KINDS: Final = (
     "signals",
     "procedures",
     "tools",
@@ -64,7 +64,7 @@ class Naming:
     """
 
     space: Names
-    of: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in KINDS})
+    of: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in _KINDS})
     rows: dict[int, str] = field(default_factory=dict)
     triggers: dict[Trigger, str] = field(default_factory=dict)
     inner: dict[str, dict[str, str]] = field(default_factory=dict)

@@ -68,9 +68,9 @@ TUNING: Final = Reason(
 SERVO: Final = Reason("it switches motors or brakes", "leave that to the operator")
 
 
-SHOWN_CHARACTERS: Final = 60
+_SHOWN_CHARACTERS: Final = 60
 """Characters of a text that a finding shows."""
-MOST_REMEMBERED: Final = 1 << 14
+_MOST_REMEMBERED: Final = 1 << 14
 """Texts that are remembered."""
 
 
@@ -103,13 +103,13 @@ class ParsedTexts:
 
     def remember(self, kind: str, text: str, nodes: tuple[Any, ...]) -> str:
         """The text, which says these nodes."""
-        if len(self._known) >= MOST_REMEMBERED:
+        if len(self._known) >= _MOST_REMEMBERED:
             self._known.clear()
         self._known[kind, text] = nodes
         return text
 
     def refused(self, text: str, why: str) -> Refused:
-        return Refused(self._unreadable(text=text[:SHOWN_CHARACTERS], why=why))
+        return Refused(self._unreadable(text=text[:_SHOWN_CHARACTERS], why=why))
 
 
 def foreign_text_fields(kept: VendorText, language: str) -> dict[str, Any]:
@@ -117,7 +117,7 @@ def foreign_text_fields(kept: VendorText, language: str) -> dict[str, Any]:
 
     language: the title of the language that is written.
     """
-    text = kept.text if len(kept.text) <= SHOWN_CHARACTERS else kept.text[:SHOWN_CHARACTERS] + "…"
+    text = kept.text if len(kept.text) <= _SHOWN_CHARACTERS else kept.text[:_SHOWN_CHARACTERS] + "…"
     reason = kept.reason if isinstance(kept, Opaque | Verbatim) else None
     if reason is None:
         cure = f"write it in the pseudo-program or in {language}"

@@ -18,7 +18,7 @@ from assistant.program.program import Procedure, Program, walk
 from assistant.program.pseudo.printer import part_text
 from assistant.program.rewriting import Body, map_bodies
 
-MOST_MISMATCHES: Final = 20
+_MOST_MISMATCHES: Final = 20
 """After so many the comparison stops: the first ones tell what is wrong."""
 
 
@@ -63,12 +63,12 @@ class Comparison:
         return not self.mismatches
 
 
-Steps: TypeAlias = tuple[str, ...]
+_Steps: TypeAlias = tuple[str, ...]
 """The fields, names and rows that lead to a part of a program, see `Inner`."""
-EXACT: Final = Tolerance()
+_EXACT: Final = Tolerance()
 
 
-def compare(expected: Program, actual: Program, tolerance: Tolerance = EXACT) -> Comparison:
+def compare(expected: Program, actual: Program, tolerance: Tolerance = _EXACT) -> Comparison:
     """Compares every declaration and statement of two programs.
 
     Procedures are matched by name, so that their order in the text does not count.
@@ -121,19 +121,19 @@ class _Walk:
     rows: int = 0
     position: float = 0.0
     angle: float = 0.0
-    worst: Steps = ()
+    worst: _Steps = ()
     mismatches: list[Mismatch] = field(default_factory=list)
     span: Span | None = None
 
-    def value(self, expected: Any, actual: Any, steps: Steps) -> None:
+    def value(self, expected: Any, actual: Any, steps: _Steps) -> None:
         """Any part of a program; records, tuples and tables are compared part by part."""
-        if len(self.mismatches) >= MOST_MISMATCHES:
+        if len(self.mismatches) >= _MOST_MISMATCHES:
             return
         around, self.span = self.span, getattr(expected, "span", None) or self.span
         self._value(expected, actual, steps)
         self.span = around
 
-    def _value(self, expected: Any, actual: Any, steps: Steps) -> None:
+    def _value(self, expected: Any, actual: Any, steps: _Steps) -> None:
         if isinstance(expected, (int, float)) and isinstance(actual, (int, float)):
             self._number(expected, actual, steps)
         elif type(expected) is not type(actual):
@@ -165,7 +165,7 @@ class _Walk:
         elif expected != actual:
             self._differ(steps, _short(expected), _short(actual))
 
-    def _number(self, expected: float, actual: float, steps: Steps) -> None:
+    def _number(self, expected: float, actual: float, steps: _Steps) -> None:
         if isinstance(expected, bool) is not isinstance(actual, bool):
             self._differ(steps, _short(expected), _short(actual))
         elif math.isnan(expected) or math.isnan(actual):
@@ -176,7 +176,7 @@ class _Walk:
         ):
             self._differ(steps, _short(expected), _short(actual))
 
-    def _table(self, expected: Mapping[str, Any], actual: Mapping[str, Any], steps: Steps) -> None:
+    def _table(self, expected: Mapping[str, Any], actual: Mapping[str, Any], steps: _Steps) -> None:
         for name in expected.keys() - actual.keys():
             self._differ((*steps, name), "it", "nothing")
         for name in actual.keys() - expected.keys():
@@ -189,7 +189,7 @@ class _Walk:
         self,
         positions: np.ndarray[Any, np.dtype[np.float64]],
         quaternions: np.ndarray[Any, np.dtype[np.float64]],
-        steps: Steps,
+        steps: _Steps,
     ) -> None:
         """Positions (2, …, 3) and quaternions (2, …, 4), expected before actual."""
         apart = np.abs(positions[0] - positions[1]).reshape(-1, 3)
@@ -203,11 +203,11 @@ class _Walk:
         self.angle = max(self.angle, float(turned.max(initial=0.0)))
         # NaN must not pass as within the tolerance
         off = ~((apart.max(axis=1) <= self.tolerance.position) & (turned <= self.tolerance.angle))
-        for row in np.flatnonzero(off)[:MOST_MISMATCHES]:
+        for row in np.flatnonzero(off)[:_MOST_MISMATCHES]:
             where = (*steps, f"row {row + 1}") if many else steps
             self._differ(where, "the pose", f"one {distance[row]:.4g} mm, {turned[row]:.4g}° away")
 
-    def _path(self, expected: Path, actual: Path, steps: Steps) -> None:
+    def _path(self, expected: Path, actual: Path, steps: _Steps) -> None:
         self.value(expected.name, actual.name, (*steps, "name"))
         if len(expected) != len(actual):
             self._differ(steps, f"{len(expected)} targets", f"{len(actual)} targets")
@@ -226,7 +226,7 @@ class _Walk:
             )
             self._columns(mine, theirs, label)
 
-    def _columns(self, mine: Path, theirs: Path, steps: Steps) -> None:
+    def _columns(self, mine: Path, theirs: Path, steps: _Steps) -> None:
         for column in ("kinds", "configurations"):
             equal = getattr(mine, column) == getattr(theirs, column)
             self._rows(np.flatnonzero(~equal.reshape(len(mine), -1).all(axis=1)), column, steps)
@@ -245,13 +245,13 @@ class _Walk:
                 first, second = divmod(int(pair), len(other))
                 self.value(table[first], other[second], (*steps, column))
 
-    def _rows(self, rows: np.ndarray[Any, np.dtype[np.intp]], column: str, steps: Steps) -> None:
+    def _rows(self, rows: np.ndarray[Any, np.dtype[np.intp]], column: str, steps: _Steps) -> None:
         if len(rows):
             self._differ(
                 (*steps, f"row {rows[0] + 1}"), column, f"other {column} in {len(rows)} rows"
             )
 
-    def _differ(self, steps: Steps, expected: str, actual: str) -> None:
+    def _differ(self, steps: _Steps, expected: str, actual: str) -> None:
         self.mismatches.append(Mismatch(Inner(steps), f"{expected} became {actual}", self.span))
 
 

@@ -72,7 +72,7 @@ class EffectBuilder:
         return Effect(reads, writes, calls, self.moves, self.jumps, self.waits)
 
 
-NO_EFFECT: Final = Effect()
+_NO_EFFECT: Final = Effect()
 
 
 def combined_effect(effects: Iterable[Effect]) -> Effect:

@@ -18,7 +18,7 @@ Quaternion = tuple[float, float, float, float]
 
 UNUSED_AXIS: Final = float("nan")
 """An external axis that a target does not name (9E9 in RAPID, absent in MELFA-BASIC)."""
-ROUNDING: Final = 1e-5
+_ROUNDING: Final = 1e-5
 """Deviation from a rotation that a matrix of rounded numbers may have."""
 
 
@@ -99,11 +99,11 @@ class Pose:
         if given.shape == (4, 4):
             if position is not None:
                 raise ValueError("the matrix (4, 4) already holds a position")
-            if not np.allclose(given[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=ROUNDING):
+            if not np.allclose(given[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=_ROUNDING):
                 raise ValueError("the last row of the matrix is not 0 0 0 1")
         turn = given[:3, :3]
         if (
-            not np.allclose(turn @ turn.T, np.eye(3), rtol=0.0, atol=ROUNDING)
+            not np.allclose(turn @ turn.T, np.eye(3), rtol=0.0, atol=_ROUNDING)
             or np.linalg.det(turn) < 0.0
         ):
             raise ValueError("the matrix is not a rotation: it scales, shears or mirrors")
@@ -322,19 +322,19 @@ class ArcMeasures:
         return ArcMeasures(
             lengths,
             area,
-            angles_between(to_via, to_end),
-            360.0 - 2.0 * angles_between(-to_via, rest),
+            _angles_between(to_via, to_end),
+            360.0 - 2.0 * _angles_between(-to_via, rest),
         )
 
 
-def angles_between(a: Floats, b: Floats) -> Floats:
+def _angles_between(a: Floats, b: Floats) -> Floats:
     """(n,) degrees between vectors (n, 3)."""
     sine = np.linalg.norm(np.cross(a, b), axis=1)
     angles: Floats = np.degrees(np.arctan2(sine, (a * b).sum(axis=1)))
     return angles
 
 
-COLLINEAR_SINE: Final = 1e-6
+_COLLINEAR_SINE: Final = 1e-6
 """Sine of an angle below which three points are on a line."""
 
 
@@ -342,7 +342,7 @@ def arc_middle_across(start: Floats, end: Floats, other: Floats) -> Floats | Non
     """The middle of the arc on the other side of a point of its circle; None on a line."""
     chord, aside = end - start, other - start
     normal = np.cross(chord, aside)
-    if np.linalg.norm(normal) <= COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
+    if np.linalg.norm(normal) <= _COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
         return None
     centre = start + (
         (aside @ aside) * np.cross(normal, chord) + (chord @ chord) * np.cross(aside, normal)
@@ -362,7 +362,7 @@ def arc_middle_around(start: Floats, end: Floats, centre: Floats, most: float) -
     radii = np.linalg.norm(one), np.linalg.norm(two)
     between = one + two
     length = np.linalg.norm(between)
-    turned = np.linalg.norm(np.cross(one, two)) > COLLINEAR_SINE * radii[0] * radii[1]
+    turned = np.linalg.norm(np.cross(one, two)) > _COLLINEAR_SINE * radii[0] * radii[1]
     if abs(radii[0] - radii[1]) > most or not turned:
         return None
     middle: Floats = centre + between * (radii[0] + radii[1]) / 2 / length
@@ -405,7 +405,7 @@ def points_on_arc(places: Floats, count: int) -> Iterator[Floats]:
     normal = np.cross(aside, chord)
     size = float(np.linalg.norm(normal))
     shares = [k / (count - 1) if count > 1 else 0.0 for k in range(count)]
-    if size <= COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
+    if size <= _COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
         yield from (start + share * chord for share in shares)
         return
     centre = start + (

@@ -34,20 +34,20 @@ DEPLOY: Final = "deploy"
 """Table of the deployment of programs to controllers."""
 STYLE: Final = "style"
 """Templates, and values for them, of the comments and frames of written programs."""
-DOUBTFUL_ADDRESS: Final = re.compile(
+_DOUBTFUL_ADDRESS: Final = re.compile(
     r":.*[@%]|//[^/\s]*:(?![0-9]{1,5}(?:[/?#\s\"'`]|$))", re.DOTALL
 )
 """Text that may be an address with a password, well-formed or not."""
-SECRET_WORD: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)
+_SECRET_WORD: Final = re.compile(r"\bpass|\bpwd|secret|token", re.IGNORECASE)
 """Words that a password may follow."""
 
 
-class SettingsText(SourceText):
+class _SettingsText(SourceText):
     """The text of a project's file, of which findings repeat nothing that may be a password."""
 
     def finding(self, rule: Rule, span: Span, **fields: Any) -> Diagnostic:
         said = {
-            key: "***" if isinstance(value, str) and DOUBTFUL_ADDRESS.search(value) else value
+            key: "***" if isinstance(value, str) and _DOUBTFUL_ADDRESS.search(value) else value
             for key, value in fields.items()
         }
         return _without_secret_line(super().finding(rule, span, **said))
@@ -56,7 +56,7 @@ class SettingsText(SourceText):
 def _without_secret_line(finding: Diagnostic) -> Diagnostic:
     """Return the finding, without its line if that may contain a password."""
     line = finding.excerpt or ""
-    doubtful = DOUBTFUL_ADDRESS.search(line) or SECRET_WORD.search(line)
+    doubtful = _DOUBTFUL_ADDRESS.search(line) or _SECRET_WORD.search(line)
     return replace(finding, excerpt=None) if doubtful else finding
 
 
@@ -96,7 +96,7 @@ def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
     read = decode(
         read_bytes(file, allow_empty=True, most=SETTINGS_FILE), str(file), ("utf-8-sig", "utf-8")
     )
-    source = SettingsText(read.text, read.path, read.encoding, read.newline)
+    source = _SettingsText(read.text, read.path, read.encoding, read.newline)
     try:
         content: Any = read_toml(source).content
     except Unreadable as refused:

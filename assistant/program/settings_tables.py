@@ -28,20 +28,20 @@ from assistant.program.program import IDENTIFIER, identifier
 Read = Callable[[Any], Any]
 """Convert a TOML value to the setting's value; raises Wrong."""
 
-REPAIRABLE: Final = 1e-3
+_REPAIRABLE: Final = 1e-3
 """Largest deviation of a quaternion's length from 1 that is repaired."""
 EXACT_LENGTH: Final = 1e-6
 """Largest deviation from 1 without a finding, as digits of a file leave it."""
-MOST_TOLERANCE: Final = 10.0
+_MOST_TOLERANCE: Final = 10.0
 """mm; over this, contours of a work piece would lose their shape."""
 MOST_BITS: Final = 32
-FEWEST_AXES: Final = 2
-MOST_AXES: Final = 7
+_FEWEST_AXES: Final = 2
+_MOST_AXES: Final = 7
 LARGEST: Final = 1e6
 """mm, mm/s, degrees …: no robot is a kilometre long."""
 MOST_VALUE: Final = 2.0**MOST_BITS - 1
 """Largest value of a signal: all bits of the widest group."""
-LEAST_DIRECTION: Final = 1e-9
+_LEAST_DIRECTION: Final = 1e-9
 
 
 class Wrong(ValueError):
@@ -138,7 +138,7 @@ def texts(value: Any) -> tuple[str, ...]:
 
 def axes(value: Any) -> tuple[float, ...]:
     """A number for each axis of an arm, degrees or mm."""
-    if not isinstance(value, list) or not FEWEST_AXES <= len(value) <= MOST_AXES:
+    if not isinstance(value, list) or not _FEWEST_AXES <= len(value) <= _MOST_AXES:
         what = f"has {len(value)} entries" if isinstance(value, list) else f"is {kind_of(value)}"
         raise Wrong(what, "write a number for each axis of the arm, in degrees, in brackets")
     return _vector(" of degrees", len(value))(value)
@@ -181,7 +181,7 @@ def direction(value: Any) -> Vector:
     """A vector of any length but none, made a unit one."""
     vector = np.array(_vector("", most=math.inf)(value))
     largest = np.abs(vector).max()
-    if largest < LEAST_DIRECTION:
+    if largest < _LEAST_DIRECTION:
         raise Wrong("points nowhere", "write three numbers that are not all zero")
     vector = vector / largest
     x, y, z = (vector / np.linalg.norm(vector) + 0.0).tolist()
@@ -199,7 +199,7 @@ def quaternion(value: Any) -> tuple[Quaternion, float]:
     parts = np.array(_vector(", w, x, y, z,", 4, math.inf)(value))
     with np.errstate(over="ignore"):
         length = float(np.linalg.norm(parts))
-    if not abs(length - 1.0) <= REPAIRABLE:
+    if not abs(length - 1.0) <= _REPAIRABLE:
         raise Wrong(f"has length {length:.6g}", "write w, x, y, z of a quaternion of length 1")
     w, x, y, z = rotations.canonical(parts).tolist()
     return (w, x, y, z), length
@@ -219,7 +219,7 @@ def blend(value: Any) -> Blend:
 
 
 def tolerance(value: Any) -> float:
-    result: float = number("mm", above=0.0, most=MOST_TOLERANCE)(value)
+    result: float = number("mm", above=0.0, most=_MOST_TOLERANCE)(value)
     return result
 
 
@@ -256,13 +256,13 @@ def _other(value: object) -> str:
     return "a table" if isinstance(value, dict) else "a date or time"
 
 
-UNKNOWN_KEY = error("CT302", "there is no key `{key}` {where}", "{cure}")
-BAD_VALUE = error("CT303", "`{key}` {what}", "{cure}")
-NO_TABLE = error("CT304", "`{key}` is {what}, not a table", "write {cure}")
-BAD_NAME = error(
+_UNKNOWN_KEY = error("CT302", "there is no key `{key}` {where}", "{cure}")
+_BAD_VALUE = error("CT303", "`{key}` {what}", "{cure}")
+_NO_TABLE = error("CT304", "`{key}` is {what}, not a table", "write {cure}")
+_BAD_NAME = error(
     "CT305", '"{given}" is no name: letters, digits and `_`, a letter first', "write {name}"
 )
-SAME_NAME = error(
+_SAME_NAME = error(
     "CT313", "{given} and {other} differ only in upper and lower case", "keep one of them"
 )
 REPAIRED = warning(
@@ -307,7 +307,7 @@ class Table:
             try:
                 found[key] = keys[key](value)
             except Wrong as wrong:
-                self.say(BAD_VALUE, key, key=key, what=wrong.what, cure=wrong.cure)
+                self.say(_BAD_VALUE, key, key=key, what=wrong.what, cure=wrong.cure)
         return found
 
     def table(self, key: str) -> Table:
@@ -315,7 +315,7 @@ class Table:
         value = self.content.get(key, {})
         if not isinstance(value, dict):
             example = f"[{'.'.join((*self.path, key))}] with a line for each entry"
-            self.say(NO_TABLE, key, key=shown(key), what=kind_of(value), cure=example)
+            self.say(_NO_TABLE, key, key=shown(key), what=kind_of(value), cure=example)
             value = {}
         return Table(self.page, (*self.path, key), value)
 
@@ -325,9 +325,9 @@ class Table:
         for key in self.content:
             other = seen.setdefault(key.casefold(), key)
             if identifiers and IDENTIFIER.fullmatch(key) is None:
-                self.say(BAD_NAME, key, given=shown(key), name=identifier(key))
+                self.say(_BAD_NAME, key, given=shown(key), name=identifier(key))
             elif other != key:
-                self.say(SAME_NAME, key, given=shown(key), other=shown(other))
+                self.say(_SAME_NAME, key, given=shown(key), other=shown(other))
             yield key, self.table(key)
 
     def say(self, rule: Rule, at: str | None = None, /, **fields: Any) -> None:
@@ -338,7 +338,7 @@ class Table:
         where = f"in [{'.'.join(shown(p) for p in self.path)}]" if self.path else "here"
         near = nearest(key, keys)
         cure = f"write `{near}`" if near else f"use one of {listed(list(keys))}"
-        self.say(UNKNOWN_KEY, key, key=shown(key), where=where, cure=cure)
+        self.say(_UNKNOWN_KEY, key, key=shown(key), where=where, cure=cure)
 
 
 def nearest(given: str, known: Iterable[str]) -> str | None:
@@ -348,13 +348,13 @@ def nearest(given: str, known: Iterable[str]) -> str | None:
     return plain[close[0]] if close else None
 
 
-NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
+_NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
 
 
 ENCODINGS: Final = ("utf-8-sig", "utf-8")
 
 
-ERROR_POSITION: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")
+_ERROR_POSITION: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
 def read_toml(source: SourceText) -> Table:
@@ -369,7 +369,9 @@ def read_toml(source: SourceText) -> Table:
     except tomllib.TOMLDecodeError as error:
         raise Unreadable(_not_toml(source, str(error))) from None
     except ValueError:  # as `int` refuses it, without a place
-        finding = source.finding(NOT_TOML, _long_number(source.text), reason="a number is too long")
+        finding = source.finding(
+            _NOT_TOML, _long_number(source.text), reason="a number is too long"
+        )
         raise Unreadable(finding) from None
     except RecursionError:
         raise Unreadable(_not_toml(source, "brackets are nested too deeply")) from None
@@ -383,10 +385,10 @@ def _long_number(text: str) -> Span:
 
 
 def _not_toml(source: SourceText, reason: str) -> Diagnostic:
-    place = ERROR_POSITION.search(reason)
-    said = ERROR_POSITION.sub("", reason)
+    place = _ERROR_POSITION.search(reason)
+    said = _ERROR_POSITION.sub("", reason)
     said = shown(said[:1].lower() + said[1:], 200)
     lines = source.text.count("\n") + 1
     line, column = (int(place[1]), int(place[2])) if place and place[1] else (lines, None)
     excerpt = source.line_text(line)
-    return NOT_TOML(path=source.path, line=line, column=column, excerpt=excerpt, reason=said)
+    return _NOT_TOML(path=source.path, line=line, column=column, excerpt=excerpt, reason=said)

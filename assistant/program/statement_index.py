@@ -20,7 +20,7 @@ from assistant.program.vendor_statements import effect_of
 T = TypeVar("T")
 
 
-class StatementIndex:
+class _StatementIndex:
     """Records of a body, in order of the text.
 
     heads: each statement with its records outside its inner bodies; the statement itself first.
@@ -45,11 +45,11 @@ class StatementIndex:
         return sorted({at for some in found for at in some}) if len(found) > 1 else chain(*found)
 
 
-def statement_index(procedure: Procedure) -> StatementIndex:
+def _statement_index(procedure: Procedure) -> _StatementIndex:
     """Return the index of a procedure's body, computed at the first request."""
     if not procedure.known:
-        procedure.known.append(StatementIndex(procedure.body))
-    found: StatementIndex = procedure.known[0]
+        procedure.known.append(_StatementIndex(procedure.body))
+    found: _StatementIndex = procedure.known[0]
     return found
 
 
@@ -76,7 +76,7 @@ def statements_with(
     kinds: as they are, not what they are derived from.
     """
     for procedure in where.procedures if isinstance(where, Program) else (where,):
-        known = statement_index(procedure)
+        known = _statement_index(procedure)
         for at in known.at(kinds):
             statement, said = known.heads[at]
             yield statement, [part for part in said if type(part) in kinds]

@@ -38,7 +38,7 @@ class ChannelLine:
     address: str = ""
 
 
-CHANNEL_FUNCTIONS: Final = ("connected", *e.TAKING)
+_CHANNEL_FUNCTIONS: Final = ("connected", *e.TAKING)
 """Functions of a channel, which they have by its name as a text."""
 _NUMBERED_CHANNEL: Final = re.compile(r"channel_([1-9][0-9]?)")
 
@@ -57,7 +57,7 @@ def channel_named(part: Any) -> str:
     match part:
         case p.Attach(name) | p.Detach(name) | p.Send(name):
             return name
-        case e.Apply(function, (e.Text(name), *_)) if function in CHANNEL_FUNCTIONS:
+        case e.Apply(function, (e.Text(name), *_)) if function in _CHANNEL_FUNCTIONS:
             return name
     return ""
 
@@ -185,13 +185,13 @@ JOINT_SPEED: Final = "joint_speed"
 LINE_NAME: Final = "line_{}"
 """Name of a line by its number."""
 SLOW_SPEED: Final = Speed(100.0)
-TOOL_DOWN: Final = Target(Pose((400.0, 0.0, 400.0), (0.0, 0.0, 1.0, 0.0)))
+_TOOL_DOWN: Final = Target(Pose((400.0, 0.0, 400.0), (0.0, 0.0, 1.0, 0.0)))
 """A place that most arms reach: mm in the frame of the move, the tool down."""
-FOLDED_ARM: Final = JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))
+_FOLDED_ARM: Final = JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))
 NEUTRAL_LINE: Final = ChannelLine("client", 10000, "127.0.0.1")
 _NEUTRAL: Final[Mapping[WantedKind, SuppliedValue]] = {
-    "tool": Tool(), "frame": Frame(), "speed": SLOW_SPEED, "blend": FINE, "position": TOOL_DOWN,
-    "joints": FOLDED_ARM, "routine": "stop", "arm": SAME_ARM,
+    "tool": Tool(), "frame": Frame(), "speed": SLOW_SPEED, "blend": FINE, "position": _TOOL_DOWN,
+    "joints": _FOLDED_ARM, "routine": "stop", "arm": SAME_ARM,
     "line": NEUTRAL_LINE,
 }  # fmt: skip
 

@@ -39,7 +39,7 @@ TOP_ROWS: Final = (
     ('# robot = "irb1200-7-0.7"', "whose axes these are"),
     ("# joint_percent = 20", "of joint moves, for controllers that take no mm/s"),
 )
-MOTION_ROWS: Final = (
+_MOTION_ROWS: Final = (
     ("speed = 100", "mm/s, where a layer or a location says no other"),
     ('tool = "tool"', "defined below"),
     ('frame = "work"', "defined below; base is the robot's own"),
@@ -48,21 +48,21 @@ MOTION_ROWS: Final = (
     ("# retract = 50", "and away from them"),
     ('# kind = "joint"', "moves to locations; linear without it"),
 )
-TOOL_ROWS: Final = (
+_TOOL_ROWS: Final = (
     ("tip = []", "mm: x, y, z of the tool centre point in the flange frame"),
     ("euler_zyx = [0, 0, 0]", "degrees about z, y, x that the tool is turned in the flange"),
     ("# mass = 1.2", "kg; with it also the next"),
     ("# centre = [0, 0, 60]", "mm, of gravity"),
     ("# free_turn = true", "a round tool, which may be turned about its axis"),
 )
-PLACEMENT_ROWS: Final = (
+_PLACEMENT_ROWS: Final = (
     ("# [placement]", "where the drawing stands in that frame, if not at its origin"),
     ("# position = [0, 0, 0]", "mm; or three marks, as drawn and as taught, instead:"),
     ("# euler_zyx = [0, 0, 0]", "degrees about z, y, x"),
     ("# drawing = [[0, 0], [100, 0], [0, 50]]", ""),
     ("# cell = [[0, 0, 0], [100, 0, 0], [0, 50, 0]]", ""),
 )
-SIGNAL_ROWS: Final = (
+_SIGNAL_ROWS: Final = (
     ("# [signals.work_on]", "that layers switch by `on` and `off`"),
     ('# direction = "output"', ""),
     ("# number = 8", "for controllers that count signals"),
@@ -111,7 +111,7 @@ CHOICE_KEYS: Final = (
 )
 """Keys of a layer that are listed once."""
 
-KeyRow = tuple[str, str]
+_KeyRow = tuple[str, str]
 
 
 def process_text(name: str, survey: Survey) -> str:
@@ -133,17 +133,17 @@ def _process_lines(name: str, survey: Survey) -> Iterator[str]:
     yield from _commented_rows(TOP_ROWS)
     yield ""
     yield "[motion]"
-    yield from _commented_rows(MOTION_ROWS)
+    yield from _commented_rows(_MOTION_ROWS)
     yield ""
     yield "[tools.tool]"
-    yield from _commented_rows(TOOL_ROWS)
+    yield from _commented_rows(_TOOL_ROWS)
     yield ""
     yield from _commented_rows(
         [("[frames.work]", "where the drawing's origin stands, in the robot's base")]
     )
     yield from _commented_rows([("position = []", f"mm; {_extent_text(survey.extents)}")])
     yield from _commented_rows([("euler_zyx = [0, 0, 0]", "degrees about z, y, x")])
-    for rows in (PLACEMENT_ROWS, SIGNAL_ROWS):
+    for rows in (_PLACEMENT_ROWS, _SIGNAL_ROWS):
         yield ""
         yield from _commented_rows(rows)
     for number, layer in enumerate(works):
@@ -158,7 +158,7 @@ def _is_worked(layer: SurveyedLayer) -> bool:
     return layer.works or layer.locations > 0
 
 
-def _unit_rows(survey: Survey) -> Iterator[KeyRow]:
+def _unit_rows(survey: Survey) -> Iterator[_KeyRow]:
     short = next((key for key, (name, _) in UNITS.items() if name == survey.unit), None)
     if short is None:
         yield f"# the drawing is in {survey.unit}", "which it says itself"
@@ -167,7 +167,7 @@ def _unit_rows(survey: Survey) -> Iterator[KeyRow]:
         yield f"unit = {toml_quoted(short)}", f"{survey.stated}{size}"
 
 
-def _left_out_row(idle: Sequence[SurveyedLayer]) -> KeyRow:
+def _left_out_row(idle: Sequence[SurveyedLayer]) -> _KeyRow:
     names = ", ".join(toml_quoted(layer.name) for layer in idle)
     about = "nothing there can be followed" if idle else '["*"]: all that have no table here'
     return f"leave_out = [{names}]", about
@@ -197,7 +197,7 @@ def _size_text(extents: Extents) -> str:
     return " x ".join(f"{length:.1f}" for length in extents.size)
 
 
-def _commented_rows(rows: Sequence[KeyRow]) -> Iterator[str]:
+def _commented_rows(rows: Sequence[_KeyRow]) -> Iterator[str]:
     for key, about in rows:
         yield f"{key:{COMMENT_COLUMN - 1}} # {about}" if about else key
 
@@ -207,7 +207,7 @@ def toml_quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def program_text(sources: Mapping[str, str]) -> str:
+def _program_text(sources: Mapping[str, str]) -> str:
     """Tables of programs, by their names, of sources as paths from the project's folder."""
     tables = [
         f"[programs.{name}]\nsource = {toml_quoted(path)}\n" for name, path in sources.items()
@@ -216,23 +216,23 @@ def program_text(sources: Mapping[str, str]) -> str:
 
 
 PROJECT_FILE: Final = "assistant.toml"
-EXAMPLE_DRAWING: Final[Mapping[str, str]] = {
+_EXAMPLE_DRAWING: Final[Mapping[str, str]] = {
     "drawings/plate.dxf": "drawings/plate.dxf",
     "drawings/plate.process.toml": "drawings/plate.process.toml",
 }
 """Files of the example's drawing → their templates."""
-EXAMPLE_FILES: Final = (*EXAMPLE_DRAWING, PROJECT_FILE)
+EXAMPLE_FILES: Final = (*_EXAMPLE_DRAWING, PROJECT_FILE)
 """Files of the example; written where there is no project yet and no drawing is given.
 
 The project is the last: who is killed before it begins anew.
 """
-EXAMPLE_PROGRAM: Final = """\
+_EXAMPLE_PROGRAM: Final = """\
 [programs.plate]
 source = "drawings/plate.dxf"     # with drawings/plate.process.toml beside it
 """
-EXAMPLE_NAMES: Final = '["plate"]'
+_EXAMPLE_NAMES: Final = '["plate"]'
 """Program names in the example's project."""
-DRAWINGS_FOLDER: Final = "drawings"
+_DRAWINGS_FOLDER: Final = "drawings"
 """Folder of drawings that are copied into a project."""
 REPOSITORY_FILES: Final[Mapping[str, str]] = {
     ".gitignore": "gitignore",
@@ -241,11 +241,11 @@ REPOSITORY_FILES: Final[Mapping[str, str]] = {
     ".gitlab-ci.yml": "gitlab-ci.yml",
 }
 """Files that a repository needs; each is written unless it exists."""
-IGNORED_FOLDERS: Final = "/build/ and .robot-assistant/"
-VERSION_MARK: Final = "{{ version }}"
-NAMES_WIDTH: Final = 22
+_IGNORED_FOLDERS: Final = "/build/ and .robot-assistant/"
+_VERSION_MARK: Final = "{{ version }}"
+_NAMES_WIDTH: Final = 22
 """Columns before the comment behind the names."""
-LONGEST_NAME: Final = 60
+_LONGEST_NAME: Final = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -284,11 +284,11 @@ def start_project(
     elif drawn:
         contents = {
             **of_drawings,
-            PROJECT_FILE: _project_text(program_text(programs), programs),
+            PROJECT_FILE: _project_text(_program_text(programs), programs),
             **contents,
         }
     else:
-        example = {name: _template_bytes(template) for name, template in EXAMPLE_DRAWING.items()}
+        example = {name: _template_bytes(template) for name, template in _EXAMPLE_DRAWING.items()}
         contents = {**example, PROJECT_FILE: _template_bytes(PROJECT_FILE), **contents}
     wanted: dict[FilePath, bytes] = {}
     for name, data in contents.items():
@@ -321,7 +321,7 @@ def _add_drawing(folder: FilePath, drawing: FilePath, unit: str | None) -> _Adde
     if here.is_relative_to(folder.resolve()):
         source = here.relative_to(folder.resolve()).as_posix()
     else:
-        source = f"{DRAWINGS_FOLDER}/{drawing.name}"
+        source = f"{_DRAWINGS_FOLDER}/{drawing.name}"
         data = read_bytes(drawing)
         if (folder / source).exists() and _differs_on_disk(folder / source, data):
             raise Refused(rules.OTHER_DRAWING(path=str(drawing), file=source), exit_status=2)
@@ -337,7 +337,7 @@ def _program_names(sources: Sequence[str]) -> dict[str, str]:
     taken = TakenNames(())
     names: dict[str, str] = {}
     for source in sources:
-        name = identifier(FilePath(source).stem, taken)[:LONGEST_NAME]
+        name = identifier(FilePath(source).stem, taken)[:_LONGEST_NAME]
         taken.add(name)
         names[name] = source
     return names
@@ -346,8 +346,8 @@ def _program_names(sources: Sequence[str]) -> dict[str, str]:
 def _project_text(programs: str, names: Iterable[str]) -> bytes:
     """Return the example's project file, with these programs instead of the example's."""
     listed = "[" + ", ".join(f'"{name}"' for name in names) + "]"
-    text = _template_bytes(PROJECT_FILE).decode().replace(EXAMPLE_PROGRAM, programs)
-    return text.replace(f"{EXAMPLE_NAMES:{NAMES_WIDTH}}", f"{listed:{NAMES_WIDTH}}").encode()
+    text = _template_bytes(PROJECT_FILE).decode().replace(_EXAMPLE_PROGRAM, programs)
+    return text.replace(f"{_EXAMPLE_NAMES:{_NAMES_WIDTH}}", f"{listed:{_NAMES_WIDTH}}").encode()
 
 
 def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[Diagnostic]:
@@ -384,10 +384,10 @@ def _differs_on_disk(file: FilePath, data: bytes) -> bool:
 
 def _replacement_cure(name: str) -> str:
     if name == ".gitignore":
-        return f"see that it ignores {IGNORED_FOLDERS}"
+        return f"see that it ignores {_IGNORED_FOLDERS}"
     return "move it away and run `robot-assistant init` again to have a new one"
 
 
 def _template_bytes(template: str) -> bytes:
     text = resource("templates", f"project/{template}").read_text(encoding="utf-8")
-    return text.replace(VERSION_MARK, __version__).encode()
+    return text.replace(_VERSION_MARK, __version__).encode()

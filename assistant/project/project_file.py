@@ -39,11 +39,11 @@ from assistant.project import rules
 
 PROJECT_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
 """Pattern of program and target names, which become names of folders."""
-TASK_NAME: Final = re.compile(r"[A-Za-z]\w{0,31}", re.ASCII)
-MOST_TARGETS: Final = 10_000_000
-MOST_AT_ONCE: Final = 256
-MOST_SEED: Final = 2**31 - 1
-TEXT_FORM: Final[Mapping[str, object]] = {"type": "string", "pattern": r"\S"}
+_TASK_NAME: Final = re.compile(r"[A-Za-z]\w{0,31}", re.ASCII)
+_MOST_TARGETS: Final = 10_000_000
+_MOST_AT_ONCE: Final = 256
+_MOST_SEED: Final = 2**31 - 1
+_TEXT_FORM: Final[Mapping[str, object]] = {"type": "string", "pattern": r"\S"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +55,9 @@ class ProjectKey:
     about: str
 
 
-def task_name(value: Any) -> str:
+def _task_name(value: Any) -> str:
     given = settings_tables.text(value)
-    if TASK_NAME.fullmatch(given) is None:
+    if _TASK_NAME.fullmatch(given) is None:
         raise Wrong(
             f'is "{settings_tables.shown(given)}", which is no task', 'write a name, as "T_ROB1"'
         )
@@ -65,7 +65,7 @@ def task_name(value: Any) -> str:
 
 
 def _text_key(about: str) -> ProjectKey:
-    return ProjectKey(settings_tables.text, TEXT_FORM, about)
+    return ProjectKey(settings_tables.text, _TEXT_FORM, about)
 
 
 def _choice_key(words: tuple[str, ...], about: str) -> ProjectKey:
@@ -75,7 +75,7 @@ def _choice_key(words: tuple[str, ...], about: str) -> ProjectKey:
 def _language_key(about: str) -> ProjectKey:
     """In any case, although editors offer the names as they are."""
     return ProjectKey(
-        settings_tables.caseless(*LANGUAGE_NAMES), {"enum": list(LANGUAGE_NAMES)}, about
+        settings_tables.caseless(*_LANGUAGE_NAMES), {"enum": list(_LANGUAGE_NAMES)}, about
     )
 
 
@@ -88,7 +88,7 @@ def _truth_key(about: str) -> ProjectKey:
     return ProjectKey(settings_tables.truth, {"type": "boolean"}, about)
 
 
-LANGUAGE_NAMES: Final = languages.names()
+_LANGUAGE_NAMES: Final = languages.names()
 
 PROGRAM_KEYS: Final[Mapping[str, ProjectKey]] = {
     "source": _text_key(
@@ -96,7 +96,7 @@ PROGRAM_KEYS: Final[Mapping[str, ProjectKey]] = {
     ),
     "also": ProjectKey(
         settings_tables.texts,
-        {"type": "array", "items": TEXT_FORM},
+        {"type": "array", "items": _TEXT_FORM},
         "Drawings and tables that are in the same program, each with a routine of its own.",
     ),
     "language": _language_key("To write; default what the target's controller takes."),
@@ -116,68 +116,68 @@ PROGRAM_KEYS: Final[Mapping[str, ProjectKey]] = {
     ),
     "main": _truth_key("false: no main; others call the procedures of the layers."),
     "most_targets": _whole_number_key(
-        10, MOST_TARGETS, "Of one unit; default the language's own limit."
+        10, _MOST_TARGETS, "Of one unit; default the language's own limit."
     ),
     "frames": _choice_key(get_args(Frames), "How a language without work objects says them."),
     "prove": _truth_key("Run the source and what is written, and compare what they do."),
     "signals": _text_key("With prove: a script of the inputs; default a search for all branches."),
-    "seed": _whole_number_key(0, MOST_SEED, "With prove: of what the search draws."),
+    "seed": _whole_number_key(0, _MOST_SEED, "With prove: of what the search draws."),
 }
 TARGET_KEYS: Final[Mapping[str, ProjectKey]] = {
     "controller": _text_key("Name in [controllers]; default the name of the target."),
     "programs": ProjectKey(
         settings_tables.texts,
-        {"type": "array", "items": TEXT_FORM, "minItems": 1},
+        {"type": "array", "items": _TEXT_FORM, "minItems": 1},
         "Names of [programs], or program files from the project's folder.",
     ),
     "task": ProjectKey(
-        task_name,
-        {"type": "string", "pattern": f"^{TASK_NAME.pattern}$"},
+        _task_name,
+        {"type": "string", "pattern": f"^{_TASK_NAME.pattern}$"},
         "That modules are loaded in; default the first one.",
     ),
     "load": _truth_key("Also load modules that are not loaded yet."),
 }
-CONTROLLER_FORMS: Final[Mapping[str, tuple[Mapping[str, object], str]]] = {
-    "address": (TEXT_FORM, "Such as rws://192.168.125.1, or virtual:irc5 for a virtual one."),
-    "robot": (TEXT_FORM, "That it moves: a robot of the catalogue, or its file."),
-    "user": (TEXT_FORM, "Of its file server or services; never write a password into this file."),
-    "certificate": (TEXT_FORM, "File of the certificate that it is trusted by."),
+_CONTROLLER_FORMS: Final[Mapping[str, tuple[Mapping[str, object], str]]] = {
+    "address": (_TEXT_FORM, "Such as rws://192.168.125.1, or virtual:irc5 for a virtual one."),
+    "robot": (_TEXT_FORM, "That it moves: a robot of the catalogue, or its file."),
+    "user": (_TEXT_FORM, "Of its file server or services; never write a password into this file."),
+    "certificate": (_TEXT_FORM, "File of the certificate that it is trusted by."),
     "timeout": (
         {"type": "number", "exclusiveMinimum": 0, "maximum": LONGEST_TIMEOUT},
         "Seconds to wait for an answer.",
     ),
-    "serial": (TEXT_FORM, "Number that it must tell of itself; another one is refused."),
+    "serial": (_TEXT_FORM, "Number that it must tell of itself; another one is refused."),
 }
 DEPLOY_KEYS: Final[Mapping[str, ProjectKey]] = {
-    "parallel": _whole_number_key(1, MOST_AT_ONCE, "Controllers at a time."),
+    "parallel": _whole_number_key(1, _MOST_AT_ONCE, "Controllers at a time."),
     "canary": _text_key("Target that goes first, alone; the others follow if it goes well."),
 }
 STYLE_TABLE_KEYS: Final[Mapping[str, ProjectKey]] = {
     "template": ProjectKey(
-        STYLE_KEYS["template"], TEXT_FORM, "Folder with the templates of written programs."
+        STYLE_KEYS["template"], _TEXT_FORM, "Folder with the templates of written programs."
     ),
-    "project": ProjectKey(STYLE_KEYS["project"], TEXT_FORM, "Name of the project, for templates."),
+    "project": ProjectKey(STYLE_KEYS["project"], _TEXT_FORM, "Name of the project, for templates."),
     "author": ProjectKey(
-        STYLE_KEYS["author"], TEXT_FORM, "Who is responsible for the programs, for templates."
+        STYLE_KEYS["author"], _TEXT_FORM, "Who is responsible for the programs, for templates."
     ),
     "revision": ProjectKey(
-        STYLE_KEYS["revision"], TEXT_FORM, "Revision of the programs, for templates."
+        STYLE_KEYS["revision"], _TEXT_FORM, "Revision of the programs, for templates."
     ),
 }
 CONTROLLER_KEYS: Final[Mapping[str, ProjectKey]] = {
-    name: ProjectKey(read, *CONTROLLER_FORMS[name]) for name, read in keys().items()
+    name: ProjectKey(read, *_CONTROLLER_FORMS[name]) for name, read in keys().items()
 }
-FILE_KEYS: Final = ("source", "process", "cell", "signals")
+_FILE_KEYS: Final = ("source", "process", "cell", "signals")
 """Keys of a program that name files."""
-ROBOT_KEYS: Final = ("robot", "from_robot")
+_ROBOT_KEYS: Final = ("robot", "from_robot")
 """Keys that name a robot of the catalogue, or its file."""
 
 
-def readers_of(keys: Mapping[str, ProjectKey]) -> dict[str, Read]:
+def _readers_of(keys: Mapping[str, ProjectKey]) -> dict[str, Read]:
     return {name: key.read for name, key in keys.items()}
 
 
-def refuse_links(folder: FilePath, written: Sequence[FilePath]) -> None:
+def _refuse_links(folder: FilePath, written: Sequence[FilePath]) -> None:
     """Raise Refused (exit status 2) if one of these paths, relative to the folder, contains a link.
 
     Only commands write there: another program or user made the link, and it may lead anywhere.
@@ -286,7 +286,7 @@ def project_of(folder: FilePath | None = None) -> Project:
     if has_errors(page.findings):
         ordered = sorted(dict.fromkeys(page.findings), key=lambda finding: finding.line or 0)
         raise Refused(*map(_without_password_line, ordered), exit_status=2)
-    refuse_links(project.folder, (BUILD_FOLDER, STATE_FOLDER))
+    _refuse_links(project.folder, (BUILD_FOLDER, STATE_FOLDER))
     return project
 
 
@@ -330,7 +330,7 @@ class _Reader:
             if (place := self._place(name, table, recipes)) is not None
         ]
         self._check_apart(places)
-        deploying = self._table(stated.DEPLOY).read(readers_of(DEPLOY_KEYS))
+        deploying = self._table(stated.DEPLOY).read(_readers_of(DEPLOY_KEYS))
         canary = deploying.get("canary")
         there = self._table(stated.TARGETS).content
         if canary is not None and canary not in there:
@@ -372,11 +372,11 @@ class _Reader:
     # ------------------------------------------------------------------------------ programs
 
     def _recipe(self, name: str, table: Table) -> Recipe | None:
-        given = table.read(readers_of(PROGRAM_KEYS))
+        given = table.read(_readers_of(PROGRAM_KEYS))
         if "source" not in table.content:
             table.say(rules.MISSING, name=name, key="source", example='"FILE"')
-        paths = {key: self._file(table, key, given[key]) for key in FILE_KEYS if key in given}
-        arms = {key: self._robot(table, key, given[key]) for key in ROBOT_KEYS if key in given}
+        paths = {key: self._file(table, key, given[key]) for key in _FILE_KEYS if key in given}
+        arms = {key: self._robot(table, key, given[key]) for key in _ROBOT_KEYS if key in given}
         also = [self._file(table, "also", text) for text in given.get("also", ())]
         source = paths.get("source")
         if source is None:
@@ -436,7 +436,7 @@ class _Reader:
     # ------------------------------------------------------------------------------- targets
 
     def _place(self, name: str, table: Table, recipes: Mapping[str, Recipe]) -> Place | None:
-        given = table.read(readers_of(TARGET_KEYS))
+        given = table.read(_readers_of(TARGET_KEYS))
         wanted = given.get("controller", name)
         controller = self.controllers.get(wanted)
         if controller is None and ("controller" in given or "controller" not in table.content):
@@ -532,7 +532,7 @@ _unchanged: Final[Callable[[Any], Any]] = lambda value: value  # noqa: E731
 
 
 SCHEMA_FILE: Final = "assistant.schema.json"
-SCHEMA_DRAFT: Final = "http://json-schema.org/draft-07/schema#"
+_SCHEMA_DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 Schema = dict[str, object]
 
 
@@ -544,7 +544,7 @@ def project_schema() -> Schema:
         if language.table:
             of_languages[language.table] = _settings_schema(language.settings)
     return {
-        "$schema": SCHEMA_DRAFT,
+        "$schema": _SCHEMA_DRAFT,
         "title": "assistant.toml of robot-assistant",
         "type": "object",
         "properties": {

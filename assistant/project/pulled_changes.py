@@ -46,33 +46,33 @@ from assistant.sources.tables.taught import (
     with_target,
 )
 
-TAUGHT_SUFFIX: Final = ".toml"
-SOURCES_WITH_NAMES: Final = (TAUGHT_SUFFIX, pseudo.SUFFIX)
+_TAUGHT_SUFFIX: Final = ".toml"
+_SOURCES_WITH_NAMES: Final = (_TAUGHT_SUFFIX, pseudo.SUFFIX)
 """Sources in which targets have their names."""
-LENGTH_DIGITS: Final = 4
+_LENGTH_DIGITS: Final = 4
 """Digits of millimetres and degrees, as many as controllers report."""
-TURN_DIGITS: Final = 9
+_TURN_DIGITS: Final = 9
 """Digits of the parts of a quaternion."""
-AnyTarget = Target | JointTarget
+_AnyTarget = Target | JointTarget
 
 
 @dataclass(frozen=True, slots=True)
-class ChangedTarget:
+class _ChangedTarget:
     """A target. before: as it was deployed. after: as it is on the controller."""
 
     name: str
-    before: AnyTarget
-    after: AnyTarget
+    before: _AnyTarget
+    after: _AnyTarget
 
 
-def changed_targets(
+def _changed_targets(
     language: Language[Any],
     base: bytes,
     there: bytes,
     file: PlannedFile,
     source: FilePath,
     robot: Robot | None,
-) -> list[ChangedTarget]:
+) -> list[_ChangedTarget]:
     """The targets that two texts of a program place otherwise.
 
     Raises Refused if they differ in anything else: a source that is compiled cannot be given that.
@@ -85,10 +85,10 @@ def changed_targets(
     same_names = old.targets.keys() == new.targets.keys()
     same_names &= old.joint_targets.keys() == new.joint_targets.keys()
     found = [
-        ChangedTarget(n, old.targets[n], t) for n, t in new.targets.items() if n in old.targets
+        _ChangedTarget(n, old.targets[n], t) for n, t in new.targets.items() if n in old.targets
     ]
     found += [
-        ChangedTarget(n, old.joint_targets[n], t)
+        _ChangedTarget(n, old.joint_targets[n], t)
         for n, t in new.joint_targets.items()
         if n in old.joint_targets
     ]
@@ -98,8 +98,12 @@ def changed_targets(
     return found
 
 
-def with_targets(
-    source: FilePath, data: bytes, changes: Sequence[ChangedTarget], name: str, precision: Precision
+def _with_targets(
+    source: FilePath,
+    data: bytes,
+    changes: Sequence[_ChangedTarget],
+    name: str,
+    precision: Precision,
 ) -> bytes:
     """The source with the targets as they are now, all else to the letter; raises Refused.
 
@@ -107,7 +111,7 @@ def with_targets(
     its language writes them.
     """
     suffix = source.suffix.lower()
-    encodings = ENCODINGS if suffix == TAUGHT_SUFFIX else PSEUDO_ENCODINGS
+    encodings = ENCODINGS if suffix == _TAUGHT_SUFFIX else PSEUDO_ENCODINGS
     text = decode(data, str(source), encodings)
     for change in changes:
         program = _read_program(source, text)
@@ -117,7 +121,7 @@ def with_targets(
                 path=str(source), target=change.name, name=name, source=source
             )
             raise Refused(finding)
-        with_it = _with_taught_target if suffix == TAUGHT_SUFFIX else _with_pseudo_target
+        with_it = _with_taught_target if suffix == _TAUGHT_SUFFIX else _with_pseudo_target
         text = with_it(source, text, program, change, place)
         now = _target_of(_read_program(source, text), change.name)
         if now is None or not _same_target(now, change.after, precision):
@@ -129,17 +133,17 @@ def with_targets(
 
 
 def _read_program(source: FilePath, text: SourceText) -> Program:
-    if source.suffix.lower() == TAUGHT_SUFFIX:
+    if source.suffix.lower() == _TAUGHT_SUFFIX:
         return read_taught(text, source.stem, process_of(source)).program
     return parse_pseudo(text, source.parent)
 
 
-def _target_of(program: Program, name: str) -> AnyTarget | None:
-    named: dict[str, AnyTarget] = {**program.targets, **program.joint_targets}
+def _target_of(program: Program, name: str) -> _AnyTarget | None:
+    named: dict[str, _AnyTarget] = {**program.targets, **program.joint_targets}
     return next((place for key, place in named.items() if key.lower() == name.lower()), None)
 
 
-def _same_target(one: AnyTarget, other: AnyTarget, precision: Precision) -> bool:
+def _same_target(one: _AnyTarget, other: _AnyTarget, precision: Precision) -> bool:
     """True if both are the same position, at the precision of the controller's language."""
     if isinstance(one, Target) and isinstance(other, Target):
         apart = np.abs(np.subtract(one.pose.position, other.pose.position)).max()
@@ -156,7 +160,7 @@ def _same_target(one: AnyTarget, other: AnyTarget, precision: Precision) -> bool
 
 
 def _with_taught_target(
-    source: FilePath, text: SourceText, program: Program, change: ChangedTarget, place: AnyTarget
+    source: FilePath, text: SourceText, program: Program, change: _ChangedTarget, place: _AnyTarget
 ) -> SourceText:
     del program, place
     entries = read_toml(text).content.get("targets", [])
@@ -178,25 +182,25 @@ def _with_taught_target(
     return changed
 
 
-def _taught_values(change: ChangedTarget, as_it_is: dict[str, str]) -> Iterator[tuple[str, str]]:
+def _taught_values(change: _ChangedTarget, as_it_is: dict[str, str]) -> Iterator[tuple[str, str]]:
     """Keys with TOML; what did not change stays as it is written."""
     before, after = change.before, change.after
     if isinstance(after, JointTarget):
         joints = list(after.joints)
         while joints and joints[-1] != joints[-1]:
             joints.pop()
-        yield "joints", number_list(joints, LENGTH_DIGITS)
+        yield "joints", number_list(joints, _LENGTH_DIGITS)
         return
     assert isinstance(before, Target)
     moved = before.pose.position != after.pose.position
     if moved or "position" not in as_it_is:
-        yield "position", number_list(after.pose.position, LENGTH_DIGITS)
+        yield "position", number_list(after.pose.position, _LENGTH_DIGITS)
     else:
         yield "position", as_it_is["position"]
     turned = before.pose.quaternion != after.pose.quaternion
     kept = next((key for key in ORIENTATIONS if key in as_it_is), None)
     if turned:
-        yield "quaternion", number_list(after.pose.quaternion, TURN_DIGITS)
+        yield "quaternion", number_list(after.pose.quaternion, _TURN_DIGITS)
     elif kept is not None:
         yield kept, as_it_is[kept]
     if before.configuration != after.configuration and after.configuration is not None:
@@ -209,7 +213,7 @@ def _taught_values(change: ChangedTarget, as_it_is: dict[str, str]) -> Iterator[
 
 
 def _with_pseudo_target(
-    source: FilePath, text: SourceText, program: Program, change: ChangedTarget, place: AnyTarget
+    source: FilePath, text: SourceText, program: Program, change: _ChangedTarget, place: _AnyTarget
 ) -> SourceText:
     """Return the source with the line of one target reprinted; the comment after it stays."""
     key = next(
@@ -232,13 +236,13 @@ def _with_pseudo_target(
     raise Refused(finding)
 
 
-def _with_target(program: Program, key: str, place: AnyTarget) -> Program:
+def _with_target(program: Program, key: str, place: _AnyTarget) -> Program:
     if isinstance(place, Target):
         return replace(program, targets={**program.targets, key: place})
     return replace(program, joint_targets={**program.joint_targets, key: place})
 
 
-def _keep_open_parts(place: AnyTarget, change: ChangedTarget) -> AnyTarget:
+def _keep_open_parts(place: _AnyTarget, change: _ChangedTarget) -> _AnyTarget:
     """The new place, with what the source leaves open left open."""
     after = change.after
     if not isinstance(place, Target) or not isinstance(after, Target):
@@ -253,7 +257,7 @@ def _keep_open_parts(place: AnyTarget, change: ChangedTarget) -> AnyTarget:
     return Target(pose, stated, after.external)
 
 
-SAVED_SUFFIX: Final = ".orig"
+_SAVED_SUFFIX: Final = ".orig"
 """Behind the name of a file that no repository keeps: what it said before."""
 
 
@@ -319,7 +323,7 @@ class _Pull:
             self.wanted[source] = self._as_text(file, base, now, there, form)
             self.told.setdefault(source, []).append(f"`{file.name}` as it is on the controller")
             return
-        if source.suffix.lower() not in SOURCES_WITH_NAMES:
+        if source.suffix.lower() not in _SOURCES_WITH_NAMES:
             built = FilePath(file.path)
             now = self.wanted.get(built) or read_bytes(built)
             self.wanted[built] = self._as_text(file, base, now, there, form)
@@ -327,10 +331,10 @@ class _Pull:
             path, name = file.path, file.name
             self.findings.append(IN_WRITTEN(path=path, file=path, name=name, source=source))
             return
-        changes = changed_targets(
+        changes = _changed_targets(
             spoken, form(file.data if base is None else base), form(there), file, source, self.robot
         )
-        self.wanted[source] = with_targets(source, now, changes, file.name, spoken.precision)
+        self.wanted[source] = _with_targets(source, now, changes, file.name, spoken.precision)
         self.told.setdefault(source, []).extend(f"target `{one.name}`" for one in changes)
 
     def _sides(self, file: PlannedFile) -> tuple[bytes | None, bytes, StoredForm]:
@@ -383,6 +387,6 @@ class _Pull:
             if known is False:
                 self.findings.append(rules.NOT_COMMITTED(path=str(path), file=path))
             elif known is None:
-                kept = path.with_name(path.name + SAVED_SUFFIX)
+                kept = path.with_name(path.name + _SAVED_SUFFIX)
                 self.wanted[kept] = read_bytes(path)
                 self.findings.append(rules.KEPT_BESIDE(path=str(path), file=path, kept=kept))

@@ -12,12 +12,12 @@ from assistant.program import project_file as files
 from assistant.project.build_jobs import chosen_language, order_of, shown_path
 from assistant.project.project_file import Place, Project, Recipe, path_inside, project_of
 
-SEVERAL_WAYS: Final = error(
+_SEVERAL_WAYS: Final = error(
     "PR304",
     "the project makes `{source}` in several ways, which differ in {what}: {ways}",
     "name {options}, or build one of them",
 )
-TARGET_OPTIONS: Final = ("language", "robot")
+_TARGET_OPTIONS: Final = ("language", "robot")
 """Options that the controller of a target may state as well."""
 
 
@@ -59,10 +59,10 @@ def completed_options(
     fitting = {
         name: one
         for name, one in ways.items()
-        if all(_same_options(getattr(given, key), getattr(one, key)) for key in TARGET_OPTIONS)
+        if all(_same_options(getattr(given, key), getattr(one, key)) for key in _TARGET_OPTIONS)
     }
     if not fitting:  # another arm or language than the project's: what belongs to those is not its
-        left = dict.fromkeys(TARGET_OPTIONS)
+        left = dict.fromkeys(_TARGET_OPTIONS)
         fitting = {name: replace(one, **left) for name, one in ways.items()}
     open_ = [key for key in wanted if getattr(given, key) is None]
     differing = [key for key in open_ if len({getattr(one, key) for one in fitting.values()}) > 1]
@@ -79,7 +79,7 @@ def _several_ways(
         f"{name} ({', '.join(str(getattr(one, key) or 'none') for key in differing)})"
         for name, one in ways.items()
     )
-    return SEVERAL_WAYS(
+    return _SEVERAL_WAYS(
         path=source,
         source=source,
         what=" and ".join(key.replace("_", " ") for key in differing),

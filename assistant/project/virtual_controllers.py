@@ -25,17 +25,17 @@ if TYPE_CHECKING:
     from assistant.virtual.irc5.programs import Programs as Memory
 
 
-VIRTUAL_FOLDER: Final = "virtual"
-HOME_FOLDER: Final = "home"
-MEMORY_FILE: Final = "memory.json"
-PROGRAM_FOLDER: Final = "programs"
-LOCK_FILE: Final = "lock"
-LOCK_TIMEOUT: Final = 30.0
+_VIRTUAL_FOLDER: Final = "virtual"
+_HOME_FOLDER: Final = "home"
+_MEMORY_FILE: Final = "memory.json"
+_PROGRAM_FOLDER: Final = "programs"
+_LOCK_FILE: Final = "lock"
+_LOCK_TIMEOUT: Final = 30.0
 """Seconds for which another command may have the controller."""
-MEMORY_ENCODING: Final = "utf-8"
+_MEMORY_ENCODING: Final = "utf-8"
 Clients = Callable[[], Programs]
 """Gives a client, not connected yet, each time."""
-Starter = Callable[[Named, FilePath, float | None], AbstractContextManager[Clients]]
+_Starter = Callable[[Named, FilePath, float | None], AbstractContextManager[Clients]]
 
 
 @contextmanager
@@ -59,10 +59,10 @@ def running_clients(
     from filelock import FileLock, Timeout
 
     assert controller.virtual is not None
-    folder = kept / VIRTUAL_FOLDER / controller.name
+    folder = kept / _VIRTUAL_FOLDER / controller.name
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / LOCK_FILE, timeout=LOCK_TIMEOUT)
+        lock = FileLock(folder / _LOCK_FILE, timeout=_LOCK_TIMEOUT)
         lock.acquire()
     except Timeout:
         finding = rules.BUSY(place=controller.name, name=controller.name)
@@ -70,7 +70,7 @@ def running_clients(
     except OSError as error:
         raise _not_started(controller, error.strerror or str(error)) from None
     try:
-        with STARTERS[controller.virtual](controller, folder, timeout) as client:
+        with _STARTERS[controller.virtual](controller, folder, timeout) as client:
             yield client
     finally:
         lock.release()
@@ -80,21 +80,21 @@ def running_clients(
 def _start_irc5(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
     from assistant.virtual.irc5 import VirtualIrc5
 
-    arm, home = _robot_of(controller), folder / HOME_FOLDER
+    arm, home = _robot_of(controller), folder / _HOME_FOLDER
     virtual = (
         VirtualIrc5(home, rwss=None) if arm is None else VirtualIrc5(home, robot=arm, rwss=None)
     )
     _start(controller, virtual.start)
     try:
         virtual.cabinet.serial = controller.serial or ""
-        virtual.cabinet.do(lambda memory: _load_memory(memory, folder / MEMORY_FILE))
+        virtual.cabinet.do(lambda memory: _load_memory(memory, folder / _MEMORY_FILE))
         try:
             login = Credentials(virtual.user, virtual.password)
             yield partial(_client, controller, virtual.rws_port, timeout, login)
         finally:
             # What programs have made of their data since a module was last taken in.
             with defer_termination():
-                virtual.cabinet.do(lambda memory: _save_memory(memory, folder / MEMORY_FILE))
+                virtual.cabinet.do(lambda memory: _save_memory(memory, folder / _MEMORY_FILE))
     finally:
         with defer_termination():
             virtual.stop()
@@ -104,7 +104,7 @@ def _start_irc5(controller: Named, folder: FilePath, timeout: float | None) -> I
 def _start_cr(controller: Named, folder: FilePath, timeout: float | None) -> Iterator[Clients]:
     from assistant.virtual.cr import VirtualCr
 
-    arm, programs = _robot_of(controller), folder / PROGRAM_FOLDER
+    arm, programs = _robot_of(controller), folder / _PROGRAM_FOLDER
     try:
         virtual = VirtualCr(folder=programs) if arm is None else VirtualCr(arm, folder=programs)
     except (ValueError, OSError) as error:
@@ -117,7 +117,7 @@ def _start_cr(controller: Named, folder: FilePath, timeout: float | None) -> Ite
             virtual.stop()
 
 
-STARTERS: Final[dict[str, Starter]] = {"irc5": _start_irc5, "cr": _start_cr}
+_STARTERS: Final[dict[str, _Starter]] = {"irc5": _start_irc5, "cr": _start_cr}
 
 
 def _robot_of(controller: Named) -> str | None:
@@ -166,6 +166,6 @@ def _load_memory(memory: Memory, file: FilePath) -> None:
 
     with suppress(OSError, ValueError, KeyError, TypeError, NotPossible):
         rows = json.loads(read_file(file))
-        texts = [(str(row["file"]), str(row["text"]).encode(MEMORY_ENCODING)) for row in rows]
+        texts = [(str(row["file"]), str(row["text"]).encode(_MEMORY_ENCODING)) for row in rows]
         memory.restore([one for name, text in texts for one in read_module(name, text)])
     memory.keep = lambda changed: _save_memory(changed, file)

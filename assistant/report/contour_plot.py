@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from assistant.sources.process.placement import DrawingPlacement
 
 
-DRAWING_SUFFIX: Final = ".dxf"
+_DRAWING_SUFFIX: Final = ".dxf"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,7 @@ def drawn_lines(
     as that.
     """
     path = FilePath(source)
-    if path.suffix.lower() != DRAWING_SUFFIX:
+    if path.suffix.lower() != _DRAWING_SUFFIX:
         return []
     from assistant.sources.contours.curves import chorded
     from assistant.sources.drawing import read_contents
@@ -81,12 +81,12 @@ def drawn_lines(
     return found
 
 
-PICTURE_INCHES: Final = 8.0
+_PICTURE_INCHES: Final = 8.0
 """Inches of the picture of one program."""
-MOST_NUMBERED: Final = 400
+_MOST_NUMBERED: Final = 400
 """Contours over which a picture has no numbers: nobody could read them."""
-ENTITY_MARK: Final = re.compile(r"\bentity (\w+)")
-SEVERITY_COLOURS: Final = {Severity.ERROR: "#c62828", Severity.WARNING: "#ef6c00"}
+_ENTITY_MARK: Final = re.compile(r"\bentity (\w+)")
+_SEVERITY_COLOURS: Final = {Severity.ERROR: "#c62828", Severity.WARNING: "#ef6c00"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ def contour_plot(drawings: Sequence[Drawing], format: str) -> bytes:
     """
     columns = math.ceil(math.sqrt(len(drawings)))
     rows = math.ceil(len(drawings) / columns)
-    sheet = new_figure(PICTURE_INCHES * columns, PICTURE_INCHES * rows)
+    sheet = new_figure(_PICTURE_INCHES * columns, _PICTURE_INCHES * rows)
     for place, drawing in enumerate(drawings, start=1):
         _draw_program(sheet.add_subplot(rows, columns, place), drawing)
     return picture(sheet, format)
@@ -130,7 +130,7 @@ def _draw_program(axes: Axes, drawing: Drawing) -> None:
         numbers[x, y].append(number)
     for (x, y), those in numbers.items():
         axes.plot(x, y, marker="o", markersize=3, color="C0")
-        if len(followed) <= MOST_NUMBERED:
+        if len(followed) <= _MOST_NUMBERED:
             said = f"{those[0]}" if len(those) == 1 else f"{those[0]}–{those[-1]}"
             axes.annotate(said, (x, y), (3, 3), textcoords="offset points", color="C0", fontsize=8)
     _mark_findings(axes, drawing, back)
@@ -158,8 +158,8 @@ def _mark_findings(axes: Axes, drawing: Drawing, back: Pose) -> None:
     """Write the codes of findings next to the entities that they are about."""
     lines = {line.handle: line for line in drawing.drawn if line.handle}
     for one in drawing.found:
-        colour = SEVERITY_COLOURS.get(one.severity)
-        for handle in ENTITY_MARK.findall(one.place or "") if colour else ():
+        colour = _SEVERITY_COLOURS.get(one.severity)
+        for handle in _ENTITY_MARK.findall(one.place or "") if colour else ():
             if handle in lines:
                 points = back.moved(lines[handle].points)
                 x, y = points[len(points) // 2, :2].tolist()

@@ -7,19 +7,14 @@ from typing import Any, Final
 
 from assistant.program.geometry import Vector
 from assistant.sources.drawing.findings import shown
-from assistant.sources.drawing.survey import (
-    Extents,
-    Survey,
-    SurveyedBlock,
-    SurveyedLayer,
-)
+from assistant.sources.drawing.survey import Extents, Survey, SurveyedBlock, SurveyedLayer
 
-LAYERS: Final = ("layer", "state", "colour", "entities", "contours", "length mm", "size mm", "use")
+_LAYERS: Final = ("layer", "state", "colour", "entities", "contours", "length mm", "size mm", "use")
 BLOCKS: Final = ("block", "inserts", "is", "attributes")
-LOCATIONS: Final = ("location", "layer", "at mm")
-MOST: Final = 20
+_LOCATIONS: Final = ("location", "layer", "at mm")
+_MOST: Final = 20
 """Most locations listed one by one."""
-MOST_VALUES: Final = 3
+_MOST_VALUES: Final = 3
 """Most values of an attribute that are listed."""
 
 
@@ -72,17 +67,17 @@ def lines(survey: Survey) -> Iterator[str]:
         low, high = (_at(corner) for corner in (survey.extents.low, survey.extents.high))
         yield f"size: {_size(survey.extents)} mm, from {low} to {high}"
     yield ""
-    yield from _table([LAYERS, *map(_layer, survey.layers)])
+    yield from _table([_LAYERS, *map(_layer, survey.layers)])
     if survey.blocks:
         yield ""
         yield from _table([BLOCKS, *map(_block, survey.blocks)])
     if survey.locations:
         yield ""
-        told = survey.locations[:MOST]
+        told = survey.locations[:_MOST]
         rows = [(shown(one.name), shown(one.layer), _at(one.position)) for one in told]
-        yield from _table([LOCATIONS, *rows])
-        if len(survey.locations) > MOST:
-            yield f"and {len(survey.locations) - MOST} more, see --format json"
+        yield from _table([_LOCATIONS, *rows])
+        if len(survey.locations) > _MOST:
+            yield f"and {len(survey.locations) - _MOST} more, see --format json"
 
 
 def _layer(layer: SurveyedLayer) -> tuple[str, ...]:
@@ -107,8 +102,8 @@ def _counted(kinds: Mapping[str, int]) -> str:
 def _block(block: SurveyedBlock) -> tuple[str, ...]:
     attributes = []
     for tag, texts in block.attributes.items():
-        more = " …" if len(texts) > MOST_VALUES else ""
-        attributes.append(f"{shown(tag)}={'|'.join(texts[:MOST_VALUES])}{more}")
+        more = " …" if len(texts) > _MOST_VALUES else ""
+        attributes.append(f"{shown(tag)}={'|'.join(texts[:_MOST_VALUES])}{more}")
     kind = "a location" if block.location else "drawn"
     return shown(block.name), str(block.inserts), kind, ", ".join(attributes)
 

@@ -9,9 +9,9 @@ from typing import Final
 from assistant.base.diagnostics import Diagnostic
 from assistant.base.source_text import lines_of, visible
 
-MOST_LINES: Final = 300
+_MOST_LINES: Final = 300
 """Lines of a difference in a comment; a site takes 65,536 characters of one."""
-MOST_CHARACTERS: Final = 20_000
+_MOST_CHARACTERS: Final = 20_000
 
 
 def findings_markdown(findings: Sequence[Diagnostic]) -> list[str]:
@@ -46,8 +46,8 @@ def plain(text: str) -> str:
 
 def folded(title: str, text: str) -> Iterator[str]:
     lines = [visible(line) for line in lines_of(text)]
-    shown = lines[:MOST_LINES]
-    while sum(map(len, shown)) > MOST_CHARACTERS:
+    shown = lines[:_MOST_LINES]
+    while sum(map(len, shown)) > _MOST_CHARACTERS:
         shown = shown[: len(shown) // 2]
     if len(shown) < len(lines):
         shown.append(f"… {len(lines) - len(shown)} lines more")

@@ -1,7 +1,7 @@
 """Robots for people and as data: a table of several, all of one, and a drawing of its arm.
 
 The drawing shows the arm at home from the side and from above, with its axes and what the wrist
-reaches. Figures without a confirmed source carry the mark `DOUBT`. Lengths are mm, angles degrees.
+reaches. Figures without a confirmed source carry the mark `_DOUBT`. Lengths are mm, angles degrees.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-HEADINGS: Final = ("name", "title", "axes", "payload", "reach", "controller", "languages")
-DOUBT: Final = "?"
+_HEADINGS: Final = ("name", "title", "axes", "payload", "reach", "controller", "languages")
+_DOUBT: Final = "?"
 """Mark after a figure that no source confirms."""
-DOUBTED: Final = f"{DOUBT} no source at hand confirms it"
-COUNTS: Final = {
+_DOUBTED: Final = f"{_DOUBT} no source at hand confirms it"
+_COUNTS: Final = {
     "quadrants": "quadrants of axes 1, 4 and 6 (confdata)",
     "turns": "turns of axes 1, 4 and 6 (FLG1, FLG2)",
 }
@@ -34,12 +34,12 @@ COUNTS: Final = {
 
 def robot_table(robots: Sequence[Robot]) -> Iterator[str]:
     """A line of headings and one for each robot, in columns."""
-    rows = [HEADINGS, *(_robot_row(robot) for robot in robots)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADINGS))]
+    rows = [_HEADINGS, *(_robot_row(robot) for robot in robots)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(_HEADINGS))]
     for row in rows:
         yield "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
-    if any(DOUBT in cell for row in rows for cell in row):
-        yield DOUBTED
+    if any(_DOUBT in cell for row in rows for cell in row):
+        yield _DOUBTED
 
 
 def _robot_row(robot: Robot) -> tuple[str, ...]:
@@ -81,7 +81,7 @@ def robot_record(robot: Robot) -> dict[str, Any]:
         "time_to_speed_s": robot.time_to_speed,
         "time_to_speed_kg": robot.light,
         "coupling": robot.coupling,
-        "lengths_mm": arm_lengths(robot),
+        "lengths_mm": _arm_lengths(robot),
         "axes": [_axis_record(robot, i) for i in range(len(robot.axes))],
         "home_flange": {
             "position": _without_noise(position),
@@ -91,7 +91,7 @@ def robot_record(robot: Robot) -> dict[str, Any]:
     }
 
 
-def arm_lengths(robot: Robot) -> dict[str, float]:
+def _arm_lengths(robot: Robot) -> dict[str, float]:
     """Lengths of the arm in mm by their names in a robot file; none of an arm of another kind."""
     match robot.arm:
         case SixAxis(lengths=found) | FiveAxis(lengths=found) | Placed(lengths=found):
@@ -126,7 +126,7 @@ def robot_lines(robot: Robot) -> Iterator[str]:
     yield ""
     yield f"source: {robot.source}"
     if robot.unconfirmed:
-        yield f"{DOUBTED}: {', '.join(robot.unconfirmed)}"
+        yield f"{_DOUBTED}: {', '.join(robot.unconfirmed)}"
     for finding in robot.findings:
         yield finding.message
 
@@ -138,7 +138,7 @@ def _fact_lines(robot: Robot) -> Iterator[tuple[str, str]]:
     yield "controller", f"{robot.controller}{_doubt_mark(robot, 'controller')}"
     yield "languages", ", ".join(robot.languages)
     yield "arm", f"{robot.arm.kind}, {robot.branches} branches"
-    yield "configuration", f"{COUNTS[robot.counts]}{_doubt_mark(robot, 'configuration')}"
+    yield "configuration", f"{_COUNTS[robot.counts]}{_doubt_mark(robot, 'configuration')}"
     yield "payload", _known_text(robot, robot.payload, "kg", "payload_kg")
     yield "reach", f"{robot.reach:g} mm from axis 1 to the wrist{_doubt_mark(robot, 'reach_mm')}"
     yield "TCP speed", _known_text(robot, robot.tcp_speed, "mm/s", "tcp_speed_mm_s")
@@ -146,7 +146,7 @@ def _fact_lines(robot: Robot) -> Iterator[tuple[str, str]]:
     if robot.time_to_speed is not None:
         doubt = _doubt_mark(robot, "time_to_speed_s")
         yield "time to speed", f"{robot.time_to_speed:g} s with {robot.light:g} kg{doubt}"
-    if found := arm_lengths(robot):
+    if found := _arm_lengths(robot):
         named = ", ".join(
             f"{k} {v:g}{_doubt_mark(robot, f'lengths_mm.{k}')}" for k, v in found.items()
         )
@@ -180,7 +180,7 @@ def _known_text(robot: Robot, value: float | None, unit: str, field: str) -> str
 
 
 def _doubt_mark(robot: Robot, field: str) -> str:
-    return DOUBT if field in robot.unconfirmed else ""
+    return _DOUBT if field in robot.unconfirmed else ""
 
 
 def _without_noise(values: Sequence[float]) -> list[float]:
@@ -188,24 +188,24 @@ def _without_noise(values: Sequence[float]) -> list[float]:
     return [float(v) for v in np.round(values, 6) + 0.0]
 
 
-PROBE_MOTION: Final = 10.0
+_PROBE_MOTION: Final = 10.0
 """degrees or mm by which a joint is moved to see its axis."""
-AREA_STEPS: Final = 49
+_AREA_STEPS: Final = 49
 """Angles of a joint over its range for the area that an arm reaches."""
-SAME_POINT: Final = 1e-3
+_SAME_POINT: Final = 1e-3
 """mm between points that are one."""
-ARM_VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
-AXIS_COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
-WRIST_POINT: Final = 4
+_ARM_VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
+_AXIS_COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
+_WRIST_POINT: Final = 4
 """Index of the wrist among the points of a vertical arm."""
-SIDE_COLUMNS: Final = [AXIS_COLUMNS["x"], AXIS_COLUMNS["z"]]
-SHORTEST_SEEN: Final = 0.1
+_SIDE_COLUMNS: Final = [_AXIS_COLUMNS["x"], _AXIS_COLUMNS["z"]]
+_SHORTEST_SEEN: Final = 0.1
 """Length in a view below which a unit vector points at the reader."""
-CROWDED_SHARE: Final = 0.05
+_CROWDED_SHARE: Final = 0.05
 """Share of the reach between axes at which their names would overlap."""
-NAME_OFFSET: Final = 11.0
+_NAME_OFFSET: Final = 11.0
 """Points from an axis to its name."""
-ARM_COLOUR, AREA_COLOUR, AXIS_COLOUR, REACH_COLOUR = "#1f3b57", "#dbe7f2", "#b3261e", "#6b8e23"
+_ARM_COLOUR, _AREA_COLOUR, _AXIS_COLOUR, _REACH_COLOUR = "#1f3b57", "#dbe7f2", "#b3261e", "#6b8e23"
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,8 +222,8 @@ def arm_drawing(robot: Robot, format: str = "png") -> bytes:
     drawn = figures.new_figure(11.0, 6.5)
     chain = robot.chain(robot.home)[0]
     axes = joint_axes(robot)
-    for view, (title, (across, up)) in zip(drawn.subplots(1, 2), ARM_VIEWS.items(), strict=True):
-        seen = [AXIS_COLUMNS[across], AXIS_COLUMNS[up]]
+    for view, (title, (across, up)) in zip(drawn.subplots(1, 2), _ARM_VIEWS.items(), strict=True):
+        seen = [_AXIS_COLUMNS[across], _AXIS_COLUMNS[up]]
         _reached_area(view, robot, seen)
         _draw_arm(view, chain[:, seen])
         _draw_axes(view, axes, seen, robot.reach)
@@ -238,7 +238,7 @@ def arm_drawing(robot: Robot, format: str = "png") -> bytes:
 def joint_axes(robot: Robot) -> tuple[JointAxis, ...]:
     """Return the axis of each joint at home, found by moving the joints one by one."""
     home = np.asarray(robot.home, dtype=np.float64)
-    moved = home + PROBE_MOTION * np.eye(len(home))
+    moved = home + _PROBE_MOTION * np.eye(len(home))
     p, q = robot.fk(np.vstack([home, moved]))
     chain = robot.chain(home)[0]
     found = []
@@ -262,8 +262,8 @@ def _axis_point(point: Floats, direction: Floats, chain: Floats) -> Floats:
     along = (chain - point) @ direction
     feet = point + along[:, None] * direction
     off = np.linalg.norm(chain - feet, axis=1)
-    near = feet[off < off.min() + SAME_POINT]
-    apart = near[np.linalg.norm(near - near[0], axis=1) > SAME_POINT]
+    near = feet[off < off.min() + _SAME_POINT]
+    apart = near[np.linalg.norm(near - near[0], axis=1) > _SAME_POINT]
     return np.asarray(near[0] if not len(apart) else (near[0] + apart[0]) / 2.0)
 
 
@@ -273,12 +273,12 @@ def _reached_area(view: Axes, robot: Robot, seen: list[int]) -> None:
     from matplotlib.patches import Circle
 
     said: dict[str, Any] = {
-        "color": AREA_COLOUR,
+        "color": _AREA_COLOUR,
         "zorder": 0,
         "label": f"{'wrist' if _wrist_of(robot) else 'flange'} within the limits",
     }
     swept = _wrist_points(robot, seen)
-    if seen == SIDE_COLUMNS or isinstance(robot.arm, Scara):
+    if seen == _SIDE_COLUMNS or isinstance(robot.arm, Scara):
         corners = swept[..., seen]
         cells = np.stack(
             [corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]], axis=2
@@ -288,8 +288,8 @@ def _reached_area(view: Axes, robot: Robot, seen: list[int]) -> None:
         )
     else:
         view.fill(*_area_outline(robot, swept.reshape(-1, 3)).T, linewidth=0.0, **said)
-    if seen != SIDE_COLUMNS:
-        ring = Circle((0.0, 0.0), robot.reach, fill=False, color=REACH_COLOUR, linestyle="--")
+    if seen != _SIDE_COLUMNS:
+        ring = Circle((0.0, 0.0), robot.reach, fill=False, color=_REACH_COLOUR, linestyle="--")
         ring.set_label("reach")
         view.add_patch(ring)
     view.autoscale_view()
@@ -313,15 +313,15 @@ def _wrist_points(robot: Robot, seen: list[int]) -> Floats:
     and 2.
     """
     scara = isinstance(robot.arm, Scara)
-    first = 0 if scara and seen != SIDE_COLUMNS else min(1, len(robot.axes) - 2)
-    joints = np.tile(robot.home, (AREA_STEPS, AREA_STEPS, 1))
-    steps = np.linspace(0.0, 1.0, AREA_STEPS)
+    first = 0 if scara and seen != _SIDE_COLUMNS else min(1, len(robot.axes) - 2)
+    joints = np.tile(robot.home, (_AREA_STEPS, _AREA_STEPS, 1))
+    steps = np.linspace(0.0, 1.0, _AREA_STEPS)
     low, high = robot.limits.T
     for axis, at in ((first, steps[:, None]), (first + 1, steps)):
         joints[..., axis] = low[axis] + (high[axis] - low[axis]) * at
     chain = robot.chain(joints.reshape(-1, len(robot.axes)))
     return np.asarray(
-        chain[:, WRIST_POINT if _wrist_of(robot) else -1].reshape(AREA_STEPS, AREA_STEPS, 3)
+        chain[:, _WRIST_POINT if _wrist_of(robot) else -1].reshape(_AREA_STEPS, _AREA_STEPS, 3)
     )
 
 
@@ -331,10 +331,10 @@ def _wrist_of(robot: Robot) -> bool:
 
 def _draw_arm(view: Axes, points: Floats) -> None:
     view.plot(
-        *points.T, color=ARM_COLOUR, linewidth=5.0, alpha=0.85, solid_capstyle="round", label="arm"
+        *points.T, color=_ARM_COLOUR, linewidth=5.0, alpha=0.85, solid_capstyle="round", label="arm"
     )
-    view.plot(*points.T, "o", color="white", markeredgecolor=ARM_COLOUR, markersize=7.0)
-    view.plot(*points[-1], "s", color=ARM_COLOUR, markersize=8.0, label="flange")
+    view.plot(*points.T, "o", color="white", markeredgecolor=_ARM_COLOUR, markersize=7.0)
+    view.plot(*points[-1], "s", color=_ARM_COLOUR, markersize=8.0, label="flange")
 
 
 def _draw_axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: float) -> None:
@@ -345,15 +345,15 @@ def _draw_axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: fl
     named: list[tuple[Floats, Floats, list[str]]] = []
     for axis in axes:
         point, direction = axis.point[seen], axis.direction[seen]
-        if np.linalg.norm(direction) < SHORTEST_SEEN:
-            view.plot(*point, "o", color="none", markeredgecolor=AXIS_COLOUR, markersize=13.0)
+        if np.linalg.norm(direction) < _SHORTEST_SEEN:
+            view.plot(*point, "o", color="none", markeredgecolor=_AXIS_COLOUR, markersize=13.0)
             aside = np.array([1.0, 1.0])
         else:
             ends = point + np.outer([-0.1, 0.1], direction) * reach
-            view.plot(*ends.T, color=AXIS_COLOUR, linewidth=1.0, linestyle="-.")
+            view.plot(*ends.T, color=_AXIS_COLOUR, linewidth=1.0, linestyle="-.")
             aside = np.array([direction[1], -direction[0]])
         for place, _, names in named:
-            if np.linalg.norm(place - point) < CROWDED_SHARE * reach:
+            if np.linalg.norm(place - point) < _CROWDED_SHARE * reach:
                 names.append(axis.name)
                 break
         else:
@@ -362,13 +362,13 @@ def _draw_axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: fl
         view.annotate(
             ", ".join(names),
             (float(place[0]), float(place[1])),
-            xytext=(NAME_OFFSET * float(aside[0]), NAME_OFFSET * float(aside[1])),
+            xytext=(_NAME_OFFSET * float(aside[0]), _NAME_OFFSET * float(aside[1])),
             textcoords="offset points",
-            color=AXIS_COLOUR,
+            color=_AXIS_COLOUR,
             ha="left"
-            if aside[0] > SHORTEST_SEEN
+            if aside[0] > _SHORTEST_SEEN
             else "right"
-            if aside[0] < -SHORTEST_SEEN
+            if aside[0] < -_SHORTEST_SEEN
             else "center",
             va="center",
             bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.5},

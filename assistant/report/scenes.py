@@ -12,7 +12,7 @@ from assistant.base.arrays import Floats
 from assistant.cell.collision.model import Carriers, carrier_of
 from assistant.cell.scene import Body, Mesh, Scene, Shape, extent, surface
 
-HEADINGS: Final = ("body", "stands in", "shape", "from", "to", "margin")
+_HEADINGS: Final = ("body", "stands in", "shape", "from", "to", "margin")
 """From and to: the box around it in the world, mm, with all robots at home."""
 
 
@@ -45,8 +45,8 @@ def lines(scene: Scene) -> Iterator[str]:
     for placed in scene.robots:
         at = _said(np.array(placed.base.position))
         yield f"robot {placed.name}: {placed.robot.title}, its base at {at} mm"
-    rows = [HEADINGS, *(_row(*one, scene) for one in _boxes(scene))]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADINGS))]
+    rows = [_HEADINGS, *(_row(*one, scene) for one in _boxes(scene))]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(_HEADINGS))]
     for row in rows if len(rows) > 1 else ():
         yield "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
     count = sum(len(body.locations) for body in scene.bodies)

@@ -12,9 +12,9 @@ import numpy as np
 from assistant.program.motion import Kind
 from assistant.robots.timing import Duration, MoveTimes, OutputTime, Simulation
 
-SLOWEST: Final = 10
+_SLOWEST: Final = 10
 """Motion statements that are shown to people."""
-KINDS: Final = {Kind.JOINT: "joint", Kind.LINEAR: "linear", Kind.VIA: "arc", Kind.END: "arc"}
+_KINDS: Final = {Kind.JOINT: "joint", Kind.LINEAR: "linear", Kind.VIA: "arc", Kind.END: "arc"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ def _statement(simulation: Simulation, moves: MoveTimes, rows: slice) -> Stateme
         procedure,
         number,
         label,
-        "path" if label.startswith("path ") else KINDS[Kind(int(moves.kind[first]))],
+        "path" if label.startswith("path ") else _KINDS[Kind(int(moves.kind[first]))],
         count,
         float(moves.length[rows].sum()),
         float(moves.turn[rows].sum()),
@@ -66,7 +66,7 @@ def lines(simulation: Simulation) -> Iterator[str]:
     """Times of the procedures, the slowest moves, and what is not known, for people."""
     times = [(name, seconds_of(one)) for name, one in simulation.procedures.items()]
     yield from _table([("procedure", "seconds"), *times], "<>")
-    slowest = sorted(statements(simulation), key=lambda one: -one.seconds)[:SLOWEST]
+    slowest = sorted(statements(simulation), key=lambda one: -one.seconds)[:_SLOWEST]
     if slowest:
         yield ""
         head = ("slowest moves", "to", "kind", "mm", "deg", "seconds", "bound by")
@@ -190,7 +190,7 @@ def moves_csv(simulation: Simulation) -> bytes:
     text = io.StringIO(newline="")
     text.write("procedure,move,row,kind,length_mm,turn_deg,seconds,bound_by\n")
     names = np.array(moves.procedures or ("",))[moves.procedure]
-    kinds = [KINDS[Kind(kind)] for kind in moves.kind.tolist()]
+    kinds = [_KINDS[Kind(kind)] for kind in moves.kind.tolist()]
     bounds = [simulation.bound_by(binds) for binds in range(int(moves.binds.max(initial=0)) + 1)]
     columns = (
         names.tolist(),

@@ -24,7 +24,7 @@ from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Label
 from assistant.report.markdown import cell, code, findings_markdown
 
-MOST_COSTS: Final = 10
+_MOST_COSTS: Final = 10
 """Most reasons in a program's report."""
 
 
@@ -57,7 +57,7 @@ class Cost:
         }
 
 
-def costs(rows: Iterable[ReportRow], most: int = MOST_COSTS) -> list[Cost]:
+def costs(rows: Iterable[ReportRow], most: int = _MOST_COSTS) -> list[Cost]:
     """Return the reasons of the most statements; those of untranslated statements come first."""
     found: dict[tuple[Level, str, str], list[ReportRow]] = {}
     for row in rows:
@@ -86,7 +86,7 @@ def _common_message(message: str) -> str:
     return _ANY_NUMBER.sub("#", _QUOTED_NAME.sub(r"`\1`", message))
 
 
-STANDARD_INPUT: Final = "standard input"
+_STANDARD_INPUT: Final = "standard input"
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +97,7 @@ class Translated:
     translation: Translation
 
 
-def report_text(done: Sequence[Translated]) -> str:
+def _report_text(done: Sequence[Translated]) -> str:
     """One line a statement, as compilers write them, and a line of totals each."""
     return "".join(f"{line}\n" for one in done for line in report_lines(one))
 
@@ -114,7 +114,7 @@ def report_lines(one: Translated) -> Iterator[str]:
     yield from reason_lines(one)
 
 
-MOST_PLACES: Final = {"not": 5, "partial": 2}
+_MOST_PLACES: Final = {"not": 5, "partial": 2}
 """Most positions of one reason in a summary."""
 _LEVEL_WORDS: Final = {"not": "not said", "partial": "said with a change"}
 
@@ -128,19 +128,19 @@ def summary(one: Translated) -> Iterator[str]:
     for level in ("not", "partial"):
         rows = [row for row in translation.rows.noted if row.level == level]
         every = costs(rows, len(rows))
-        for cost in every[:MOST_COSTS]:
+        for cost in every[:_MOST_COSTS]:
             cure = f"; {cost.cure}" if cost.cure else ""
             yield f"  {cost.count:,} {_LEVEL_WORDS[level]}: {cost.code} {cost.message}{cure}"
-            shown = cost.rows[: MOST_PLACES[level]]
+            shown = cost.rows[: _MOST_PLACES[level]]
             yield from (
                 f"    {_place_text(row.place)}: {_statement_text(row)}{_outcome_text(row)}"
                 for row in shown
             )
             if len(shown) < len(cost.rows):
                 yield f"    and {len(cost.rows) - len(shown):,} more"
-        if len(every) > MOST_COSTS:
-            rest = sum(cost.count for cost in every[MOST_COSTS:])
-            yield f"  {rest:,} {_LEVEL_WORDS[level]} for {len(every) - MOST_COSTS:,} other reasons"
+        if len(every) > _MOST_COSTS:
+            rest = sum(cost.count for cost in every[_MOST_COSTS:])
+            yield f"  {rest:,} {_LEVEL_WORDS[level]} for {len(every) - _MOST_COSTS:,} other reasons"
 
 
 def reason_lines(one: Translated) -> Iterator[str]:
@@ -186,7 +186,7 @@ def _program_markdown(one: Translated) -> Iterator[str]:
             "|---:|---|---|---|---|",
         )
     for cost in most:
-        where = f"{cost.place.path or STANDARD_INPUT}:{cost.place.line}"
+        where = f"{cost.place.path or _STANDARD_INPUT}:{cost.place.line}"
         yield (
             f"| {cost.count:,} | {cost.level} | {cell(f'{cost.code} {cost.message}')} "
             f"| {cell(cost.cure) if cost.cure else ''} | {cell(where)} |"
@@ -239,7 +239,7 @@ def _row_record(row: ReportRow) -> dict[str, Any]:
 
 
 def _place_text(place: Place) -> str:
-    return f"{place.path or STANDARD_INPUT}:{place.line}"
+    return f"{place.path or _STANDARD_INPUT}:{place.line}"
 
 
 def _statement_text(row: ReportRow) -> str:
@@ -254,10 +254,10 @@ def _report_json(done: Sequence[Translated]) -> str:
     return json.dumps([report_record(one) for one in done], indent=2, ensure_ascii=False) + "\n"
 
 
-REPORT_WRITERS: Final[dict[str, Callable[[Sequence[Translated]], str]]] = {
+_REPORT_WRITERS: Final[dict[str, Callable[[Sequence[Translated]], str]]] = {
     ".md": report_markdown,
     ".json": _report_json,
-    ".txt": report_text,
+    ".txt": _report_text,
 }
 """Writer of a report file, by its suffix."""
 
@@ -270,13 +270,13 @@ def report_bytes(
     refusals: why programs are in no translation; in each form but the page.
     """
     suffix = file.suffix.lower()
-    said = REPORT_WRITERS.get(suffix, report_text)(done)
+    said = _REPORT_WRITERS.get(suffix, _report_text)(done)
     if suffix == ".json":
         records = [*map(report_record, done), *_refusal_records(refusals)]
         said = json.dumps(records, indent=2, ensure_ascii=False) + "\n"
     elif suffix == ".md":
         said = "".join(f"{line}\n" for line in findings_markdown(refusals)) + said
-    elif REPORT_WRITERS.get(suffix, report_text) is report_text:
+    elif _REPORT_WRITERS.get(suffix, _report_text) is _report_text:
         of_all = (finding for one in done for finding in one.translation.whole)
         said += "".join(map(_finding_text, (*of_all, *refusals)))
     return said.encode("utf-8")
@@ -295,8 +295,8 @@ def _finding_text(finding: Diagnostic) -> str:
     return f"{where}{finding.severity}: {finding.code} {finding.message}{cure}\n"
 
 
-NAME_COLUMNS: Final = ("program", "kind", "routine", "old", "new", "file", "line")
-NAMED_TABLES: Final = (
+_NAME_COLUMNS: Final = ("program", "kind", "routine", "old", "new", "file", "line")
+_NAMED_TABLES: Final = (
     "variables", "targets", "joint_targets", "tools", "frames", "signals", "speeds", "blends",
 )  # fmt: skip
 
@@ -322,7 +322,7 @@ def names_csv(done: Sequence[Translated]) -> str:
     """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(NAME_COLUMNS)
+    table.writerow(_NAME_COLUMNS)
     for one in done:
         for old, new, place in renamed_items(one.translation):
             where = ("", "") if place is None else (place.path or one.source, str(place.line))
@@ -401,7 +401,7 @@ def _item_names(program: Program) -> Iterator[NamedItem]:
             yield NamedItem("variable", procedure.name, name, variable.span)
         labels = (x.name for x in walk(procedure.body) if isinstance(x, Label))
         yield from (NamedItem("label", procedure.name, name) for name in dict.fromkeys(labels))
-    for table in NAMED_TABLES:
+    for table in _NAMED_TABLES:
         held: Iterable[str] = getattr(program, table)
         for name in held:
             span = program.variables[name].span if table == "variables" else None

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-MOST_MAP_SLICES: Final = 9
-MOST_NEAR_PAIRS: Final = 5
+_MOST_MAP_SLICES: Final = 9
+_MOST_NEAR_PAIRS: Final = 5
 """Most pairs of bodies reported as too near."""
-NOT_REACHED_COLOUR, TOUCHING_COLOUR = "#e4e7ea", "#d9776c"
+_NOT_REACHED_COLOUR, _TOUCHING_COLOUR = "#e4e7ea", "#d9776c"
 
 
 def map_lines(found: ReachMap) -> Iterator[str]:
@@ -49,7 +49,7 @@ def map_lines(found: ReachMap) -> Iterator[str]:
     if found.nearest:
         yield ""
         whole = sum(found.nearest.values())
-        for (one, other), count in list(found.nearest.items())[:MOST_NEAR_PAIRS]:
+        for (one, other), count in list(found.nearest.items())[:_MOST_NEAR_PAIRS]:
             yield f"too near: {one} to {other}, {100.0 * count / whole:.0f} %"
     some = found.points[found.reached.any(axis=1)]
     if len(some):
@@ -120,7 +120,7 @@ def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
     values = [np.unique(found.points[:, axis]) for axis in range(3)]
     across, up, through = _slice_axes([len(v) for v in values])
     levels = values[through]
-    some = evenly_spaced(len(levels), MOST_MAP_SLICES)
+    some = evenly_spaced(len(levels), _MOST_MAP_SLICES)
     columns = min(3, len(some))
     rows = -(-len(some) // columns)
     drawn = figures.new_figure(1.6 + 3.4 * columns, 0.9 + 3.2 * rows)
@@ -137,7 +137,7 @@ def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
         view.pcolormesh(
             *edges,
             empty.T,
-            cmap=ListedColormap([NOT_REACHED_COLOUR, TOUCHING_COLOUR]),
+            cmap=ListedColormap([_NOT_REACHED_COLOUR, _TOUCHING_COLOUR]),
             vmin=0,
             vmax=1,
         )
@@ -174,17 +174,17 @@ def _slice_pictures(
     return room, touching
 
 
-MOST_PLACES_SHOWN: Final = 10
-PLACE_AXES: Final = ("x", "y", "z", "turn")
-PLACE_UNITS: Final = ("mm", "mm", "mm", "degrees")
-NO_PLACE_COLOUR: Final = "#e4e7ea"
+_MOST_PLACES_SHOWN: Final = 10
+_PLACE_AXES: Final = ("x", "y", "z", "turn")
+_PLACE_UNITS: Final = ("mm", "mm", "mm", "degrees")
+_NO_PLACE_COLOUR: Final = "#e4e7ea"
 
 
 def place_text(place: Place) -> str:
     """Return the position of a place relative to the present one."""
     said = [
         f"{name} {value:+g}"
-        for name, value in zip(PLACE_AXES, place.offset.tolist(), strict=True)
+        for name, value in zip(_PLACE_AXES, place.offset.tolist(), strict=True)
         if value
     ]
     return ", ".join(said) or "where it is"
@@ -192,7 +192,7 @@ def place_text(place: Place) -> str:
 
 def place_lines(found: Places) -> Iterator[str]:
     """The best places, a row each."""
-    some = found.places[:MOST_PLACES_SHOWN]
+    some = found.places[:_MOST_PLACES_SHOWN]
     if not some:
         return
     wide = max(5, *(len(place_text(place)) for place in some))
@@ -211,8 +211,8 @@ def place_lines(found: Places) -> Iterator[str]:
             f"{place_text(place):{wide}}  {reached:>9}  {place.room:>5.2f}  {place.limits:>6.2f}  "
             f"{place.away:>11.2f}  {clear:>9}  {at}"
         )
-    if len(found.places) > MOST_PLACES_SHOWN:
-        yield f"and {len(found.places) - MOST_PLACES_SHOWN:,} more"
+    if len(found.places) > _MOST_PLACES_SHOWN:
+        yield f"and {len(found.places) - _MOST_PLACES_SHOWN:,} more"
 
 
 def pose_text(pose: Pose) -> Iterator[str]:
@@ -283,13 +283,13 @@ def places_picture(found: Places, title: str, format: str = "png") -> bytes:
     edges = [figures.cell_edges(values[axis]) for axis in (across, up)]
     pictures = (("share of the targets that is reached", share), ("room where all are", room))
     for view, (name, column) in zip(drawn.subplots(1, 2), pictures, strict=True):
-        view.set_facecolor(NO_PLACE_COLOUR)
+        view.set_facecolor(_NO_PLACE_COLOUR)
         shown = view.pcolormesh(*edges, column.T, cmap="viridis", vmin=0.0, vmax=1.0)
         drawn.colorbar(shown, ax=view)
         view.set(
             title=name,
-            xlabel=f"{PLACE_AXES[across]} from where it is, {PLACE_UNITS[across]}",
-            ylabel=f"{PLACE_AXES[up]} from where it is, {PLACE_UNITS[up]}",
+            xlabel=f"{_PLACE_AXES[across]} from where it is, {_PLACE_UNITS[across]}",
+            ylabel=f"{_PLACE_AXES[up]} from where it is, {_PLACE_UNITS[up]}",
         )
         if found.best is not None:
             view.plot(*found.best.offset[[across, up]], "x", color="#b3261e", markersize=9.0)
@@ -297,9 +297,9 @@ def places_picture(found: Places, title: str, format: str = "png") -> bytes:
     return figures.picture(drawn, format)
 
 
-SWEPT_COLOUR: Final = (230, 120, 40)
-SWEPT_BODY: Final = "swept"
-CELL_FACES: Final = (
+_SWEPT_COLOUR: Final = (230, 120, 40)
+_SWEPT_BODY: Final = "swept"
+_CELL_FACES: Final = (
     *((0, 1, ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1))),),
     *((0, -1, ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0))),),
     *((1, 1, ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0))),),
@@ -366,7 +366,7 @@ def swept_glb(found: SweptSpace) -> bytes:
     """The surface of the cells as binary glTF, a body `swept`."""
     if not len(found.cells):
         return gltf(Scene())
-    return gltf(Scene((Body(SWEPT_BODY, (Part(swept_surface(found)),), colour=SWEPT_COLOUR),)))
+    return gltf(Scene((Body(_SWEPT_BODY, (Part(swept_surface(found)),), colour=_SWEPT_COLOUR),)))
 
 
 def swept_surface(found: SweptSpace) -> Mesh:
@@ -376,7 +376,7 @@ def swept_surface(found: SweptSpace) -> Mesh:
     marks = np.zeros(cells.max(axis=0) + 2, dtype=np.bool_)
     marks[tuple(cells.T)] = True
     corners = list[Ints]()
-    for axis, side, around in CELL_FACES:
+    for axis, side, around in _CELL_FACES:
         beside = cells.copy()
         beside[:, axis] += side
         open_ = found.cells[~marks[tuple(beside.T)]]
@@ -416,10 +416,10 @@ def swept_picture(found: SweptSpace, title: str, format: str = "png") -> bytes:
     return figures.picture(drawn, format)
 
 
-EXPLORED_VIEWS: Final = (("from above", 0, 1, 2), ("from the side", 0, 2, 1))
+_EXPLORED_VIEWS: Final = (("from above", 0, 1, 2), ("from the side", 0, 2, 1))
 """Title, axes to the right and up, and the axis that is looked along."""
-AXIS_LETTERS: Final = "xyz"
-EXPLORED_COLOURS: Final = "YlGnBu"
+_AXIS_LETTERS: Final = "xyz"
+_EXPLORED_COLOURS: Final = "YlGnBu"
 
 
 def explored_picture(occupancy: Occupancy, format: str = "png") -> bytes:
@@ -429,9 +429,9 @@ def explored_picture(occupancy: Occupancy, format: str = "png") -> bytes:
     matplotlib.
     """
     drawn = new_figure(10.0, 5.0)
-    for axes, (title, right, up, along) in zip(drawn.subplots(1, 2), EXPLORED_VIEWS, strict=True):
+    for axes, (title, right, up, along) in zip(drawn.subplots(1, 2), _EXPLORED_VIEWS, strict=True):
         _draw_view(axes, occupancy, right, up)
-        axes.set_title(f"{title}: mm of free space along {AXIS_LETTERS[along]}", fontsize=10)
+        axes.set_title(f"{title}: mm of free space along {_AXIS_LETTERS[along]}", fontsize=10)
     return picture(drawn, format)
 
 
@@ -447,7 +447,7 @@ def _draw_view(axes: Axes, occupancy: Occupancy, right: int, up: int) -> None:
         extent = (low[right], high[right], low[up], high[up])
         shown = np.ma.masked_equal(depth, 0.0)
         image = axes.imshow(
-            shown, EXPLORED_COLOURS, origin="lower", extent=extent, interpolation="nearest"
+            shown, _EXPLORED_COLOURS, origin="lower", extent=extent, interpolation="nearest"
         )
         axes.figure.colorbar(image, ax=axes, shrink=0.8)
     if len(touched):
@@ -456,5 +456,5 @@ def _draw_view(axes: Axes, occupancy: Occupancy, right: int, up: int) -> None:
         axes.legend(loc="upper right", fontsize=8)
     axes.plot(0.0, 0.0, "+", color="black", markersize=12)
     axes.set_aspect("equal")
-    axes.set_xlabel(f"{AXIS_LETTERS[right]} / mm")
-    axes.set_ylabel(f"{AXIS_LETTERS[up]} / mm")
+    axes.set_xlabel(f"{_AXIS_LETTERS[right]} / mm")
+    axes.set_ylabel(f"{_AXIS_LETTERS[up]} / mm")

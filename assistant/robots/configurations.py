@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from assistant.base.arrays import Ints, whole_rows
 from assistant.program.motion import UNSTATED
 
-BACK, DOWN, FLIP = 0, 1, 2
+BACK, _DOWN, FLIP = 0, 1, 2
 QUADRANTS: Final = slice(3, 6)
 TURNING_AXES: Final = (1, 4, 6)
 """The axes whose quadrants a configuration names."""
@@ -26,7 +26,7 @@ def to_confdata(configurations: ArrayLike) -> Ints:
     """(n, 6) neutral columns → (n, 4) cf1, cf4, cf6, cfx; an unstated row gives zeros."""
     c = whole_rows(configurations, 6, "configurations")
     stated = c[:, BACK] != UNSTATED
-    cfx = 4 * c[:, BACK] + 2 * (c[:, DOWN] ^ c[:, BACK]) + c[:, FLIP]
+    cfx = 4 * c[:, BACK] + 2 * (c[:, _DOWN] ^ c[:, BACK]) + c[:, FLIP]
     return np.where(stated[:, None], np.column_stack([c[:, QUADRANTS], cfx]), 0)
 
 
@@ -43,7 +43,7 @@ def to_flags(configurations: ArrayLike) -> Ints:
     """(n, 6) neutral columns → (n, 2) FLG1, FLG2; an unstated row gives (7, 0)."""
     c = whole_rows(configurations, 6, "configurations")
     stated = c[:, BACK] != UNSTATED
-    one = 7 - 4 * c[:, BACK] - 2 * c[:, DOWN] - c[:, FLIP]
+    one = 7 - 4 * c[:, BACK] - 2 * c[:, _DOWN] - c[:, FLIP]
     turns = (c[:, QUADRANTS] + 2) // 4
     shifts = np.array([4 * (axis - 1) for axis in TURNING_AXES])
     two = ((turns & 0xF) << shifts).sum(axis=1)

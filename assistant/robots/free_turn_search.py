@@ -31,9 +31,9 @@ from assistant.robots.motion.interpolation import Arcs, ToolPaths
 from assistant.robots.motion.run import Run
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot
 
-MOST_TURN_RATE: Final = 45.0
+_MOST_TURN_RATE: Final = 45.0
 """degrees a second that a tool is turned by on its way at most: its tip never waits for that."""
-UNKNOWN_SPEED: Final = 100.0
+_UNKNOWN_SPEED: Final = 100.0
 """mm/s of moves whose speed only running the program tells, or which is unlimited."""
 UPRIGHT: Final = np.array([0.0, 0.0, 1.0])
 
@@ -153,7 +153,7 @@ def _move_seconds(run: Run, positions: Floats, arcs: Arcs | None) -> Floats:
 
 def _tcp(speed: Speed | Name) -> float:
     known = isinstance(speed, Speed) and 0.0 < speed.tcp < np.inf
-    return speed.tcp if known and isinstance(speed, Speed) else UNKNOWN_SPEED
+    return speed.tcp if known and isinstance(speed, Speed) else _UNKNOWN_SPEED
 
 
 def stations(free_run: FreeRun, step: float) -> Rows:
@@ -171,33 +171,33 @@ def stations(free_run: FreeRun, step: float) -> Rows:
     chosen, since = [], 0.0
     for row in range(n):
         since += float(free_run.seconds[row])
-        if must[row] or since * MOST_TURN_RATE >= step:
+        if must[row] or since * _MOST_TURN_RATE >= step:
             chosen.append(row)
             since = 0.0
     return np.array(chosen, dtype=np.intp)
 
 
-SPACING: Final = 15.0
+_SPACING: Final = 15.0
 """Distance in mm between poses on a path that are examined; of closer targets only some are
 examined.
 """
-TILT_SPACING: Final = 5.0
+_TILT_SPACING: Final = 5.0
 """Tilt in degrees after which the next pose is examined."""
-MOST_PLACES: Final = 24
+_MOST_PLACES: Final = 24
 """Places on the way from row to row, at most."""
-WIDEST: Final = 90.0
+_WIDEST: Final = 90.0
 """degrees by which the tool turns from one station to the next, at most."""
-LEAP: Final = 120.0
+_LEAP: Final = 120.0
 """degrees or mm of an axis from place to place from which on it is no way."""
-NEAR_SINGULARITY: Final = 10.0
+_NEAR_SINGULARITY: Final = 10.0
 """degrees of axis 5 from straight within which the wrist is near its singularity."""
-SINGULARITY_COST: Final = 5.0
+_SINGULARITY_COST: Final = 5.0
 """Seconds of joint travel that one at the singularity of the wrist is as bad as."""
-TOO_SLOW_COST: Final = 10.0
+_TOO_SLOW_COST: Final = 10.0
 """Seconds of joint travel that one is as bad as by which an axis is too slow for the tool."""
-NEAR_LIMIT: Final = 3.0
+_NEAR_LIMIT: Final = 3.0
 """degrees or mm from a limit within which an axis is near it."""
-ROUNDING: Final = 1e-6
+_ROUNDING: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -274,7 +274,7 @@ class StationBuilder:
             ends = one.turns[before], change
             joints[:, 1:-1], reached = self._between(rows, ends, places, one.branches)
             possible &= reached.all(axis=0)
-        return self._costed(before, joints, possible, seconds, LEAP if same else np.inf)
+        return self._costed(before, joints, possible, seconds, _LEAP if same else np.inf)
 
     def along(
         self, one: Station, other: Station, turns: tuple[int, int], branch: int, change: float
@@ -316,8 +316,8 @@ class StationBuilder:
         elif self.free_run.tied[other.row] == one.row:
             fits = np.abs(apart) < 1e-3
         else:
-            most = min(MOST_TURN_RATE * float(self.free_run.seconds[rows].sum()), WIDEST)
-            fits = np.abs(apart) <= max(most + ROUNDING, tolerance)
+            most = min(_MOST_TURN_RATE * float(self.free_run.seconds[rows].sum()), _WIDEST)
+            fits = np.abs(apart) <= max(most + _ROUNDING, tolerance)
         count = max(int(fits.sum(axis=1).max()), 1)
         order = np.argsort(np.where(fits, np.abs(apart), np.inf), axis=1, kind="stable")[:, :count]
         chosen = np.take_along_axis(fits, order, axis=1)
@@ -330,11 +330,11 @@ class StationBuilder:
         if not self.free_run.same[rows].all():  # with another tool, or in another frame
             return rows[-1:], np.ones(1)
         lengths = self._lengths[rows]
-        counts = np.clip(np.ceil(lengths / SPACING), 1, MOST_PLACES).astype(np.intp)
+        counts = np.clip(np.ceil(lengths / _SPACING), 1, _MOST_PLACES).astype(np.intp)
         row = np.repeat(rows, counts)
         number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
-        each = np.maximum(lengths / SPACING, self._tilts[rows] / TILT_SPACING) / counts
-        gone = np.floor(np.cumsum(np.repeat(each, counts)) + ROUNDING)
+        each = np.maximum(lengths / _SPACING, self._tilts[rows] / _TILT_SPACING) / counts
+        gone = np.floor(np.cumsum(np.repeat(each, counts)) + _ROUNDING)
         kept = np.diff(gone, prepend=0.0) > 0.0
         kept[-1] = True
         return row[kept], (number / np.repeat(counts, counts))[kept]
@@ -418,7 +418,7 @@ class StationBuilder:
     def _costed(
         self, before: Rows, joints: Floats, possible: Truths, seconds: Floats, leap: float
     ) -> Step:
-        """joints: (a, s + 1, k, m, b). seconds: (s,) from place to place. leap: see `LEAP`."""
+        """joints: (a, s + 1, k, m, b). seconds: (s,) from place to place. leap: see `_LEAP`."""
         robot, winding = self.robot, self.winding
         low, high = (limit[:, None, None, None] for limit in robot.limits.T)
         for_each = seconds[:, None, None, None]
@@ -438,15 +438,15 @@ class StationBuilder:
             steps /= robot.speeds[:, None, None, None, None]
             np.abs(steps, out=steps)
             cost = np.sqrt(np.square(steps).sum(axis=0)).sum(axis=0)
-            cost += TOO_SLOW_COST * np.maximum(steps.max(axis=0) - for_each, 0.0).sum(axis=0)
+            cost += _TOO_SLOW_COST * np.maximum(steps.max(axis=0) - for_each, 0.0).sum(axis=0)
             if self.bend is not None:
-                near = np.clip(1.0 - np.abs(joints[self.bend, 1:]) / NEAR_SINGULARITY, 0.0, 1.0)
-                cost += SINGULARITY_COST * (near * near * for_each).sum(axis=0)
+                near = np.clip(1.0 - np.abs(joints[self.bend, 1:]) / _NEAR_SINGULARITY, 0.0, 1.0)
+                cost += _SINGULARITY_COST * (near * near * for_each).sum(axis=0)
             still = [axis for axis in range(len(robot.axes)) if axis not in winding]
             room = np.minimum(
                 joints[still, 1:] - low[still, None], high[still, None] - joints[still, 1:]
             )
-            near = np.clip(1.0 - room.min(axis=0) / NEAR_LIMIT, 0.0, 1.0)
+            near = np.clip(1.0 - room.min(axis=0) / _NEAR_LIMIT, 0.0, 1.0)
             cost += (near * near * for_each).sum(axis=0)
         return Step(
             before,
@@ -457,9 +457,9 @@ class StationBuilder:
         )
 
 
-DRAWN_TURN_COST: Final = 1e-4
+_DRAWN_TURN_COST: Final = 1e-4
 """Seconds that a degree away from how a target was drawn has to save at the start of a chain."""
-STATE_PAIRS_AT_ONCE: Final = 4_000_000
+_STATE_PAIRS_AT_ONCE: Final = 4_000_000
 """Pairs of states whose distances are worked out at once."""
 
 TurnState = tuple[int, int, int]
@@ -506,7 +506,7 @@ BarredSteps = Mapping[int, set[tuple[int, int, int]]]
 before it, branch). Below 0 in the middle: a state of the station itself."""
 
 
-class Windings:
+class _Windings:
     """Whole turns of the axes that may turn further than once, each combination with a number."""
 
     def __init__(self, robot: Robot) -> None:
@@ -546,7 +546,7 @@ class TurnSearch:
 
     def __init__(self, problem: TurnProblem, robot: Robot) -> None:
         self.problem, self.robot = problem, robot
-        self.windings = Windings(robot)
+        self.windings = _Windings(robot)
         self.possible = [
             one.possible[..., None] & self.windings.inside(one.joints, None, None)
             for one in problem.stations
@@ -601,7 +601,7 @@ class TurnSearch:
     def _away(self, station: int) -> Floats:
         """(k,) seconds that turns cost for being others than what was drawn."""
         away = self.problem.stations[station].turns - self.problem.drawn[station]
-        return np.asarray(DRAWN_TURN_COST * np.abs(away - 360.0 * np.round(away / 360.0)))
+        return np.asarray(_DRAWN_TURN_COST * np.abs(away - 360.0 * np.round(away / 360.0)))
 
     def _without(self, station: int, costs: Floats, barred: BarredSteps) -> Floats:
         for turn, before, branch in barred.get(station, ()):
@@ -661,7 +661,7 @@ class TurnSearch:
             sources = sources[(flat[sources] < flat[best] + way) | (sources == best)]
         goals = np.flatnonzero(self.possible[station])
         new, back = np.full(len(after), np.inf), np.zeros(len(after), dtype=np.int64)
-        size = max(STATE_PAIRS_AT_ONCE // max(len(sources), 1), 1)
+        size = max(_STATE_PAIRS_AT_ONCE // max(len(sources), 1), 1)
         per_before, per_after = (costs[0].size, self.possible[station][0].size)
         for start in range(0, len(goals), size):
             some = goals[start : start + size]
@@ -736,6 +736,6 @@ def _state(number: int, shape: tuple[int, ...]) -> TurnState:
     return int(turn), int(branch), int(wound)
 
 
-def turn_numbers(found: FoundPath) -> Rows:
+def _turn_numbers(found: FoundPath) -> Rows:
     """(s,) the turns of a way, as numbers among those of each station."""
     return np.array([state[0] for state in found.states], dtype=np.intp)

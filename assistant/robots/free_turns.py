@@ -46,24 +46,24 @@ from assistant.robots.program_values import Names
 from assistant.robots.robot import Robot
 from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
 
-COARSE_STEP: Final = 10.0
+_COARSE_STEP: Final = 10.0
 """degrees between the turns that are tried first."""
-CLOSE_STEP: Final = 2.5
+_CLOSE_STEP: Final = 2.5
 """degrees between those that are tried about what was found."""
-FINE_STEP: Final = 5.0
+_FINE_STEP: Final = 5.0
 """degrees between those that are tried where the coarse ones lead nowhere."""
-STEPS_EACH_SIDE: Final = 4
+_STEPS_EACH_SIDE: Final = 4
 """So many of them to either side."""
-FEW_STATIONS: Final = 400
+_FEW_STATIONS: Final = 400
 """Stations up to which these are tried."""
-FEW_STATIONS_TOUCHING: Final = 50
+_FEW_STATIONS_TOUCHING: Final = 50
 """The same where something is in the way."""
-FEW_JUMPS: Final = 20
+_FEW_JUMPS: Final = 20
 """Joint moves up to which they are."""
-MOST_TRIES: Final = 60
+_MOST_TRIES: Final = 60
 """Largest number of paths that are searched until one is free of contact."""
 
-StationLeg = tuple[int, tuple[int, int], tuple[int, int]]
+_StationLeg = tuple[int, tuple[int, int], tuple[int, int]]
 """A station, with turn and branch of the station before and of this one."""
 ClearTest = Callable[[Floats, Floats], Truths]
 """Test whether the straight joint moves of the arm from (n, a) to (n, a) are free of contact,
@@ -72,7 +72,7 @@ ClearTest = Callable[[Floats, Floats], Truths]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ChosenTurns:
+class _ChosenTurns:
     """turns: (n,) degrees from how the targets were drawn. last: (a,) joints at the end."""
 
     turns: Floats
@@ -80,35 +80,35 @@ class ChosenTurns:
 
 
 @dataclass(frozen=True, slots=True)
-class NoTurn:
+class _NoTurn:
     """row: up to which no turn leads. touching: whether only because something is in the way."""
 
     row: int
     touching: bool = False
 
 
-def choose_turns(
+def _choose_turns(
     free_run: FreeRun, robot: Robot, clear: ClearTest | None = None
-) -> ChosenTurns | NoTurn:
+) -> _ChosenTurns | _NoTurn:
     """Turns with which a run is within reach and limits, keeps its branch, touches nothing and
     takes the axes the shortest way.
 
     clear: None without a cell.
     """
     looker = StationBuilder(free_run, robot)
-    found = _search_grid(_Grid(looker, COARSE_STEP), clear)
-    if isinstance(found, NoTurn) and _few(free_run, found):
-        found = _search_grid(_Grid(looker, FINE_STEP), clear)
-    if isinstance(found, NoTurn):
+    found = _search_grid(_Grid(looker, _COARSE_STEP), clear)
+    if isinstance(found, _NoTurn) and _few(free_run, found):
+        found = _search_grid(_Grid(looker, _FINE_STEP), clear)
+    if isinstance(found, _NoTurn):
         return found
-    closer = _search_grid(_Grid(looker, CLOSE_STEP, found), clear)
-    return found.chosen() if isinstance(closer, NoTurn) else closer.chosen()
+    closer = _search_grid(_Grid(looker, _CLOSE_STEP, found), clear)
+    return found.chosen() if isinstance(closer, _NoTurn) else closer.chosen()
 
 
-def _few(free_run: FreeRun, found: NoTurn) -> bool:
+def _few(free_run: FreeRun, found: _NoTurn) -> bool:
     jumps = int(np.count_nonzero(free_run.run.kinds == Kind.JOINT))
-    most = FEW_STATIONS_TOUCHING if found.touching else FEW_STATIONS
-    return len(stations(free_run, COARSE_STEP)) <= most and jumps <= FEW_JUMPS
+    most = _FEW_STATIONS_TOUCHING if found.touching else _FEW_STATIONS
+    return len(stations(free_run, _COARSE_STEP)) <= most and jumps <= _FEW_JUMPS
 
 
 class _Grid:
@@ -116,7 +116,9 @@ class _Grid:
 
     def __init__(self, looker: StationBuilder, step: float, about: _GridPath | None = None) -> None:
         self.looker, self.free_run, self.step, self.about = looker, looker.free_run, step, about
-        self.rows: Rows = stations(self.free_run, COARSE_STEP) if about is None else about.grid.rows
+        self.rows: Rows = (
+            stations(self.free_run, _COARSE_STEP) if about is None else about.grid.rows
+        )
         self.ramp = self._ramp()
         robot = looker.robot
         every = tuple(range(robot.branches))
@@ -128,7 +130,7 @@ class _Grid:
             elif about is None:
                 turns = np.arange(0.0, 360.0, step) + self.ramp[at]
             else:
-                turns = about.turns[at] + step * np.arange(-STEPS_EACH_SIDE, STEPS_EACH_SIDE + 1)
+                turns = about.turns[at] + step * np.arange(-_STEPS_EACH_SIDE, _STEPS_EACH_SIDE + 1)
             branches = every if about is None else (about.branches[at],)
             self.stations.append(looker.station(row, turns, branches))
         self.reached = [bool(one.possible.any()) for one in self.stations]
@@ -218,7 +220,7 @@ class _GridPath:
         change = float(self.turns[at + 1] - self.turns[at]) - ramp
         return float(self.turns[at]), change - 360.0 * round(change / 360.0) + ramp
 
-    def chosen(self) -> ChosenTurns:
+    def chosen(self) -> _ChosenTurns:
         free_run, grid = self.grid.free_run, self.grid
         out = np.empty(len(free_run))
         out[grid.rows] = self.turns
@@ -227,7 +229,7 @@ class _GridPath:
                 turns = grid.looker.row_turns(one, other, self.changes(at))
                 out[one.row + 1 : other.row] = turns[:-1]
         away = out - free_run.drawn
-        return ChosenTurns(away - 360.0 * np.round(away / 360.0), self.found.joints[-1])
+        return _ChosenTurns(away - 360.0 * np.round(away / 360.0), self.found.joints[-1])
 
     def joints_to(self, at: int) -> Floats:
         """(s, a) joints on the way to a station, the one before included; alone its own where only
@@ -242,18 +244,18 @@ class _GridPath:
         return grid.looker.along(one, other, (before, turn), branch, change)
 
 
-def _search_grid(grid: _Grid, clear: ClearTest | None) -> _GridPath | NoTurn:
+def _search_grid(grid: _Grid, clear: ClearTest | None) -> _GridPath | _NoTurn:
     """The cheapest way through a grid that touches nothing."""
     if not all(grid.reached):
-        return NoTurn(int(grid.rows[grid.reached.index(False)]))
+        return _NoTurn(int(grid.rows[grid.reached.index(False)]))
     problem = grid.problem()
     search = TurnSearch(problem, grid.looker.robot)
     barred: dict[int, set[tuple[int, int, int]]] = {}
-    known: dict[StationLeg, bool] = {}
-    for _ in range(MOST_TRIES):
+    known: dict[_StationLeg, bool] = {}
+    for _ in range(_MOST_TRIES):
         found = search.best(barred)
         if isinstance(found, NoPath):
-            return NoTurn(int(grid.rows[found.station]), touching=bool(barred))
+            return _NoTurn(int(grid.rows[found.station]), touching=bool(barred))
         way = _GridPath.of(grid, found)
         bad = [] if clear is None else _touching(way, clear, known)
         if not bad:
@@ -262,13 +264,13 @@ def _search_grid(grid: _Grid, clear: ClearTest | None) -> _GridPath | NoTurn:
         assert clear is not None
         for at in bad:
             _bar(way, at, clear, barred.setdefault(at, set()))
-    return NoTurn(int(grid.rows[bad[0]]), touching=True)
+    return _NoTurn(int(grid.rows[bad[0]]), touching=True)
 
 
-def _touching(way: _GridPath, clear: ClearTest, known: dict[StationLeg, bool]) -> list[int]:
+def _touching(way: _GridPath, clear: ClearTest, known: dict[_StationLeg, bool]) -> list[int]:
     """Stations on whose way something is touched. known: of legs whether they are clear."""
     states = way.found.states
-    legs: list[StationLeg] = [(0, states[0][:2], states[0][:2])]
+    legs: list[_StationLeg] = [(0, states[0][:2], states[0][:2])]
     legs += [(i + 1, one[:2], other[:2]) for i, (one, other) in enumerate(pairwise(states))]
     new = [leg for leg in legs if leg not in known]
     ways = [way.joints_to(at) for at, _, _ in new]
@@ -324,7 +326,7 @@ def _bar(way: _GridPath, at: int, clear: ClearTest, barred: set[tuple[int, int, 
 
 def _with_first_turns(
     way: _GridPath, untied: list[tuple[int, int]], clear: ClearTest | None
-) -> _GridPath | NoTurn:
+) -> _GridPath | _NoTurn:
     """Search the path again so that repeated targets keep the turn that was first found for
     them.
     """
@@ -348,7 +350,7 @@ def _with_target(free_run: FreeRun, row: int) -> Rows:
     return np.flatnonzero(first == first[row])
 
 
-LEAST_TURN: Final = 1e-9
+_LEAST_TURN: Final = 1e-9
 """Least turn in degrees that counts as a turn."""
 
 
@@ -388,11 +390,11 @@ class _TargetRows:
     """The rows of a run. keys: of each the target, or path and row of it. free: see `FreeRun`."""
 
     run: SolvedRun
-    keys: list[TargetKey]
+    keys: list[_TargetKey]
     free: Truths
 
 
-TargetKey = tuple[int, int]
+_TargetKey = tuple[int, int]
 """Number of a target and -1, or of a path and a row of it."""
 
 
@@ -407,9 +409,9 @@ class _Turning:
         self.solution: SolvedProgram = solve_program(self.source, robot)
         self.kept = _kept_targets(program)
         self.uses: Counter[int] = Counter()
-        self.away: dict[TargetKey, float] = {}
+        self.away: dict[_TargetKey, float] = {}
         self.paths: dict[int, Path] = {}
-        self.tools: dict[TargetKey, Tool] = {}
+        self.tools: dict[_TargetKey, Tool] = {}
         self.failed: list[Diagnostic] = []
 
     def go(self) -> None:
@@ -430,7 +432,7 @@ class _Turning:
         """The runs of a procedure in order of text."""
         names = Names(self.source)
         names.enter(next(p for p in self.source.procedures if p.name == procedure))
-        gathered: dict[int, tuple[SolvedRun, list[TargetKey]]] = {}
+        gathered: dict[int, tuple[SolvedRun, list[_TargetKey]]] = {}
         for leg in legs:
             run = leg.solved_run
             if run is None:
@@ -449,7 +451,7 @@ class _Turning:
             free = np.array([tool.free_turn for tool in mounting.tools])[mounting.tool]
             yield _TargetRows(run, keys, free)
 
-    def _key(self, place: Expression, names: Names) -> TargetKey:
+    def _key(self, place: Expression, names: Names) -> _TargetKey:
         """The target of a move; one that may not be turned is kept from it."""
         found = names.place(place)
         assert found is not None  # it is in a run
@@ -487,7 +489,7 @@ class _Turning:
                     [key not in bound and self._open(key) for key in rows.keys], dtype=bool
                 )
 
-    def _open(self, key: TargetKey) -> bool:
+    def _open(self, key: _TargetKey) -> bool:
         number, row = key
         if row < 0:
             return number not in self.kept
@@ -506,7 +508,7 @@ class _Turning:
         if run.joined:
             now = [new for old, new in ends if np.array_equal(old, run.before)]
             run = replace(run, before=now[-1] if now else run.before)
-        numbers: dict[TargetKey, int] = {}
+        numbers: dict[_TargetKey, int] = {}
         again = Counter(rows.keys)
         keys = np.array(
             [numbers.setdefault(k, len(numbers)) if again[k] > 1 else -1 for k in rows.keys],
@@ -517,11 +519,11 @@ class _Turning:
         own = np.where(stated, robot.branch_of(run.configurations), -1)
         free_run = free_run_of(run, robot, rows.free, keys, own, fixed)
         tool = self._tool(rows)
-        found = choose_turns(free_run, robot, self.clear[0] if self.clear else None)
+        found = _choose_turns(free_run, robot, self.clear[0] if self.clear else None)
         for clear in self.clear[1:]:
-            if isinstance(found, NoTurn) and found.touching:
-                found = choose_turns(free_run, robot, clear)
-        if isinstance(found, NoTurn):
+            if isinstance(found, _NoTurn) and found.touching:
+                found = _choose_turns(free_run, robot, clear)
+        if isinstance(found, _NoTurn):
             rule = rules.NO_TURN_CLEAR if found.touching else rules.NO_TURN
             self.failed.append(rule(about=run.label(found.row), robot=robot.title))
             for key in rows.keys:
@@ -531,7 +533,7 @@ class _Turning:
             if key in self.away:
                 continue
             self.away[key] = turn
-            if abs(turn) > LEAST_TURN:
+            if abs(turn) > _LEAST_TURN:
                 self.tools[key] = tool
         return found.last
 
@@ -551,13 +553,13 @@ class _Turning:
                 columns.setdefault(number, np.zeros(length))[row] = turn
 
         def visit(value: Any) -> Any:
-            if isinstance(value, Path) and np.abs(columns.get(id(value), 0.0)).max() > LEAST_TURN:
+            if isinstance(value, Path) and np.abs(columns.get(id(value), 0.0)).max() > _LEAST_TURN:
                 turn = rotations.about(
                     np.broadcast_to(UPRIGHT, (len(value), 3)), columns[id(value)]
                 )
                 quaternions = rotations.canonical(rotations.multiply(value.quaternions, turn))
                 return replace(value, quaternions=quaternions)
-            if isinstance(value, Target) and abs(targets.get(id(value), 0.0)) > LEAST_TURN:
+            if isinstance(value, Target) and abs(targets.get(id(value), 0.0)) > _LEAST_TURN:
                 turn = rotations.canonical(rotations.about(UPRIGHT, targets[id(value)]))
                 w, x, y, z = turn.tolist()
                 return replace(value, pose=value.pose @ Pose(quaternion=(w, x, y, z)))

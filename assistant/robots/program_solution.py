@@ -85,9 +85,9 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     return SolvedProgram(configured, robot, survey.legs, fold([*robot.findings, *survey.findings]))
 
 
-UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
+_UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
 """Motion that is assumed for a target that no move names."""
-TRAITS_LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
+_TRAITS_LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
 """Traits of statements behind which nothing tells where the arm is."""
 
 
@@ -98,7 +98,7 @@ def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
     return Leg(statement, solved_run, rows, joints[rows], start if known else None)
 
 
-UNUSED_AXIS: Final = 9e9
+_UNUSED_AXIS: Final = 9e9
 """Value for an axis of the arm that a target does not state."""
 
 
@@ -163,7 +163,7 @@ class _ProgramSolver:
                     self.origins[name.lower()] = self.coming_from(value)
                 case _ if trait(statement) == "holds":
                     self.nested(statement, bodies(statement))
-                case _ if trait(statement) in TRAITS_LEADING_AWAY:
+                case _ if trait(statement) in _TRAITS_LEADING_AWAY:
                     self.flush()
                     self.joined = False
         self.flush()
@@ -370,7 +370,9 @@ class _ProgramSolver:
             if key not in self.done and known_tool is not None and known_frame is not None:
                 place = Place(target, target.pose)
                 label = NumberedMove(len(moves) + 1, "")
-                moves.append(SingleMove(Kind.JOINT, place, known_tool, known_frame, UNMOVED, label))
+                moves.append(
+                    SingleMove(Kind.JOINT, place, known_tool, known_frame, _UNMOVED, label)
+                )
         if not moves:
             return
         parts = [moves_part("", moves, self.done)]
@@ -405,4 +407,4 @@ class _ProgramSolver:
 
 def _is_of_other_axes(target: JointTarget) -> bool:
     """True if a target states external axes and none of the arm."""
-    return bool(target.joints) and all(value >= UNUSED_AXIS for value in target.joints)
+    return bool(target.joints) and all(value >= _UNUSED_AXIS for value in target.joints)

@@ -160,9 +160,9 @@ def _lowered(table: Mapping[str, V]) -> dict[str, V]:
 
 KnownValues = dict[str, Expression | None]
 
-MOST_CALL_DEPTH: Final = 16
+_MOST_CALL_DEPTH: Final = 16
 """Functions that are called within each other."""
-COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
+_COMPARISONS: Final[dict[str, Callable[[float, float], bool]]] = {
     "=": lambda a, b: a == b,
     "<>": lambda a, b: a != b,
     "<": lambda a, b: a < b,
@@ -242,7 +242,7 @@ class Values:
 
     def _result(self, function: Procedure, arguments: Sequence[Expression]) -> Expression | None:
         """Return the result of a function, if it only computes."""
-        if self.depth >= MOST_CALL_DEPTH:
+        if self.depth >= _MOST_CALL_DEPTH:
             return None
         given = self.given(function, arguments)
         outer, self.depth = self.names.own, self.depth + 1
@@ -302,9 +302,9 @@ class Values:
                 if deciding in sides:
                     return deciding
                 return None if None in sides else not deciding
-            case Binary(operator=operator, left=left, right=right) if operator in COMPARISONS:
+            case Binary(operator=operator, left=left, right=right) if operator in _COMPARISONS:
                 a, b = self.names.number(left), self.names.number(right)
-                return None if a is None or b is None else COMPARISONS[operator](a, b)
+                return None if a is None or b is None else _COMPARISONS[operator](a, b)
             case Name(name=name):
                 meant = self.names.constant(name.lower())
                 return meant.value if isinstance(meant, Truth) else None

@@ -31,11 +31,11 @@ from assistant.robots.robot import IN_LINE, Robot
 from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.timing.plan import drive_of
 
-MOVE_PARTS: Final = 24
+_MOVE_PARTS: Final = 24
 """Parts of a joint move between which its way is taken as straight."""
-LEAST_DIRECT_SHARE: Final = 0.5
+_LEAST_DIRECT_SHARE: Final = 0.5
 """Share of its way that a move must lead on for its distance to say how long it takes."""
-LEAST_SPEED: Final = 1.0
+_LEAST_SPEED: Final = 1.0
 """mm/s and degrees/s below which a speed says too little of how long a move takes."""
 
 
@@ -161,7 +161,7 @@ class _JointMoves:
         return made[0]
 
     def _physical(
-        self, speed: Speed, way: _ToolPath, theirs: JointMoveEnds | None
+        self, speed: Speed, way: _ToolPath, theirs: _JointMoveEnds | None
     ) -> tuple[Speed, float] | None:
         """From percent: as slow as the source is, from one stop to the next."""
         if theirs is None or self.source is None or speed.joint is None:
@@ -172,7 +172,7 @@ class _JointMoves:
         return way.within(speed, seconds)
 
     def _percent(
-        self, speed: Speed, way: _ToolPath, ends: JointMoveEnds, theirs: JointMoveEnds | None
+        self, speed: Speed, way: _ToolPath, ends: _JointMoveEnds, theirs: _JointMoveEnds | None
     ) -> tuple[Speed, float] | None:
         """From mm/s: rounded down to whole percents, at least one."""
         seconds = max(way.steepest / speed.tcp, way.quickest / speed.rotation)
@@ -185,11 +185,11 @@ class _JointMoves:
         return replace(speed, joint=float(whole)), seconds
 
 
-JointMoveEnds = tuple[Floats, Floats]
+_JointMoveEnds = tuple[Floats, Floats]
 """Joints (a,) at the start and at the end of a move."""
 
 
-def _joint_move_ends(leg: Leg, row: int) -> JointMoveEnds | None:
+def _joint_move_ends(leg: Leg, row: int) -> _JointMoveEnds | None:
     """Return the start and end joints of a row of a leg, None if they are unknown."""
     if row >= len(leg.joints):
         return None
@@ -235,7 +235,7 @@ class _ToolPath:
 
     @staticmethod
     def of(start: Floats, end: Floats, robot: Robot, tool: Tool, frame: Frame) -> _ToolPath:
-        part = np.linspace(0.0, 1.0, MOVE_PARTS + 1)[:, None]
+        part = np.linspace(0.0, 1.0, _MOVE_PARTS + 1)[:, None]
         p, q = robot.fk(start + part * (end - start))
         p, q = from_flange(p, q, tool, Frame(held=frame.held))
         steps = np.linalg.norm(np.diff(p, axis=0), axis=1)
@@ -245,8 +245,8 @@ class _ToolPath:
             float(steps.sum()),
             float(rotations.angle_between(q[0], q[-1])),
             float(np.sum(turns)),
-            float(MOVE_PARTS * steps.max()),
-            float(MOVE_PARTS * np.max(turns)),
+            float(_MOVE_PARTS * steps.max()),
+            float(_MOVE_PARTS * np.max(turns)),
         )
 
     def within(self, speed: Speed, seconds: float) -> tuple[Speed, float] | None:
@@ -256,10 +256,10 @@ class _ToolPath:
         else, as in a turn on the spot, by how far the tool is turned there.
         """
         tcp, rotation = self.chord / seconds, self.turn / seconds
-        if self.chord >= LEAST_DIRECT_SHARE * self.length and tcp >= LEAST_SPEED:
+        if self.chord >= _LEAST_DIRECT_SHARE * self.length and tcp >= _LEAST_SPEED:
             return replace(speed, tcp=_rounded_down(tcp), joint=None), seconds
-        if self.turn >= LEAST_DIRECT_SHARE * self.turned and rotation >= LEAST_SPEED:
-            most = _rounded_down(max(self.length / seconds, LEAST_SPEED))
+        if self.turn >= _LEAST_DIRECT_SHARE * self.turned and rotation >= _LEAST_SPEED:
+            most = _rounded_down(max(self.length / seconds, _LEAST_SPEED))
             return replace(speed, tcp=most, rotation=_rounded_down(rotation), joint=None), seconds
         return None
 
@@ -270,7 +270,7 @@ def _rounded_down(value: float) -> float:
     return round(math.floor(value / digit + 1e-9) * digit, 6)
 
 
-OTHER_SIDE: Final = 1e6
+_OTHER_SIDE: Final = 1e6
 """Cost of another side of shoulder, elbow or wrist: more than any angle."""
 
 
@@ -295,7 +295,7 @@ def joints_on_other_arm(joints: ArrayLike, source: Robot, arm: Robot) -> Floats:
         each = np.nan_to_num(found).reshape(-1, axes)
         shape = arm.arm.shape(arm.chained(each)).reshape(n, branches, -1)
         own = source.arm.shape(source.chained(given))
-        away += OTHER_SIDE * np.count_nonzero(shape != own[:, None], axis=2)
+        away += _OTHER_SIDE * np.count_nonzero(shape != own[:, None], axis=2)
     away = np.where(arm.inside(found), away, np.inf)
     rows, branch = np.arange(len(given)), away.argmin(axis=1)
     out: Floats = found[rows, branch]

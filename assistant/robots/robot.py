@@ -89,7 +89,7 @@ class Outlines:
 
 LIMIT_TOLERANCE: Final = 1e-6
 """degrees or mm by which a joint may pass its limit: rounding, no motion."""
-QUADRANT_TOLERANCE: Final = 1.0
+_QUADRANT_TOLERANCE: Final = 1.0
 """degrees by which a joint may leave the quadrant that a target states: taught positions
 are rounded, and near a singularity a rounded position turns the wrist by that much."""
 CHUNK: Final = 16384
@@ -323,11 +323,11 @@ class Robot:
             beyond = np.where(turned > high + LIMIT_TOLERANCE, -360.0, 0.0)
             beyond[turned < low - LIMIT_TOLERANCE] = 360.0
             other = turned + beyond
-            near = np.abs(other - centre) - half <= QUADRANT_TOLERANCE
+            near = np.abs(other - centre) - half <= _QUADRANT_TOLERANCE
             inside = (other >= low - LIMIT_TOLERANCE) & (other <= high + LIMIT_TOLERANCE)
             out[:, axis] = np.where(near & inside, other, turned)
             off = np.abs(out[:, axis] - centre) - half
-            fits[:, column - QUADRANTS.start] = off <= QUADRANT_TOLERANCE
+            fits[:, column - QUADRANTS.start] = off <= _QUADRANT_TOLERANCE
         return out, fits
 
     def ranges(self, configurations: NDArray[np.integer]) -> tuple[Floats, Floats]:
@@ -470,14 +470,14 @@ def usual_radii(axes: int, reach: float) -> Floats:
 
     Linear in the reach and thicker than the arms of the catalogue look; no drawing was measured.
     """
-    share = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), RADIUS_SHARES)
-    more = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), RADIUS_MARGINS)
+    share = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), _RADIUS_SHARES)
+    more = np.interp(np.linspace(0.0, 1.0, axes + 1), np.linspace(0.0, 1.0, 7), _RADIUS_MARGINS)
     return np.asarray(np.ceil(share * reach + more))
 
 
-RADIUS_SHARES: Final = (0.16, 0.15, 0.09, 0.085, 0.075, 0.05, 0.03)
+_RADIUS_SHARES: Final = (0.16, 0.15, 0.09, 0.085, 0.075, 0.05, 0.03)
 """Radii as shares of the reach, from base to last link of an arm of six axes."""
-RADIUS_MARGINS: Final = (15.0, 15.0, 18.0, 15.0, 12.0, 14.0, 12.0)
+_RADIUS_MARGINS: Final = (15.0, 15.0, 18.0, 15.0, 12.0, 14.0, 12.0)
 """mm."""
 
 IN_LINE: Final = 0.05
@@ -496,7 +496,7 @@ Trait = Literal["stops-without-mass", "turning-speed"]
 
 
 @cache
-def controller_traits() -> Mapping[str, Mapping[Trait, bool]]:
+def _controller_traits() -> Mapping[str, Mapping[Trait, bool]]:
     """Language → its traits."""
     text = files("assistant.robots").joinpath("programming.toml").read_text("utf-8")
     return tomllib.loads(text)
@@ -504,11 +504,13 @@ def controller_traits() -> Mapping[str, Mapping[Trait, bool]]:
 
 def programming_languages() -> tuple[str, ...]:
     """Every language that a robot may be programmed in."""
-    return tuple(controller_traits())
+    return tuple(_controller_traits())
 
 
 def has_trait(robot: Robot, trait: Trait) -> bool:
     """True if a controller of the robot has a trait, in any of the robot's languages."""
     return any(
-        controller_traits()[name][trait] for name in robot.languages if name in controller_traits()
+        _controller_traits()[name][trait]
+        for name in robot.languages
+        if name in _controller_traits()
     )

@@ -29,14 +29,14 @@ from assistant.robots.arms.closed_form import FiveAxis, Lengths, Scara, SixAxis
 from assistant.robots.arms.serial import Serial
 from assistant.robots.robot import Robot, usual_radii
 
-NO_TOML = error(
+_NO_TOML = error(
     "RB001", "the robot file is no TOML: {reason}", "compare it with a file of the catalogue"
 )
-WRONG_FIELD = error(
+_WRONG_FIELD = error(
     "RB002", "`{field}` of the robot file {reason}", "compare it with a file of the catalogue"
 )
 
-AXIS_NAMES: Final = {
+_AXIS_NAMES: Final = {
     FiveAxis.kind: FiveAxis.axes,
     SixAxis.kind: SixAxis.axes,
     Scara.kind: Scara.axes,
@@ -63,14 +63,14 @@ def read(data: bytes, path: str | None = None) -> Robot:
     except Refused:
         raise
     except ValueError as error:  # also what is no UTF-8, and an integer of thousands of digits
-        raise Unreadable(NO_TOML(path=path, reason=str(error))) from None
+        raise Unreadable(_NO_TOML(path=path, reason=str(error))) from None
     except RecursionError:
-        raise Unreadable(NO_TOML(path=path, reason="its values are too deep")) from None
+        raise Unreadable(_NO_TOML(path=path, reason="its values are too deep")) from None
     drawing = table.pop("urdf", None)
     if drawing is None:
         return _finished(_Reader(table, path))
     if not isinstance(drawing, str):
-        raise Refused(WRONG_FIELD(path=path, place="urdf", field="urdf", reason="is no text"))
+        raise Refused(_WRONG_FIELD(path=path, place="urdf", field="urdf", reason="is no text"))
     file = FilePath(path or "robot.toml").parent / drawing
     return _over(table, urdf.read(read_bytes(file, most=SETTINGS_FILE), str(file)), path)
 
@@ -211,9 +211,9 @@ class _Reader:
         links, ranges = [], []
         for number, row in enumerate(rows, 1):
             where = f"links[{number}]"
-            self.unknown(row, f"{where}.", LINK_FIELDS)
+            self.unknown(row, f"{where}.", _LINK_FIELDS)
             values = {
-                k: self.number(row, k, f"{where}.{k}") if k in row else 0.0 for k in LINK_FIELDS
+                k: self.number(row, k, f"{where}.{k}") if k in row else 0.0 for k in _LINK_FIELDS
             }
             slides = isinstance(sliding, dict) and f"J{number}" in sliding
             alpha, theta = math.radians(values["alpha"]), math.radians(values["theta"])
@@ -227,16 +227,18 @@ class _Reader:
         said = self.table.get("arm")
         usual = FiveAxis.kind if set(axes) == set(FiveAxis.axes) else SixAxis.kind
         kind = usual if said is None else said
-        if not isinstance(kind, str) or kind not in AXIS_NAMES:
-            self.wrong("arm", f"is none of {', '.join((*AXIS_NAMES, Serial.kind))}")
+        if not isinstance(kind, str) or kind not in _AXIS_NAMES:
+            self.wrong("arm", f"is none of {', '.join((*_AXIS_NAMES, Serial.kind))}")
             return usual
         sliding = self.table.get("axes_mm", {})
         sliding = tuple(sliding) if isinstance(sliding, dict) else ()
-        if set(axes) != set(AXIS_NAMES[kind]) or sliding != SLIDING_AXES.get(kind, ()):
-            turning = [name for name in AXIS_NAMES[kind] if name not in SLIDING_AXES.get(kind, ())]
+        if set(axes) != set(_AXIS_NAMES[kind]) or sliding != _SLIDING_AXES.get(kind, ()):
+            turning = [
+                name for name in _AXIS_NAMES[kind] if name not in _SLIDING_AXES.get(kind, ())
+            ]
             self.wrong("axes_deg", f"does not hold the axes {' '.join(turning)} of arm `{kind}`")
-            if kind in SLIDING_AXES:
-                self.wrong("axes_mm", f"does not hold the axis {' '.join(SLIDING_AXES[kind])}")
+            if kind in _SLIDING_AXES:
+                self.wrong("axes_mm", f"does not hold the axis {' '.join(_SLIDING_AXES[kind])}")
         return kind
 
     def arm(self, kind: str) -> Arm | None:
@@ -293,7 +295,7 @@ class _Reader:
         if len(known) < len(rates):
             for name, rate in zip(arm.axes, rates, strict=True):
                 if rate is None:
-                    table = "axes_mm" if name in SLIDING_AXES.get(arm.kind, ()) else "axes_deg"
+                    table = "axes_mm" if name in _SLIDING_AXES.get(arm.kind, ()) else "axes_deg"
                     self.wrong(f"{table}.{name}.acceleration", "is missing; other axes have one")
         values = np.array(known, dtype=np.float64)
         values.setflags(write=False)
@@ -361,7 +363,7 @@ class _Reader:
         value = table.get(key)
         if value is None or not _is_number(value):
             self.wrong(
-                where, "is missing" if value is None else f"is no number up to {LARGEST_NUMBER:g}"
+                where, "is missing" if value is None else f"is no number up to {_LARGEST_NUMBER:g}"
             )
             return 0.0
         if least is not None and value < least:
@@ -396,7 +398,7 @@ class _Reader:
                 self.wrong(prefix + key, f"is not known; there are {', '.join(known)}")
 
     def wrong(self, field: str, reason: str) -> None:
-        self.findings.append(WRONG_FIELD(path=self.path, place=field, field=field, reason=reason))
+        self.findings.append(_WRONG_FIELD(path=self.path, place=field, field=field, reason=reason))
 
 
 FIELDS: Final = (
@@ -406,11 +408,11 @@ FIELDS: Final = (
 )  # fmt: skip
 ROBOT_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 """The name of a robot, as a comment in a program of any language carries it."""
-LARGEST_NUMBER: Final = 1e9
+_LARGEST_NUMBER: Final = 1e9
 """mm, degrees, or these a second or second squared: the largest number taken for one of a robot."""
-LINK_FIELDS: Final = ("a", "d", "alpha", "theta")
+_LINK_FIELDS: Final = ("a", "d", "alpha", "theta")
 """mm and degrees."""
-SLIDING_AXES: Final = {Scara.kind: ("J3",)}
+_SLIDING_AXES: Final = {Scara.kind: ("J3",)}
 """Kind of arm → the axes that slide, in `axes_mm`."""
 
 
@@ -422,7 +424,7 @@ def _is_number(value: Any) -> bool:
     return (
         isinstance(value, int | float)
         and not isinstance(value, bool)
-        and abs(value) <= LARGEST_NUMBER
+        and abs(value) <= _LARGEST_NUMBER
     )
 
 

@@ -26,36 +26,36 @@ from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.spherical_wrist import recognise_six_axis
 from assistant.robots.robot import Kind, Outline, Outlines, programming_languages
 
-NO_XML: Final = error(
+_NO_XML: Final = error(
     "RB004", "the robot file is no URDF: {reason}", "export it again, or write a robot file in TOML"
 )
-DOCTYPE: Final = error(
+_DOCTYPE: Final = error(
     "RB005",
     "the robot file declares a document type, whose entities are not read",
     "take the `<!DOCTYPE …>` out",
 )
-XACRO: Final = error(
+_XACRO: Final = error(
     "RB006",
     "the robot file holds macros of xacro ({what})",
     "expand it first: `xacro arm.urdf.xacro > arm.urdf`",
 )
-WRONG_ELEMENT: Final = error("RB007", "{element} {reason}", "correct the URDF, or export it again")
-MOST_NESTED: Final = 100
+_WRONG_ELEMENT: Final = error("RB007", "{element} {reason}", "correct the URDF, or export it again")
+_MOST_NESTED: Final = 100
 """Elements inside each other; a URDF has four."""
 
 
 @dataclass(slots=True)
-class XmlElement:
+class _XmlElement:
     tag: str
     attributes: dict[str, str]
     line: int
     column: int
-    children: list[XmlElement] = field(default_factory=list)
+    children: list[_XmlElement] = field(default_factory=list)
 
-    def all(self, tag: str) -> list[XmlElement]:
+    def all(self, tag: str) -> list[_XmlElement]:
         return [child for child in self.children if child.tag == tag]
 
-    def first(self, tag: str) -> XmlElement | None:
+    def first(self, tag: str) -> _XmlElement | None:
         return next(iter(self.all(tag)), None)
 
     def said(self) -> str:
@@ -64,7 +64,7 @@ class XmlElement:
         return f"<{self.tag}>" if name is None else f"{self.tag} `{name}`"
 
     def wrong(self, path: str | None, reason: str, element: str | None = None) -> Diagnostic:
-        return WRONG_ELEMENT(
+        return _WRONG_ELEMENT(
             path=path,
             line=self.line,
             column=self.column,
@@ -73,22 +73,22 @@ class XmlElement:
         )
 
 
-def parse_xml(data: bytes, path: str | None) -> XmlElement:
+def _parse_xml(data: bytes, path: str | None) -> _XmlElement:
     """The root element; raises Unreadable."""
     parser = expat.ParserCreate()
-    top = XmlElement("", {}, 1, 1)
+    top = _XmlElement("", {}, 1, 1)
     open_ = [top]
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
-        if len(open_) > MOST_NESTED:
-            raise Unreadable(NO_XML(path=path, line=line(), reason="its elements are too deep"))
+        if len(open_) > _MOST_NESTED:
+            raise Unreadable(_NO_XML(path=path, line=line(), reason="its elements are too deep"))
         column = parser.CurrentColumnNumber + 1
-        element = XmlElement(tag, attributes, line(), column)
+        element = _XmlElement(tag, attributes, line(), column)
         macro = next((v for v in (tag, *attributes.values()) if v.startswith("xacro:")), None)
         if macro is None:
             macro = next((v for v in attributes.values() if "${" in v or "$(" in v), None)
         if macro is not None:
-            raise Unreadable(XACRO(path=path, line=line(), column=column, what=macro))
+            raise Unreadable(_XACRO(path=path, line=line(), column=column, what=macro))
         open_[-1].children.append(element)
         open_.append(element)
 
@@ -99,7 +99,7 @@ def parse_xml(data: bytes, path: str | None) -> XmlElement:
         return parser.CurrentLineNumber
 
     def doctype(*_: object) -> None:
-        raise Unreadable(DOCTYPE(path=path, line=line()))
+        raise Unreadable(_DOCTYPE(path=path, line=line()))
 
     parser.StartElementHandler, parser.EndElementHandler = begin, end
     parser.StartDoctypeDeclHandler = doctype
@@ -109,30 +109,30 @@ def parse_xml(data: bytes, path: str | None) -> XmlElement:
         column = error.offset + 1
         reason = expat.ErrorString(error.code)
         raise Unreadable(
-            NO_XML(path=path, line=error.lineno, column=column, reason=reason)
+            _NO_XML(path=path, line=error.lineno, column=column, reason=reason)
         ) from None
     except Unreadable:
         raise
     except (LookupError, ValueError) as error:  # of an encoding that expat or Python lacks
-        raise Unreadable(NO_XML(path=path, line=line(), reason=str(error))) from None
+        raise Unreadable(_NO_XML(path=path, line=line(), reason=str(error))) from None
     root = top.children[0]
     if root.tag != "robot":
-        raise Unreadable(NO_XML(path=path, line=root.line, reason=f"its root is <{root.tag}>"))
+        raise Unreadable(_NO_XML(path=path, line=root.line, reason=f"its root is <{root.tag}>"))
     return root
 
 
-MOVING_JOINTS: Final = ("revolute", "continuous", "prismatic")
-JOINT_KINDS: Final = (*MOVING_JOINTS, "fixed", "floating", "planar")
-FLANGE_NAMES: Final = ("tool0", "flange")
+_MOVING_JOINTS: Final = ("revolute", "continuous", "prismatic")
+_JOINT_KINDS: Final = (*_MOVING_JOINTS, "fixed", "floating", "planar")
+_FLANGE_NAMES: Final = ("tool0", "flange")
 """Names of links that are the flange, by convention of ROS-Industrial; the first that is there."""
-LARGEST: Final = 1e6
+_LARGEST: Final = 1e6
 """m, radians or these a second: the largest number that is accepted for a robot."""
-LEAST_DECIMALS: Final = 2
+_LEAST_DECIMALS: Final = 2
 """Decimals from which on an angle that is printed short of a quarter turn counts as one."""
 
 
 @dataclass(frozen=True, slots=True)
-class UrdfJoint:
+class _UrdfJoint:
     """A joint of a URDF. xyz: m. rpy: radians. limits: radians or m, None if missing. velocity: a
     second.
     """
@@ -141,7 +141,7 @@ class UrdfJoint:
     kind: str
     parent: str
     child: str
-    element: XmlElement
+    element: _XmlElement
     xyz: tuple[float, float, float]
     rpy: tuple[float, float, float]
     axis: tuple[float, float, float]
@@ -152,24 +152,24 @@ class UrdfJoint:
 
     @property
     def moving(self) -> bool:
-        return self.kind in MOVING_JOINTS
+        return self.kind in _MOVING_JOINTS
 
 
 @dataclass(slots=True)
-class UrdfReader:
+class _UrdfReader:
     """Reads elements and collects what is wrong with them."""
 
     path: str | None
     findings: list[Diagnostic] = field(default_factory=list)
 
-    def joint(self, element: XmlElement) -> UrdfJoint:
+    def joint(self, element: _XmlElement) -> _UrdfJoint:
         name, kind = element.attributes.get("name", ""), element.attributes.get("type", "")
         if not name:
             self.wrong(element, "has no name")
-        if kind not in JOINT_KINDS:
-            what = f"type `{kind}` is none of {', '.join(JOINT_KINDS)}"
+        if kind not in _JOINT_KINDS:
+            what = f"type `{kind}` is none of {', '.join(_JOINT_KINDS)}"
             self.wrong(
-                element, f"has no type; there are {', '.join(JOINT_KINDS)}" if not kind else what
+                element, f"has no type; there are {', '.join(_JOINT_KINDS)}" if not kind else what
             )
         ends = {}
         for end in ("parent", "child"):
@@ -179,7 +179,7 @@ class UrdfReader:
                 self.wrong(element, f"names no {end} link")
         xyz, rpy, rounded = self.origin(element)
         axis = element.first("axis")
-        return UrdfJoint(
+        return _UrdfJoint(
             name=name,
             kind=kind,
             parent=ends["parent"],
@@ -187,15 +187,15 @@ class UrdfReader:
             element=element,
             xyz=xyz,
             rpy=rpy,
-            axis=self.axis(element, axis) if kind in MOVING_JOINTS else (0.0, 0.0, 1.0),
+            axis=self.axis(element, axis) if kind in _MOVING_JOINTS else (0.0, 0.0, 1.0),
             limits=self.limits(element, kind),
-            velocity=self.velocity(element) if kind in MOVING_JOINTS else None,
+            velocity=self.velocity(element) if kind in _MOVING_JOINTS else None,
             rounded=rounded,
             follows=element.first("mimic") is not None,
         )
 
     def origin(
-        self, element: XmlElement
+        self, element: _XmlElement
     ) -> tuple[tuple[float, float, float], tuple[float, float, float], bool]:
         """Return its xyz in m and rpy in radians, and whether an angle was rounded to a quarter
         turn.
@@ -204,10 +204,10 @@ class UrdfReader:
         xyz = self.vector(element, origin, "xyz", (0.0, 0.0, 0.0))
         rpy = self.vector(element, origin, "rpy", (0.0, 0.0, 0.0))
         texts = (origin.attributes.get("rpy", "") if origin else "").split()
-        exact = tuple(map(exact_quarter_turn, rpy, texts)) if len(texts) == 3 else rpy
+        exact = tuple(map(_exact_quarter_turn, rpy, texts)) if len(texts) == 3 else rpy
         return xyz, (exact[0], exact[1], exact[2]), exact != rpy
 
-    def axis(self, joint: XmlElement, axis: XmlElement | None) -> tuple[float, float, float]:
+    def axis(self, joint: _XmlElement, axis: _XmlElement | None) -> tuple[float, float, float]:
         x, y, z = self.vector(joint, axis, "xyz", (1.0, 0.0, 0.0))
         length = math.hypot(x, y, z)
         if length < 1e-6:
@@ -215,7 +215,7 @@ class UrdfReader:
             return (0.0, 0.0, 1.0)
         return x / length, y / length, z / length
 
-    def limits(self, joint: XmlElement, kind: str) -> tuple[float, float] | None:
+    def limits(self, joint: _XmlElement, kind: str) -> tuple[float, float] | None:
         limit = joint.first("limit")
         if kind not in ("revolute", "prismatic") or limit is None:
             return None
@@ -228,15 +228,15 @@ class UrdfReader:
             return None
         return low, high
 
-    def velocity(self, joint: XmlElement) -> float | None:
+    def velocity(self, joint: _XmlElement) -> float | None:
         limit = joint.first("limit")
         value = None if limit is None else self.number(joint, limit, "velocity", None)
         return value if value is not None and value > 0.0 else None
 
     def vector(
         self,
-        joint: XmlElement,
-        part: XmlElement | None,
+        joint: _XmlElement,
+        part: _XmlElement | None,
         key: str,
         usual: tuple[float, float, float],
     ) -> tuple[float, float, float]:
@@ -248,27 +248,28 @@ class UrdfReader:
         if x is None or y is None or z is None:
             self.wrong(
                 joint,
-                f"has {key} `{text}` of <{part.tag}>, which is not three numbers up to {LARGEST:g}",
+                f"has {key} `{text}` of <{part.tag}>, which is not three numbers up to "
+                f"{_LARGEST:g}",
             )
             return usual
         return x, y, z
 
     def number(
-        self, joint: XmlElement, part: XmlElement, key: str, usual: float | None
+        self, joint: _XmlElement, part: _XmlElement, key: str, usual: float | None
     ) -> float | None:
         text = part.attributes.get(key)
         value = usual if text is None else _parse_number(text)
         if text is not None and value is None:
             self.wrong(
-                joint, f"has {key} `{text}` of <{part.tag}>, which is no number up to {LARGEST:g}"
+                joint, f"has {key} `{text}` of <{part.tag}>, which is no number up to {_LARGEST:g}"
             )
         return value
 
-    def wrong(self, element: XmlElement, reason: str) -> None:
+    def wrong(self, element: _XmlElement, reason: str) -> None:
         self.findings.append(element.wrong(self.path, reason))
 
-    def links(self, root: XmlElement) -> dict[str, XmlElement]:
-        found: dict[str, XmlElement] = {}
+    def links(self, root: _XmlElement) -> dict[str, _XmlElement]:
+        found: dict[str, _XmlElement] = {}
         for element in root.all("link"):
             name = element.attributes.get("name", "")
             if not name:
@@ -278,11 +279,11 @@ class UrdfReader:
             found[name] = element
         return found
 
-    def tree(self, root: XmlElement) -> Mapping[str, UrdfJoint]:
+    def tree(self, root: _XmlElement) -> Mapping[str, _UrdfJoint]:
         """Name of a link → the joint that carries it."""
         links = self.links(root)
         joints = [self.joint(element) for element in root.all("joint")]
-        carried: dict[str, UrdfJoint] = {}
+        carried: dict[str, _UrdfJoint] = {}
         names: set[str] = set()
         for joint in joints:
             if joint.name and joint.name in names:
@@ -300,7 +301,7 @@ class UrdfReader:
         return carried
 
     def one_root(
-        self, root: XmlElement, links: Mapping[str, XmlElement], carried: Mapping[str, UrdfJoint]
+        self, root: _XmlElement, links: Mapping[str, _XmlElement], carried: Mapping[str, _UrdfJoint]
     ) -> None:
         roots = [name for name in links if name not in carried]
         if len(roots) != 1:
@@ -309,7 +310,7 @@ class UrdfReader:
             self.wrong(root, what if roots or not links else circle)
             return
         hanging = {roots[0]}
-        for link, _ in links_outwards(carried):
+        for link, _ in _links_outwards(carried):
             hanging.add(link)
         for name in links:
             if name not in hanging:
@@ -317,12 +318,12 @@ class UrdfReader:
                 return
 
 
-def joint_chain(tip: str, carried: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:
+def _joint_chain(tip: str, carried: Mapping[str, _UrdfJoint]) -> tuple[_UrdfJoint, ...]:
     """The joints from the root to a link."""
     return tuple(reversed(list(_path_to_root(tip, carried))))
 
 
-def links_outwards(carried: Mapping[str, UrdfJoint]) -> Iterator[tuple[str, UrdfJoint]]:
+def _links_outwards(carried: Mapping[str, _UrdfJoint]) -> Iterator[tuple[str, _UrdfJoint]]:
     """The links that hang on a root, with the joints that carry them, each behind its parent."""
     children: dict[str, list[str]] = {}
     for link, joint in carried.items():
@@ -334,17 +335,17 @@ def links_outwards(carried: Mapping[str, UrdfJoint]) -> Iterator[tuple[str, Urdf
         waiting += children.get(link, ())
 
 
-def flange_link(carried: Mapping[str, UrdfJoint]) -> tuple[str, str]:
-    """The link that is the flange, and why: one of `FLANGE_NAMES`, or the end with most axes."""
+def _flange_link(carried: Mapping[str, _UrdfJoint]) -> tuple[str, str]:
+    """The link that is the flange, and why: one of `_FLANGE_NAMES`, or the end with most axes."""
     counts: dict[str, tuple[int, int]] = {}
-    for link, joint in links_outwards(carried):
+    for link, joint in _links_outwards(carried):
         moving, all_ = counts.get(joint.parent, (0, 0))
         counts[link] = moving + joint.moving, all_ + 1
 
     def axes(link: str) -> int:
         return counts[link][0]
 
-    for wanted in FLANGE_NAMES:
+    for wanted in _FLANGE_NAMES:
         named = [link for link in carried if _is_called(link, wanted) and axes(link)]
         if named:
             return max(named, key=lambda link: (link == wanted, axes(link))), "by its name"
@@ -354,10 +355,10 @@ def flange_link(carried: Mapping[str, UrdfJoint]) -> tuple[str, str]:
     return best, "as the end of the chain with most axes"
 
 
-def exact_quarter_turn(angle: float, text: str) -> float:
+def _exact_quarter_turn(angle: float, text: str) -> float:
     """An angle, a quarter turn's multiple if that printed as short as the text is the text."""
     digits = text.lstrip("+-").partition(".")[2]
-    if len(digits) < LEAST_DECIMALS or not digits.isdigit():
+    if len(digits) < _LEAST_DECIMALS or not digits.isdigit():
         return angle
     exact = math.pi / 2.0 * round(angle / (math.pi / 2.0))
     shown = abs(exact) * 10.0 ** len(digits)
@@ -370,7 +371,7 @@ def _is_called(link: str, wanted: str) -> bool:
     return link == wanted or link.endswith(("_" + wanted, "-" + wanted, "/" + wanted))
 
 
-def _path_to_root(link: str, carried: Mapping[str, UrdfJoint]) -> Iterator[UrdfJoint]:
+def _path_to_root(link: str, carried: Mapping[str, _UrdfJoint]) -> Iterator[_UrdfJoint]:
     """The joints from a link to the root."""
     for _ in range(len(carried)):
         if link not in carried:
@@ -384,25 +385,25 @@ def _parse_number(text: str) -> float | None:
         value = float(text)
     except ValueError:
         return None
-    return value if abs(value) <= LARGEST else None
+    return value if abs(value) <= _LARGEST else None
 
 
-METRE: Final = 1000.0
+_METRE: Final = 1000.0
 """mm."""
-SHAPE_SIZES: Final[Mapping[Kind, tuple[str, ...]]] = {
+_SHAPE_SIZES: Final[Mapping[Kind, tuple[str, ...]]] = {
     "box": ("size",),
     "sphere": ("radius",),
     "cylinder": ("radius", "length"),
     "capsule": ("radius", "length"),
 }
 """Shape → its attributes in metres; `size` holds three. Those of the XML specification of URDF."""
-SHAPE_KINDS: Final = (*SHAPE_SIZES, "mesh")
+_SHAPE_KINDS: Final = (*_SHAPE_SIZES, "mesh")
 
 
-def link_outlines(
-    root: XmlElement,
-    carried: Mapping[str, UrdfJoint],
-    joints: Sequence[UrdfJoint],
+def _link_outlines(
+    root: _XmlElement,
+    carried: Mapping[str, _UrdfJoint],
+    joints: Sequence[_UrdfJoint],
     arm: Arm,
     path: str | None,
 ) -> Outlines | None:
@@ -417,7 +418,7 @@ def link_outlines(
         used = "visual"
     if not any(_drawn_elements(element, used) for element in links.values()):
         return None
-    reader = UrdfReader(path)
+    reader = _UrdfReader(path)
     places = _placed(carried, joints)
     frames = dict(zip(_carriers(arm), _frames(arm), strict=True))
     shapes: list[Outline] = []
@@ -428,12 +429,12 @@ def link_outlines(
             shapes += _outline(reader, element, part, name, carrier, there)
     chain = {joint.name for joint in joints}
     hanging = {link for link, element in links.items() if _drawn_elements(element, used)}
-    still = {j.name for link in hanging for j in joint_chain(link, carried) if j.moving} - chain
+    still = {j.name for link in hanging for j in _joint_chain(link, carried) if j.moving} - chain
     folder = str(FilePath(path or "robot.urdf").parent)
     return Outlines(tuple(shapes), folder, tuple(reader.findings), tuple(sorted(still)))
 
 
-def _drawn_elements(link: XmlElement, used: str) -> list[XmlElement]:
+def _drawn_elements(link: _XmlElement, used: str) -> list[_XmlElement]:
     """The elements of a link that hold a geometry."""
     return [part for part in link.all(used) if part.first("geometry") is not None]
 
@@ -450,13 +451,13 @@ def _frames(arm: Arm) -> list[Pose]:
 
 
 def _placed(
-    carried: Mapping[str, UrdfJoint], joints: Sequence[UrdfJoint]
+    carried: Mapping[str, _UrdfJoint], joints: Sequence[_UrdfJoint]
 ) -> dict[str, tuple[str, Pose]]:
     """Link → what carries it, and its pose in the base with all joints at 0."""
     root, tip = joints[0].parent, joints[-1].child
     axes = [joint.name for joint in joints if joint.moving]
     found: dict[str, tuple[str, Pose]] = {root: ("base", IDENTITY)}
-    for link, joint in links_outwards(carried):
+    for link, joint in _links_outwards(carried):
         carrier, pose = found[joint.parent]
         if joint.name in axes:
             carrier = f"J{axes.index(joint.name) + 1}"
@@ -469,7 +470,7 @@ def _placed(
     return found
 
 
-def _rest_value(joint: UrdfJoint) -> Pose:
+def _rest_value(joint: _UrdfJoint) -> Pose:
     """Return the pose of a joint that is not an axis of the arm: at 0, or at the limit nearest to
     0.
     """
@@ -477,7 +478,7 @@ def _rest_value(joint: UrdfJoint) -> Pose:
     value = min(max(0.0, low), high)
     x, y, z = joint.axis
     if joint.kind == "prismatic":
-        return Pose((x * value * METRE, y * value * METRE, z * value * METRE))
+        return Pose((x * value * _METRE, y * value * _METRE, z * value * _METRE))
     sine = math.sin(value / 2.0)
     return Pose(quaternion=(math.cos(value / 2.0), x * sine, y * sine, z * sine))
 
@@ -485,13 +486,13 @@ def _rest_value(joint: UrdfJoint) -> Pose:
 def _origin_pose(xyz: Vector, rpy: Vector) -> Pose:
     """Return the pose of metres and of radians about fixed axes."""
     roll, pitch, yaw = (math.degrees(angle) for angle in rpy)
-    return Pose.of(np.array(xyz) * METRE, rotations.from_euler([yaw, pitch, roll]))
+    return Pose.of(np.array(xyz) * _METRE, rotations.from_euler([yaw, pitch, roll]))
 
 
 def _outline(
-    reader: UrdfReader,
-    link: XmlElement,
-    part: XmlElement,
+    reader: _UrdfReader,
+    link: _XmlElement,
+    part: _XmlElement,
     name: str,
     carrier: str,
     there: Pose,
@@ -499,11 +500,11 @@ def _outline(
     """The shape of a <collision> or <visual>; what is wrong with it goes to the reader."""
     geometry = part.first("geometry")
     shapes = (
-        [] if geometry is None else [one for one in geometry.children if one.tag in SHAPE_KINDS]
+        [] if geometry is None else [one for one in geometry.children if one.tag in _SHAPE_KINDS]
     )
     if len(shapes) != 1:
         reader.wrong(
-            link, f"has a <{part.tag}> whose <geometry> is not one of {', '.join(SHAPE_KINDS)}"
+            link, f"has a <{part.tag}> whose <geometry> is not one of {', '.join(_SHAPE_KINDS)}"
         )
         return
     (shape,) = shapes
@@ -522,30 +523,30 @@ def _outline(
         if len(reader.findings) == before:
             yield Outline(name, carrier, pose, "mesh", file=file, scale=scale)
         return
-    kind = next(kind for kind in SHAPE_SIZES if kind == shape.tag)
+    kind = next(kind for kind in _SHAPE_SIZES if kind == shape.tag)
     sizes: list[float] = []
-    for key in SHAPE_SIZES[kind]:
+    for key in _SHAPE_SIZES[kind]:
         if key == "size":
             sizes += reader.vector(link, shape, key, (0.0, 0.0, 0.0))
         else:
             sizes.append(reader.number(link, shape, key, 0.0) or 0.0)
     if len(reader.findings) == before and min(sizes) <= 0.0:
-        said = ", ".join(f"{key} `{shape.attributes.get(key, '')}`" for key in SHAPE_SIZES[kind])
+        said = ", ".join(f"{key} `{shape.attributes.get(key, '')}`" for key in _SHAPE_SIZES[kind])
         reader.wrong(link, f"has a <{kind}> of {said}: sizes are above 0")
     if len(reader.findings) == before:
-        yield Outline(name, carrier, pose, kind, tuple(size * METRE for size in sizes))
+        yield Outline(name, carrier, pose, kind, tuple(size * _METRE for size in sizes))
 
 
-ASSUMED: Final = info(
+_ASSUMED: Final = info(
     "RB008",
     "a URDF does not say everything of a robot: {what}",
     "write a TOML file with the key `urdf` and what you know better",
 )
-NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
+_NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
 """Characters that the name of a robot cannot hold, see `robot_file`."""
 MOST_AXES: Final = 32
 """Largest number of axes of a chain; more than any arm has."""
-ENDLESS_TURN: Final = 360.0
+_ENDLESS_TURN: Final = 360.0
 """degrees to either side for an axis that turns without end."""
 
 
@@ -567,15 +568,15 @@ class Drawn:
 
 def read(data: bytes, path: str | None) -> Drawn:
     """Raises Unreadable, or Refused with a finding for everything that is wrong."""
-    root = parse_xml(data, path)
-    reader = UrdfReader(path)
+    root = _parse_xml(data, path)
+    reader = _UrdfReader(path)
     carried = reader.tree(root)
     if reader.findings:
         raise Refused(*reader.findings)
     if not any(joint.moving for joint in carried.values()):
         raise Refused(root.wrong(path, "has no joint that moves"))
-    tip, reason = flange_link(carried)
-    joints = joint_chain(tip, carried)
+    tip, reason = _flange_link(carried)
+    joints = _joint_chain(tip, carried)
     _refuse_unfit(joints, path)
     moving = [joint for joint in joints if joint.moving]
     if len(moving) > MOST_AXES:
@@ -593,14 +594,14 @@ def read(data: bytes, path: str | None) -> Drawn:
     endless = [j.name for j in moving if j.kind == "continuous"]
     if endless:
         notes.append(
-            f"{', '.join(endless)} turn without end and get {ENDLESS_TURN:g} degrees either way"
+            f"{', '.join(endless)} turn without end and get {_ENDLESS_TURN:g} degrees either way"
         )
     what = "maker, languages, payload and home are assumed; " + "; ".join(notes)
-    drawn = link_outlines(root, carried, joints, arm, path)
-    return Drawn(arm, table, missing, (ASSUMED(path=path, what=what),), drawn)
+    drawn = _link_outlines(root, carried, joints, arm, path)
+    return Drawn(arm, table, missing, (_ASSUMED(path=path, what=what),), drawn)
 
 
-def _refuse_unfit(joints: tuple[UrdfJoint, ...], path: str | None) -> None:
+def _refuse_unfit(joints: tuple[_UrdfJoint, ...], path: str | None) -> None:
     wrong = []
     for joint in joints:
         if joint.kind in ("floating", "planar"):
@@ -611,16 +612,16 @@ def _refuse_unfit(joints: tuple[UrdfJoint, ...], path: str | None) -> None:
         raise Refused(*wrong)
 
 
-def _serial_arm(joints: tuple[UrdfJoint, ...]) -> Serial:
+def _serial_arm(joints: tuple[_UrdfJoint, ...]) -> Serial:
     """Return the chain, with fixed joints merged into the moving joints after them."""
     axes, pose = [], IDENTITY
     for joint in joints:
         roll, pitch, yaw = (math.degrees(angle) for angle in joint.rpy)
         turn = rotations.from_euler([yaw, pitch, roll])
-        pose = pose @ Pose.of(np.array(joint.xyz) * METRE, turn)
+        pose = pose @ Pose.of(np.array(joint.xyz) * _METRE, turn)
         if joint.moving:
             sliding = joint.kind == "prismatic"
-            unit = METRE if sliding else 1.0
+            unit = _METRE if sliding else 1.0
             low, high = joint.limits or (-math.pi, math.pi)
             axes.append(Axis(pose, joint.axis, sliding, low * unit, high * unit))
             pose = IDENTITY
@@ -628,10 +629,10 @@ def _serial_arm(joints: tuple[UrdfJoint, ...]) -> Serial:
 
 
 def _robot_table(
-    root: XmlElement, joints: list[UrdfJoint], arm: Arm, path: str | None
+    root: _XmlElement, joints: list[_UrdfJoint], arm: Arm, path: str | None
 ) -> tuple[dict[str, Any], dict[tuple[str, str], Diagnostic]]:
     title = " ".join(root.attributes.get("name", "").split())
-    name = NOT_IN_NAMES.sub("-", title).strip("-_.")[:64] or "robot"
+    name = _NOT_IN_NAMES.sub("-", title).strip("-_.")[:64] or "robot"
     table: dict[str, Any] = {
         "name": name,
         "title": title or name,
@@ -649,7 +650,7 @@ def _robot_table(
         sliding = joint.kind == "prismatic"
         entry: dict[str, Any] = {}
         limits = (
-            (-math.radians(ENDLESS_TURN), math.radians(ENDLESS_TURN))
+            (-math.radians(_ENDLESS_TURN), math.radians(_ENDLESS_TURN))
             if joint.kind == "continuous"
             else None
         )
@@ -670,4 +671,4 @@ def _robot_table(
 
 def _in_file_units(value: float, sliding: bool) -> float:
     """Radians or m as degrees or mm."""
-    return value * METRE if sliding else math.degrees(value)
+    return value * _METRE if sliding else math.degrees(value)

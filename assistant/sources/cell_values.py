@@ -65,18 +65,18 @@ from assistant.sources.process.file import process_in
 
 V = TypeVar("V")
 
-OPEN_VALUE: Final = "?"
+_OPEN_VALUE: Final = "?"
 """Placeholder for a value that is still to be filled in."""
 TABLE_OF_KIND: Final[Mapping[WantedKind, str]] = {
     "tool": "tools", "frame": "frames", "speed": "speeds", "blend": "blends",
     "position": "positions", "joints": "positions", "signal": "signals", "data": "data",
     "routine": "routines", "record": "records", "arm": "arms", "line": "lines",
 }  # fmt: skip
-CELL_TABLES: Final = ("speeds", "blends", "positions", "data", "routines", "records", "arms")
+_CELL_TABLES: Final = ("speeds", "blends", "positions", "data", "routines", "records", "arms")
 """Tables that a process file has not."""
-SCENE_TABLES: Final = ("world", "robots", "bodies")
+_SCENE_TABLES: Final = ("world", "robots", "bodies")
 """Tables of the same file that `assistant.cell` reads."""
-ENTRIES: Final = tuple(dict.fromkeys(TABLE_OF_KIND.values()))
+_ENTRIES: Final = tuple(dict.fromkeys(TABLE_OF_KIND.values()))
 
 
 def _read_plain_value(value: Any) -> Plain:
@@ -109,8 +109,8 @@ def _is_component(value: Any) -> bool:
     return isinstance(value, str) and bool(re.fullmatch(r"[^\W\d]\w* [^\W\d]\w*", value))
 
 
-SPEED_KEYS: Final[Mapping[str, Read]] = {"speed": settings_tables.speed}
-BLEND_KEYS: Final[Mapping[str, Read]] = {"blend": settings_tables.blend}
+_SPEED_KEYS: Final[Mapping[str, Read]] = {"speed": settings_tables.speed}
+_BLEND_KEYS: Final[Mapping[str, Read]] = {"blend": settings_tables.blend}
 POSITION_KEYS: Final[Mapping[str, Read]] = {
     "position": settings_tables.position,
     "quaternion": settings_tables.quaternion,
@@ -181,7 +181,7 @@ def parse_cell(source: SourceText) -> Cell:
     top = read_toml(source)
     known, opened = set[tuple[str, str]](), set[tuple[str, str]]()
     content = dict(top.content)
-    for table in ENTRIES:
+    for table in _ENTRIES:
         entries = content.get(table)
         if not isinstance(entries, dict):
             continue
@@ -192,13 +192,13 @@ def parse_cell(source: SourceText) -> Cell:
     rest = replace(top, content=content)
     given: dict[tuple[str, str], SuppliedValue] = {}
     types: dict[str, str] = {}
-    for table in CELL_TABLES:
+    for table in _CELL_TABLES:
         for name, entry in rest.table(table).named():
             value = _entry(table, entry, types, name.lower())
             if value is not None:
                 given[table, name.lower()] = value
     process = process_in(
-        rest, (*CELL_TABLES, *SCENE_TABLES)
+        rest, (*_CELL_TABLES, *_SCENE_TABLES)
     )  # raises what the tables above have found as well
     return Cell(process, given, types, frozenset(known), frozenset(opened), source.text)
 
@@ -208,16 +208,16 @@ def _is_open(entry: Any) -> bool:
         return any(map(_is_open, entry.values()))
     if isinstance(entry, list):
         return any(map(_is_open, entry))
-    return isinstance(entry, str) and entry == OPEN_VALUE
+    return isinstance(entry, str) and entry == _OPEN_VALUE
 
 
 def _entry(table: str, entry: Table, types: dict[str, str], low: str) -> SuppliedValue | None:
     match table:
         case "speeds":
-            speed: Speed | None = entry.read(SPEED_KEYS).get("speed")
+            speed: Speed | None = entry.read(_SPEED_KEYS).get("speed")
             return speed
         case "blends":
-            blend: Blend | None = entry.read(BLEND_KEYS).get("blend")
+            blend: Blend | None = entry.read(_BLEND_KEYS).get("blend")
             return blend
         case "positions":
             return _position(entry)
@@ -249,7 +249,7 @@ def _position(entry: Table) -> Target | JointTarget:
 
 # ------------------------------------------------------------------------------------ write
 
-CELL_FILE_HEAD: Final = (
+_CELL_FILE_HEAD: Final = (
     '# What programs of this cell use and do not declare. Write a value for each "?", then run',
     "# the command again; see docs/translating.md for what each table takes.",
 )
@@ -260,7 +260,7 @@ def with_entries(text: str, entries: Iterable[tuple[Wanted, SuppliedValue | None
 
     None: a placeholder. A signal's value is in its `Wanted`, without a number for a placeholder.
     """
-    parts = [text.rstrip("\n")] if text.strip() else ["\n".join(CELL_FILE_HEAD)]
+    parts = [text.rstrip("\n")] if text.strip() else ["\n".join(_CELL_FILE_HEAD)]
     for wanted, value in entries:
         parts.append("\n".join(_lines(wanted, value)))
     return "\n\n".join(parts) + "\n"
@@ -291,7 +291,7 @@ def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
     end = text.find("\n[", head.end())
     entry = text[head.end() : len(text) if end < 0 else end]
     filled = re.sub(
-        rf"^({key} *= *){re.escape(OPEN_TEXT)}",
+        rf"^({key} *= *){re.escape(_OPEN_TEXT)}",
         lambda found: found[1] + _as_toml(answer),
         entry,
         count=1,
@@ -308,21 +308,21 @@ def _as_toml(answer: str) -> str:
     return answer
 
 
-MOST_USES: Final = 6
+_MOST_USES: Final = 6
 
 
 def _lines(wanted: Wanted, value: SuppliedValue | None) -> Iterator[str]:
-    places = ", ".join(wanted.uses[:MOST_USES])
-    more = len(wanted.uses) - MOST_USES
+    places = ", ".join(wanted.uses[:_MOST_USES])
+    more = len(wanted.uses) - _MOST_USES
     used = f", used in {places}" + (f" and {more} more" if more > 0 else "") if places else ""
     yield f"# {_wanted_words(wanted)}{used}"
     yield f"[{TABLE_OF_KIND[wanted.kind]}.{wanted.name}]"
     for key, given, remark in _keys(wanted, value):
-        line = f"{key} = {OPEN_TEXT if given is None else toml_value(given)}"
+        line = f"{key} = {_OPEN_TEXT if given is None else toml_value(given)}"
         yield line + (f"  # {remark}" if remark else "")
 
 
-OPEN_TEXT: Final = f'"{OPEN_VALUE}"'
+_OPEN_TEXT: Final = f'"{_OPEN_VALUE}"'
 _WORDS: Final[Mapping[WantedKind, str]] = {
     "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
     "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
@@ -402,7 +402,7 @@ def _keys(wanted: Wanted, value: SuppliedValue | None) -> Iterator[tuple[str, An
 
 def data_text(value: Plain | None) -> str:
     """A value of data as the file has it."""
-    return OPEN_TEXT if value is None else toml_value(value)
+    return _OPEN_TEXT if value is None else toml_value(value)
 
 
 def toml_value(value: Any) -> str:

@@ -39,37 +39,37 @@ from assistant.program.settings_tables import (
 from assistant.sources.process import DEFAULT_TRUST, PoseServer, SeenSettings, Trust
 from assistant.sources.process import NO_SEEN_SETTINGS as NOT_STATED
 
-NOTHING_FOUND: Final = error(
+_NOTHING_FOUND: Final = error(
     "SR010",
     "the file says of nothing where it was found",
     "give the file that `robot-assistant see` writes, with a table [found.NAME] for each object",
 )
-NOT_SAID: Final = error(
+_NOT_SAID: Final = error(
     "SR011", "of `{name}` the file does not say {keys}", "write them, or look for it anew"
 )
-TOO_OLD: Final = error(
+_TOO_OLD: Final = error(
     "SR012",
     "`{name}` was seen {age} ago, and counts for {most} only",
     "look anew, or allow more seconds by `oldest` under [seen] in the process file",
 )
-FROM_LATER: Final = error(
+_FROM_LATER: Final = error(
     "SR013",
     "`{name}` was seen {age} from now, says the file",
     "set the clocks of both computers, and look anew",
 )
-UNSURE: Final = error(
+_UNSURE: Final = error(
     "SR014",
     "where `{name}` is, is known to {sigma:g} {unit} only (one standard deviation), and may be "
     "unsure by {most:g} {unit}",
     "look from nearer or with another camera, or allow more by `{key}` under [seen] in the process "
     "file",
 )
-HARDLY_IT: Final = error(
+_HARDLY_IT: Final = error(
     "SR015",
     "that it is `{name}` is believed with {confidence:g}, and {least:g} is the least",
     "look anew with better light, or allow less by `confidence` under [seen] in the process file",
 )
-NO_ADDRESS: Final = error("SR016", "the place where the program asks {what}", "{cure}")
+_NO_ADDRESS: Final = error("SR016", "the place where the program asks {what}", "{cure}")
 QUESTION: Final = "see"
 """The word before the name of an object, in what a program asks as it runs."""
 FOUND: Final = 1
@@ -78,7 +78,7 @@ DOUBTFUL: Final = 2
 """The first of the seven numbers in the answer; x, y, z and the degrees about x, y and z of R =
 Rz·Ry·Rx follow, in the robot's base, each on a separate line.
 """
-CLOCKS: Final = 2.0
+_CLOCKS: Final = 2.0
 """Seconds by which the clocks of two computers may differ."""
 
 
@@ -135,7 +135,7 @@ def seeing(found: str | FilePath | None = None, ask: str | None = None) -> Seein
         try:
             asked = PoseServer.parse(ask)
         except Wrong as wrong:
-            raise Refused(NO_ADDRESS(what=wrong.what, cure=wrong.cure), exit_status=2) from None
+            raise Refused(_NO_ADDRESS(what=wrong.what, cure=wrong.cure), exit_status=2) from None
     return Seeing(None if found is None else read_sights(found), asked)
 
 
@@ -148,7 +148,7 @@ def read_sights(path: str | FilePath) -> Mapping[str, Sight]:
     top = read_toml(source)
     tables = list(top.table("found").named(identifiers=False))
     if not tables:
-        top.say(NOTHING_FOUND)
+        top.say(_NOTHING_FOUND)
     read = [(name, _sight(name, table)) for name, table in tables]
     if has_errors(top.page.findings):
         raise Refused(*top.page.findings, exit_status=2)
@@ -162,16 +162,16 @@ def doubts(
     now = now or datetime.datetime.now(datetime.UTC)
     age = (now - sight.seen).total_seconds()
     if age > trust.oldest:
-        yield TOO_OLD(name=sight.name, age=_spoken(age), most=_spoken(trust.oldest))
-    if age < -CLOCKS:
-        yield FROM_LATER(name=sight.name, age=_spoken(-age))
+        yield _TOO_OLD(name=sight.name, age=_spoken(age), most=_spoken(trust.oldest))
+    if age < -_CLOCKS:
+        yield _FROM_LATER(name=sight.name, age=_spoken(-age))
     for key, unit in (("sigma_mm", "mm"), ("sigma_deg", "degrees")):
         sigma, most = getattr(sight, key), getattr(trust, key)
         if not sigma <= most:
-            yield UNSURE(name=sight.name, sigma=sigma, most=most, unit=unit, key=key)
+            yield _UNSURE(name=sight.name, sigma=sigma, most=most, unit=unit, key=key)
     if not sight.confidence >= trust.confidence:
         told, least = sight.confidence, trust.confidence
-        yield HARDLY_IT(name=sight.name, confidence=told, least=least)
+        yield _HARDLY_IT(name=sight.name, confidence=told, least=least)
 
 
 def _spoken(seconds: float) -> str:
@@ -214,7 +214,7 @@ def _sight(name: str, table: Table) -> Sight | None:
     found = Table(table.page, table.path, known).read(_KEYS)
     lacking = [key for key in _KEYS if key not in known and key not in _OPEN]
     if lacking:
-        table.say(NOT_SAID, name=shown(name), keys=listed(lacking))
+        table.say(_NOT_SAID, name=shown(name), keys=listed(lacking))
     if lacking or len(found) < len(known):
         return None
     turn, length = found.pop("quaternion")

@@ -36,15 +36,15 @@ from assistant.studio.studio import Studio
 
 MOST_BYTES: Final = 64_000_000
 """Most bytes of a request to the studio."""
-PAGE_POLICY: Final = (
+_PAGE_POLICY: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'nonce-{nonce}'; "
     "img-src 'self' data:; connect-src 'self'; frame-src 'self'; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'"
 )
 """Content policy of the page; nothing comes from outside, and no text of a file is ever run."""
-FORBIDDEN: Final = 403
-CONTENT_TOO_LARGE: Final = 413
-POLICY_VIOLATION: Final = 1008
+_FORBIDDEN: Final = 403
+_CONTENT_TOO_LARGE: Final = 413
+_POLICY_VIOLATION: Final = 1008
 
 
 class Guard:
@@ -104,9 +104,9 @@ class Guard:
 async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
     if scope["type"] == "websocket":
         await receive()
-        await send({"type": "websocket.close", "code": POLICY_VIOLATION})
+        await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
         return
-    await PlainTextResponse("not here", FORBIDDEN)(scope, receive, send)
+    await PlainTextResponse("not here", _FORBIDDEN)(scope, receive, send)
 
 
 def _limited_body(receive: Receive) -> Receive:
@@ -132,7 +132,7 @@ def _with_headers(send: Send, nonce: str) -> Send:
             headers = message.setdefault("headers", [])
             own = {name.lower() for name, _ in headers}
             given = {
-                b"content-security-policy": PAGE_POLICY.format(nonce=nonce).encode(),
+                b"content-security-policy": _PAGE_POLICY.format(nonce=nonce).encode(),
                 b"cache-control": b"no-store",
                 b"x-content-type-options": b"nosniff",
                 b"referrer-policy": b"no-referrer",
@@ -146,11 +146,11 @@ def _with_headers(send: Send, nonce: str) -> Send:
     return sent
 
 
-MEDIA_TYPES: Final = {
+_MEDIA_TYPES: Final = {
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
 }
-PART_FOLDERS: Final = ("", "scripts", "codemirror")
+_PART_FOLDERS: Final = ("", "scripts", "codemirror")
 """Folders of files that the page loads."""
 FIRST_LANGUAGE: Final = "en"
 """The language whose words all others are measured by."""
@@ -162,7 +162,7 @@ async def page(request: Request) -> Response:
     return Response(text, media_type="text/html; charset=utf-8")
 
 
-async def page_part(request: Request) -> Response:
+async def _page_part(request: Request) -> Response:
     """Return one of the page's files, by a listed name; no other file can be requested."""
     found = _part_bytes().get(request.path_params["name"])
     if found is None:
@@ -191,12 +191,12 @@ def _page_text() -> str:
 @cache
 def _part_bytes() -> dict[str, tuple[bytes, str]]:
     found = {}
-    for folder in PART_FOLDERS:
+    for folder in _PART_FOLDERS:
         for file in _part_folder(folder).iterdir():
             suffix = file.name[file.name.rfind(".") :]
-            if suffix in MEDIA_TYPES and file.name != "entry.js":
+            if suffix in _MEDIA_TYPES and file.name != "entry.js":
                 name = f"{folder}/{file.name}".lstrip("/")
-                found[name] = file.read_bytes(), MEDIA_TYPES[suffix]
+                found[name] = file.read_bytes(), _MEDIA_TYPES[suffix]
     return found
 
 
@@ -205,10 +205,10 @@ def _part_folder(name: str) -> Traversable:
     return here.joinpath(name) if name else here
 
 
-PAGE_ROUTES: Final = (Route("/", page), Route("/parts/{name:path}", page_part))
+_PAGE_ROUTES: Final = (Route("/", page), Route("/parts/{name:path}", _page_part))
 
 
-FILE_LOOK_PERIOD: Final = 1.0
+_FILE_LOOK_PERIOD: Final = 1.0
 """Seconds between two looks at the files of the project."""
 
 
@@ -274,14 +274,12 @@ async def _send_events(line: WebSocket, news: asyncio.Queue[Mapping[str, Any]]) 
 
 async def _watch_files(studio: Studio, tell: Any) -> None:
     """Report files that were added, removed or changed."""
-    from assistant.studio.studio import (
-        file_stamps,  # readers and languages, after the page is there
-    )
+    from assistant.studio.studio import file_stamps
 
     before = await run_in_threadpool(file_stamps, studio.folder)
     at: FilePath = studio.folder
     while True:
-        await asyncio.sleep(FILE_LOOK_PERIOD)
+        await asyncio.sleep(_FILE_LOOK_PERIOD)
         if studio.folder != at:
             at = studio.folder
             before = await run_in_threadpool(file_stamps, at)
@@ -293,7 +291,7 @@ async def _watch_files(studio: Studio, tell: Any) -> None:
             tell({"kind": "disk", "files": changed})
 
 
-WINDOW_ROUTES: Final = (WebSocketRoute("/window", window),)
+_WINDOW_ROUTES: Final = (WebSocketRoute("/window", window),)
 
 
 def _text_answer(name: str) -> Answering:
@@ -305,28 +303,28 @@ def _text_answer(name: str) -> Answering:
     return answer
 
 
-TEXT_QUESTIONS: Final = (
+_TEXT_QUESTIONS: Final = (
     *("open_text", "close", "on_disk", "change", "words", "settled", "fixes", "completions"),
     *("hover", "definition", "renameable", "rename", "formatted", "translation"),
 )
-TEXT_ROUTES: Final = (
-    *(asks(f"/text/{name}", _text_answer(name)) for name in TEXT_QUESTIONS),
+_TEXT_ROUTES: Final = (
+    *(asks(f"/text/{name}", _text_answer(name)) for name in _TEXT_QUESTIONS),
     changes("/text/save", _text_answer("save")),
 )
 
 
 ROUTES: Final[tuple[BaseRoute, ...]] = (
-    *PAGE_ROUTES,
-    *WINDOW_ROUTES,
+    *_PAGE_ROUTES,
+    *_WINDOW_ROUTES,
     *project_routes.PROJECT_ROUTES,
     *run_routes.RUN_ROUTES,
     *controller_routes.CONTROLLER_ROUTES,
     *controller_routes.CONTROL_ROUTES,
     *scenes.SCENE_ROUTES,
-    *TEXT_ROUTES,
+    *_TEXT_ROUTES,
 )
 
-URGENT_THREADS: Final = 20
+_URGENT_THREADS: Final = 20
 """Threads for what stops an arm, or lets go of it: other requests cannot use them up."""
 
 
@@ -334,5 +332,5 @@ def app(studio: Studio) -> Starlette:
     """The application of one studio; a `Guard` stands before it."""
     made = Starlette(routes=list(ROUTES))
     made.state.studio = studio
-    made.state.urgent = CapacityLimiter(URGENT_THREADS)
+    made.state.urgent = CapacityLimiter(_URGENT_THREADS)
     return made

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from assistant.studio.controller_session import Control
 
 
-MOST_EVENTS: Final = 50
-BACKUP_FOLDER: Final = "backups"
+_MOST_EVENTS: Final = 50
+_BACKUP_FOLDER: Final = "backups"
 """Folder of the project in which backups are kept."""
 
 
-def connection_of(studio: Studio) -> Connection:
+def _connection_of(studio: Studio) -> Connection:
     """Return the connected controller; raise Refused if not connected."""
     found = studio.live.get("connection")
     if not isinstance(found, Connection):
@@ -39,7 +39,7 @@ def connection_of(studio: Studio) -> Connection:
     return found
 
 
-def refuse_unconfirmed(one: Named, asked: Question, what: str) -> None:
+def _refuse_unconfirmed(one: Named, asked: Question, what: str) -> None:
     """Raises Refused unless the name of the controller was typed, as commands ask for it."""
     word = asked.text("word", "").strip()
     place = str(one.address)
@@ -143,7 +143,7 @@ def _is_clear_text(studio: Studio, one: Named) -> Iterator[Diagnostic]:
 
 def watch(studio: Studio, asked: Question) -> dict[str, Any]:
     """Signals whose values come with what is seen."""
-    found = connection_of(studio)
+    found = _connection_of(studio)
     found.look_at(asked.texts("signals"))
     return {"signals": list(found.signals)}
 
@@ -151,28 +151,28 @@ def watch(studio: Studio, asked: Question) -> dict[str, Any]:
 def log(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     from assistant.controllers.states import record
 
-    return {"log": record(connection_of(studio).do(lambda one: one.log(MOST_EVENTS)))}
+    return {"log": record(_connection_of(studio).do(lambda one: one.log(_MOST_EVENTS)))}
 
 
 def reset(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """Acknowledges errors."""
-    connection_of(studio).do(lambda one: one.reset())
+    _connection_of(studio).do(lambda one: one.reset())
     return {}
 
 
 def parameters(studio: Studio, asked: Question) -> dict[str, Any]:
     """Those that are named, or those that were changed."""
     names = asked.texts("names")
-    return {"parameters": connection_of(studio).do(lambda one: one.parameters(names))}
+    return {"parameters": _connection_of(studio).do(lambda one: one.parameters(names))}
 
 
-def set_parameter(studio: Studio, asked: Question) -> dict[str, Any]:
-    found = connection_of(studio)
+def _set_parameter(studio: Studio, asked: Question) -> dict[str, Any]:
+    found = _connection_of(studio)
     name, value = asked.text("name"), asked.text("value")
 
     def put(one: Controller) -> dict[str, str]:
         does = "under a program that runs" if one.state().running else "on the controller"
-        refuse_unconfirmed(found.one, asked, f"changes `{name}` to `{value}` {does}")
+        _refuse_unconfirmed(found.one, asked, f"changes `{name}` to `{value}` {does}")
         one.set_parameter(name, value)
         return one.parameters([name])
 
@@ -198,7 +198,7 @@ def plan(studio: Studio, asked: Question) -> dict[str, Any]:
     """
     from assistant.project.deployment import plan_record
 
-    found = connection_of(studio)
+    found = _connection_of(studio)
 
     def records(session: Programs) -> dict[str, Any]:
         plans = _plan_each(studio, found.one, session, asked)
@@ -220,7 +220,7 @@ def deploy(studio: Studio, asked: Question) -> dict[str, Any]:
     from assistant import deploy as deploying
     from assistant.project.deployment import plan_record
 
-    found, shown = connection_of(studio), asked.text("plan", "")
+    found, shown = _connection_of(studio), asked.text("plan", "")
 
     def records(session: Programs) -> list[dict[str, Any]]:
         plans = _plan_each(studio, found.one, session, asked)
@@ -280,7 +280,7 @@ def verify(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     from assistant import deploy as deploying
     from assistant.project.deployment import verified_record
 
-    found = connection_of(studio)
+    found = _connection_of(studio)
 
     def records(session: Programs) -> list[dict[str, Any]]:
         answers = []
@@ -293,12 +293,12 @@ def verify(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     return _joined_records(found.apart(records))
 
 
-def roll_back(studio: Studio, asked: Question) -> dict[str, Any]:
+def _roll_back(studio: Studio, asked: Question) -> dict[str, Any]:
     """Restore the programs from before the last deployment."""
     from assistant import deploy as deploying
     from assistant.project.deployment import deployment_record
 
-    found, replace = connection_of(studio), asked.texts("replace")
+    found, replace = _connection_of(studio), asked.texts("replace")
     history = _controller_targets(studio, found.one)[0].history
     done = found.apart(
         lambda session: deploying.rollback(session, history=history, replace=replace)
@@ -323,9 +323,9 @@ def _joined_records(answers: list[dict[str, Any]]) -> dict[str, Any]:
 
 def backup(studio: Studio, asked: Question) -> dict[str, Any]:
     """Into a folder of the project that is not there yet."""
-    found = connection_of(studio)
+    found = _connection_of(studio)
     moment = f"{datetime.now():%Y-%m-%d-%H%M%S}"
-    name = asked.text("folder", "") or f"{BACKUP_FOLDER}/{found.one.name}-{moment}"
+    name = asked.text("folder", "") or f"{_BACKUP_FOLDER}/{found.one.name}-{moment}"
     folder = studio.place(name)
     if folder.exists():
         raise Refused(rules.FOLDER_THERE(path=name, name=name))
@@ -335,14 +335,14 @@ def backup(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 def backups(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
-    folder = studio.folder / BACKUP_FOLDER
+    folder = studio.folder / _BACKUP_FOLDER
     there = sorted(one for one in folder.iterdir() if one.is_dir()) if folder.is_dir() else []
     return {"folders": [studio.named(one) for one in there]}
 
 
 def restore(studio: Studio, asked: Question) -> dict[str, Any]:
     """Return the differences from a backup; with `apply`, and confirmed, restore it."""
-    found, only = connection_of(studio), asked.texts("only")
+    found, only = _connection_of(studio), asked.texts("only")
     name, wanted = asked.text("folder"), asked.truth("apply")
     folder = studio.place(name)
     if not folder.is_dir():
@@ -353,7 +353,7 @@ def restore(studio: Studio, asked: Question) -> dict[str, Any]:
         does = wanted and bool(restoring.changes)
         if does:
             parts = len(restoring.changes)
-            refuse_unconfirmed(found.one, asked, f"changes {parts} parts of the controller")
+            _refuse_unconfirmed(found.one, asked, f"changes {parts} parts of the controller")
             restoring.apply()
         return {
             "restored": does,
@@ -373,18 +373,18 @@ CONTROLLER_ROUTES: Final = (
     looks("/controller/log", log),
     changes("/controller/acknowledge", reset),
     asks("/controller/parameters", parameters),
-    changes("/controller/parameter", set_parameter),
+    changes("/controller/parameter", _set_parameter),
     asks("/controller/plan", plan),
     changes("/controller/deploy", deploy),
     asks("/controller/verify", verify),
-    changes("/controller/rollback", roll_back),
+    changes("/controller/rollback", _roll_back),
     looks("/controller/backups", backups),
     changes("/controller/backup", backup),
     changes("/controller/restore", restore),
 )
 
 
-def control_of(studio: Studio, asked: Question) -> Control:
+def _control_of(studio: Studio, asked: Question) -> Control:
     """The control that the window has; raises Refused if it has none."""
     from assistant.studio.controller_session import Control
 
@@ -394,7 +394,7 @@ def control_of(studio: Studio, asked: Question) -> Control:
     return found
 
 
-def take_control(studio: Studio, asked: Question) -> dict[str, Any]:
+def _take_control(studio: Studio, asked: Question) -> dict[str, Any]:
     """From now on the window may move the arm; its name has to be typed."""
     with studio.beginning:
         return _control_record(studio, asked)
@@ -404,8 +404,8 @@ def _control_record(studio: Studio, asked: Question) -> dict[str, Any]:
     from assistant.compiler.commanded_motion import check_position
     from assistant.studio.controller_session import FASTEST_STEP, WATCH, Control
 
-    found = connection_of(studio)
-    refuse_unconfirmed(found.one, asked, "lets this window move the arm")
+    found = _connection_of(studio)
+    _refuse_unconfirmed(found.one, asked, "lets this window move the arm")
     told = check_position(found.do(lambda one: one.position()), found.robot)
     studio.drop("control")
 
@@ -439,8 +439,8 @@ def _control_record(studio: Studio, asked: Question) -> dict[str, Any]:
     }
 
 
-def give_up_control(studio: Studio, asked: Question) -> dict[str, Any]:
-    control_of(studio, asked)
+def _give_up_control(studio: Studio, asked: Question) -> dict[str, Any]:
+    _control_of(studio, asked)
     studio.drop("control")
     studio.windows.tell({"kind": "controller"})
     return {}
@@ -459,15 +459,15 @@ def stop(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
 
 
 def motors(studio: Studio, asked: Question) -> dict[str, Any]:
-    control_of(studio, asked).motors(asked.truth("on"))
+    _control_of(studio, asked).motors(asked.truth("on"))
     return {}
 
 
 def hand(studio: Studio, asked: Question) -> dict[str, Any]:
-    control, found = control_of(studio, asked), connection_of(studio)
+    control, found = _control_of(studio, asked), _connection_of(studio)
     number, opens = int(asked.number("number")), asked.truth("open")
     does = "opens" if opens else "closes"
-    refuse_unconfirmed(found.one, asked, f"{does} hand {number}: what it holds may fall")
+    _refuse_unconfirmed(found.one, asked, f"{does} hand {number}: what it holds may fall")
     control.do(lambda one: one.hand(number, open=opens))
     return {}
 
@@ -479,8 +479,8 @@ def teach(studio: Studio, asked: Question) -> dict[str, Any]:
     from assistant.compiler.taught_targets import teach_target as stored
     from assistant.studio.project_routes import check_file_name
 
-    control_of(studio, asked)
-    found, file = connection_of(studio), studio.place(asked.text("file"))
+    _control_of(studio, asked)
+    found, file = _connection_of(studio), studio.place(asked.text("file"))
     if not is_file(file):
         check_file_name(file.name)
     wanted = TargetOptions(joints=asked.truth("joints"), again=asked.truth("replace"))
@@ -490,8 +490,8 @@ def teach(studio: Studio, asked: Question) -> dict[str, Any]:
 
 
 CONTROL_ROUTES: Final = (
-    changes("/control/take", take_control),
-    changes("/control/give-up", give_up_control),
+    changes("/control/take", _take_control),
+    changes("/control/give-up", _give_up_control),
     asks("/control/stop", stop, urgent=True),
     changes("/control/motors", motors, urgent=True),
     changes("/control/hand", hand),

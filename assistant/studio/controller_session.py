@@ -1,7 +1,7 @@
 """The connected controller, and control of its arm by a held key.
 
 All requests to the controller go through one thread. A window that has control is sent a tick every
-`TICK` seconds and answers each with a beat, which names the tick and whether the key is held. So a
+`_TICK` seconds and answers each with a beat, which names the tick and whether the key is held. So a
 beat tells when the window was there, however late it comes: after `WATCH` seconds without a fresh
 one the arm is stopped, and the key has to be released before anything moves again. A step is a jog
 to a near position, at which the arm stops anyway: it goes no further even if this process dies.
@@ -39,9 +39,9 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-CONTROLLER_PERIOD: Final = 0.4
+_CONTROLLER_PERIOD: Final = 0.4
 """Seconds between two looks at a controller."""
-CLOSE_TIMEOUT: Final = 15.0
+_CLOSE_TIMEOUT: Final = 15.0
 """Seconds that what still goes on has to come to its end."""
 T = TypeVar("T")
 
@@ -183,7 +183,7 @@ class Connection:
         self._worker.shutdown(wait=False)
         watcher = getattr(self, "_watcher", None)
         if watcher is not None and watcher.is_alive() and watcher is not threading.current_thread():
-            watcher.join(CLOSE_TIMEOUT)
+            watcher.join(_CLOSE_TIMEOUT)
 
     def _leave(self) -> None:
         with self._open:
@@ -201,7 +201,7 @@ class Connection:
             self._gone(refused.findings)
 
     def _watch(self) -> None:
-        while not self._ended.wait(CONTROLLER_PERIOD):
+        while not self._ended.wait(_CONTROLLER_PERIOD):
             try:
                 sample = self.do(self._look)
             except Refused as refused:
@@ -246,27 +246,27 @@ def _sample_record(sample: Sample) -> Mapping[str, object]:
     return {key: plain_value(value) for key, value in found.items()}
 
 
-TICK: Final = 0.05
+_TICK: Final = 0.05
 """Seconds between two ticks."""
 WATCH: Final = 0.2
 """Seconds without a fresh beat after which the arm is stopped."""
-AWAY_TIMEOUT: Final = 3.0
+_AWAY_TIMEOUT: Final = 3.0
 """Seconds without any beat after which control is given up."""
-BEAT_PERIOD: Final = 0.01
+_BEAT_PERIOD: Final = 0.01
 """Seconds between two looks at the beats."""
-KEPT_TICKS: Final = 100
+_KEPT_TICKS: Final = 100
 """Ticks whose times are remembered."""
 FASTEST_STEP: Final = 10.0
 """Percent of the full speed that a held key moves at most; `jog` of the command goes faster."""
-STEP_DEGREES, STEP_LENGTHS = 0.1, 0.5
+_STEP_DEGREES, _STEP_LENGTHS = 0.1, 0.5
 """Degrees, and mm along an axis, of a step at each percent of speed: a tenth of a second."""
-STEP_TIMEOUT: Final = 10.0
+_STEP_TIMEOUT: Final = 10.0
 """Seconds that a step has to come to its end when control is given up."""
-MOTORS_OFF_TIMEOUT: Final = 8.0
+_MOTORS_OFF_TIMEOUT: Final = 8.0
 """Seconds in which motors that do not go off are switched off again and again."""
-MOTORS_OFF_PERIOD: Final = 0.5
+_MOTORS_OFF_PERIOD: Final = 0.5
 """Seconds between two such trials."""
-STEP_AXES: Final = frozenset({*JOINT_AXES, *LINEAR_AXES, *TURNING_AXES})
+_STEP_AXES: Final = frozenset({*JOINT_AXES, *LINEAR_AXES, *TURNING_AXES})
 
 
 @dataclass(frozen=True, slots=True)
@@ -444,19 +444,19 @@ class Control:
             stop.join(PATIENCE)
         for thread in self._threads:
             if thread.is_alive() and thread is not threading.current_thread():
-                thread.join(STEP_TIMEOUT)
+                thread.join(_STEP_TIMEOUT)
         with suppress(Refused, OSError):  # the line for the stop has gone by itself
             self._open.close()
         self._say({"kind": "control", "ended": True, "findings": finding_records(found)})
 
     def _insisted_off(self) -> tuple[Diagnostic, ...]:
         """Switches the motors off, if need be again and again; findings if they may still be on."""
-        until = time.monotonic() + MOTORS_OFF_TIMEOUT
+        until = time.monotonic() + _MOTORS_OFF_TIMEOUT
         found = self._tried_off()
         if found:
             self._left_on(found)
             while found and time.monotonic() < until:
-                time.sleep(MOTORS_OFF_PERIOD)
+                time.sleep(_MOTORS_OFF_PERIOD)
                 found = self._tried_off()
             self._left_on(found)
         return found
@@ -503,20 +503,20 @@ class Control:
         while not self._ended:
             now = time.monotonic()
             if now >= due:
-                count, due = count + 1, now + TICK
+                count, due = count + 1, now + _TICK
                 with self._changed:
                     self._ticks[count] = now
-                    self._ticks.pop(count - KEPT_TICKS, None)
+                    self._ticks.pop(count - _KEPT_TICKS, None)
                 self._say({"kind": "tick", "tick": count})
             with self._changed:
                 cut = self._held is not None and now - self._fresh > WATCH
                 silent = now - max(self._fresh, self._began)
             if cut:
                 self._cut_off()
-            elif silent > AWAY_TIMEOUT:
+            elif silent > _AWAY_TIMEOUT:
                 threading.Thread(target=self._over, name="control over", daemon=True).start()
                 return
-            time.sleep(BEAT_PERIOD)
+            time.sleep(_BEAT_PERIOD)
 
     def _cut_off(self) -> None:
         try:
@@ -547,7 +547,7 @@ class Control:
                 self._moving = False
             if found and self.let_go(hold):  # else it is what the stop has brought about
                 self._say({"kind": "control", "findings": finding_records(found)})
-            time.sleep(BEAT_PERIOD)
+            time.sleep(_BEAT_PERIOD)
 
     def _take(self, hold: HeldKey, controller: Controller) -> None:
         check_jog(hold.step, controller.position(), self._connection.robot)
@@ -573,7 +573,7 @@ def _beat_step(message: Mapping[str, Any]) -> Jog | None:
     """Return the step requested by a beat, None for an invalid one."""
     axis, by, speed = message.get("axis"), message.get("by"), message.get("speed")
     frame = message.get("frame", "base")
-    if not isinstance(axis, str) or axis not in STEP_AXES or by not in (1, -1):
+    if not isinstance(axis, str) or axis not in _STEP_AXES or by not in (1, -1):
         return None
     if frame not in ("base", "tool"):
         return None
@@ -583,5 +583,5 @@ def _beat_step(message: Mapping[str, Any]) -> Jog | None:
         or not 1 <= speed <= FASTEST_STEP
     ):
         return None
-    size = (STEP_LENGTHS if axis in LINEAR_AXES else STEP_DEGREES) * speed
+    size = (_STEP_LENGTHS if axis in LINEAR_AXES else _STEP_DEGREES) * speed
     return Jog(axis, size * by, frame, float(speed))

@@ -32,8 +32,8 @@ from assistant.studio import rules
 from assistant.studio.route_answers import finding_records, not_asked, plain_value
 from assistant.studio.studio import Studio
 
-BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
-TRAILING_COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
+_BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
+_TRAILING_COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
 
 
 def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
@@ -95,7 +95,7 @@ def _replaced_value(text: str, start: int, end: int, value: str) -> str:
     """
     stop = text.find("\n", end)
     rest = text[end : stop if stop >= 0 else len(text)]
-    match = TRAILING_COMMENT.match(rest)
+    match = _TRAILING_COMMENT.match(rest)
     if match is None or match[1] is None:
         return text[:start] + value + text[end:]
     before = text[text.rfind("\n", 0, start) + 1 : start]
@@ -179,7 +179,7 @@ def toml_content(text: str) -> dict[str, Any] | None:
 
 
 def _toml_key(name: str) -> str:
-    return name if BARE_KEY.fullmatch(name) else _toml_text(name)
+    return name if _BARE_KEY.fullmatch(name) else _toml_text(name)
 
 
 def _toml_text(text: str) -> str:
@@ -188,7 +188,7 @@ def _toml_text(text: str) -> str:
     return toml_quoted(text)
 
 
-def without_table(text: str, table: KeyPath, name: str) -> str:
+def _without_table(text: str, table: KeyPath, name: str) -> str:
     """A text without a table and what it holds, with the comments in it. Raises Refused."""
     start, stop = _table_region(text, table)
     if start < 0:
@@ -202,15 +202,15 @@ def without_table(text: str, table: KeyPath, name: str) -> str:
     return changed
 
 
-LEAVE_OUT_KEY: Final = "leave_out"
-LAYERS_TABLE: Final = "layers"
-USED_FIELD: Final = "used"
+_LEAVE_OUT_KEY: Final = "leave_out"
+_LAYERS_TABLE: Final = "layers"
+_USED_FIELD: Final = "used"
 """Field of a layer that says whether it is worked; every other field is a key of its table."""
-MOST_DRAWN_POINTS: Final = 20_000
+_MOST_DRAWN_POINTS: Final = 20_000
 """Most points in the picture of a drawing."""
-CHORD_SHARE: Final = 0.0002
+_CHORD_SHARE: Final = 0.0002
 """Parts of a drawing's size that chords of a curve are off in its picture, less than is seen."""
-FORM_FIELDS: Final = (
+_FORM_FIELDS: Final = (
     ("tools", "tool", "tip"),
     ("frames", "work", "position"),
     ("frames", "work", "euler_zyx"),
@@ -219,7 +219,7 @@ FORM_FIELDS: Final = (
     ("motion", "speed"),
 )
 """Fields of the page other than layers, in its order, by the names of a new process file."""
-CHOSEN_ENTRIES: Final = {"tools": "tool", "frames": "frame"}
+_CHOSEN_ENTRIES: Final = {"tools": "tool", "frames": "frame"}
 """Which of a table's entries the motion takes, under `[motion]`."""
 
 
@@ -229,7 +229,7 @@ def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
     file = drawing.with_suffix(PROCESS_SUFFIX)
     content, process, found = _process_contents(drawing, file)
     seen = survey(drawing, process)
-    tables = content.get(LAYERS_TABLE, {})
+    tables = content.get(_LAYERS_TABLE, {})
     named = {name.casefold(): table for name, table in tables.items()}
     return {
         "path": path,
@@ -243,7 +243,7 @@ def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
                 "length": round(one.length, 3),
                 "locations": one.locations,
                 "use": one.use,
-                USED_FIELD: _is_worked(one, process),
+                _USED_FIELD: _is_worked(one, process),
                 "values": plain_value(named.get(one.name.casefold(), {})),
             }
             for one in seen.layers
@@ -261,9 +261,9 @@ def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
     A rotation given as a quaternion is not a field.
     """
     found = []
-    for field in FORM_FIELDS:
+    for field in _FORM_FIELDS:
         table, *rest = field
-        said = _value_at(content, ("motion", CHOSEN_ENTRIES.get(table, "")))
+        said = _value_at(content, ("motion", _CHOSEN_ENTRIES.get(table, "")))
         key = (table, said, *rest[1:]) if isinstance(said, str) else field
         if rest[-1] == "euler_zyx" and _value_at(content, (*key[:-1], "quaternion")) is not None:
             continue
@@ -289,12 +289,12 @@ def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[
     _check_tables(before)
     text = before.text
     wanted = dict(values)
-    for name, table in _table_names(wanted.pop(LAYERS_TABLE, {})).items():
-        used = table.pop(USED_FIELD, None)
+    for name, table in _table_names(wanted.pop(_LAYERS_TABLE, {})).items():
+        used = table.pop(_USED_FIELD, None)
         text = _with_use(text, name, used, file.name) if isinstance(used, bool) else text
         if used is not False:
             text = with_values(
-                text, {(LAYERS_TABLE, name, k): v for k, v in table.items()}, file.name
+                text, {(_LAYERS_TABLE, name, k): v for k, v in table.items()}, file.name
             )
     text = with_values(text, dict(_flat_keys(wanted)), file.name)
     changed = replace(before, text=text)
@@ -305,25 +305,25 @@ def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[
 
 def _with_use(text: str, name: str, used: bool, file: str) -> str:
     content = toml_content(text) or {}
-    out = [one for one in content.get(LEAVE_OUT_KEY, []) if one != name]
+    out = [one for one in content.get(_LEAVE_OUT_KEY, []) if one != name]
     if not used:
         known = next(
-            (k for k in content.get(LAYERS_TABLE, {}) if k.casefold() == name.casefold()), None
+            (k for k in content.get(_LAYERS_TABLE, {}) if k.casefold() == name.casefold()), None
         )
-        text = text if known is None else without_table(text, (LAYERS_TABLE, known), file)
+        text = text if known is None else _without_table(text, (_LAYERS_TABLE, known), file)
         out.append(name)
-    if out != content.get(LEAVE_OUT_KEY, []):
-        text = with_values(text, {(LEAVE_OUT_KEY,): out}, file)
-    if used and name not in content.get(LAYERS_TABLE, {}):
-        text = with_values(text, {(LAYERS_TABLE, name, "speed"): 50}, file)
+    if out != content.get(_LEAVE_OUT_KEY, []):
+        text = with_values(text, {(_LEAVE_OUT_KEY,): out}, file)
+    if used and name not in content.get(_LAYERS_TABLE, {}):
+        text = with_values(text, {(_LAYERS_TABLE, name, "speed"): 50}, file)
     return text
 
 
 def _check_tables(source: SourceText) -> None:
     """Raises Refused, with its own findings, for a file that layers cannot be put into."""
     content = toml_content(source.text)
-    content = {LAYERS_TABLE: None} if content is None else content
-    tables, out = content.get(LAYERS_TABLE, {}), content.get(LEAVE_OUT_KEY, [])
+    content = {_LAYERS_TABLE: None} if content is None else content
+    tables, out = content.get(_LAYERS_TABLE, {}), content.get(_LEAVE_OUT_KEY, [])
     if not (isinstance(tables, dict) and isinstance(out, list)):
         raise Refused(*_process_errors(source))
 
@@ -359,8 +359,8 @@ def _process_contents(
     try:
         return content, process_of(drawing), []
     except Refused as refused:
-        wanted = {"unit": content.get("unit"), LEAVE_OUT_KEY: content.get(LEAVE_OUT_KEY)}
-        left = wanted[LEAVE_OUT_KEY] if isinstance(wanted[LEAVE_OUT_KEY], list) else []
+        wanted = {"unit": content.get("unit"), _LEAVE_OUT_KEY: content.get(_LEAVE_OUT_KEY)}
+        left = wanted[_LEAVE_OUT_KEY] if isinstance(wanted[_LEAVE_OUT_KEY], list) else []
         unit = wanted["unit"] if isinstance(wanted["unit"], str) else None
         names = tuple(one for one in left if isinstance(one, str))
         return content, _half_of_key(content, unit, names), list(refused.findings)
@@ -371,7 +371,7 @@ def _half_of_key(content: Mapping[str, Any], unit: str | None, left: tuple[str, 
     from assistant.sources.process import DEFAULT_MOTION, Layer
 
     found = replace(NO_PROCESS, leave_out=left)
-    tables = content.get(LAYERS_TABLE, {})
+    tables = content.get(_LAYERS_TABLE, {})
     named = tables if isinstance(tables, dict) else {}
     kept = {name: Layer(name, DEFAULT_MOTION.motion) for name in named}
     try:
@@ -396,12 +396,12 @@ def _drawn_lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
 
     from assistant.sources.contours.curves import chorded, sample
 
-    found, room = [], MOST_DRAWN_POINTS
+    found, room = [], _MOST_DRAWN_POINTS
     curves = read_contents(drawing, replace(process, placement=None)).curves
     if not curves:
         return []
     size = float(np.ptp(sample(curves, (0.0, 0.3, 0.6, 1.0))[..., :2], axis=(0, 1)).max())
-    off = max(size * CHORD_SHARE, process.tolerance)
+    off = max(size * _CHORD_SHARE, process.tolerance)
     for curve in curves:
         points = chorded(curve, off)[:, :2]
         room -= len(points)

@@ -89,14 +89,14 @@ def create(studio: Studio, asked: Question) -> dict[str, Any]:
     """Starts a project in the folder: an example, or nothing but its file."""
     from assistant.project.new_project import start_project
 
-    done = start_empty(studio.folder) if asked.truth("empty") else start_project(studio.folder)
+    done = _start_empty(studio.folder) if asked.truth("empty") else start_project(studio.folder)
     return {
         "written": [studio.named(file) for file in done.written],
         "findings": finding_records(done.findings),
     }
 
 
-def open_folder(studio: Studio, asked: Question) -> dict[str, Any]:
+def _open_folder(studio: Studio, asked: Question) -> dict[str, Any]:
     """Works on another folder; what runs or is connected ends."""
     folder = FilePath(asked.text("folder")).expanduser()
     if not folder.is_absolute():
@@ -111,7 +111,7 @@ def open_folder(studio: Studio, asked: Question) -> dict[str, Any]:
 
 def drop(studio: Studio, asked: Question) -> dict[str, Any]:
 
-    return drop_file(studio, asked.text("name"), asked.data)
+    return _drop_file(studio, asked.text("name"), asked.data)
 
 
 def drawing(studio: Studio, asked: Question) -> dict[str, Any]:
@@ -148,7 +148,7 @@ def build(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
 PROJECT_ROUTES: Final = (
     looks("/project", project),
     changes("/project/create", create),
-    changes("/project/open", open_folder),
+    changes("/project/open", _open_folder),
     changes("/project/drop", drop),
     changes("/project/build", build),
     asks("/project/check", check),
@@ -157,41 +157,41 @@ PROJECT_ROUTES: Final = (
 )
 
 
-FILE_NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
+_FILE_NAME: Final = re.compile(r"[^\W_][\w .+()-]{0,119}")
 """Pattern of a dropped file's name: no folder, nothing hidden, no control characters for a
 terminal.
 """
-DEVICE_NAMES: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE)
+_DEVICE_NAMES: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE)
 """Names that Windows has for devices, whatever their suffix.
 
 https://learn.microsoft.com/windows/win32/fileio/naming-a-file#naming-conventions
 """
-KIND_FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "tables"}
-LONGEST_NAME: Final = 60
-PROJECT_ENCODING: Final = "utf-8"
-TARGET_HEADER: Final = "[targets."
+_KIND_FOLDERS: Final = {"drawing": "drawings", "program": "programs", "table": "tables"}
+_LONGEST_NAME: Final = 60
+_PROJECT_ENCODING: Final = "utf-8"
+_TARGET_HEADER: Final = "[targets."
 """Text at which the target tables begin in the example's project."""
-PROGRAMS_HEADER: Final = "[programs."
+_PROGRAMS_HEADER: Final = "[programs."
 
 
-def start_empty(folder: FilePath) -> StartedProject:
+def _start_empty(folder: FilePath) -> StartedProject:
     """Start a project without programs; an existing one stays unchanged."""
     file = folder / PROJECT_FILE
     if not (file.exists() or file.is_symlink()):
         text, _ = _example_project()
-        write_all({file: text.encode(PROJECT_ENCODING)})
+        write_all({file: text.encode(_PROJECT_ENCODING)})
     return StartedProject(folder, (file,))
 
 
-def drop_file(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
+def _drop_file(studio: Studio, name: str, data: bytes) -> dict[str, Any]:
     """Write a file into the project, and add it to the project file where necessary.
 
     Raises Refused for an invalid name, for a file that is not a source, and for an existing file.
     """
     kind = _dropped_kind(name)
-    file = studio.place(f"{KIND_FOLDERS[kind]}/{name}")
+    file = studio.place(f"{_KIND_FOLDERS[kind]}/{name}")
     if not is_file(studio.folder / PROJECT_FILE):
-        start_empty(studio.folder)
+        _start_empty(studio.folder)
     before = read_file(file) if is_file(file) else None
     if before is not None and before != data:
         raise Refused(rules.THERE_ALREADY(path=name, name=name))
@@ -232,14 +232,14 @@ def _add_program_entry(studio: Studio, file: FilePath) -> None:
     known = {recipe.source.resolve() for recipe in project.programs.values()}
     if file.resolve() in known:
         return
-    name = identifier(file.stem, TakenNames(project.programs))[:LONGEST_NAME]
-    text = read_file(project.file).decode(PROJECT_ENCODING)
+    name = identifier(file.stem, TakenNames(project.programs))[:_LONGEST_NAME]
+    text = read_file(project.file).decode(_PROJECT_ENCODING)
     path = _program_table(project)
     text = with_values(
         text, {(*path, "programs", name, "source"): studio.named(file)}, project.file.name
     )
     text = _add_to_target(text, path, project, name)
-    write_all({project.file: text.encode(PROJECT_ENCODING)})
+    write_all({project.file: text.encode(_PROJECT_ENCODING)})
     project_of(studio.folder)
 
 
@@ -257,17 +257,17 @@ def _add_to_target(text: str, path: tuple[str, ...], project: Project, name: str
     first = next(iter(controllers))
     _, target = _example_project()
     if not (
-        text.startswith(_example_project()[0]) and target.startswith(f"{TARGET_HEADER}{first}]")
+        text.startswith(_example_project()[0]) and target.startswith(f"{_TARGET_HEADER}{first}]")
     ):
-        target = f"{TARGET_HEADER}{first}]\nprograms = []\n"
+        target = f"{_TARGET_HEADER}{first}]\nprograms = []\n"
     text = f"{text.rstrip()}\n\n{target}"
     return with_values(text, {("targets", first, "programs"): [name]}, project.file.name)
 
 
 def _example_project() -> tuple[str, str]:
     """Return the project file that `init` writes, without its program, and its target tables."""
-    text = resource("templates", f"project/{PROJECT_FILE}").read_text(encoding=PROJECT_ENCODING)
-    program, target = text.index(PROGRAMS_HEADER), text.index(TARGET_HEADER)
+    text = resource("templates", f"project/{PROJECT_FILE}").read_text(encoding=_PROJECT_ENCODING)
+    program, target = text.index(_PROGRAMS_HEADER), text.index(_TARGET_HEADER)
     return text[:program].rstrip() + "\n", text[target:]
 
 
@@ -277,7 +277,7 @@ def _program_table(project: Project) -> tuple[str, ...]:
 
 def check_file_name(name: str) -> None:
     """Raises Refused for what cannot be the name of a new file here."""
-    plain = FILE_NAME.fullmatch(name) and not DEVICE_NAMES.fullmatch(name)
+    plain = _FILE_NAME.fullmatch(name) and not _DEVICE_NAMES.fullmatch(name)
     if not plain or name.endswith((" ", ".")) or ".." in name:
         raise Refused(rules.NO_PLAIN_NAME(name=name), exit_status=2)
 

@@ -20,21 +20,21 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.studio import rules
 from assistant.studio.studio import Studio
 
-WINDOW_HEADER = "x-window"
+_WINDOW_HEADER = "x-window"
 """Header that names the window which asks; a page from elsewhere cannot send it."""
-UNPROCESSABLE = 422
-SERVER_ERROR = 500
+_UNPROCESSABLE = 422
+_SERVER_ERROR = 500
 NOT_FOUND: Final = 404
-VIEW_POLICY: Final = (
+_VIEW_POLICY: Final = (
     "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; img-src data:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
 """The content security policy of a page of `view`: only its own script runs, nothing is loaded."""
-LARGEST_NUMBER: Final = 1e300
+_LARGEST_NUMBER: Final = 1e300
 """Largest number in a request."""
 
 
-class PlainData(JSONResponse):
+class _PlainData(JSONResponse):
     """Plain data as ASCII: bytes of a file name that are not text are escaped."""
 
     def render(self, content: object) -> bytes:
@@ -65,7 +65,7 @@ class Question:
                 value = None
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise not_asked(f"`{key}` is no number")
-        if not -LARGEST_NUMBER < value < LARGEST_NUMBER:
+        if not -_LARGEST_NUMBER < value < _LARGEST_NUMBER:
             raise not_asked(f"`{key}` is no number")
         return float(value)
 
@@ -92,7 +92,7 @@ def looks(path: str, does: Answering) -> Route:
     """Return a route that changes nothing: by GET, with the request in the address."""
 
     async def answer(request: Request) -> Response:
-        asked = Question(dict(request.query_params), request.headers.get(WINDOW_HEADER, ""))
+        asked = Question(dict(request.query_params), request.headers.get(_WINDOW_HEADER, ""))
         return await _answer_in_thread(does, request.app.state.studio, asked)
 
     return Route(path, answer, methods=["GET"])
@@ -117,7 +117,7 @@ async def view_page(request: Request, make: Callable[[], dict[str, Any]] | None)
         return PlainTextResponse("not here", NOT_FOUND)
     nonce = request.scope["state"]["nonce"]
     text = await run_sync(_fill_view, make, nonce)
-    headers = {"Content-Security-Policy": VIEW_POLICY.format(nonce=nonce)}
+    headers = {"Content-Security-Policy": _VIEW_POLICY.format(nonce=nonce)}
     return Response(text, media_type="text/html; charset=utf-8", headers=headers)
 
 
@@ -162,7 +162,7 @@ def _posted_data(
 ) -> Callable[[Request], Awaitable[Response]]:
     async def answer(request: Request) -> Response:
         studio: Studio = request.app.state.studio
-        window = request.headers.get(WINDOW_HEADER, "")
+        window = request.headers.get(_WINDOW_HEADER, "")
         if writes and not studio.windows.writes(window):
             return _refusal_response(Refused(rules.READ_ONLY()))
         try:
@@ -192,7 +192,7 @@ async def _answer_in_thread(
 ) -> Response:
     try:
         answer = await run_sync(does, studio, asked, limiter=limit)
-        return answer if isinstance(answer, Response) else PlainData(answer)
+        return answer if isinstance(answer, Response) else _PlainData(answer)
     except Refused as refused:
         return _refusal_response(refused)
     except UnicodeEncodeError:  # a name that no file of ours can have
@@ -200,19 +200,19 @@ async def _answer_in_thread(
     except RecursionError:
         return _refusal_response(not_asked("it is nested too deep"))
     except Reached as reached:
-        return _data_response([internal_error(reached)], SERVER_ERROR)
+        return _data_response([internal_error(reached)], _SERVER_ERROR)
     except OSError as wrong:
-        return _data_response([rules.SYSTEM(reason=wrong.strerror or wrong)], SERVER_ERROR)
+        return _data_response([rules.SYSTEM(reason=wrong.strerror or wrong)], _SERVER_ERROR)
     except Exception as wrong:  # noqa: BLE001 (the studio goes on, and says so)
-        return _data_response([internal_error(wrong)], SERVER_ERROR)
+        return _data_response([internal_error(wrong)], _SERVER_ERROR)
 
 
 def _refusal_response(refused: Refused) -> Response:
-    return _data_response(refused.findings, UNPROCESSABLE)
+    return _data_response(refused.findings, _UNPROCESSABLE)
 
 
 def _data_response(found: Sequence[Diagnostic], status: int) -> Response:
-    return PlainData({"findings": finding_records(found)}, status)
+    return _PlainData({"findings": finding_records(found)}, status)
 
 
 def _refuse_constant(name: str) -> object:

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from assistant.virtual.debugging.break_points import Stride
 
 
-def likely_arm(studio: Studio, path: str) -> str | None:
+def _likely_arm(studio: Studio, path: str) -> str | None:
     """The robot of the recipe that makes a program or of the target it was built for, else of the
     first target; by its name, or by a file as the page names it. None where nothing tells.
     """
@@ -59,22 +59,22 @@ def likely_arm(studio: Studio, path: str) -> str | None:
     return next((name for name in (*own, *built, *first) if name), None)
 
 
-MOST_POINTS: Final = 2_000
+_MOST_POINTS: Final = 2_000
 """Most points of each curve that the page draws."""
-MOST_COMPARED: Final = 20_000
+_MOST_COMPARED: Final = 20_000
 """Most points of each path that is compared."""
-TURN_WEIGHT: Final = 100.0
+_TURN_WEIGHT: Final = 100.0
 """mm that a place counts as farther off whose tool is turned right round: where a tool turns on the
 spot, or comes by again, the place is meant at which it is turned alike."""
-BLOCK_SIZE: Final = 256
+_BLOCK_SIZE: Final = 256
 """Places whose distances from all of the other path are worked out at once."""
 
-MotionColumns = Mapping[str, np.ndarray]
+_MotionColumns = Mapping[str, np.ndarray]
 """Columns from `motion_columns`; empty if motions take no time."""
 
 
-def shown_motion(
-    columns: MotionColumns, robot: Robot | None, most: int = MOST_POINTS
+def _shown_motion(
+    columns: _MotionColumns, robot: Robot | None, most: int = _MOST_POINTS
 ) -> dict[str, Any]:
     """Columns of a run as lists: samples evenly picked, the first and the last among them.
 
@@ -100,7 +100,7 @@ def shown_motion(
 
 
 @dataclass(frozen=True, slots=True)
-class Deviation:
+class _Deviation:
     """The place of one path that is farthest from the other path.
 
     distance: mm. angle: degrees, the most that the tool is turned otherwise at the place that is
@@ -113,9 +113,9 @@ class Deviation:
     of: int
 
 
-def path_deviation(
-    first: MotionColumns, second: MotionColumns, begins: tuple[Floats, Floats]
-) -> Deviation | None:
+def _path_deviation(
+    first: _MotionColumns, second: _MotionColumns, begins: tuple[Floats, Floats]
+) -> _Deviation | None:
     """Return the largest distance between two tools' paths, from either one; None without both.
 
     begins: seconds at which the motions of each begin. If both have the same number, a position is
@@ -131,9 +131,9 @@ def path_deviation(
     for of, (here, there) in enumerate(((one, two), (two, one))):
         distance, angle = _deviation_by_motion(here, there, begins[of], begins[1 - of])
         at = int(np.argmax(distance))
-        found.append(Deviation(float(distance[at]), float(angle.max()), float(here["t"][at]), of))
+        found.append(_Deviation(float(distance[at]), float(angle.max()), float(here["t"][at]), of))
     worst = max(found, key=lambda each: each.distance)
-    return Deviation(worst.distance, max(each.angle for each in found), worst.time, worst.of)
+    return _Deviation(worst.distance, max(each.angle for each in found), worst.time, worst.of)
 
 
 def _deviation_by_motion(
@@ -154,13 +154,13 @@ def _deviation_by_motion(
     return distance, angle
 
 
-def _moving_samples(columns: MotionColumns) -> dict[str, Floats]:
+def _moving_samples(columns: _MotionColumns) -> dict[str, Floats]:
     """Samples at which the tool went on, not too many of them."""
     position, quaternion = columns["position"], columns["quaternion"]
     gone = norms(np.diff(position, axis=0)) > 0.0
     turned = np.any(np.diff(quaternion, axis=0) != 0.0, axis=1)
     kept = np.flatnonzero(np.append(True, gone | turned))
-    step = -(-len(kept) // MOST_COMPARED)
+    step = -(-len(kept) // _MOST_COMPARED)
     kept = np.unique(np.append(kept[::step], kept[-1]))
     return {"t": columns["t"][kept], "position": position[kept], "quaternion": quaternion[kept]}
 
@@ -175,10 +175,10 @@ def _distance_to_lines(
     points, path = here["position"], there["position"]
     squares = np.einsum("ij,ij->i", path, path)
     nearest = np.empty(len(points), dtype=np.intp)
-    for begin in range(0, len(points), BLOCK_SIZE):
-        rows = slice(begin, begin + BLOCK_SIZE)
+    for begin in range(0, len(points), _BLOCK_SIZE):
+        rows = slice(begin, begin + _BLOCK_SIZE)
         cosine = np.abs(here["quaternion"][rows] @ there["quaternion"].T)
-        unlike = squares - 2.0 * points[rows] @ path.T - 2.0 * TURN_WEIGHT**2 * cosine
+        unlike = squares - 2.0 * points[rows] @ path.T - 2.0 * _TURN_WEIGHT**2 * cosine
         nearest[rows] = np.argmin(unlike, axis=1)
     place, turn = path[nearest], there["quaternion"][nearest]
     best = _pose_distance(points, here["quaternion"], place, turn)
@@ -188,10 +188,10 @@ def _distance_to_lines(
         first, last = there["quaternion"][nearest], there["quaternion"][other]
         step = _same_side(last, first) - first
         along = np.sum((points - path[nearest]) * way, axis=1)
-        along += TURN_WEIGHT**2 * np.sum(
+        along += _TURN_WEIGHT**2 * np.sum(
             (_same_side(here["quaternion"], first) - first) * step, axis=1
         )
-        length = np.sum(way * way, axis=1) + TURN_WEIGHT**2 * np.sum(step * step, axis=1)
+        length = np.sum(way * way, axis=1) + _TURN_WEIGHT**2 * np.sum(step * step, axis=1)
         part = np.clip(along / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
         at, turned = path[nearest] + part[:, None] * way, rotations.between(first, last, part)
         off = _pose_distance(points, here["quaternion"], at, turned)
@@ -205,7 +205,7 @@ def _pose_distance(points: Floats, turns: Floats, places: Floats, others: Floats
     """(k,) mm squared by which poses are unlike."""
     turned = _same_side(turns, others) - others
     return np.asarray(
-        np.sum((points - places) ** 2, axis=1) + TURN_WEIGHT**2 * np.sum(turned**2, axis=1)
+        np.sum((points - places) ** 2, axis=1) + _TURN_WEIGHT**2 * np.sum(turned**2, axis=1)
     )
 
 
@@ -214,13 +214,13 @@ def _same_side(quaternions: Floats, others: Floats) -> Floats:
     return np.where(np.sum(quaternions * others, axis=1) < 0.0, -1.0, 1.0)[:, None] * quaternions
 
 
-LONGEST_RUN: Final = 60.0
+_LONGEST_RUN: Final = 60.0
 """Longest run of each program here, in seconds, as the user cannot switch the signals that it waits
 for.
 """
 
 
-def compare_files(first: RunRequest, second: RunRequest, script: str) -> Comparison:
+def _compare_files(first: RunRequest, second: RunRequest, script: str) -> Comparison:
     """Compare two files of the project as `compare` does. script: drives both; empty for none.
 
     Raises Unreadable or Refused where they cannot be compared at all.
@@ -234,19 +234,21 @@ def compare_files(first: RunRequest, second: RunRequest, script: str) -> Compari
     )
 
 
-def compared_motions(first: RunRequest, second: RunRequest) -> dict[str, Any]:
+def _compared_motions(first: RunRequest, second: RunRequest) -> dict[str, Any]:
     """Both motions in columns, and the greatest deviation of their paths. Raises Refused where a
     program cannot be run.
     """
     pair = (first, second)
     done = [_run_program(one) for one in pair]
     runs = [run for run, _, _ in done]
-    far = path_deviation(done[0][1], done[1][1], (_start_times(runs[0]), _start_times(runs[1])))
+    far = _path_deviation(done[0][1], done[1][1], (_start_times(runs[0]), _start_times(runs[1])))
     found = [finding for _, _, one in done for finding in one]
     return {
         "names": [first.programs.title, second.programs.title],
         "seconds": [run.seconds for run in runs],
-        "motions": [shown_motion(made[1], one.robot) for made, one in zip(done, pair, strict=True)],
+        "motions": [
+            _shown_motion(made[1], one.robot) for made, one in zip(done, pair, strict=True)
+        ],
         "deviation": None if far is None else {
             "distance": far.distance, "angle": far.angle, "time": far.time, "of": far.of,
         },
@@ -254,7 +256,7 @@ def compared_motions(first: RunRequest, second: RunRequest) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _run_program(wanted: RunRequest) -> tuple[Run, MotionColumns, Sequence[Diagnostic]]:
+def _run_program(wanted: RunRequest) -> tuple[Run, _MotionColumns, Sequence[Diagnostic]]:
     """A run, how the arm moved, and what is wrong with it."""
     settings = Settings(
         robot=wanted.robot,
@@ -263,11 +265,11 @@ def _run_program(wanted: RunRequest) -> tuple[Run, MotionColumns, Sequence[Diagn
     )
     kernel = prepared(wanted.programs, settings)
     given = follow(kernel, wanted.script, wanted.programs.sources())
-    end = time.monotonic() + LONGEST_RUN
+    end = time.monotonic() + _LONGEST_RUN
 
     def watch(task: Task) -> None:
         if time.monotonic() > end:
-            kernel.halt(task, Ending("time", f"more than {LONGEST_RUN:g} s of this computer"))
+            kernel.halt(task, Ending("time", f"more than {_LONGEST_RUN:g} s of this computer"))
 
     kernel.watch = watch
     run = kernel.run()
@@ -283,14 +285,14 @@ def _start_times(run: Run) -> Floats:
 
 RUN_NAME: Final = "run"
 """Name of the run in the live table."""
-MOST_LOG_ROWS: Final = 1_000
+_MOST_LOG_ROWS: Final = 1_000
 """Most rows of the log in one answer."""
-SCRIPT_SUFFIX: Final = ".signals.toml"
-STEP_STRIDES: Final[Mapping[str, Stride]] = {"step": "in", "over": "over", "out": "out"}
-NO_RUN_RECORD: Final = {"state": "", "inputs": [], "outputs": [], "stack": [], "data": []}
+_SCRIPT_SUFFIX: Final = ".signals.toml"
+_STEP_STRIDES: Final[Mapping[str, Stride]] = {"step": "in", "over": "over", "out": "out"}
+_NO_RUN_RECORD: Final = {"state": "", "inputs": [], "outputs": [], "stack": [], "data": []}
 
 
-def run_choices(studio: Studio, asked: Question) -> dict[str, Any]:
+def _run_choices(studio: Studio, asked: Question) -> dict[str, Any]:
     """Robots to choose from, the one that a program most likely is for, and its signal scripts."""
     from assistant import robots
     from assistant.studio.studio import file_stamps
@@ -298,9 +300,9 @@ def run_choices(studio: Studio, asked: Question) -> dict[str, Any]:
     path = asked.text("path", "")
     return {
         "robots": sorted(robots.names()),
-        "robot": likely_arm(studio, path) if path else None,
+        "robot": _likely_arm(studio, path) if path else None,
         "scripts": sorted(
-            name for name in file_stamps(studio.folder) if name.endswith(SCRIPT_SUFFIX)
+            name for name in file_stamps(studio.folder) if name.endswith(_SCRIPT_SUFFIX)
         ),
     }
 
@@ -359,39 +361,39 @@ def _line_numbers(given: object) -> list[int]:
     return [line for line in lines if isinstance(line, int)]
 
 
-def run_record(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
+def _run_record(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """Return the present state of the run."""
     run = studio.live.get(RUN_NAME)
-    return dict(NO_RUN_RECORD) if run is None else dict(_running_or_refused(studio).now())
+    return dict(_NO_RUN_RECORD) if run is None else dict(_running_or_refused(studio).now())
 
 
 def run_log(studio: Studio, asked: Question) -> dict[str, Any]:
     """Return the log: rows from a number on."""
     first = max(0, int(asked.number("first", 0)))
     rows = _running_or_refused(studio).log
-    return {"first": first, "rows": rows[first : first + MOST_LOG_ROWS], "logged": len(rows)}
+    return {"first": first, "rows": rows[first : first + _MOST_LOG_ROWS], "logged": len(rows)}
 
 
-def continue_run(studio: Studio, asked: Question) -> dict[str, Any]:
+def _continue_run(studio: Studio, asked: Question) -> dict[str, Any]:
     """Continue a run that is held: to the next hold, or by a step."""
     run, how = _running_or_refused(studio), asked.text("how", "on")
-    run.go_on(STEP_STRIDES.get(how))
+    run.go_on(_STEP_STRIDES.get(how))
     return dict(run.now())
 
 
-def pause_run(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
+def _pause_run(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     _running_or_refused(studio).pause()
     return {}
 
 
-def end_run(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
+def _end_run(studio: Studio, asked: Question) -> dict[str, Any]:  # noqa: ARG001
     """Ends the run; what it did can be looked at until the next one."""
     run = _running_or_refused(studio)
     run.end()
     return dict(run.now())
 
 
-def set_points(studio: Studio, asked: Question) -> dict[str, Any]:
+def _set_points(studio: Studio, asked: Question) -> dict[str, Any]:
     """The break points of a file while it runs."""
     path, lines = asked.text("path"), _line_numbers(asked.values.get("lines"))
     run = studio.live.get(RUN_NAME)
@@ -400,22 +402,22 @@ def set_points(studio: Studio, asked: Question) -> dict[str, Any]:
     return {"lines": lines}
 
 
-def set_signal(studio: Studio, asked: Question) -> dict[str, Any]:
+def _set_signal(studio: Studio, asked: Question) -> dict[str, Any]:
     """Switches an input by hand."""
     run = _running_or_refused(studio)
     run.switch(asked.text("name").strip().lower(), asked.number("value"))
     return dict(run.now())
 
 
-def answer_question(studio: Studio, asked: Question) -> dict[str, Any]:
+def _answer_question(studio: Studio, asked: Question) -> dict[str, Any]:
     """Answers what the program asks a person."""
     run = _running_or_refused(studio)
     run.answer(asked.text("text"))
     return dict(run.now())
 
 
-def run_motion(studio: Studio, asked: Question) -> dict[str, Any]:
-    """Return the motion of the arm so far, in columns; see `shown_motion`."""
+def _run_motion(studio: Studio, asked: Question) -> dict[str, Any]:
+    """Return the motion of the arm so far, in columns; see `_shown_motion`."""
     from assistant.virtual.kernel import Kernel
     from assistant.virtual.run_log import motion_columns
 
@@ -425,18 +427,18 @@ def run_motion(studio: Studio, asked: Question) -> dict[str, Any]:
         kernel.catch_up()
         return motion_columns(run.told(), run.given, kernel.motion)
 
-    return shown_motion(
-        run.ask(columns), run.wanted.robot, int(asked.number("points", MOST_POINTS))
+    return _shown_motion(
+        run.ask(columns), run.wanted.robot, int(asked.number("points", _MOST_POINTS))
     )
 
 
-def compare_programs(studio: Studio, asked: Question) -> dict[str, Any]:
+def _compare_programs(studio: Studio, asked: Question) -> dict[str, Any]:
     """Tells whether two programs do the same, and how far their motions are apart."""
     studio.comparison = None
     first, second = (_run_request(studio, asked, asked.text(key)) for key in ("first", "second"))
-    shown = compared_motions(first, second)
+    shown = _compared_motions(first, second)
     try:
-        done = compare_files(first, second, asked.text("script", ""))
+        done = _compare_files(first, second, asked.text("script", ""))
     except Refused as refused:
         answer, line, found = "not compared", "", list(refused.findings)
     else:
@@ -446,7 +448,7 @@ def compare_programs(studio: Studio, asked: Question) -> dict[str, Any]:
     return {**shown, "answer": answer, "line": line, "findings": both}
 
 
-async def comparison_page(request: Request) -> Response:
+async def _comparison_page(request: Request) -> Response:
     """The page of the programs that were compared last."""
     studio: Studio = request.app.state.studio
     done = studio.comparison
@@ -469,21 +471,21 @@ def _running_or_refused(studio: Studio) -> StudioRun:
     return run
 
 
-RUN_ACTIONS: Final[Mapping[str, Callable[[Studio, Question], object]]] = {
+_RUN_ACTIONS: Final[Mapping[str, Callable[[Studio, Question], object]]] = {
     "start": start_run,
-    "go": continue_run,
-    "pause": pause_run,
-    "end": end_run,
-    "points": set_points,
-    "signal": set_signal,
-    "answer": answer_question,
-    "compare": compare_programs,
+    "go": _continue_run,
+    "pause": _pause_run,
+    "end": _end_run,
+    "points": _set_points,
+    "signal": _set_signal,
+    "answer": _answer_question,
+    "compare": _compare_programs,
 }
 RUN_ROUTES: Final = (
-    looks("/run", run_record),
-    looks("/run/choices", run_choices),
+    looks("/run", _run_record),
+    looks("/run/choices", _run_choices),
     looks("/run/log", run_log),
-    looks("/run/motion", run_motion),
-    *(changes(f"/run/{name}", does) for name, does in RUN_ACTIONS.items()),
-    Route("/run/compared", comparison_page),
+    looks("/run/motion", _run_motion),
+    *(changes(f"/run/{name}", does) for name, does in _RUN_ACTIONS.items()),
+    Route("/run/compared", _comparison_page),
 )

@@ -1,7 +1,7 @@
 """A run of a program while a window is open: started, held, stepped, asked and ended.
 
 The run is in a thread; commands from the window are carried out between two statements. The window
-is sent signals, calls and data of the run, at most once every `REPORT_PERIOD` seconds.
+is sent signals, calls and data of the run, at most once every `_REPORT_PERIOD` seconds.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-MOST_VALUES: Final = 200
+_MOST_VALUES: Final = 200
 """Data, or signals, that are shown at once."""
-WIDEST_VALUE: Final = 200
+_WIDEST_VALUE: Final = 200
 """Characters of a value that are shown."""
 
 
@@ -66,7 +66,7 @@ class WatchedInputs(dict[str, float]):
         return super().get(name, other)
 
 
-def signal_records(board: Board) -> dict[str, Any]:
+def _signal_records(board: Board) -> dict[str, Any]:
     """Inputs that were set or looked at, and outputs that were set, with what they are."""
     return {"inputs": _signal_rows(board.inputs), "outputs": _signal_rows(board.outputs)}
 
@@ -74,7 +74,7 @@ def signal_records(board: Board) -> dict[str, Any]:
 def _signal_rows(signals: Signals) -> list[dict[str, Any]]:
     source = signals.source
     looked_at = source.read if isinstance(source, WatchedInputs) else ()
-    names = sorted({*signals.values, *looked_at}, key=_number_order)[:MOST_VALUES]
+    names = sorted({*signals.values, *looked_at}, key=_number_order)[:_MOST_VALUES]
     return [{"name": name, "value": plain_value(signals.read(name))} for name in names]
 
 
@@ -82,7 +82,7 @@ def _number_order(name: str) -> tuple[int, str]:
     return (int(name), "") if name.isascii() and name.isdecimal() else (-1, name)
 
 
-def data_records(task: Task) -> dict[str, Any]:
+def _data_records(task: Task) -> dict[str, Any]:
     """The calls that run, the innermost first, and the data that it knows."""
     levels = task.levels()
     stack = [
@@ -91,15 +91,15 @@ def data_records(task: Task) -> dict[str, Any]:
             "path": level.place and level.place[0],
             "line": level.place and level.place[1],
         }
-        for level in levels[:MOST_VALUES]
+        for level in levels[:_MOST_VALUES]
     ]
     groups = levels[0].groups if levels else {}
     data = [
         {
             "title": title,
             "rows": [
-                {"name": one.name, "type": one.type, "value": one.value[:WIDEST_VALUE]}
-                for one in shown()[:MOST_VALUES]
+                {"name": one.name, "type": one.type, "value": one.value[:_WIDEST_VALUE]}
+                for one in shown()[:_MOST_VALUES]
             ],
         }
         for title, shown in groups.items()
@@ -107,17 +107,17 @@ def data_records(task: Task) -> dict[str, Any]:
     return {"stack": stack, "data": data}
 
 
-RunState = Literal["running", "held", "waits", "asks", "ended"]
+_RunState = Literal["running", "held", "waits", "asks", "ended"]
 """`waits`: for what never comes unless somebody switches it. `asks`: a person for an answer."""
-COMMAND_TIMEOUT: Final = 5.0
+_COMMAND_TIMEOUT: Final = 5.0
 """Seconds that a command waits for its turn; a turn takes as long as a motion's planning."""
-REPORT_PERIOD: Final = 0.2
+_REPORT_PERIOD: Final = 0.2
 """Seconds between two reports of a run that goes on."""
-LOCKSTEP_PERIOD: Final = 0.05
+_LOCKSTEP_PERIOD: Final = 0.05
 """Seconds between two checks for requests, for a run in step with real time."""
-STEP_WAIT: Final = 0.3
+_STEP_WAIT: Final = 0.3
 """Seconds in which a step is waited for, so that the answer tells where it led."""
-END_TIMEOUT: Final = 2.0
+_END_TIMEOUT: Final = 2.0
 """Seconds in which a run that is ended is waited for."""
 
 T = TypeVar("T")
@@ -153,7 +153,7 @@ class StudioRun:
         self.log: list[dict[str, Any]] = []
         self.findings: list[Diagnostic] = []
         self.run: Run | None = None
-        self.state: RunState = "running"
+        self.state: _RunState = "running"
         self.over = False
         self._reason = self._question = self._waits = ""
         self._answer: str | None = None
@@ -178,14 +178,14 @@ class StudioRun:
         """Lets it run, and waits a little for where it stands; raises Refused for what cannot."""
         self._thread.start()
         self._ready.result()
-        self._stands.wait(STEP_WAIT)
+        self._stands.wait(_STEP_WAIT)
 
     def end(self) -> None:
         """Ends it before its next statement, wherever it is."""
         self.over = True
         self._commands.put(lambda: None)
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
-            self._thread.join(END_TIMEOUT)
+            self._thread.join(_END_TIMEOUT)
 
     def now(self) -> Mapping[str, Any]:
         """Last reported state of the run."""
@@ -208,11 +208,11 @@ class StudioRun:
             return does(self.kernel)
         self._commands.put(act)
         try:
-            return future.result(COMMAND_TIMEOUT)
+            return future.result(_COMMAND_TIMEOUT)
         except TimeoutError:
             if not self._thread.is_alive() and not future.done():
                 return does(self.kernel)
-            raise Refused(rules.RUN_BUSY(seconds=COMMAND_TIMEOUT)) from None
+            raise Refused(rules.RUN_BUSY(seconds=_COMMAND_TIMEOUT)) from None
 
     def pause(self) -> None:
         if self.state in ("running", "waits"):
@@ -234,7 +234,7 @@ class StudioRun:
             self._stands.clear()
 
         self.ask(go)
-        self._stands.wait(STEP_WAIT)
+        self._stands.wait(_STEP_WAIT)
 
     def answer(self, text: str) -> None:
         """Answer the question of the run; raise Refused if it asks nothing."""
@@ -246,7 +246,7 @@ class StudioRun:
             self._stands.clear()
 
         self.ask(say)
-        self._stands.wait(STEP_WAIT)
+        self._stands.wait(_STEP_WAIT)
 
     def switch(self, name: str, value: float) -> None:
         """Gives an input a value, as a hand does; raises Refused of a run that is over."""
@@ -265,7 +265,7 @@ class StudioRun:
             self._report()
 
         self.ask(put)
-        self._stands.wait(STEP_WAIT)
+        self._stands.wait(_STEP_WAIT)
 
     def told(self) -> Run:
         """The run as far as it has come, to be asked for in its thread while it goes on."""
@@ -312,7 +312,7 @@ class StudioRun:
         kernel.told.append(self._hear)
         kernel.person.console = self._asked
         if wanted.real_time:
-            kernel.at(LOCKSTEP_PERIOD, self._tick)
+            kernel.at(_LOCKSTEP_PERIOD, self._tick)
         return kernel
 
     def _finish(self, run: Run) -> None:
@@ -334,7 +334,7 @@ class StudioRun:
             self._hold(task, reason)
         if self.over:
             self.kernel.halt(task, Ending("until"))
-        if time.monotonic() - self._reported > REPORT_PERIOD:
+        if time.monotonic() - self._reported > _REPORT_PERIOD:
             self._report()
 
     def _tick(self) -> None:
@@ -349,9 +349,9 @@ class StudioRun:
         self.state = "waits" if self._waits else "running"
         if self.holding.pause is not None and kernel.tasks:
             self._hold(kernel.tasks[0], self.holding.pause)
-        if time.monotonic() - self._reported > REPORT_PERIOD:
+        if time.monotonic() - self._reported > _REPORT_PERIOD:
             self._report()
-        kernel.at(kernel.clock + LOCKSTEP_PERIOD, self._tick)
+        kernel.at(kernel.clock + _LOCKSTEP_PERIOD, self._tick)
 
     def _stop(self) -> str:
         """Return "stop" if the program has stopped since the last check, else ""."""
@@ -429,8 +429,8 @@ class StudioRun:
             "waits": self._waits,
             "logged": len(self.log),
             "chain": self._chain(),
-            **signal_records(kernel.board),
-            **(data_records(task) if held and task is not None else {"stack": [], "data": []}),
+            **_signal_records(kernel.board),
+            **(_data_records(task) if held and task is not None else {"stack": [], "data": []}),
             "findings": finding_records(self.findings),
             "ended": "" if run is None else run.ended,
             "message": "" if run is None else run.message,

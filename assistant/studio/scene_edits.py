@@ -41,11 +41,11 @@ from assistant.studio.stages import DRAWING_HANDLE, TAUGHT_SUFFIX, Handle, Stage
 from assistant.studio.studio import Studio
 from assistant.studio.texts import open_text
 
-MOST_DRAWING_POSES: Final = 400
+_MOST_DRAWING_POSES: Final = 400
 """Most poses on the path along a drawing that are checked while it is dragged."""
-MOST_CONTACT_POSES: Final = 40
+_MOST_CONTACT_POSES: Final = 40
 """Most of these poses at which contact is checked."""
-OPEN_CONFIGURATION: Final = np.full(6, UNSTATED, dtype=np.int64)
+_OPEN_CONFIGURATION: Final = np.full(6, UNSTATED, dtype=np.int64)
 
 DragRecord = dict[str, Any]
 
@@ -75,7 +75,7 @@ def drag_record(stage: Stage, handle: Handle, position: Sequence[float]) -> Drag
         return nothing | _target_record(stage, handle, position)
 
 
-def target_joints(
+def _target_joints(
     stage: Stage, handle: Handle, position: Sequence[float]
 ) -> tuple[Floats | None, bool]:
     """(a,) joints with which a target is reached at a position in the world, None if it is not.
@@ -96,7 +96,7 @@ def target_joints(
     return _nearest_joints(solution.robot, p, q, leg.joints[handle.row]), True
 
 
-def target_pose(handle: Handle, position: Sequence[float]) -> Pose:
+def _target_pose(handle: Handle, position: Sequence[float]) -> Pose:
     """The pose of a target in its frame at another position (3,) mm in the world."""
     local = handle.frame.inverse() @ handle.pose
     x, y, z = handle.frame.inverse().moved(np.array([position]))[0].tolist()
@@ -109,7 +109,7 @@ def target_pose(handle: Handle, position: Sequence[float]) -> Pose:
 
 def _flange_poses(leg: Leg, handle: Handle, position: Sequence[float]) -> tuple[Floats, Floats]:
     assert leg.solved_run is not None
-    local = target_pose(handle, position)
+    local = _target_pose(handle, position)
     rows = np.array([leg.rows.start + handle.row])
     target = np.array([local.position]), np.array([local.quaternion])
     return leg.solved_run.run.mounting.to_flange(*target, rows)
@@ -126,7 +126,7 @@ def _nearest_joints(robot: Robot, p: Floats, q: Floats, before: Floats) -> Float
 
 
 def _target_record(stage: Stage, handle: Handle, position: Sequence[float]) -> DragRecord:
-    joints, other = target_joints(stage, handle, position)
+    joints, other = _target_joints(stage, handle, position)
     if joints is None:
         return {"reached": False, "looked": 1, "left": 1}
     robot = stage.robot
@@ -169,29 +169,29 @@ def _drawing_record(stage: Stage, handle: Handle, position: Floats) -> DragRecor
         return {}
     p = np.concatenate([one for one, _ in flanges])
     q = np.concatenate([one for _, one in flanges])
-    picked = evenly_spaced(len(p), MOST_DRAWING_POSES)
+    picked = evenly_spaced(len(p), _MOST_DRAWING_POSES)
     p, q = p[picked] + turned, q[picked]
-    joints = solution.robot.joints_of(p, q, np.tile(OPEN_CONFIGURATION, (len(p), 1)))
+    joints = solution.robot.joints_of(p, q, np.tile(_OPEN_CONFIGURATION, (len(p), 1)))
     there = np.isfinite(joints).all(axis=1)
     left = int((~there).sum())
     told: DragRecord = {"reached": left == 0, "left": left, "looked": len(p)}
     reached = joints[there]
     if not len(reached):
         return told
-    few = evenly_spaced(len(reached), MOST_CONTACT_POSES)
+    few = evenly_spaced(len(reached), _MOST_CONTACT_POSES)
     return told | _contact_record(stage, reached[few])
 
 
-WRITTEN_DIGITS: Final = 3
+_WRITTEN_DIGITS: Final = 3
 """Decimals of mm that are written: more than an arm's repeatability."""
-DIGIT_TOLERANCE: Final = Tolerance(position=0.01, angle=0.01, number=1e-6)
+_DIGIT_TOLERANCE: Final = Tolerance(position=0.01, angle=0.01, number=1e-6)
 """Tolerance for the digits that a text omits."""
-FINEST_DIGITS: Final = 2
+_FINEST_DIGITS: Final = 2
 """Decimals in a text from which no more are written."""
 NUMBER: Final = r"[-+]?[0-9]+(?:\.[0-9]*)?"
 COMMA: Final = r"[ \t]*,[ \t]*"
-PATTERN_FLAGS: Final = re.MULTILINE | re.IGNORECASE
-EDIT_BY_HAND: Final = "change it in the text"
+_PATTERN_FLAGS: Final = re.MULTILINE | re.IGNORECASE
+_EDIT_BY_HAND: Final = "change it in the text"
 
 
 def move_edit(
@@ -202,7 +202,7 @@ def move_edit(
     position: (3,) mm in the world. Raises Refused if the text has changed since it was shown, and
     if it cannot express the position. Nothing is written.
     """
-    x, y, z = target_pose(handle, position).position
+    x, y, z = _target_pose(handle, position).position
     place = (_rounded_value(x), _rounded_value(y), _rounded_value(z))
     text = open_text(studio, window, handle.path)
     if handle.path == (stage.process or stage.path) and not _rest_unchanged(
@@ -225,7 +225,7 @@ def _rest_unchanged(handle: Handle, before: str, now: str) -> bool:
     return len(one) == len(other) and all(one.line(i) == other.line(i) for i in rows)
 
 
-def least_change(before: str, after: str) -> Change:
+def _least_change(before: str, after: str) -> Change:
     """The least part of a text that makes it another one."""
     start = _common_prefix(before, after)
     least = min(len(before), len(after)) - start
@@ -247,10 +247,10 @@ def _common_prefix(one: str, other: str) -> int:
 
 
 def _rounded_value(value: float) -> float:
-    return round(float(value), WRITTEN_DIGITS) + 0.0
+    return round(float(value), _WRITTEN_DIGITS) + 0.0
 
 
-def _not_moved(handle: Handle, reason: str, cure: str = EDIT_BY_HAND) -> Refused:
+def _not_moved(handle: Handle, reason: str, cure: str = _EDIT_BY_HAND) -> Refused:
     found = rules.NOT_MOVED(path=handle.path, name=handle.name, reason=reason, cure=cure)
     return Refused(replace(found, line=handle.line or None), exit_status=2)
 
@@ -268,7 +268,7 @@ def _drawing_change(handle: Handle, text: str, place: Vector) -> Change:
         raise _not_moved(handle, marks, "teach the marks again, or give `position` instead of them")
     changed = with_values(text, {("placement", "position"): list(place)}, handle.path)
     parse_process(source_of(changed, handle.path))
-    return least_change(text, changed)
+    return _least_change(text, changed)
 
 
 # ----------------------------------------------------------------------------- taught targets
@@ -311,7 +311,7 @@ def _program_change(
     changed = replace(before, targets={**before.targets, key: target})
     for written in _rewritten_parts(document, part.text, handle, changed, target, stage.robot):
         now = speaks.program(source_of(written, document.path), (), stage.robot)
-        if compare(changed, now, DIGIT_TOLERANCE).same:
+        if compare(changed, now, _DIGIT_TOLERANCE).same:
             return _line_change(handle, part, written, text)
     raise _not_moved(handle, "its text cannot say this place")
 
@@ -320,11 +320,13 @@ def _moved_target(
     stage: Stage, handle: Handle, target: Target, position: Sequence[float], place: Vector
 ) -> Target:
     """With the configuration of the arm there, where the text states another one."""
-    turned = target_pose(handle, position).quaternion if handle.with_arm else target.pose.quaternion
+    turned = (
+        _target_pose(handle, position).quaternion if handle.with_arm else target.pose.quaternion
+    )
     moved = replace(target, pose=Pose(place, turned))
     if stage.solved is None or target.configuration is None:
         return moved
-    joints, other = target_joints(stage, handle, position)
+    joints, other = _target_joints(stage, handle, position)
     if joints is None or not other:
         return moved
     return replace(moved, configuration=branch_at(stage.solved.solution.robot, joints.tolist()))
@@ -357,14 +359,14 @@ def _in_place_numbers(part: str, handle: Handle, place: Vector) -> str:
         numbers, commas = before[::2], before[1::2]
         signed = any(one.startswith("+") for one in numbers)
         stated = [len(one.partition(".")[2]) for one in numbers]
-        most = max(stated) if max(stated) >= FINEST_DIGITS else WRITTEN_DIGITS
+        most = max(stated) if max(stated) >= _FINEST_DIGITS else _WRITTEN_DIGITS
         said = [
             _number_text(value, least, most, signed)
             for value, least in zip(place, stated, strict=True)
         ]
         return head + "".join(a + b for a, b in zip(said, (*commas, ""), strict=True))
 
-    return re.sub(head + rest, changed, part, count=1, flags=PATTERN_FLAGS)
+    return re.sub(head + rest, changed, part, count=1, flags=_PATTERN_FLAGS)
 
 
 def _number_text(value: float, least: int, most: int, signed: bool) -> str:
@@ -377,7 +379,7 @@ def _number_text(value: float, least: int, most: int, signed: bool) -> str:
 def _pseudo_text(part: str, handle: Handle, target: Target) -> str:
     name = re.escape(handle.name)
     head, rest = rf"^(\s*target[ \t]+{name}[ \t]+)", r"([^#\r\n]*?)([ \t]*(?:#.*)?\r?)$"
-    pattern = re.compile(head + rest, PATTERN_FLAGS)
+    pattern = re.compile(head + rest, _PATTERN_FLAGS)
     return pattern.sub(lambda m: f"{m[1]}{target_text(target)}{m[3]}", part, count=1)
 
 
@@ -388,7 +390,7 @@ def _language_text(document: Document, program: Program, robot: Robot | None) ->
 
 def _with_declaration_head(part: str, written: str, name: str) -> str:
     """Return the declaration with the original text before the name: its scope and storage."""
-    head = re.compile(rf"^[^\r\n]*?(?<!\w){re.escape(name)}(?!\w)", PATTERN_FLAGS)
+    head = re.compile(rf"^[^\r\n]*?(?<!\w){re.escape(name)}(?!\w)", _PATTERN_FLAGS)
     kept = head.search(part)
     return written if kept is None else head.sub(lambda _: kept[0], written, count=1)
 
@@ -401,7 +403,7 @@ def _line_change(handle: Handle, part: Excerpt, written: str, text: str) -> Chan
     lines = [i for i in range(len(old)) if i >= len(new) or old.line(i) != new.line(i)]
     if len(old) != len(new) or len(lines) != 1:
         raise _not_moved(handle, "its declaration cannot be changed by itself")
-    one = least_change(old.line(lines[0]), new.line(lines[0]))
+    one = _least_change(old.line(lines[0]), new.line(lines[0]))
     line = part.line_in_whole(lines[0])
     start, end = (replace(at, line=line) for at in (one.range.start, one.range.end))
     if whole.line(line) != old.line(lines[0]):

@@ -60,11 +60,19 @@ if TYPE_CHECKING:
     from assistant.studio.stages import Handle
 
 
-STATED_OPTIONS: Final = ("robot", "process", "unit", "cell", "from_language", "from_robot", "entry")
+_STATED_OPTIONS: Final = (
+    "robot",
+    "process",
+    "unit",
+    "cell",
+    "from_language",
+    "from_robot",
+    "entry",
+)
 """Options that a project states for showing a source."""
 
 
-def make_stage(studio: Studio, window: str, path: str) -> Stage:
+def _make_stage(studio: Studio, window: str, path: str) -> Stage:
     """Return the stage of a program, a table, a drawing or its process file; raise Refused.
 
     Unsaved text counts as it is in the window.
@@ -106,7 +114,7 @@ def _process_of_drawing(studio: Studio, source: str) -> str:
 
 
 def _load_and_place(studio: Studio, source: str, process: str, text: str, name: str) -> Stage:
-    given = completed_options(source, SourceOptions(), STATED_OPTIONS)
+    given = completed_options(source, SourceOptions(), _STATED_OPTIONS)
     stands = open_cell(given.cell, given.robot or _common_robot(studio))
     loaded = _load_text_of(studio, source, process, text, given, stands)
     found: list[Diagnostic] = []
@@ -222,9 +230,9 @@ def _common_robot(studio: Studio) -> str | None:
     return named.pop() if len(named) == 1 else None
 
 
-def show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
+def _show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     """Prepare the scene of a file as it is in the window; its page is requested by name."""
-    stage = make_stage(studio, asked.window, asked.text("path"))
+    stage = _make_stage(studio, asked.window, asked.text("path"))
     return {
         "name": stage.name,
         "path": stage.path,
@@ -235,7 +243,7 @@ def show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     }
 
 
-def drag_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
+def _drag_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     """Return the effect of moving an object; nothing is changed."""
     from assistant.studio.scene_edits import drag_record as told
 
@@ -243,7 +251,7 @@ def drag_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     return told(stage, handle, handle.held_at(_asked_position(asked)))
 
 
-def edit_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
+def _edit_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     """The edit that puts something elsewhere; the editor makes it, and can take it back."""
     from assistant.studio import scene_edits
 
@@ -256,7 +264,7 @@ def edit_in_scene(studio: Studio, asked: Question) -> dict[str, Any]:
     return {"path": path, "edits": [one], "line": start.line + 1}
 
 
-async def scene_page(request: Request) -> Response:
+async def _scene_page(request: Request) -> Response:
     """The page of a scene that was worked out."""
     from assistant.studio.stages import stages_of
 
@@ -296,8 +304,8 @@ def _asked_position(asked: Question) -> tuple[float, float, float]:
 
 
 SCENE_ROUTES: Final = (
-    asks("/scene/show", show_scene),
-    asks("/scene/moved", drag_in_scene),
-    asks("/scene/edit", edit_in_scene),
-    Route("/scene/{name}/page", scene_page),
+    asks("/scene/show", _show_scene),
+    asks("/scene/moved", _drag_in_scene),
+    asks("/scene/edit", _edit_in_scene),
+    Route("/scene/{name}/page", _scene_page),
 )

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from assistant.studio.app import Guard
     from assistant.studio.studio import Studio
 
-HERE: Final = "127.0.0.1"
-NAMES: Final = (HERE, "localhost")
+_HERE: Final = "127.0.0.1"
+_NAMES: Final = (_HERE, "localhost")
 """Names that a browser may use for this computer."""
 CERTIFICATE: Final = FilePath(".robot-assistant", "studio", "certificate.pem")
 """Below the project's folder: of a studio that others may open."""
-BEGINNING: Final = 20.0
+_BEGINNING: Final = 20.0
 """Seconds in which it must be there."""
 ENDING: Final = 5.0
 """Seconds that windows have to go."""
@@ -60,10 +60,10 @@ def serving(folder: FilePath, host: str | None = None, port: int = 0) -> Iterato
         left.callback(os.chdir, FilePath.cwd())  # out of the folder again, whichever it is then
         studio = Studio(folder)
         studio.go_to(folder)
-        listening = left.enter_context(contextlib.closing(_listening(host or HERE, port)))
+        listening = left.enter_context(contextlib.closing(_listening(host or _HERE, port)))
         number = listening.getsockname()[1]
         scheme = "http" if host is None else "https"
-        names = [f"{_bracketed(one)}:{number}" for one in (NAMES if host is None else (host,))]
+        names = [f"{_bracketed(one)}:{number}" for one in (_NAMES if host is None else (host,))]
         token = secrets.token_urlsafe(24)
         guard = guarded(applied(studio), token, names, scheme)
         config = uvicorn.Config(
@@ -86,7 +86,7 @@ def serving(folder: FilePath, host: str | None = None, port: int = 0) -> Iterato
         )
         thread.start()
         try:
-            _wait(server, thread, host or HERE)
+            _wait(server, thread, host or _HERE)
             yield Served(f"{scheme}://{names[0]}/{token}/", studio, guard)
         finally:
             studio.end()
@@ -142,7 +142,7 @@ def _encrypt(config: object, host: str, folder: FilePath) -> None:
 
 
 def _wait(server: object, thread: threading.Thread, host: str) -> None:
-    end = time.monotonic() + BEGINNING
+    end = time.monotonic() + _BEGINNING
     while not server.started:  # type: ignore[attr-defined]
         if not thread.is_alive() or time.monotonic() > end:
             raise Refused(rules.NOT_SERVED(where=host, reason="it did not begin"), exit_status=2)

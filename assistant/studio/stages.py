@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     from assistant.view.page_contents import Shown
 
 
-LIVE_KIND: Final = "scenes"
+_LIVE_KIND: Final = "scenes"
 """Kind of the stages in the live table."""
-MOST_STAGES: Final = 4
+_MOST_STAGES: Final = 4
 """Scenes that windows may ask about."""
 TAUGHT_SUFFIX: Final = ".toml"
 DRAWING_HANDLE: Final = "drawing"
-TARGET_HANDLE: Final = "target"
+_TARGET_HANDLE: Final = "target"
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,22 +144,22 @@ class Stages:
     def keep(self, stage: Stage) -> None:
         with self._lock:
             self._known[stage.name] = stage
-            while len(self._known) > MOST_STAGES:
+            while len(self._known) > _MOST_STAGES:
                 self._known.popitem(last=False)
 
 
 def stages_of(studio: Studio) -> Stages:
-    found = studio.live.setdefault(LIVE_KIND, Stages())
+    found = studio.live.setdefault(_LIVE_KIND, Stages())
     assert isinstance(found, Stages)
     return found
 
 
-NUMBERED_NAME: Final = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
-SAME_POSE: Final = 1e-6
+_NUMBERED_NAME: Final = re.compile(r"(.*?)([0-9]{1,9})", re.DOTALL)
+_SAME_POSE: Final = 1e-6
 """Tolerance in mm, and in parts of a quaternion."""
 
 
-class NamedRows:
+class _NamedRows:
     """Names of the rows of the paths of a stage."""
 
     def __init__(self, studio: Studio, stage: Stage) -> None:
@@ -169,7 +169,7 @@ class NamedRows:
         """Name and pose of each row as its text declares them; none where that is not sure."""
         numbers: dict[str, dict[int, str]] = {}
         for name in self._names_at(follow):
-            match = NUMBERED_NAME.fullmatch(name)
+            match = _NUMBERED_NAME.fullmatch(name)
             if match is not None and name in self._declared:
                 numbers.setdefault(match[1], {})[int(match[2])] = name
         for of_stem in numbers.values():
@@ -220,11 +220,11 @@ def _match_rows(poses: list[Pose], path: Path) -> bool:
     """True if poses are those of the rows of a path."""
     positions = np.array([pose.position for pose in poses])
     turns = np.array([pose.quaternion for pose in poses])
-    alike = np.abs(np.sum(turns * path.quaternions, axis=1)) > 1.0 - SAME_POSE
-    return bool(np.abs(positions - path.positions).max() < SAME_POSE and alike.all())
+    alike = np.abs(np.sum(turns * path.quaternions, axis=1)) > 1.0 - _SAME_POSE
+    return bool(np.abs(positions - path.positions).max() < _SAME_POSE and alike.all())
 
 
-MOST_HANDLES: Final = 20_000
+_MOST_HANDLES: Final = 20_000
 """Most handles sent to a page."""
 
 
@@ -233,12 +233,12 @@ def handles_of(studio: Studio, stage: Stage) -> list[Handle]:
     if stage.loaded is None:
         return []
     found = [*_drawing_handles(stage)]
-    known = target_lines(studio, stage)
+    known = _target_lines(studio, stage)
     seen = set[tuple[object, ...]]()
-    for one in _target_handles(stage, NamedRows(studio, stage)):
+    for one in _target_handles(stage, _NamedRows(studio, stage)):
         at = known.get(one.name.lower())
         key = (one.name.lower(), *(round(value, 3) for value in one.pose.position))
-        if at is None or key in seen or len(found) >= MOST_HANDLES:
+        if at is None or key in seen or len(found) >= _MOST_HANDLES:
             continue
         seen.add(key)
         path, line = at
@@ -248,7 +248,7 @@ def handles_of(studio: Studio, stage: Stage) -> list[Handle]:
     return found
 
 
-def _target_handles(stage: Stage, rows: NamedRows) -> Iterator[Handle]:
+def _target_handles(stage: Stage, rows: _NamedRows) -> Iterator[Handle]:
     assert stage.loaded is not None
     program = stage.loaded.program if stage.solved is None else stage.solved.solution.program
     said = {name.lower(): one.pose for name, one in stage.loaded.program.targets.items()}
@@ -262,7 +262,7 @@ def _target_handles(stage: Stage, rows: NamedRows) -> Iterator[Handle]:
                     world = stage.shown.base @ frame
                     yield Handle(
                         *(
-                            TARGET_HANDLE,
+                            _TARGET_HANDLE,
                             name,
                             world @ declared,
                             world,
@@ -285,7 +285,15 @@ def _target_handles(stage: Stage, rows: NamedRows) -> Iterator[Handle]:
             if pose is not None and pose == said.get(one.name.lower()):
                 world = stage.shown.base @ frame
                 yield Handle(
-                    *(TARGET_HANDLE, one.name, world @ pose, world, stop.procedure, stop.place, row)
+                    *(
+                        _TARGET_HANDLE,
+                        one.name,
+                        world @ pose,
+                        world,
+                        stop.procedure,
+                        stop.place,
+                        row,
+                    )
                 )
 
 
@@ -312,7 +320,7 @@ def _drawing_handles(stage: Stage) -> Iterator[Handle]:
     yield Handle(DRAWING_HANDLE, stage.path, pose, world, path=stage.process, grip=grip)
 
 
-def target_lines(studio: Studio, stage: Stage) -> Mapping[str, tuple[str, int]]:
+def _target_lines(studio: Studio, stage: Stage) -> Mapping[str, tuple[str, int]]:
     """Name in lower case → the file that declares a target, and its line from 1."""
     if stage.process:
         return {}

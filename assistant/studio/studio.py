@@ -94,7 +94,7 @@ class Windows:
         return next(iter(self._open), None)
 
 
-UNLISTED_FOLDERS = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_modules"})
+_UNLISTED_FOLDERS = frozenset({".git", ".robot-assistant", ".venv", "__pycache__", "node_modules"})
 """Folders that are not looked into."""
 
 
@@ -131,7 +131,7 @@ class Studio:
         from assistant.project.project_file import path_inside
 
         found = path_inside(self.folder, name)
-        if found is None or UNLISTED_FOLDERS & set(found.relative_to(self.folder).parts):
+        if found is None or _UNLISTED_FOLDERS & set(found.relative_to(self.folder).parts):
             raise Refused(rules.OUTSIDE(name=name))
         return found
 
@@ -197,7 +197,7 @@ def file_tree(folder: FilePath) -> list[dict[str, Any]]:
     """Files with their kinds, in the order of their names."""
     suffixes = program_suffixes()
     return [
-        {"path": path, "kind": file_kind(path, suffixes), "size": size}
+        {"path": path, "kind": _file_kind(path, suffixes), "size": size}
         for path, (_, size) in sorted(file_stamps(folder).items())
     ]
 
@@ -222,7 +222,7 @@ def program_suffixes() -> frozenset[str]:
     return frozenset({pseudo.SUFFIX, *(suffix.lower() for suffix in theirs)})
 
 
-def file_kind(path: str, suffixes: frozenset[str]) -> str:
+def _file_kind(path: str, suffixes: frozenset[str]) -> str:
     """drawing, process, program, table, settings, … or file."""
     name = PurePosixPath(path).name.lower()
     suffix = PurePosixPath(name).suffix
@@ -248,7 +248,7 @@ def _listed_files(folder: FilePath) -> Iterator[tuple[str, os.DirEntry[str]]]:
         except OSError:
             continue  # it may not be read, or has gone
         for entry in listed:
-            if entry.name in UNLISTED_FOLDERS or entry.name.startswith(".") or entry.is_symlink():
+            if entry.name in _UNLISTED_FOLDERS or entry.name.startswith(".") or entry.is_symlink():
                 continue
             path = f"{before}{entry.name}"
             if entry.is_dir(follow_symlinks=False):

@@ -23,13 +23,13 @@ from assistant.studio.studio import Studio
 
 KIND: Final = "texts"
 """Kind of the texts in the live table."""
-ENCODINGS: Final = ("utf-8-sig", "utf-8")
+_ENCODINGS: Final = ("utf-8-sig", "utf-8")
 """Encodings of texts that are not in a controller's language."""
-LONGEST: Final = 8_000_000
+_LONGEST: Final = 8_000_000
 """Bytes of a text that is opened."""
-SAVING: Final = threading.Lock()
+_SAVING: Final = threading.Lock()
 """Lock held from the check of a file until it is written."""
-GONE: Final = ""
+_GONE: Final = ""
 """Stamp of a file that is not there."""
 
 
@@ -45,7 +45,7 @@ class Desk:
 
     def open(self, path: FilePath, name: str) -> tuple[Document, str]:
         """A file's text and the stamp of its bytes; raises Unreadable. name: that people know."""
-        data = read_bytes(path, allow_empty=True, most=LONGEST)
+        data = read_bytes(path, allow_empty=True, most=_LONGEST)
         source = read_text(data, name)
         self.read[str(path)] = source
         return self.workspace.open(str(path), source.text), stamp(data)
@@ -70,13 +70,13 @@ class Desk:
         known: stamp of the file that it stands for. Raises Refused, and writes nothing, where the
         file is another one by now.
         """
-        with SAVING:
+        with _SAVING:
             return self._saved(path, name, text, known)
 
     def _saved(self, path: FilePath, name: str, text: str, known: str) -> str:
         now = stamp_of(path)
         if now != known:
-            rule = rules.GONE if now == GONE else rules.CHANGED
+            rule = rules.GONE if now == _GONE else rules.CHANGED
             raise Refused(rule(path=name, name=name), exit_status=2)
         before = self.read.get(str(path))
         if before is None:
@@ -95,7 +95,7 @@ class Desk:
 
 
 @dataclass(slots=True, eq=False)
-class Desks:
+class _Desks:
     """Those of all windows, by their names. checker: looks at whole programs for all of them."""
 
     checker: Checker = field(default_factory=Checker)
@@ -122,8 +122,8 @@ def desk(studio: Studio, window: str) -> Desk:
     """The texts of a window; raises Refused for one that is not open."""
     if not studio.windows.has(window):
         raise not_asked("this window has no line")
-    desks = studio.live.setdefault(KIND, Desks())
-    assert isinstance(desks, Desks)
+    desks = studio.live.setdefault(KIND, _Desks())
+    assert isinstance(desks, _Desks)
     return desks.of(studio, window)
 
 
@@ -134,7 +134,7 @@ def open_text(studio: Studio, window: str, path: str) -> str:
         document = desk(studio, window).workspace.documents.get(str(file))
         if document is not None:
             return document.text
-    return read_text(read_bytes(file, most=LONGEST), str(file)).text
+    return read_text(read_bytes(file, most=_LONGEST), str(file)).text
 
 
 def read_text(data: bytes, path: str) -> SourceText:
@@ -142,7 +142,7 @@ def read_text(data: bytes, path: str) -> SourceText:
     language = languages.of_file(path, data)
     if language is not None:
         return language.decode(data, path)
-    return decode(data, path, ENCODINGS)
+    return decode(data, path, _ENCODINGS)
 
 
 def stamp(data: bytes) -> str:
@@ -152,8 +152,8 @@ def stamp(data: bytes) -> str:
 def stamp_of(path: FilePath) -> str:
     """Return the stamp of a file; that of a missing file if it cannot be read any more."""
     if not is_file(path):
-        return GONE
+        return _GONE
     try:
-        return stamp(read_file(path, LONGEST))
+        return stamp(read_file(path, _LONGEST))
     except FileNotFoundError:
-        return GONE
+        return _GONE

@@ -11,16 +11,16 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any, Final, Self
 
-LOCAL_HOST: Final = "127.0.0.1"
-HOST_NAMES: Final = (LOCAL_HOST, "localhost")
+_LOCAL_HOST: Final = "127.0.0.1"
+_HOST_NAMES: Final = (_LOCAL_HOST, "localhost")
 """Names that a browser may use for this computer: a page of another name that leads here gets
 nothing.
 """
 MOST_PAGES: Final = 16
 """Most pages served at a time."""
-KEEP_ALIVE: Final = 5.0
+_KEEP_ALIVE: Final = 5.0
 """Seconds after which a page without news is sent an empty line, to see whether it is there."""
-SEND_TIMEOUT: Final = 10.0
+_SEND_TIMEOUT: Final = 10.0
 """Seconds in which a page must take what it is sent."""
 
 
@@ -40,10 +40,10 @@ class LivePage:
 
     @property
     def address(self) -> str:
-        return f"http://{LOCAL_HOST}:{self._server.server_address[1]}{self._path}"
+        return f"http://{_LOCAL_HOST}:{self._server.server_address[1]}{self._path}"
 
     def __enter__(self) -> Self:
-        self._server = _Server((LOCAL_HOST, 0), _handler(self))
+        self._server = _Server((_LOCAL_HOST, 0), _handler(self))
         self._thread = threading.Thread(
             target=self._server.serve_forever, args=(0.05,), name="live page", daemon=True
         )
@@ -77,7 +77,7 @@ class LivePage:
     def asked(self, request: BaseHTTPRequestHandler) -> None:
         """Answer a page that requests itself or the events; all other requests are refused."""
         port = self._server.server_address[1]
-        hosts = {f"{name}:{port}" for name in HOST_NAMES}
+        hosts = {f"{name}:{port}" for name in _HOST_NAMES}
         if request.headers.get("Host", "") not in hosts:
             request.send_error(HTTPStatus.FORBIDDEN)
         elif request.path == self._path:
@@ -103,7 +103,7 @@ class LivePage:
             while not over:
                 with self._news:
                     if self._number == told and not self._over:
-                        self._news.wait(KEEP_ALIVE)
+                        self._news.wait(_KEEP_ALIVE)
                     event = self._event if self._number != told else b"\n"
                     told, over = self._number, self._over
                 request.wfile.write(event)
@@ -124,7 +124,7 @@ class _Server(ThreadingHTTPServer):
 def _handler(page: LivePage) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         server_version, sys_version = "robot-assistant", ""
-        timeout = SEND_TIMEOUT
+        timeout = _SEND_TIMEOUT
 
         def do_GET(self) -> None:
             with contextlib.suppress(OSError):  # it has gone

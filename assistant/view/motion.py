@@ -1,6 +1,6 @@
 """The motion that a page plays: samples of the arm, its moves, and a program without an arm.
 
-Samples are time in seconds, joints (k, a) and poses of the tool; `room_left` tells how near the
+Samples are time in seconds, joints (k, a) and poses of the tool; `_room_left` tells how near the
 joints are to a limit. A move is known by its procedure and its number there. `StillMotion` and
 `StillMoves` stand for a program that no arm runs.
 """
@@ -35,13 +35,13 @@ from assistant.robots.timing.segments import History, Segment, label_of
 from assistant.robots.timing.simulation import SAMPLE_PERIOD, samples_of
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop, stretches_of
 
-MOST_SAMPLES: Final = 20_000
+_MOST_SAMPLES: Final = 20_000
 """Places of the arm that a page holds."""
-COARSEST: Final = 0.1
+_COARSEST: Final = 0.1
 """Seconds between them at most; a page plays no more of a program than that allows."""
-NEAR_JOINTS: Final = 0.5
+_NEAR_JOINTS: Final = 0.5
 """Degrees (mm) that a place on the time line is away from joints that it stands for, at most."""
-NEAR_PATH: Final = 1.0
+_NEAR_PATH: Final = 1.0
 """mm of a place from the path of the tool, by which the tool comes to it."""
 
 Record = dict[str, Any]
@@ -62,8 +62,8 @@ class Motion:
 
     def __init__(self, simulation: Simulation, placed: PlacedRobot) -> None:
         self.whole = simulation.seconds
-        seconds = min(self.whole, COARSEST * (MOST_SAMPLES - 1))
-        period = max(SAMPLE_PERIOD, seconds / (MOST_SAMPLES - 1))
+        seconds = min(self.whole, _COARSEST * (_MOST_SAMPLES - 1))
+        period = max(SAMPLE_PERIOD, seconds / (_MOST_SAMPLES - 1))
         robot, start = simulation.robot, simulation.start
         samples = samples_of(simulation.history, seconds, period, robot, start)
         self.robot = placed.robot
@@ -75,7 +75,7 @@ class Motion:
         self.places = placed.base.moved(places)
 
     def record(self) -> Record:
-        room, axis = room_left(self.robot, self.joints)
+        room, axis = _room_left(self.robot, self.joints)
         return {
             "times": column_text(self.times),
             "joints": column_text(self.robot.chained(self.joints)),
@@ -104,9 +104,9 @@ class Motion:
         along = np.einsum("ij,ij->i", place - start, step)
         part = np.clip(along / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
         off = norms(start + part[:, None] * step - place)
-        if off.min() > NEAR_PATH:
+        if off.min() > _NEAR_PATH:
             return None
-        at = int(np.flatnonzero(off <= off.min() + NEAR_PATH / 10.0)[0])
+        at = int(np.flatnonzero(off <= off.min() + _NEAR_PATH / 10.0)[0])
         return float(self.times[at] + part[at] * (self.times[at + 1] - self.times[at]))
 
     def when(self, joints: Floats) -> float | None:
@@ -119,13 +119,13 @@ class Motion:
         along = np.einsum("ij,ij->i", joints - start, step)
         part = np.clip(along / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
         off = np.abs(start + part[:, None] * step - joints).max(axis=1)
-        if off.min() > NEAR_JOINTS:
+        if off.min() > _NEAR_JOINTS:
             return None
-        at = int(np.flatnonzero(off <= off.min() + NEAR_JOINTS / 10.0)[0])
+        at = int(np.flatnonzero(off <= off.min() + _NEAR_JOINTS / 10.0)[0])
         return float(self.times[at] + part[at] * (self.times[at + 1] - self.times[at]))
 
 
-def room_left(robot: Robot, joints: Floats) -> tuple[Floats, NDArray[np.intp]]:
+def _room_left(robot: Robot, joints: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """(k, a) joints → (k,) how near they are to a limit, and (k,) of which axis.
 
     0 at a limit, 1 in the middle between both, of the axis that has the least: so degrees and mm
@@ -181,11 +181,11 @@ def _stage_plans(history: History | None, start: float) -> Iterator[tuple[float,
 
 MOST_MOVES: Final = 2_000
 """Motion statements in the list."""
-MOST_PLAYED: Final = 40_000
+_MOST_PLAYED: Final = 40_000
 """Passings of moves that the time line knows; loops have many."""
-MOST_TEXT: Final = 200
+_MOST_TEXT: Final = 200
 """Characters of a statement, or of a line, that are shown."""
-MOST_LINES: Final = 100_000
+_MOST_LINES: Final = 100_000
 """Lines of the program's texts."""
 
 MoveKey = tuple[str, int]
@@ -197,19 +197,20 @@ def text_records(texts: Sequence[SourceText]) -> tuple[list[Record], int]:
     found: list[Record] = []
     first = 1
     for source in texts:
-        count = max(0, min(source.line_count, MOST_LINES + 1 - first))
-        lines = [visible(source.line_text(i + 1))[:MOST_TEXT] for i in range(count)]
+        count = max(0, min(source.line_count, _MOST_LINES + 1 - first))
+        lines = [visible(source.line_text(i + 1))[:_MOST_TEXT] for i in range(count)]
         path = None if source.path is None else visible(source.path)
         found.append({"path": path, "first": first, "lines": lines})
         first += source.line_count
-    return found, max(0, first - 1 - MOST_LINES)
+    return found, max(0, first - 1 - _MOST_LINES)
 
 
 class Moves:
     """Motion statements in order of text, and the times at which they begin in the played motion.
 
     until: seconds up to which it is played. keys: procedure and number of each. begins: seconds,
-    place in the list and line of the text (0 for none), in order of time, of at most `MOST_PLAYED`.
+    place in the list and line of the text (0 for none), in order of time, of at most
+    `_MOST_PLAYED`.
     until: seconds up to which these are complete.
     """
 
@@ -226,7 +227,7 @@ class Moves:
         self.until = until
         known: dict[int, list[tuple[float, int, int]]] = {}
         for start, passed in motion_stages(simulation, until):
-            if len(self.begins) >= MOST_PLAYED:
+            if len(self.begins) >= _MOST_PLAYED:
                 self.until = start
                 break
             if id(passed) not in known:
@@ -346,7 +347,7 @@ class Moves:
             "line": None if place is None else place.line,
             "global": line,
             "path": path,
-            "text": "" if place is None else visible(place.text[:MOST_TEXT]),
+            "text": "" if place is None else visible(place.text[:_MOST_TEXT]),
         }
 
 
@@ -359,9 +360,9 @@ def _last_on_line(leg: Leg) -> list[bool]:
     return [bool(end) for end in leg.solved_run.run.kinds[leg.rows] != Kind.VIA]
 
 
-MOST_PLACES: Final = 100_000
+_MOST_PLACES: Final = 100_000
 """Most points of the path of a program that is only drawn."""
-NO_NUMBERS: Final = column_text(np.zeros(0))
+_NO_NUMBERS: Final = column_text(np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,7 +374,7 @@ class StillMotion:
     def record(self) -> Record:
         names = ("times", "joints", "places", "speeds", "room", "nearest")
         rest = {"axes": 0, "names": [], "held": True, "whole": 0.0}
-        return dict.fromkeys(names, NO_NUMBERS) | rest
+        return dict.fromkeys(names, _NO_NUMBERS) | rest
 
     def passing(self, place: Floats) -> None:
         """No time at all."""
@@ -401,7 +402,7 @@ class StillMoves:
         return self._records[:MOST_MOVES]
 
     def played(self) -> Record:
-        return {"times": NO_NUMBERS, "moves": NO_NUMBERS, "lines": NO_NUMBERS, "until": 0.0}
+        return {"times": _NO_NUMBERS, "moves": _NO_NUMBERS, "lines": _NO_NUMBERS, "until": 0.0}
 
     def lines(self) -> tuple[list[Record], int]:
         """The texts, see `text_records`."""
@@ -426,7 +427,7 @@ class StillMoves:
                 "line": None if place is None else place.line,
                 "global": 0 if span is None else self.texts.lines(span)[0],
                 "path": None if place is None or place.path is None else visible(place.path),
-                "text": "" if place is None else visible(place.text[:MOST_TEXT]),
+                "text": "" if place is None else visible(place.text[:_MOST_TEXT]),
             }
         )
 
@@ -436,7 +437,7 @@ def path_record(program: Program, base: Pose) -> Record:
     to one, whose way nobody tells.
     """
     way = track(program)
-    places: Floats = base.moved(way.positions[:MOST_PLACES])
-    joint = (way.kinds[:MOST_PLACES] == Kind.JOINT).astype(np.int64)
-    left = max(0, len(way) - MOST_PLACES)
+    places: Floats = base.moved(way.positions[:_MOST_PLACES])
+    joint = (way.kinds[:_MOST_PLACES] == Kind.JOINT).astype(np.int64)
+    left = max(0, len(way) - _MOST_PLACES)
     return {"places": column_text(places), "joint": column_text(joint), "left": left}

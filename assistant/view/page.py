@@ -43,18 +43,18 @@ from assistant.view.motion import (
 )
 from assistant.view.page_contents import MOST_FINDINGS, Shown, finding_records
 
-MOST_RIDE_STAGES: Final = 40_000
+_MOST_RIDE_STAGES: Final = 40_000
 """Most stretches of moves that are examined; the page does not show positions of bodies after
 them.
 """
 
-Ride = tuple[int, Pose] | None
+_Ride = tuple[int, Pose] | None
 """The carrier of a body and its pose on it; None where only running the program tells."""
 
 
-def rides_of(
+def _rides_of(
     simulation: Simulation, scene: Scene, until: float
-) -> Mapping[str, list[tuple[float, Ride]]]:
+) -> Mapping[str, list[tuple[float, _Ride]]]:
     """Return the carrier of each body over time, for those that do not keep their first position.
 
     simulation: of a program that carries, with the `Holding` of the scene. until: seconds that are
@@ -63,12 +63,12 @@ def rides_of(
     if not takeable(scene):
         return {}
     carriers = Carriers(scene.robots)
-    at: dict[str, list[tuple[float, Ride]]] = {
+    at: dict[str, list[tuple[float, _Ride]]] = {
         name: [(0.0, ride)] for name, ride in _all_bodies(scene, scene, carriers).items()
     }
-    known: dict[CarriedBodies, Mapping[str, Ride]] = {}
+    known: dict[CarriedBodies, Mapping[str, _Ride]] = {}
     for time, holding in _carried_bodies(simulation, until):
-        riding: Mapping[str, Ride]
+        riding: Mapping[str, _Ride]
         if holding is None:
             riding = {name: None for name, rode in at.items() if len(rode) > 1}
         else:
@@ -87,7 +87,7 @@ def _carried_bodies(
     """Yield the carried bodies by start time; None once the examination stops."""
     known: dict[int, list[tuple[float, CarriedBodies]]] = {}
     for number, (start, passed) in enumerate(motion_stages(simulation, until)):
-        if number >= MOST_RIDE_STAGES:
+        if number >= _MOST_RIDE_STAGES:
             yield start, None
             return
         if id(passed) not in known:
@@ -100,12 +100,12 @@ def _carried_bodies(
             yield start + time, held
 
 
-def _all_bodies(scene: Scene, now: Scene, carriers: Carriers) -> Mapping[str, Ride]:
+def _all_bodies(scene: Scene, now: Scene, carriers: Carriers) -> Mapping[str, _Ride]:
     """The bodies of a scene as they are in that of a moment, which lacks those that are lost."""
     return {body.name: _ride_of(now, now.body(body.name), carriers) for body in scene.bodies}
 
 
-def _ride_of(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
+def _ride_of(now: Scene, body: Body | None, carriers: Carriers) -> _Ride:
     """Return the carrier of a body; None also for one whose parent body is lost."""
     upper = body
     while upper is not None and upper.parent not in carriers.names | now.frames.keys():
@@ -113,13 +113,13 @@ def _ride_of(now: Scene, body: Body | None, carriers: Carriers) -> Ride:
     return None if body is None or upper is None else carrier_of(now, body, carriers)
 
 
-MOST_ZONE_STAGES: Final = 1_000
+_MOST_ZONE_STAGES: Final = 1_000
 """Most stretches of moves that are examined."""
-SMALLEST_ZONE: Final = 0.05
+_SMALLEST_ZONE: Final = 0.05
 """Radius in mm below which a zone is not visible."""
 
 
-def zones_of(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
+def _zones_of(simulation: Simulation, placed: PlacedRobot, until: float) -> Floats:
     """Return centres (z, 4) in the world and radii, mm, of the motion played until so many seconds,
     each place once.
 
@@ -128,7 +128,7 @@ def zones_of(simulation: Simulation, placed: PlacedRobot, until: float) -> Float
     """
     found: dict[int, MovesWithoutStop] = {}
     for number, (_, passed) in enumerate(motion_stages(simulation, until)):
-        if number >= MOST_ZONE_STAGES:
+        if number >= _MOST_ZONE_STAGES:
             break
         found[id(passed)] = passed
     parts = [_move_zones(passed) for passed in found.values()]
@@ -149,11 +149,11 @@ def _move_zones(passed: MovesWithoutStop) -> Floats:
     held = np.array([one.tool.held and not one.frame.held for one in mounts])[moves.mount]
     tool = np.array([[m.tool for m in mounts].index(one.tool) for one in mounts])[moves.mount]
     through = moves.kinds[:-1] == Kind.VIA
-    seen = (radius > SMALLEST_ZONE) & ~through & (tool[:-1] == tool[1:]) & held[:-1]
+    seen = (radius > _SMALLEST_ZONE) & ~through & (tool[:-1] == tool[1:]) & held[:-1]
     return np.asarray(np.column_stack([moves.positions[:-1], radius])[seen])
 
 
-def procedure_times(simulation: Simulation, every: Sequence[Statement]) -> Record:
+def _procedure_times(simulation: Simulation, every: Sequence[Statement]) -> Record:
     """seconds: of the program, in words. procedures: of each how long a call of it takes, with what
     it calls; its own motion statements, and how many mm and seconds these lead, each gone through
     once. unknown: what the times do not hold. every: the motion statements.
@@ -177,16 +177,16 @@ def procedure_times(simulation: Simulation, every: Sequence[Statement]) -> Recor
     }
 
 
-MOST_NAMES: Final = 300
+_MOST_NAMES: Final = 300
 """Targets that are shown, and that have their names beside them."""
-MOST_ZONES: Final = 5_000
-MOST_DRAWN: Final = 200_000
+_MOST_ZONES: Final = 5_000
+_MOST_DRAWN: Final = 200_000
 """Points of the lines of a drawing."""
-LINK_COLOUR: Final = (232, 140, 60)
-IDLE_LINK_COLOUR: Final = (222, 200, 170)
+_LINK_COLOUR: Final = (232, 140, 60)
+_IDLE_LINK_COLOUR: Final = (222, 200, 170)
 """Colour of a robot at home."""
-TOOL_COLOUR: Final = (90, 100, 112)
-BODY_COLOUR: Final = (138, 150, 164)
+_TOOL_COLOUR: Final = (90, 100, 112)
+_BODY_COLOUR: Final = (138, 150, 164)
 
 
 def page_record(shown: Shown) -> Record:
@@ -212,12 +212,12 @@ def page_record(shown: Shown) -> Record:
             for body in shown.scene.all_bodies()
             if body.shown
         ],
-        "targets": targets[:MOST_NAMES],
+        "targets": targets[:_MOST_NAMES],
         "drawn": drawn,
         "beside": None if shown.beside is None else shown.beside.record(),
         "left": data["left"]
         | {
-            "targets": max(0, len(targets) - MOST_NAMES),
+            "targets": max(0, len(targets) - _MOST_NAMES),
             "findings": max(0, len(shown.findings) - MOST_FINDINGS),
             "drawn": drawn_left,
         },
@@ -230,7 +230,7 @@ def _moving_record(shown: Shown) -> Record:
     assert solution is not None and simulation is not None and placed is not None
     motion = Motion(simulation, placed)
     moves = Moves(solution, simulation, shown.places, motion.until)
-    around = zones_of(simulation, placed, motion.until) if tool_held(simulation) else None
+    around = _zones_of(simulation, placed, motion.until) if tool_held(simulation) else None
     every = statements(simulation)
     timed = {(one.procedure, one.number): one for one in every}
     listed = moves.records()
@@ -243,18 +243,18 @@ def _moving_record(shown: Shown) -> Record:
     return {
         "motion": motion.record(),
         "still": None,
-        "times": procedure_times(simulation, every),
+        "times": _procedure_times(simulation, every),
         "tips": [_pose_record(tip) for tip in tool_tips(simulation)],
         "targets": _target_records(solution.program, placed.base),
-        "riding": rides_of(simulation, shown.scene, motion.until),
-        "zones": column_text(np.zeros((0, 4)) if around is None else around[:MOST_ZONES]),
+        "riding": _rides_of(simulation, shown.scene, motion.until),
+        "zones": column_text(np.zeros((0, 4)) if around is None else around[:_MOST_ZONES]),
         "moves": listed,
         "played": moves.played(),
         "texts": texts,
         "findings": finding_records(shown, motion, moves, solution.program),
         "left": {
             "moves": max(0, len(moves) - MOST_MOVES),
-            "zones": 0 if around is None else max(0, len(around) - MOST_ZONES),
+            "zones": 0 if around is None else max(0, len(around) - _MOST_ZONES),
             "lines": lines_left,
         },
     }
@@ -303,20 +303,20 @@ def _body_record(
     shown: Shown,
     body: Body,
     carriers: Carriers,
-    riding: Mapping[str, Sequence[tuple[float, Ride]]],
+    riding: Mapping[str, Sequence[tuple[float, _Ride]]],
 ) -> Record:
     """A body in its own frame, and what it rides on; `rides` where that changes."""
     carrier, pose = carrier_of(shown.scene, body, carriers)
     own = shown.placed is not None and any(body is one for one in shown.placed.links)
     link = own or any(body is one for placed in shown.scene.robots for one in placed.links)
     usual = (
-        LINK_COLOUR
+        _LINK_COLOUR
         if own
-        else IDLE_LINK_COLOUR
+        else _IDLE_LINK_COLOUR
         if link
-        else TOOL_COLOUR
+        else _TOOL_COLOUR
         if carrier
-        else BODY_COLOUR
+        else _BODY_COLOUR
     )
     colour = body.colour or usual
     parts = []
@@ -345,7 +345,7 @@ def _body_record(
     }
 
 
-def _ride_record(time: float, ride: Ride) -> Record:
+def _ride_record(time: float, ride: _Ride) -> Record:
     carrier, pose = (None, None) if ride is None else (ride[0], _pose_record(ride[1]))
     return {"time": time, "carrier": carrier, "pose": pose}
 
@@ -364,7 +364,7 @@ def _target_records(program: Program, base: Pose) -> list[Record]:
 def _drawn_record(shown: Shown) -> tuple[list[Record], int]:
     """The lines of the drawing in the world, and how many are left out."""
     found: list[Record] = []
-    base, room = shown.base, MOST_DRAWN
+    base, room = shown.base, _MOST_DRAWN
     for number, line in enumerate(shown.drawn):
         room -= len(line.points)
         if room < 0:
@@ -377,9 +377,9 @@ def _pose_record(pose: Pose) -> list[float]:
     return [*map(float, pose.position), *map(float, pose.quaternion)]
 
 
-DRAWING_LIBRARY: Final = "three/three.js"
+_DRAWING_LIBRARY: Final = "three/three.js"
 """three.js, see `three/README.md` for its version, its licence and how it is made."""
-SCRIPTS: Final = (
+_SCRIPTS: Final = (
     *("data", "scene", "lines", "plan", "camera", "time", "lists", "table", "source", "live"),
     "picking",
     "start",
@@ -412,8 +412,8 @@ def filled_page(*programs: Record, nonce: str = "") -> str:
         "style": _own_file("viewer.css"),
         "data": _script_json(first | {"chosen": chosen} if others else first),
         "more": "".join(more),
-        "library": _own_file(DRAWING_LIBRARY).replace("</script", "<\\/script"),
-        "viewer": "".join(_own_file(f"scripts/{name}.js") for name in SCRIPTS),
+        "library": _own_file(_DRAWING_LIBRARY).replace("</script", "<\\/script"),
+        "viewer": "".join(_own_file(f"scripts/{name}.js") for name in _SCRIPTS),
         "nonce": f' nonce="{html.escape(nonce)}"' if nonce else "",
         "own": f"'nonce-{html.escape(nonce)}'" if nonce else "'unsafe-inline'",
         # A page that follows a controller asks where it comes from for that; any other asks nobody.

@@ -77,11 +77,11 @@ class Shown:
         return IDENTITY if self.placed is None else self.placed.base
 
 
-TargetName = tuple[str, str]
+_TargetName = tuple[str, str]
 """A kind and a name in lower case."""
 
 
-class LocatedTargets:
+class _LocatedTargets:
     """The targets of a program, by what findings call them.
 
     base: of the robot that runs it, in the world.
@@ -156,7 +156,7 @@ def finding_records(
 ) -> list[Record]:
     """The first of them. program: that is shown."""
     lines = _CountedLines(shown, moves)
-    located = LocatedTargets(shown.told or program, shown.base)
+    located = _LocatedTargets(shown.told or program, shown.base)
     return [
         _finding_record(shown, motion, moves, marked, lines, located)
         for marked in shown.findings[:MOST_FINDINGS]
@@ -206,7 +206,7 @@ def _finding_record(
     moves: Moves | StillMoves,
     marked: Marked,
     lines: _CountedLines,
-    located: LocatedTargets,
+    located: _LocatedTargets,
 ) -> Record:
     finding, close = marked
     own = shown.spans is None or close is not None

@@ -21,9 +21,9 @@ from assistant.compiler.translation import LEVELS, Translation
 from assistant.report.translation import renamed_items
 from assistant.view.motion import Record, column_text, text_records
 
-NO_LEVEL: Final = len(LEVELS)
+_NO_LEVEL: Final = len(LEVELS)
 """Level of a line that is not a statement."""
-MOST_REASONS: Final = 2_000
+_MOST_REASONS: Final = 2_000
 
 PairedLines = tuple[int, int, int]
 """A line of the source, one that it became, and a level; 0 where there is no line."""
@@ -47,7 +47,7 @@ class SideBySide:
     def record(self) -> Record:
         texts, left = text_records(self.texts)
         rows = np.array(self.rows, dtype=np.int64).reshape(-1, 3)
-        reasons = dict(list(self.reasons.items())[:MOST_REASONS])
+        reasons = dict(list(self.reasons.items())[:_MOST_REASONS])
         return {
             "heading": self.heading,
             "texts": texts,
@@ -213,18 +213,18 @@ def _paired_rows(
         for one in lines:
             sources_of.setdefault(one, line)
     before, after, first, last = _unpaired_lines(sources_of, written.count)
-    rows = [(0, one, NO_LEVEL) for one in first]
+    rows = [(0, one, _NO_LEVEL) for one in first]
     for line in range(1, source.count + 1):
-        level = levels.get(line, NO_LEVEL)
+        level = levels.get(line, _NO_LEVEL)
         goals = became.get(line, [])
         if not goals:
             rows.append((line, 0, level))
         for number, goal in enumerate(goals):
             once = sources_of[goal] == line
-            rows += [(0, extra, NO_LEVEL) for extra in before.get(goal, ()) if once]
+            rows += [(0, extra, _NO_LEVEL) for extra in before.get(goal, ()) if once]
             rows.append((0 if number else line, goal, level))
-            rows += [(0, extra, NO_LEVEL) for extra in after.get(goal, ()) if once]
-    rows += [(0, goal, NO_LEVEL) for goal in last]
+            rows += [(0, extra, _NO_LEVEL) for extra in after.get(goal, ()) if once]
+    rows += [(0, goal, _NO_LEVEL) for goal in last]
     return [one for one in rows if one[0] not in source.ends or one[1] not in written.ends]
 
 

@@ -33,7 +33,7 @@ class How:
     mass: float | None = None
 
 
-PLAIN: Final = How()
+_PLAIN: Final = How()
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Moved:
     percent: float | None = None
     blend: float = 0.0
     frame: Pose = field(default=Pose(), compare=False)
-    how: How = field(default=PLAIN, compare=False, repr=False)
+    how: How = field(default=_PLAIN, compare=False, repr=False)
     external: tuple[float | None, ...] = field(default=(), compare=False, repr=False)
 
 

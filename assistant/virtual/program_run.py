@@ -24,34 +24,34 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.communication_lines import Line
 
 
-NO_ENTRY: Final = error(
+_NO_ENTRY: Final = error(
     "VC206", "a program begins at its top, not with `{name}`", "leave --entry out"
 )
-NO_DISK: Final = error(
+_NO_DISK: Final = error(
     "VC207",
     "programs in {language} use no {what} here",
     "leave --{option} out",
 )
-NO_LINE: Final = error(
+_NO_LINE: Final = error(
     "VC217",
     "the line {name} cannot be had: {reason}",
     "name a port that is free, or a serial port that there is",
 )
-NO_OPTIONS: Final = error(
+_NO_OPTIONS: Final = error(
     "VC210", "options are for programs whose manuals leave something open", "leave [options] out"
 )
 BUSY_TIME: Final = 0.001
 """Seconds of each further statement of a loop that lets no time pass."""
-NO_SUCH_ENTRY: Final = error("VC218", "no procedure `{name}` is there to begin with", "{cure}")
-TWO_ENTRIES: Final = error(
+_NO_SUCH_ENTRY: Final = error("VC218", "no procedure `{name}` is there to begin with", "{cure}")
+_TWO_ENTRIES: Final = error(
     "VC219",
     "each of {files} has a procedure `{name}`",
     "name the modules that one task loads together",
 )
-MOST_NAMED: Final = 8
+_MOST_NAMED: Final = 8
 """Procedures that a cure names."""
 MOST_STEPS: Final = 1_000_000
-MOST_TIME: Final = 3600.0
+_MOST_TIME: Final = 3600.0
 """Simulated seconds after which a run ends by default."""
 
 
@@ -76,7 +76,7 @@ class Settings:
     entry: str | None = None
     inputs: Source = field(default_factory=dict)
     most_steps: int = MOST_STEPS
-    most_time: float = MOST_TIME
+    most_time: float = _MOST_TIME
     pace: float | None = None
     statement_time: float = 0.0
     disk: Path | None = None
@@ -89,7 +89,7 @@ def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
     """A kernel in which the programs begin as soon as it runs; the arm stands at its home."""
     chosen = settings or Settings()
     if chosen.options and (programs.language is None or programs.language.family != OPEN):
-        raise Refused(NO_OPTIONS(), exit_status=2)
+        raise Refused(_NO_OPTIONS(), exit_status=2)
     kernel = Kernel(
         Board(Signals(chosen.inputs)),
         motion=chosen.motion or _motion(chosen.robot),
@@ -139,7 +139,7 @@ def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     from assistant.virtual.rapid.interpreter import start_task
 
     if settings.lines:
-        raise Refused(NO_DISK(language="RAPID", what="lines", option="line"), exit_status=2)
+        raise Refused(_NO_DISK(language="RAPID", what="lines", option="line"), exit_status=2)
     kernel.busy_time = BUSY_TIME
     disk = Disk(settings.disk, outside=settings.disk is not None)
     controller = Controller(Options(addresses=settings.hosts), disk)
@@ -173,14 +173,14 @@ def _check_entry(part: Part, entry: str) -> None:
     found = [path for item, path in routines if item.name.lower() == entry.lower()]
     if len(found) > 1:
         files = ", ".join(f"`{path}`" for path in found)
-        raise Refused(TWO_ENTRIES(place=part.name, name=entry, files=files), exit_status=2)
+        raise Refused(_TWO_ENTRIES(place=part.name, name=entry, files=files), exit_status=2)
     if not found:
         names = [item.name for item, _ in routines if not item.parameters]
-        some = ", ".join(names[:MOST_NAMED]) + (" …" if len(names) > MOST_NAMED else "")
+        some = ", ".join(names[:_MOST_NAMED]) + (" …" if len(names) > _MOST_NAMED else "")
         cure = (
             f"choose one with --entry: {some}" if names else "name the module that has it as well"
         )
-        raise Refused(NO_SUCH_ENTRY(place=part.name, name=entry, cure=cure), exit_status=2)
+        raise Refused(_NO_SUCH_ENTRY(place=part.name, name=entry, cure=cure), exit_status=2)
 
 
 def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
@@ -193,9 +193,9 @@ def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     for option, what in (("disk", "files"), ("host", "sockets")):
         if settings.disk if option == "disk" else settings.hosts:
             language = "MELFA-BASIC"
-            raise Refused(NO_DISK(language=language, what=what, option=option), exit_status=2)
+            raise Refused(_NO_DISK(language=language, what=what, option=option), exit_status=2)
     if settings.entry is not None:
-        raise Refused(NO_ENTRY(name=settings.entry), exit_status=2)
+        raise Refused(_NO_ENTRY(name=settings.entry), exit_status=2)
     kernel.statement_time = STEP_TIME
     controller = Controller(
         kernel,
@@ -221,7 +221,7 @@ def _lines(kernel: Kernel, given: Mapping[str, str]) -> dict[str, Line]:
         except OSError as wrong:
             for close in kernel.leaving:
                 close()
-            raise Refused(NO_LINE(name=name, reason=wrong), exit_status=2) from None
+            raise Refused(_NO_LINE(name=name, reason=wrong), exit_status=2) from None
         kernel.leaving.append(leave)
     return lines
 

@@ -35,7 +35,7 @@ from assistant.virtual.events import (
 from assistant.virtual.kernel import Motion
 from assistant.virtual.kernel.script import InputChange
 
-FAILED: Final = error(
+_FAILED: Final = error(
     "VC211",
     "the controller stops here: {message}",
     "correct the statement or the data that it uses, or connect the line that it opens (--line "
@@ -46,7 +46,7 @@ UNKNOWN: Final = error(
     "this is not simulated: {message}",
     "name the files that hold what is missing as well, or run what comes before it: --until",
 )
-WAITING: Final = error(
+_WAITING: Final = error(
     "VC213",
     "the program stands here, and nothing lets it go on: {message}",
     "set the inputs that it waits for in a script: --signals FILE, see docs/running.md",
@@ -62,15 +62,15 @@ TIME: Final = error(
     "see whether what it waits for comes; --max-time allows more, --until ends a run earlier",
 )
 NOTED: Final = info("VC216", "{what}", "")
-ENDINGS: Final[dict[str, Rule]] = {
-    "error": FAILED,
+_ENDINGS: Final[dict[str, Rule]] = {
+    "error": _FAILED,
     "unknown": UNKNOWN,
-    "stopped": WAITING,
+    "stopped": _WAITING,
     "steps": STEPS,
     "time": TIME,
 }
 """Rules of failed runs, by the reason of their end."""
-KINDS: Final = {"joint": "joint move", "linear": "line", "circular": "arc"}
+_KINDS: Final = {"joint": "joint move", "linear": "line", "circular": "arc"}
 
 
 def event_words(event: object) -> str:
@@ -100,7 +100,7 @@ def _motion_words(moved: Moved) -> str:
     pace = [f"{moved.speed:g} mm/s"] if moved.speed is not None else []
     pace += [f"{moved.percent:g} %"] if moved.percent is not None else []
     corner = [f"corner {moved.blend:g} mm"] if moved.blend > 0.0 else []
-    return ", ".join([f"{KINDS[moved.kind]} to {place}", *pace, *corner])
+    return ", ".join([f"{_KINDS[moved.kind]} to {place}", *pace, *corner])
 
 
 def _number_row(values: Sequence[float]) -> str:
@@ -187,17 +187,17 @@ def _count_words(number: int, what: str, plural: str = "") -> str:
 
 def end_finding(run: Run, sources: Sequence[SourceText]) -> Diagnostic | None:
     """Why a run did not come to a good end, at its place; None if it did."""
-    rule = ENDINGS.get(run.ended)
+    rule = _ENDINGS.get(run.ended)
     if rule is None:
         return None
     message = run.message
     if run.place is not None:
         message = message.removeprefix(f"{run.place[0]}:{run.place[1]}: ")
     message = message.strip().rstrip(".") or "nothing tells why"
-    return finding_at(rule, run.place, sources, message=message)
+    return _finding_at(rule, run.place, sources, message=message)
 
 
-def finding_at(
+def _finding_at(
     rule: Rule, place: Place | None, sources: Sequence[SourceText], **fields: Any
 ) -> Diagnostic:
     """A finding at a line of one of the texts."""

@@ -21,7 +21,7 @@ from assistant.base.source_text import SourceText
 from assistant.languages import Language
 from assistant.program.program import Program
 
-NOT_RUN: Final = error(
+_NOT_RUN: Final = error(
     "VC201", "programs in {language} cannot be run here", "choose a program in {languages}"
 )
 
@@ -78,9 +78,9 @@ class Programs:
         """Names that the programs use for signals, and may use, in lower case; None for any."""
         if self.program is not None:
             return frozenset(name.lower() for name in self.program.signals)
-        if self.language is None or self.language.family not in SIGNALS:
+        if self.language is None or self.language.family not in _SIGNALS:
             return None
-        return SIGNALS[self.language.family](self)
+        return _SIGNALS[self.language.family](self)
 
 
 def groups(language: Language[Any], files: Sequence[str], folder: str | None) -> list[Group]:
@@ -88,22 +88,22 @@ def groups(language: Language[Any], files: Sequence[str], folder: str | None) ->
 
     folder: that the files were found in, None where each was named.
     """
-    return _grouping_of(language, GROUPS)(files, folder)
+    return _grouping_of(language, _GROUPS)(files, folder)
 
 
-def _grouping_of(language: Language[Any], table: Mapping[str, Grouping]) -> Grouping:
+def _grouping_of(language: Language[Any], table: Mapping[str, _Grouping]) -> _Grouping:
     if language.family not in table:
         spoken = ", ".join(table)
-        raise Refused(NOT_RUN(language=language.title, languages=spoken), exit_status=2)
+        raise Refused(_NOT_RUN(language=language.title, languages=spoken), exit_status=2)
     return table[language.family]
 
 
-Grouping = Callable[[Sequence[str], str | None], list[Group]]
+_Grouping = Callable[[Sequence[str], str | None], list[Group]]
 
 
 def _tasks(files: Sequence[str], folder: str | None) -> list[Group]:
 
-    return rapid_tasks(files, folder)
+    return _rapid_tasks(files, folder)
 
 
 def _slots(files: Sequence[str], folder: str | None) -> list[Group]:
@@ -124,35 +124,35 @@ def _rapid_signals(programs: Programs) -> frozenset[str] | None:
     return frozenset(used.union(*(used_signals(part.trees)[1] for part in programs.parts)))
 
 
-SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str] | None]]] = {"RA": _rapid_signals}
+_SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str] | None]]] = {"RA": _rapid_signals}
 """By the family of a language whose signals have names."""
-GROUPS: Final[Mapping[str, Grouping]] = {"RA": _tasks, "MB": _slots}
+_GROUPS: Final[Mapping[str, _Grouping]] = {"RA": _tasks, "MB": _slots}
 """By the family of a language."""
 
 
-SEVERAL_FOLDERS: Final = error(
+_SEVERAL_FOLDERS: Final = error(
     "VC204",
     "the folder holds programs in several folders: {names}",
     "name the folder of one task, a backup, or the modules that one task loads",
 )
-SEVERAL_LISTS: Final = error(
+_SEVERAL_LISTS: Final = error(
     "VC205",
     "the folder holds several lists of programs: {names}",
     "name the one that the task loads",
 )
-DEFAULT_TASK: Final = "T_ROB1"
-PROGRAM_LIST: Final = ".pgf"
-SHARED_TASK: Final = "TASK0"
+_DEFAULT_TASK: Final = "T_ROB1"
+_PROGRAM_LIST: Final = ".pgf"
+_SHARED_TASK: Final = "TASK0"
 _BACKUP_FOLDER: Final = re.compile(r"(?i)(?:^|/)RAPID/(TASK\d+)$")
 _TASK_NAME: Final = re.compile(r"(?im)^>>\s*(TASK\d+)\s*:\s*\(\s*([A-Za-z]\w*)")
 _TASK_TABLE: Final = re.compile(r"(?ims)^CAB_TASKS:(.*?)(?:^\S|\Z)")
 _ATTRIBUTE: Final = re.compile(r'-(\w+)(?:\s+"([^"]*)")?')
 
 
-def rapid_tasks(files: Sequence[str], folder: str | None) -> list[Group]:
+def _rapid_tasks(files: Sequence[str], folder: str | None) -> list[Group]:
     """The task that moves the robot first. Files that were named are all of one task."""
     if folder is None:
-        return [Group(DEFAULT_TASK, tuple(files))]
+        return [Group(_DEFAULT_TASK, tuple(files))]
     language = languages.get("rapid")
     inside: dict[Path, list[str]] = {}
     for file in files:
@@ -162,8 +162,8 @@ def rapid_tasks(files: Sequence[str], folder: str | None) -> list[Group]:
         return list(_backup_groups(backup, inside))
     if len(inside) > 1:
         names = ", ".join(f"`{path}`" for path in inside)
-        raise Refused(SEVERAL_FOLDERS(path=folder, names=names), exit_status=2)
-    return [Group(DEFAULT_TASK, _folder_modules(folder, files), beside=False)]
+        raise Refused(_SEVERAL_FOLDERS(path=folder, names=names), exit_status=2)
+    return [Group(_DEFAULT_TASK, _folder_modules(folder, files), beside=False)]
 
 
 def _backup_task(path: Path) -> re.Match[str] | None:
@@ -172,10 +172,10 @@ def _backup_task(path: Path) -> re.Match[str] | None:
 
 def _folder_modules(folder: str, files: Sequence[str]) -> tuple[str, ...]:
     """The modules of a folder, without the list that names them."""
-    lists = [file for file in files if file.lower().endswith(PROGRAM_LIST)]
+    lists = [file for file in files if file.lower().endswith(_PROGRAM_LIST)]
     if len(lists) > 1:
         names = ", ".join(f"`{Path(file).name}`" for file in lists)
-        raise Refused(SEVERAL_LISTS(path=folder, names=names), exit_status=2)
+        raise Refused(_SEVERAL_LISTS(path=folder, names=names), exit_status=2)
     return tuple(file for file in files if file not in lists) or tuple(lists)
 
 
@@ -185,28 +185,28 @@ def _backup_groups(backup: dict[str, Path], inside: dict[Path, list[str]]) -> It
     rows = list(_task_rows(_backup_text(root, "SYSPAR")))
     moving = {row["Name"] for row in rows if "MotionTask" in row and "Name" in row}
     beside = {
-        row.get("Name", "") for row in rows if row.get("Type", "").upper() in BACKGROUND_TYPES
+        row.get("Name", "") for row in rows if row.get("Type", "").upper() in _BACKGROUND_TYPES
     }
-    shared = [f for key, path in backup.items() if key == SHARED_TASK for f in inside[path]]
+    shared = [f for key, path in backup.items() if key == _SHARED_TASK for f in inside[path]]
     found = []
     for key, path in sorted(backup.items()):
-        if key == SHARED_TASK:
+        if key == _SHARED_TASK:
             continue
-        name = names.get(key) or (DEFAULT_TASK if key == "TASK1" else key)
+        name = names.get(key) or (_DEFAULT_TASK if key == "TASK1" else key)
         modules = (*_folder_modules(str(path), inside[path]), *shared)
         found.append(Group(name, modules, essential=name not in beside, beside=False))
     yield from sorted(found, key=lambda group: group.name not in moving)
 
 
-BACKGROUND_TYPES: Final = ("STATIC", "SEMISTATIC")
+_BACKGROUND_TYPES: Final = ("STATIC", "SEMISTATIC")
 """Types of tasks that run all the time, whether or not the others have ended."""
-BACKUP_FILES: Final = {"BACKINFO": "backinfo.txt", "SYSPAR": "SYS.cfg"}
+_BACKUP_FILES: Final = {"BACKINFO": "backinfo.txt", "SYSPAR": "SYS.cfg"}
 
 
 def _backup_text(root: Path, folder: str) -> str:
     """A file of a backup, empty where it is not there or may not be read."""
     try:
-        return read_text(root / folder / BACKUP_FILES[folder], "latin-1")
+        return read_text(root / folder / _BACKUP_FILES[folder], "latin-1")
     except OSError:
         return ""
 
@@ -221,15 +221,15 @@ def _task_rows(text: str) -> Iterator[dict[str, str]]:
             yield attributes
 
 
-SEVERAL_PROGRAMS: Final = error(
+_SEVERAL_PROGRAMS: Final = error(
     "VC202",
     "the folder holds {count} programs: {names}",
     "name the one of slot 1 first, then those of the other slots",
 )
-TOO_MANY: Final = error(
+_TOO_MANY: Final = error(
     "VC203", "there are {count} programs for the {most} slots of a controller", "name fewer"
 )
-MOST_SLOTS: Final = 32
+_MOST_SLOTS: Final = 32
 """The most that the parameter TASKMAX may say; it is 8 at first (CR1D 4.2)."""
 
 
@@ -237,7 +237,7 @@ def melfa_slots(files: Sequence[str], folder: str | None) -> list[Group]:
     """The first program in slot 1, the next one in slot 2, and so on."""
     if folder is not None and len(files) > 1:
         names = ", ".join(f"`{Path(file).name}`" for file in files)
-        raise Refused(SEVERAL_PROGRAMS(path=folder, count=len(files), names=names), exit_status=2)
-    if len(files) > MOST_SLOTS:
-        raise Refused(TOO_MANY(count=len(files), most=MOST_SLOTS), exit_status=2)
+        raise Refused(_SEVERAL_PROGRAMS(path=folder, count=len(files), names=names), exit_status=2)
+    if len(files) > _MOST_SLOTS:
+        raise Refused(_TOO_MANY(count=len(files), most=_MOST_SLOTS), exit_status=2)
     return [Group(str(slot), (file,)) for slot, file in enumerate(files, 1)]

@@ -15,7 +15,7 @@ from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, OnWay, Switched
 from assistant.virtual.kernel.task import Task
 
-AT_END = 1e-3
+_AT_END = 1e-3
 """Distance in mm, or seconds, before the end that counts as zero."""
 
 
@@ -44,7 +44,7 @@ def _from_end(at: OnWay, move: Moved, length: float | None) -> OnWay | None:
     if length and at.amount != 0.0 and at.measure in ("start", "share"):
         done = at.amount if at.measure == "start" else length * at.amount / 100.0
         at = replace(at, measure="end", amount=length - done)
-    if at.measure in ("end", "time") and abs(at.amount) < AT_END:
+    if at.measure in ("end", "time") and abs(at.amount) < _AT_END:
         at = replace(at, measure="end", amount=0.0)
         return None if move.blend == 0.0 and at.ahead == 0.0 else at
     return at
@@ -62,7 +62,7 @@ def _path_order(change: Switched) -> tuple[int, float]:
     return 1, 0.0
 
 
-LOOK_PERIOD: Final = 0.0071
+_LOOK_PERIOD: Final = 0.0071
 """Seconds between two looks at what changes with time alone, as controllers of MELFA-BASIC do."""
 
 
@@ -116,7 +116,7 @@ def watched_move(
 
     task.looks = both
     if timed and task.sampling is None:
-        task.sampling = LOOK_PERIOD
+        task.sampling = _LOOK_PERIOD
     try:
         go()
     finally:

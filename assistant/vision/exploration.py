@@ -41,11 +41,11 @@ from assistant.vision.servoing.interaction import flange_of
 from assistant.vision.servoing.live_cameras import CameraReader
 from assistant.vision.servoing.simulation import Clock
 
-NOISE_LEVELS: Final = 30
+_NOISE_LEVELS: Final = 30
 """Grey levels by which a pixel may differ by noise."""
-MOST_CHANGED: Final = 0.01
+_MOST_CHANGED: Final = 0.01
 """Largest part of the pixels of a region that differ without contact."""
-PICTURE_TIMEOUT: Final = 2.0
+_PICTURE_TIMEOUT: Final = 2.0
 """Most seconds to wait for a picture."""
 PictureRegion = tuple[int, int, int, int]
 """Left, top, right, bottom in pixels; right and bottom are outside."""
@@ -110,11 +110,11 @@ class PictureContacts:
         self.first = self._grey()
 
     def touching(self) -> bool:
-        return self.difference() > MOST_CHANGED
+        return self.difference() > _MOST_CHANGED
 
     def difference(self) -> float:
         """Part of the pixels of the region that differ from the first picture."""
-        return float((np.abs(self._grey() - self.first) > NOISE_LEVELS).mean())
+        return float((np.abs(self._grey() - self.first) > _NOISE_LEVELS).mean())
 
     def _grey(self) -> Floats:
         left, top, right, bottom = self.region
@@ -160,10 +160,11 @@ def open_contact_camera(
 
     def newest() -> Picture:
         now = time.monotonic()
-        frame = reader.newest(now, now + PICTURE_TIMEOUT)
+        frame = reader.newest(now, now + _PICTURE_TIMEOUT)
         if frame is None:
             raise Refused(
-                rules.NO_CONTACT_PICTURE(camera=camera.name, seconds=PICTURE_TIMEOUT), exit_status=1
+                rules.NO_CONTACT_PICTURE(camera=camera.name, seconds=_PICTURE_TIMEOUT),
+                exit_status=1,
             )
         return frame.picture
 
@@ -186,23 +187,23 @@ def _cell_drawer(
     return picture
 
 
-POSTURES_TRIED: Final = 6
+_POSTURES_TRIED: Final = 6
 """Postures that are drawn for each move; the target is the one that fills most new space."""
-POSTURES_DRAWN: Final = 2000
+_POSTURES_DRAWN: Final = 2000
 """Postures that are drawn to find some with the flange in the box."""
-LEAST_STEPS_BACK: Final = 3.0
+_LEAST_STEPS_BACK: Final = 3.0
 """Least steps back from a contact."""
-SECONDS_AHEAD: Final = 0.3
+_SECONDS_AHEAD: Final = 0.3
 """Seconds to the target at the present speed, near the end of a motion led cycle by cycle."""
-LONGEST_STEP: Final = 0.2
+_LONGEST_STEP: Final = 0.2
 """Most seconds of a step, however long the sources of contacts take."""
-AT_TARGET: Final = 0.1
+_AT_TARGET: Final = 0.1
 """Steps from the target within which a move has ended."""
-REST_TIMEOUT: Final = 2.0
+_REST_TIMEOUT: Final = 2.0
 """Seconds in which a motion that is led cycle by cycle must come to rest."""
-STANDSTILL: Final = 0.02
+_STANDSTILL: Final = 0.02
 """Most degrees or mm between two looks at an arm that stands still."""
-STANDSTILL_PERIOD: Final = 0.1
+_STANDSTILL_PERIOD: Final = 0.1
 """Seconds between these looks."""
 
 
@@ -326,13 +327,13 @@ class RandomExplorer:
         robot = self.guard.robot
         ranges = ranges_of(robot, self.ranges)
         if self.guard.bounds.box is None:
-            return drawn_in(ranges, POSTURES_TRIED, draw)
-        drawn = drawn_in(ranges, POSTURES_DRAWN, draw)
+            return drawn_in(ranges, _POSTURES_TRIED, draw)
+        drawn = drawn_in(ranges, _POSTURES_DRAWN, draw)
         low, high = np.array(self.guard.bounds.box)
         places = robot.fk(drawn)[0]
-        found = drawn[((places >= low) & (places <= high)).all(axis=1)][:POSTURES_TRIED]
+        found = drawn[((places >= low) & (places <= high)).all(axis=1)][:_POSTURES_TRIED]
         if not len(found):
-            raise Refused(rules.EMPTY_BOX(count=POSTURES_DRAWN), exit_status=1)
+            raise Refused(rules.EMPTY_BOX(count=_POSTURES_DRAWN), exit_status=1)
         return np.asarray(found)
 
     def _go(self, end: Floats, *, stops: bool) -> bool:
@@ -343,18 +344,18 @@ class RandomExplorer:
         velocity, before = np.zeros(len(end)), self.clock()
         while True:
             now = self.clock()
-            seconds = float(np.clip(now - before, self.carrier.period, LONGEST_STEP))
+            seconds = float(np.clip(now - before, self.carrier.period, _LONGEST_STEP))
             before = now
             at = self.carrier.told()
             left = end - at
             steps = self._steps(left)
-            if steps < AT_TARGET:
+            if steps < _AT_TARGET:
                 self._rest()
                 return self._note(self.contacts.touching()) and stops
             if self.carrier.waits:
                 self.carrier.move(at + left / max(steps, 1.0), seconds)
             else:
-                wanted = left / max(SECONDS_AHEAD, 2.0 * seconds)
+                wanted = left / max(_SECONDS_AHEAD, 2.0 * seconds)
                 velocity = self.guard.limited(wanted, velocity, at, seconds)
                 self.carrier.move(at + velocity * seconds, seconds)
                 self.clock.wait(max(self.carrier.period - (self.clock() - now), 0.0))
@@ -384,7 +385,7 @@ class RandomExplorer:
         for here, there in itertools.pairwise(way):
             gone += self._steps(there - here)
             self._go(there, stops=False)
-            if gone >= LEAST_STEPS_BACK and not self.log.rows[-1][2]:
+            if gone >= _LEAST_STEPS_BACK and not self.log.rows[-1][2]:
                 return
         if self.log.rows[-1][2]:
             back = gone * STEP_IN_CELLS * self.explorer.filler.size
@@ -395,12 +396,12 @@ class RandomExplorer:
         self.carrier.rest()
         if self.carrier.waits:
             return
-        end, before = self.clock() + REST_TIMEOUT, self.carrier.joints()
+        end, before = self.clock() + _REST_TIMEOUT, self.carrier.joints()
         while self.clock() < end:
-            self.clock.wait(STANDSTILL_PERIOD)
+            self.clock.wait(_STANDSTILL_PERIOD)
             now = self.carrier.joints()
             self._note(self.contacts.touching())
-            if np.abs(now - before).max() <= STANDSTILL:
+            if np.abs(now - before).max() <= _STANDSTILL:
                 return
             before = now
 
@@ -428,7 +429,7 @@ class RandomExplorer:
             return ""
         off = np.maximum(self.ranges[:, 0] - joints, joints - self.ranges[:, 1])
         worst = int(np.argmax(off))
-        if off[worst] <= STANDSTILL:
+        if off[worst] <= _STANDSTILL:
             return ""
         low, high = self.ranges[worst]
         axis = self.guard.robot.axes[worst]

@@ -25,25 +25,25 @@ from assistant.program.settings_tables import shown
 from assistant.sources.process import DEFAULT_TRUST, Trust
 from assistant.sources.sights import DOUBTFUL, FOUND, NOT_THERE, QUESTION, Sight, doubts
 
-NOT_A_QUESTION: Final = error(
+_NOT_A_QUESTION: Final = error(
     "VS380",
     "`{text}` is no question for where an object is, and is not answered",
     "have the program send `see NAME`, as one does that is compiled with --ask-at",
 )
-ASKED_NOT_SEEN: Final = error(
+_ASKED_NOT_SEEN: Final = error(
     "VS381",
     "a program asked for `{name}`, which is not in sight",
     "put it where the cameras see it",
 )
-ROBOT_POSE_UNKNOWN: Final = error(
+_ROBOT_POSE_UNKNOWN: Final = error(
     "VS382",
     "`{name}` was seen in the world of the cell, and where the robot stands in it is not known",
     "name the cell with --cell and its robot with --robot, or see it in the robot's base",
 )
-DECIMALS: Final = 4
-LISTENING_SLICE: Final = 0.2
+_DECIMALS: Final = 4
+_LISTENING_SLICE: Final = 0.2
 """Seconds that a line is listened to at a time, so that the whole can be ended."""
-LONGEST_WAIT: Final = 1e6
+_LONGEST_WAIT: Final = 1e6
 """Seconds that a socket waits at the most."""
 
 ObjectLookup = Callable[[str], Sight | None]
@@ -97,16 +97,16 @@ def answer_line(
     word, _, name = line.strip().partition(" ")
     name = name.strip()
     if word.lower() != QUESTION or not name:
-        return Answer("", None, findings=(NOT_A_QUESTION(text=shown(line)),))
+        return Answer("", None, findings=(_NOT_A_QUESTION(text=shown(line)),))
     try:
         sight = look(name)
     except Refused as refused:
         return Answer(name, NOT_THERE, findings=refused.findings)
     if sight is None:
-        return Answer(name, NOT_THERE, findings=(ASKED_NOT_SEEN(name=shown(name)),))
+        return Answer(name, NOT_THERE, findings=(_ASKED_NOT_SEEN(name=shown(name)),))
     why = tuple(doubts(sight, trust, datetime.datetime.now(datetime.UTC)))
     if sight.frame == "world" and base is None:
-        why += (ROBOT_POSE_UNKNOWN(name=shown(name)),)
+        why += (_ROBOT_POSE_UNKNOWN(name=shown(name)),)
     if why:
         return Answer(name, DOUBTFUL, findings=why)
     pose = sight.pose if sight.frame == "base" or base is None else base.inverse() @ sight.pose
@@ -119,12 +119,12 @@ def answer_numbers(told: Answer) -> tuple[float, ...]:
         return (told.state or NOT_THERE, *(0.0,) * 6)
     z, y, x = rotations.to_euler(np.array(told.pose.quaternion), "ZYX").tolist()
     values = (*told.pose.position, x, y, z)
-    return (FOUND, *(round(value, DECIMALS) + 0.0 for value in values))
+    return (FOUND, *(round(value, _DECIMALS) + 0.0 for value in values))
 
 
 def _open_link(link: DataLink, patience: float) -> None:
     """Opens a line as soon as the program does; raises Lost if it has not in time."""
-    whole, link.timeout = link.timeout, min(patience, LONGEST_WAIT)
+    whole, link.timeout = link.timeout, min(patience, _LONGEST_WAIT)
     try:
         link.prepare()
         link.open()
@@ -137,7 +137,7 @@ def _next_question(link: DataLink, patience: float) -> str | None:
     end = time.monotonic() + patience
     while time.monotonic() < end:
         try:
-            line = link.wait(LISTENING_SLICE)
+            line = link.wait(_LISTENING_SLICE)
         except Lost:
             return None
         if line is not None:

@@ -28,8 +28,8 @@ from assistant.robots import Robot
 
 VariableType = Literal["Real", "Integer", "Boolean", "String"]
 Causality = Literal["parameter", "input", "output"]
-VARIABLE_TYPES: Final[tuple[VariableType, ...]] = ("Real", "Integer", "Boolean", "String")
-UNITS: Final = {
+_VARIABLE_TYPES: Final[tuple[VariableType, ...]] = ("Real", "Integer", "Boolean", "String")
+_UNITS: Final = {
     "s": 's="1"',
     "deg": 'rad="1" factor="0.017453292519943295"',
     "mm": 'm="1" factor="0.001"',
@@ -64,7 +64,7 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
-class TypeColumn:
+class _TypeColumn:
     """The values of one type in a source. kinds: a letter each. starts: literals of C."""
 
     kinds: str
@@ -86,27 +86,27 @@ class PlacedVariable:
     unit: str
 
 
-def column_of_type(groups: Sequence[Group], type: VariableType) -> TypeColumn:
+def _column_of_type(groups: Sequence[Group], type: VariableType) -> _TypeColumn:
     """The column of a type, with starts of 0 for outputs."""
     kinds, starts = "", []
     for group in groups:
         if group.type == type:
             kinds += group.causality[0] * len(group.variables)
             starts += [_c_literal(variable.start) for variable in group.variables]
-    return TypeColumn(kinds, starts)
+    return _TypeColumn(kinds, starts)
 
 
-def group_offsets(groups: Sequence[Group]) -> Iterator[tuple[str, int]]:
+def _group_offsets(groups: Sequence[Group]) -> Iterator[tuple[str, int]]:
     """Yield the name of each group and its offset in the column of its type."""
-    counted = dict.fromkeys(VARIABLE_TYPES, 0)
+    counted = dict.fromkeys(_VARIABLE_TYPES, 0)
     for group in groups:
         yield group.place, counted[group.type]
         counted[group.type] += len(group.variables)
 
 
-def placed_variables(groups: Sequence[Group]) -> Iterator[PlacedVariable]:
+def _placed_variables(groups: Sequence[Group]) -> Iterator[PlacedVariable]:
     """The variables in their order, which is that of the groups."""
-    for group, (_, first) in zip(groups, group_offsets(groups), strict=True):
+    for group, (_, first) in zip(groups, _group_offsets(groups), strict=True):
         for reference, one in enumerate(group.variables, first):
             varies = "continuous" if group.type == "Real" else "discrete"
             parameter = group.causality == "parameter"
@@ -138,7 +138,7 @@ def _xml_text(start: StartValue) -> str:
     return str(start)
 
 
-FILE_DATE: Final = (1980, 1, 1, 0, 0, 0)
+_FILE_DATE: Final = (1980, 1, 1, 0, 0, 0)
 """Date of every file in an FMU, so that the same model gives the same bytes."""
 
 
@@ -203,7 +203,7 @@ class Model:
     @property
     def variables(self) -> tuple[PlacedVariable, ...]:
         """Its variables in their order."""
-        return tuple(placed_variables(self.groups))
+        return tuple(_placed_variables(self.groups))
 
     @property
     def description_xml(self) -> bytes:
@@ -218,7 +218,7 @@ class Model:
         out = io.BytesIO()
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, data in files.items():
-                one = zipfile.ZipInfo(name, FILE_DATE)
+                one = zipfile.ZipInfo(name, _FILE_DATE)
                 one.compress_type = zipfile.ZIP_DEFLATED
                 one.external_attr = 0o644 << 16
                 archive.writestr(one, data)
@@ -236,7 +236,9 @@ class Model:
             "version": assistant.__version__,
             "any_step": self.any_step,
             "copies": self.copies,
-            "units": [{"name": name, "base": base} for name, base in UNITS.items() if name in used],
+            "units": [
+                {"name": name, "base": base} for name, base in _UNITS.items() if name in used
+            ],
             "step": number_literal(self.step),
             "stop": number_literal(self.stop),
             "variables": variables,
@@ -261,11 +263,11 @@ class Model:
             "prefix": arm,
             "arm_stem": arm,
             "copies": self.copies,
-            "reals": column_of_type(self.groups, "Real"),
-            "integers": column_of_type(self.groups, "Integer"),
-            "booleans": column_of_type(self.groups, "Boolean"),
-            "strings": column_of_type(self.groups, "String"),
-            "places": list(group_offsets(self.groups)),
+            "reals": _column_of_type(self.groups, "Real"),
+            "integers": _column_of_type(self.groups, "Integer"),
+            "booleans": _column_of_type(self.groups, "Boolean"),
+            "strings": _column_of_type(self.groups, "String"),
+            "places": list(_group_offsets(self.groups)),
             "tables": [],
             **self.told,
         }
@@ -275,15 +277,15 @@ def _render(template: str, words: Mapping[str, Any]) -> bytes:
     return template_environment().get_template(f"fmu/{template}").render(words).encode()
 
 
-COMPILER_TIMEOUT: Final = 300.0
+_COMPILER_TIMEOUT: Final = 300.0
 """Seconds of a compiler; zig makes its own C library when it is first used, which takes 80."""
-COMPILER_FLAGS: Final = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
+_COMPILER_FLAGS: Final = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
 """No contraction: a product and a sum are rounded each, as numpy does."""
-PREFIX_FLAG: Final = "-DFMI2_OVERRIDE_FUNCTION_PREFIX"
+_PREFIX_FLAG: Final = "-DFMI2_OVERRIDE_FUNCTION_PREFIX"
 
 
 @dataclass(frozen=True, slots=True)
-class Platform:
+class _Platform:
     """Target platform of the libraries.
 
     name: as FMI writes it, and the folder in `binaries/`. ending: of its libraries. commands:
@@ -300,10 +302,10 @@ class Platform:
 
 
 PLATFORMS: Final = {
-    "linux64": Platform(
+    "linux64": _Platform(
         "linux64", ".so", ("gcc", "cc", "clang"), "x86_64-linux-gnu.2.17", ("-fPIC",), "gcc"
     ),
-    "win64": Platform(
+    "win64": _Platform(
         "win64",
         ".dll",
         ("x86_64-w64-mingw32-gcc",),
@@ -311,7 +313,7 @@ PLATFORMS: Final = {
         (),
         "mingw-w64 or the Python package ziglang",
     ),
-    "darwin64": Platform(
+    "darwin64": _Platform(
         "darwin64", ".dylib", (), "x86_64-macos", ("-fPIC",), "the Python package ziglang"
     ),
 }
@@ -364,13 +366,13 @@ def _compiler_command(name: str, own: str) -> list[str] | None:
     return None
 
 
-def _compile_library(model: Model, platform: Platform, command: list[str]) -> bytes:
+def _compile_library(model: Model, platform: _Platform, command: list[str]) -> bytes:
     with tempfile.TemporaryDirectory() as name:
         folder = FilePath(name)
         for file, data in model.sources.items():
             (folder / file).write_bytes(data)
         output = f"{model.identifier}{platform.ending}"
-        words = [*command, *COMPILER_FLAGS, *platform.flags, PREFIX_FLAG, "model.c", "-o", output]
+        words = [*command, *_COMPILER_FLAGS, *platform.flags, _PREFIX_FLAG, "model.c", "-o", output]
         words += _linked_libraries(model, platform)
         try:
             done = subprocess.run(  # noqa: S603 - a compiler of the system, on our own source
@@ -378,7 +380,7 @@ def _compile_library(model: Model, platform: Platform, command: list[str]) -> by
                 cwd=folder,
                 capture_output=True,
                 text=True,
-                timeout=COMPILER_TIMEOUT,
+                timeout=_COMPILER_TIMEOUT,
                 check=False,
             )
             reason = done.stderr.strip().splitlines()[:1] if done.returncode else []
@@ -390,7 +392,7 @@ def _compile_library(model: Model, platform: Platform, command: list[str]) -> by
     raise Refused(rules.NOT_COMPILED(compiler=command[0], reason=said), exit_status=2)
 
 
-def _linked_libraries(model: Model, platform: Platform) -> list[str]:
+def _linked_libraries(model: Model, platform: _Platform) -> list[str]:
     """Return the linker flags: the mathematics library, or on Windows the libraries of the
     model.
     """

@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from assistant.robots.timing import Samples, Simulation
 
 
-POSE_PARTS: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
+_POSE_PARTS: Final = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
-def joint_variables(
+def _joint_variables(
     robot: Robot,
     name: str,
     description: str,
@@ -49,19 +49,19 @@ def joint_variables(
     ]
 
 
-def flag_variables(robot: Robot, name: str, description: str) -> list[Variable]:
+def _flag_variables(robot: Robot, name: str, description: str) -> list[Variable]:
     """One that says yes or no for each axis."""
     return [Variable(name.format(axis), description.format(axis)) for axis in robot.axes]
 
 
-def pose_variables(
+def _pose_variables(
     name: str, description: str, starts: Iterable[float] | None = None
 ) -> list[Variable]:
     """Position in mm and quaternion of a pose, its part for `{}`."""
-    known = [None] * len(POSE_PARTS) if starts is None else [float(value) for value in starts]
+    known = [None] * len(_POSE_PARTS) if starts is None else [float(value) for value in starts]
     return [
         Variable(name.format(part), f"{description}, {part}", start, "" if "q" in part else "mm")
-        for part, start in zip(POSE_PARTS, known, strict=True)
+        for part, start in zip(_POSE_PARTS, known, strict=True)
     ]
 
 
@@ -89,28 +89,28 @@ def _arm_groups(robot: Robot, lag: float) -> tuple[Group, ...]:
     low, high = robot.limits.T
     return (
         Group("STARTS", "Real", "parameter",
-              joint_variables(robot, "{}_start", "joint at the start", home)),
+              _joint_variables(robot, "{}_start", "joint at the start", home)),
         Group("SPEED_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_speed_limit", "top speed", drive.speeds, "/s")),
+              _joint_variables(robot, "{}_speed_limit", "top speed", drive.speeds, "/s")),
         Group("ACCELERATION_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_acceleration_limit", "acceleration at most",
+              _joint_variables(robot, "{}_acceleration_limit", "acceleration at most",
                               drive.accelerations, "/s2")),
         Group("LOWER_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_lower_limit", "lower limit", low)),
+              _joint_variables(robot, "{}_lower_limit", "lower limit", low)),
         Group("UPPER_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_upper_limit", "upper limit", high)),
+              _joint_variables(robot, "{}_upper_limit", "upper limit", high)),
         Group("TIME_CONSTANT", "Real", "parameter",
               [Variable("time_constant", "first order by which joints follow, 0 for none",
                         float(lag), "s")]),
         Group("WANTED_JOINTS", "Real", "input",
-              joint_variables(robot, "{}_wanted", "wanted joint", home)),
+              _joint_variables(robot, "{}_wanted", "wanted joint", home)),
         Group("WANTED_POSE", "Real", "input",
-              pose_variables("{}_wanted", "wanted pose of the flange in the base",
+              _pose_variables("{}_wanted", "wanted pose of the flange in the base",
                              np.concatenate([position, quaternion]).tolist())),
-        Group("JOINTS", "Real", "output", joint_variables(robot, "{}", "joint")),
+        Group("JOINTS", "Real", "output", _joint_variables(robot, "{}", "joint")),
         Group("SPEEDS", "Real", "output",
-              joint_variables(robot, "{}_speed", "speed of the motor", per="/s")),
-        Group("POSE", "Real", "output", pose_variables("{}", "pose of the flange in the base")),
+              _joint_variables(robot, "{}_speed", "speed of the motor", per="/s")),
+        Group("POSE", "Real", "output", _pose_variables("{}", "pose of the flange in the base")),
         Group("BRANCH", "Integer", "input",
               [Variable("branch", "of the arm for poses; -1 for the nearest one", -1)]),
         Group("CONFIGURATION", "Integer", "output", _configuration_variables()),
@@ -119,9 +119,9 @@ def _arm_groups(robot: Robot, lag: float) -> tuple[Group, ...]:
         Group("REACHABLE", "Boolean", "output",
               [Variable("reachable", "whether what is wanted is inside all limits")]),
         Group("AT_LIMIT", "Boolean", "output",
-              flag_variables(robot, "{}_at_limit", "whether {} stays inside its limit")),
+              _flag_variables(robot, "{}_at_limit", "whether {} stays inside its limit")),
         Group("AT_SPEED", "Boolean", "output",
-              flag_variables(robot, "{}_at_speed", "whether {} goes at its top speed")),
+              _flag_variables(robot, "{}_at_speed", "whether {} goes at its top speed")),
     )  # fmt: skip
 
 
@@ -221,20 +221,20 @@ def _motion_rows(samples: Samples) -> Floats:
     )
 
 
-MOST_TABLE_ROWS: Final = 50_000
+_MOST_TABLE_ROWS: Final = 50_000
 """Rows of a table: each takes about 300 bytes of source."""
 
-USUAL_PERIOD: Final = 0.002
+_USUAL_PERIOD: Final = 0.002
 
 
 def usual_period(seconds: float) -> float:
-    """Seconds between rows of a motion that takes so long: 0.002, or what fits `MOST_TABLE_ROWS`.
+    """Seconds between rows of a motion that takes so long: 0.002, or what fits `_MOST_TABLE_ROWS`.
 
     In lines between rows of 0.002 s the tool is a twentieth of a millimetre off where an arm
     accelerates most; that grows with the square of the period.
     """
-    period = USUAL_PERIOD
-    while seconds / period > MOST_TABLE_ROWS - 2:
+    period = _USUAL_PERIOD
+    while seconds / period > _MOST_TABLE_ROWS - 2:
         period *= 2.5 if f"{period:e}".startswith("2") else 2.0
     return period
 
@@ -247,14 +247,14 @@ def program_model(motion: Motion, robot: Robot, name: str) -> Model:
     rows = len(motion.table)
     if not motion.seconds > 0.0:
         raise Refused(rules.NO_MOTION())
-    if rows > MOST_TABLE_ROWS:
-        least = motion.seconds / (MOST_TABLE_ROWS - 2)
+    if rows > _MOST_TABLE_ROWS:
+        least = motion.seconds / (_MOST_TABLE_ROWS - 2)
         raise Refused(
             rules.TOO_MANY_ROWS(
                 seconds=motion.seconds,
                 period=motion.period,
                 rows=rows,
-                most=MOST_TABLE_ROWS,
+                most=_MOST_TABLE_ROWS,
                 least=least,
             )
         )
@@ -280,8 +280,8 @@ def _program_groups(robot: Robot) -> tuple[Group, ...]:
     return (
         Group("SPEED_FACTOR", "Real", "input",
               [Variable("speed_factor", "how fast it is played, 1 for as simulated", 1.0)]),
-        Group("JOINTS", "Real", "output", joint_variables(robot, "{}", "joint")),
-        Group("POSE", "Real", "output", pose_variables("{}", "pose of the tool")),
+        Group("JOINTS", "Real", "output", _joint_variables(robot, "{}", "joint")),
+        Group("POSE", "Real", "output", _pose_variables("{}", "pose of the tool")),
         Group("TOOL_SPEED", "Real", "output",
               [Variable("tool_speed", "speed of the tool at speed_factor 1", None, "mm/s")]),
         Group("PROGRAM_TIME", "Real", "output",
@@ -301,7 +301,7 @@ def _program_groups(robot: Robot) -> tuple[Group, ...]:
     )  # fmt: skip
 
 
-LOCAL_HOST: Final = "127.0.0.1"
+_LOCAL_HOST: Final = "127.0.0.1"
 """Address of a virtual controller, the default host."""
 USUAL_SPEED_SHARE, USUAL_RISE_SHARE = 0.5, 0.2
 """Default parts of the arm's speeds and accelerations."""
@@ -347,15 +347,15 @@ def _live_groups(robot: Robot) -> tuple[Group, ...]:
     low, high = robot.limits.T
     return (
         Group("SPEED_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_speed_limit", "top speed",
+              _joint_variables(robot, "{}_speed_limit", "top speed",
                               USUAL_SPEED_SHARE * drive.speeds, "/s")),
         Group("ACCELERATION_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_acceleration_limit", "acceleration at most",
+              _joint_variables(robot, "{}_acceleration_limit", "acceleration at most",
                               USUAL_RISE_SHARE * drive.accelerations, "/s2")),
         Group("LOWER_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_lower_limit", "lower limit", low)),
+              _joint_variables(robot, "{}_lower_limit", "lower limit", low)),
         Group("UPPER_LIMITS", "Real", "parameter",
-              joint_variables(robot, "{}_upper_limit", "upper limit", high)),
+              _joint_variables(robot, "{}_upper_limit", "upper limit", high)),
         Group("TIMEOUT", "Real", "parameter",
               [Variable("timeout", "without an answer until it is given up", usual.timeout, "s")]),
         Group("APPROACH", "Real", "parameter",
@@ -366,12 +366,12 @@ def _live_groups(robot: Robot) -> tuple[Group, ...]:
         Group("SLACK", "Real", "parameter",
               [Variable("slack", "degrees or mm that it may be off beside that", usual.slack)]),
         Group("WANTED_JOINTS", "Real", "input",
-              joint_variables(robot, "{}_wanted", "wanted joint", robot.home)),
-        Group("JOINTS", "Real", "output", joint_variables(robot, "{}", "measured joint")),
+              _joint_variables(robot, "{}_wanted", "wanted joint", robot.home)),
+        Group("JOINTS", "Real", "output", _joint_variables(robot, "{}", "measured joint")),
         Group("COMMANDS", "Real", "output",
-              joint_variables(robot, "{}_command", "commanded joint")),
+              _joint_variables(robot, "{}_command", "commanded joint")),
         Group("POSE", "Real", "output",
-              pose_variables("{}", "measured pose of the flange in the base")),
+              _pose_variables("{}", "measured pose of the flange in the base")),
         Group("LONGEST_DELAY", "Real", "output",
               [Variable("longest_delay", "from an answer to the next packet", None, "s")]),
         Group("PORT", "Integer", "parameter", [Variable("port", "of the controller, UDP", PORT)]),
@@ -394,9 +394,9 @@ def _live_groups(robot: Robot) -> tuple[Group, ...]:
         Group("REFUSED", "Boolean", "output",
               [Variable("refused", "whether what is wanted is too far away to begin")]),
         Group("AT_LIMIT", "Boolean", "output",
-              flag_variables(robot, "{}_at_limit", "whether {} stays inside its limit")),
+              _flag_variables(robot, "{}_at_limit", "whether {} stays inside its limit")),
         Group("CONTROLLER", "String", "parameter",
-              [Variable("controller", "name or address; a real one is named here", LOCAL_HOST)]),
+              [Variable("controller", "name or address; a real one is named here", _LOCAL_HOST)]),
         Group("CONFIRM", "String", "parameter",
               [Variable("confirm", "the same as controller: the arm may move", "")]),
     )  # fmt: skip

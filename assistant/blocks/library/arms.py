@@ -22,7 +22,7 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot
 from assistant.robots.timing import Drive, drive_of
 
-JACOBIAN_STEP: Final = 1e-4
+_JACOBIAN_STEP: Final = 1e-4
 """Degrees or mm by which a joint is changed to either side for its column of the Jacobian."""
 NEAREST_BRANCH: Final = -1.0
 """A branch input that asks for the branch nearest to the joints of the step before."""
@@ -141,13 +141,13 @@ def tool_pose(robot: Robot, tool: Pose, joints: Floats) -> Floats:
 def tool_jacobian(robot: Robot, joints: Floats, tool: Pose = IDENTITY) -> Floats:
     """(6, a) mm and degrees of the tool, in the base, a degree (or mm) of each of joints (a,)."""
     count = len(robot.axes)
-    change = JACOBIAN_STEP * np.eye(count)
+    change = _JACOBIAN_STEP * np.eye(count)
     p, q = robot.fk(np.concatenate([joints + change, joints - change]))
     p = p + rotations.rotate(q, np.array(tool.position))
-    moved = (p[:count] - p[count:]) / (2.0 * JACOBIAN_STEP)
+    moved = (p[:count] - p[count:]) / (2.0 * _JACOBIAN_STEP)
     turn = rotations.multiply(q[:count], rotations.conjugate(q[count:]))
     turn[turn[:, 0] < 0.0] *= -1.0
-    turned = np.degrees(2.0 * turn[:, 1:]) / (2.0 * JACOBIAN_STEP)  # small: the sine is the angle
+    turned = np.degrees(2.0 * turn[:, 1:]) / (2.0 * _JACOBIAN_STEP)  # small: the sine is the angle
     return np.concatenate([moved.T, turned.T])
 
 

@@ -40,14 +40,14 @@ from assistant.blocks.setpoint_connections import SetpointSender, StatusSource
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.robot import Robot
 
-RATE_SECONDS: Final = 1.0
+_RATE_SECONDS: Final = 1.0
 """Seconds over which the rate of a measurement is computed."""
-NEWTON_ROUNDS: Final = 20
-POSITION_TOLERANCE: Final = 1e-6
+_NEWTON_ROUNDS: Final = 20
+_POSITION_TOLERANCE: Final = 1e-6
 """mm that a tool may be beside its place: steps end there, not before."""
-LIMIT_TOLERANCE: Final = 0.02
+_LIMIT_TOLERANCE: Final = 0.02
 """Degrees or mm by which the reported position of an axis at its limit may exceed that limit."""
-SPEED_ROUNDING: Final = 1e-6
+_SPEED_ROUNDING: Final = 1e-6
 """Part of a speed that two moments of a run make of it."""
 
 
@@ -84,7 +84,7 @@ class Status(Connected[StatusSource]):
     def _rate(self, seconds: float, records: int) -> float:
         seen = self._seen
         seen.append((seconds, records))
-        while len(seen) > 2 and seconds - seen[1][0] >= RATE_SECONDS:
+        while len(seen) > 2 and seconds - seen[1][0] >= _RATE_SECONDS:
             seen.popleft()
         passed = seconds - seen[0][0]
         return (records - seen[0][1]) / passed if passed > 0.0 else 0.0
@@ -147,13 +147,13 @@ class Relative(Connected[SetpointSender]):
     def _check(self, joints: Floats, seconds: float) -> None:
         arm = self.share.arm
         for axis, value, (low, high) in zip(arm.axes, joints, arm.limits, strict=True):
-            if not low - LIMIT_TOLERANCE <= value <= high + LIMIT_TOLERANCE:
+            if not low - _LIMIT_TOLERANCE <= value <= high + _LIMIT_TOLERANCE:
                 told = {"low": low, "high": high, "robot": self.robot.name, "value": value}
                 raise Refused(OUT_OF_LIMITS(block=self.name, axis=int(axis[1:]), **told))
         if math.isnan(seconds):
             return
         speeds = np.abs(joints - self.share.told) / seconds
-        fast = np.flatnonzero(speeds > arm.speeds * (1.0 + SPEED_ROUNDING))
+        fast = np.flatnonzero(speeds > arm.speeds * (1.0 + _SPEED_ROUNDING))
         if len(fast):
             told = {"axis": arm.axes[fast[0]], "speed": speeds[fast[0]]}
             raise Refused(STEP_TOO_FAST(block=self.name, most=arm.speeds[fast[0]], **told))
@@ -219,7 +219,7 @@ class RelCart(Relative):
         if angle := float(np.linalg.norm(turn)):
             about = rotations.about((turn / angle).tolist(), angle)
             goal[3:] = rotations.multiply(about, start[3:])
-        found = nearby_joints(self.robot, self.tool, joints, goal)
+        found = _nearby_joints(self.robot, self.tool, joints, goal)
         if found is None:
             x, y, z = goal[:3]
             point = f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
@@ -227,14 +227,14 @@ class RelCart(Relative):
         return found
 
 
-def nearby_joints(robot: Robot, tool: Pose, joints: Floats, goal: Floats) -> Floats | None:
+def _nearby_joints(robot: Robot, tool: Pose, joints: Floats, goal: Floats) -> Floats | None:
     """(a,) joints near to others that bring a tool to a pose (7,); None if none do.
 
     By Newton's method with the place first and the turn as far as the axes that are left allow
     (Nakamura, Hanafusa and Yoshikawa, Task-priority based redundancy control, 1987).
     """
     found = joints.copy()
-    for _ in range(NEWTON_ROUNDS):
+    for _ in range(_NEWTON_ROUNDS):
         off = _pose_error(tool_pose(robot, tool, found), goal)
         matrix = tool_jacobian(robot, found, tool)
         first = np.linalg.pinv(matrix[:3])
@@ -244,8 +244,8 @@ def nearby_joints(robot: Robot, tool: Pose, joints: Floats, goal: Floats) -> Flo
         change = change + np.linalg.pinv(matrix[3:] @ free, rcond=1e-6) @ rest
         found = found + change
         if (
-            np.abs(change).max() < POSITION_TOLERANCE
-            and np.linalg.norm(off[:3]) < POSITION_TOLERANCE
+            np.abs(change).max() < _POSITION_TOLERANCE
+            and np.linalg.norm(off[:3]) < _POSITION_TOLERANCE
         ):
             return found
     return None

@@ -34,9 +34,9 @@ from assistant.controllers.abb.exchange.files import Answer
 from assistant.controllers.controller import Controller
 from assistant.program.geometry import Pose, Vector
 
-OPEN, CLOSED, BETWEEN = 0.0, 1.0, 0.5
+OPEN, _CLOSED, BETWEEN = 0.0, 1.0, 0.5
 """States of a gripper: confirmed ones, and what nobody confirms."""
-GRIP_TIMEOUT: Final = 2.0
+_GRIP_TIMEOUT: Final = 2.0
 """Seconds in which a gripper has to confirm."""
 
 
@@ -165,7 +165,7 @@ class Gripper(Connected[Asked[Controller]]):
         *,
         opened: str | None = None,
         closed: str | None = None,
-        within: float = GRIP_TIMEOUT,
+        within: float = _GRIP_TIMEOUT,
         period: float | None = None,
     ) -> None:
         ports = [Port("state"), Port("confirmed"), Port("busy")]
@@ -193,7 +193,7 @@ class Gripper(Connected[Asked[Controller]]):
             self._moving.result()
             self._moving = None
             if not self._inputs:
-                self._state = CLOSED if self._told else OPEN
+                self._state = _CLOSED if self._told else OPEN
         if self._looking is not None and self._looking.done():
             self._state = self._read(self._looking.result())
             self._looking = None
@@ -223,7 +223,7 @@ class Gripper(Connected[Asked[Controller]]):
         if is_open and is_closed:
             raise Refused(OPEN_AND_CLOSED(block=self.name))
         if is_closed or (is_closed is None and not is_open):
-            return CLOSED
+            return _CLOSED
         return OPEN if is_open or is_open is None else BETWEEN
 
 

@@ -41,9 +41,9 @@ from assistant.vision.servoing.bounds import Bounds, Guard
 
 APPROACH: Final = 10.0
 """Degrees or mm that the first setpoint may be from where the arm stands."""
-LATE: Final = 0.01
+_LATE: Final = 0.01
 """Seconds that a setpoint may come late without the arm slowing down, and that it is behind."""
-HELD: Final = 1e-6
+_HELD: Final = 1e-6
 """Degrees or mm from what is wanted beyond which a limit holds the arm back."""
 
 
@@ -221,8 +221,8 @@ class ExternalControl(Connected[Led]):
             return
         self._velocity = guard.limited(velocity, self._velocity, self._told, step)
         self._told = self._told + self._velocity * step
-        self._limited = going and bool(np.abs(self._told - wanted).max() > HELD)
-        self.share.carrier.move(self._told, step + min(step, LATE))
+        self._limited = going and bool(np.abs(self._told - wanted).max() > _HELD)
+        self.share.carrier.move(self._told, step + min(step, _LATE))
 
     def _check_near(self, wanted: Floats) -> None:
         away = np.abs(wanted - self._told)

@@ -54,26 +54,26 @@ def check_not_negative(name: str, value: float) -> float:
     return value
 
 
-POSE_MEANS: Final = (
+_POSE_MEANS: Final = (
     "X, Y, Z in mm and A, B, C in degrees (A, B of five axes), or x, y, z and w, x, y, z"
 )
-STEP_MEANS: Final = "x, y, z in mm and a turn about x, y, z in degrees, or x, y, z and w, x, y, z"
-QUATERNION_TOLERANCE: Final = 1e-3
+_STEP_MEANS: Final = "x, y, z in mm and a turn about x, y, z in degrees, or x, y, z and w, x, y, z"
+_QUATERNION_TOLERANCE: Final = 1e-3
 """Most deviation of a quaternion from unit length by rounding."""
-MOST_TURN_ERROR: Final = 0.1
+_MOST_TURN_ERROR: Final = 0.1
 """Most degrees between a turn and the nearest of five axes, and between a tool and the vertical."""
-FRONT_FLAG: Final = 4
+_FRONT_FLAG: Final = 4
 """Bit of the first flag of a posture: the arm reaches forward, not over its back."""
 
 
 def controller_pose_port(name: str) -> Port:
     """An input for a pose as a controller shows it, or with a quaternion."""
-    return Port(name, 6, also=(POSE_SIZE,), means=POSE_MEANS)
+    return Port(name, 6, also=(POSE_SIZE,), means=_POSE_MEANS)
 
 
 def step_port(name: str) -> Port:
     """An input for a step of the tool, its turn as a vector or as a quaternion."""
-    return Port(name, 6, also=(POSE_SIZE,), means=STEP_MEANS)
+    return Port(name, 6, also=(POSE_SIZE,), means=_STEP_MEANS)
 
 
 def controller_pose(block: str, robot: Robot, pose: Floats, posture: str) -> Floats:
@@ -93,11 +93,11 @@ def controller_pose(block: str, robot: Robot, pose: Floats, posture: str) -> Flo
     ab = closed_form.to_ab(place, turns)[0]
     miss = float(closed_form.plane_miss(place, turns)[0])
     reason = ""
-    if miss > MOST_TURN_ERROR:
+    if miss > _MOST_TURN_ERROR:
         reason = f"the tool is {miss:.2f} degrees off what they reach there"
     elif (
-        not int(posture.split(",")[0]) & FRONT_FLAG
-        and min(abs(ab[1]), 180.0 - abs(ab[1])) > MOST_TURN_ERROR
+        not int(posture.split(",")[0]) & _FRONT_FLAG
+        and min(abs(ab[1]), 180.0 - abs(ab[1])) > _MOST_TURN_ERROR
     ):
         reason = "the arm reaches over its back with a tool that is not vertical"
     if reason:
@@ -118,7 +118,7 @@ def _unit_quaternion(block: str, pose: Floats) -> Floats:
     if not np.isfinite(pose).all():
         raise Refused(TARGET_NOT_FINITE(block=block))
     length = float(np.linalg.norm(pose[3:]))
-    if abs(length - 1.0) > QUATERNION_TOLERANCE:
+    if abs(length - 1.0) > _QUATERNION_TOLERANCE:
         raise Refused(BAD_QUATERNION(block=block, length=length))
     return rotations.canonical(pose[3:])
 

@@ -52,7 +52,7 @@ ValueOpening = Callable[[], AbstractContextManager[Iterator[tuple[float, T]]]]
 """Opens what gives seconds and values, one after the other."""
 
 
-class ValueSource(Protocol[T_co]):
+class _ValueSource(Protocol[T_co]):
     """Opened by `begin`, closed by `end`."""
 
     def begin(self) -> None: ...
@@ -63,7 +63,7 @@ class ValueSource(Protocol[T_co]):
     def end(self) -> None: ...
 
 
-class RecordedValues(Generic[T]):
+class _RecordedValues(Generic[T]):
     """Values that have their times, counted from the beginning of the model; the last one stays."""
 
     def __init__(self, opening: ValueOpening[T]) -> None:
@@ -119,13 +119,13 @@ class LiveValues(Generic[T]):
             self._failure = refused
 
 
-def value_source(opening: ValueOpening[T], *sources: str) -> ValueSource[T]:
+def _value_source(opening: ValueOpening[T], *sources: str) -> _ValueSource[T]:
     """Live if any source is a device or a stream; else by the times of its pictures."""
     live = any(one.isdigit() or STREAM_ADDRESS.match(one) for one in sources)
-    return LiveValues(opening) if live else RecordedValues(opening)
+    return LiveValues(opening) if live else _RecordedValues(opening)
 
 
-NOISE_SEED: Final = 0
+_NOISE_SEED: Final = 0
 
 
 class ProjectedMarker(Block):
@@ -144,7 +144,7 @@ class ProjectedMarker(Block):
         thing: VisualTarget,
         *,
         noise: float = 0.0,
-        seed: int = NOISE_SEED,
+        seed: int = _NOISE_SEED,
     ) -> None:
         carried = [] if camera.parent == WORLD else [pose_port("carrier")]
         outputs = [Port("pixels", 2 * len(thing.points)), Port("seen")]
@@ -202,7 +202,7 @@ class SeenMarker(Block):
                     for frame in frames
                 )
 
-        self._arriving = value_source(opening, source)
+        self._arriving = _value_source(opening, source)
         self._nothing = -1, np.full(width, np.nan)
 
     def begin(self) -> None:
@@ -249,7 +249,7 @@ class PointingDevice(Block):
                 yield ((number / rate, look) for number, look in enumerate(looks))
 
         sources = (rig.sources.get(camera.name, "") for camera in chosen)
-        self._arriving = value_source(opening, *sources)
+        self._arriving = _value_source(opening, *sources)
         self._pose = np.full(POSE_SIZE, np.nan)
 
     def begin(self) -> None:

@@ -25,7 +25,7 @@ from assistant.controllers.mitsubishi.arm_moves import Goal
 from assistant.controllers.states import Position
 from assistant.robots.robot import Robot
 
-TARGET_SIZE: Final = 6
+_TARGET_SIZE: Final = 6
 """Joints by number, whichever the arm lacks, or X, Y, Z in mm and A, B, C in degrees."""
 
 
@@ -54,26 +54,26 @@ class Move(Connected[Operator]):
         period: float | None = None,
     ) -> None:
         ports = [
-            Port(way, TARGET_SIZE, "deg") if self.of_joints else controller_pose_port(way)
+            Port(way, _TARGET_SIZE, "deg") if self.of_joints else controller_pose_port(way)
             for way in self.ways
         ]
-        outputs = [Port("busy"), Port("done"), Port("joints", TARGET_SIZE, "deg")]
+        outputs = [Port("busy"), Port("done"), Port("joints", _TARGET_SIZE, "deg")]
         super().__init__(name, connection, [*ports, Port("start")], outputs, period)
         self.robot, self.moves = robot, connection.name
 
     def begin(self) -> None:
         self._under_way: Future[Position] | None = None
         self._last: Floats | None = None
-        self._done, self._stood = 0, np.full(TARGET_SIZE, np.nan)
+        self._done, self._stood = 0, np.full(_TARGET_SIZE, np.nan)
         super().begin()
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         """Raises Refused for a move that the controller refused or did not end."""
         del now, given
         if self._under_way is not None and self.ended(self._under_way):
-            joints = self._under_way.result().joints[:TARGET_SIZE]
+            joints = self._under_way.result().joints[:_TARGET_SIZE]
             stood = [0.0 if joint is None else joint for joint in joints]
-            self._stood = np.array([*stood, *[0.0] * (TARGET_SIZE - len(stood))])
+            self._stood = np.array([*stood, *[0.0] * (_TARGET_SIZE - len(stood))])
             self._under_way = None
             self._done += 1
         return [[float(self._under_way is not None)], [float(self._done)], self._stood]
@@ -101,7 +101,7 @@ class Move(Connected[Operator]):
 
     def _six(self, ways: Sequence[Floats]) -> Sequence[Floats]:
         """Return poses of six numbers; those of seven need the posture of the arm."""
-        if all(len(way) == TARGET_SIZE for way in ways):
+        if all(len(way) == _TARGET_SIZE for way in ways):
             return ways
         posture = self._posture()
         return [controller_pose(self.name, self.robot, way, posture) for way in ways]

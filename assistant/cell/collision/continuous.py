@@ -22,16 +22,16 @@ import numpy as np
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.cell.collision.model import Model
 
-COARSE_GROUPS: Final = (4096, 1024, 256, 64)
-FINE_GROUPS: Final = (16, 4, 1)
+_COARSE_GROUPS: Final = (4096, 1024, 256, 64)
+_FINE_GROUPS: Final = (16, 4, 1)
 """Stretches of a group, each size a part of the one before it."""
-LEAST_MEASURED_GROUP: Final = 16
+_LEAST_MEASURED_GROUP: Final = 16
 """Smallest group for which distances are measured as well, which clear more than boxes do."""
-GROUP_PAIRS_AT_ONCE: Final = 100_000
+_GROUP_PAIRS_AT_ONCE: Final = 100_000
 """Pairs of groups and items that are processed together."""
 
 
-def near_pairs(
+def _near_pairs(
     model: Model, rows: Floats, slack: Floats | None, limit: Floats, together: int
 ) -> Iterator[tuple[Rows, Rows]]:
     """Stretches (k,) of rows (n + 1, j) and pairs (k,) that may be nearer there than limit (p,) mm.
@@ -43,14 +43,14 @@ def near_pairs(
     if slack is not None:
         low, high = low - slack, high + slack
     within = _Within(model, low, high, limit)
-    count = -(-len(low) // COARSE_GROUPS[0])
+    count = -(-len(low) // _COARSE_GROUPS[0])
     group = np.repeat(np.arange(count), len(model))
     pair = np.tile(np.arange(len(model)), count)
-    group, pair = within.parts(group, pair, COARSE_GROUPS[0], COARSE_GROUPS)
-    size = max(together // COARSE_GROUPS[-1], 1)
+    group, pair = within.parts(group, pair, _COARSE_GROUPS[0], _COARSE_GROUPS)
+    size = max(together // _COARSE_GROUPS[-1], 1)
     for start in range(0, len(group), size):
         some = slice(start, start + size)
-        yield within.parts(group[some], pair[some], COARSE_GROUPS[-1], FINE_GROUPS)
+        yield within.parts(group[some], pair[some], _COARSE_GROUPS[-1], _FINE_GROUPS)
 
 
 class _Within:
@@ -80,12 +80,12 @@ class _Within:
         high = np.maximum.reduceat(self.high, starts)
         middle, half, leverage = (low + high) / 2.0, (high - low) / 2.0, self.model.leverage.T
         measures = [self.model.least_of, self.model.exact]
-        for measure in measures[: 2 if size >= LEAST_MEASURED_GROUP else 1]:
+        for measure in measures[: 2 if size >= _LEAST_MEASURED_GROUP else 1]:
             found = [np.zeros(0, dtype=np.intp)]
-            for start in range(0, len(group), GROUP_PAIRS_AT_ONCE):
+            for start in range(0, len(group), _GROUP_PAIRS_AT_ONCE):
                 g, p = (
-                    group[start : start + GROUP_PAIRS_AT_ONCE],
-                    pair[start : start + GROUP_PAIRS_AT_ONCE],
+                    group[start : start + _GROUP_PAIRS_AT_ONCE],
+                    pair[start : start + _GROUP_PAIRS_AT_ONCE],
                 )
                 used, where = np.unique(g, return_inverse=True)
                 least = measure(middle[used], where, p)
@@ -98,17 +98,17 @@ class _Within:
 
 RESOLUTION: Final = 0.1
 """mm that anything moves in the shortest part: what comes that near counts as touching."""
-SHORTEST_PART: Final = 2.0**-30
+_SHORTEST_PART: Final = 2.0**-30
 """Smallest part of a stretch that is divided: joints that still differ at its ends jump."""
-PAIRS_AT_ONCE: Final = 500_000
+_PAIRS_AT_ONCE: Final = 500_000
 """Stretches times pairs that are processed together: each takes some hundred bytes at most."""
-MOST_STRETCHES: Final = 65536
+_MOST_STRETCHES: Final = 65536
 """Stretches of which a chunk has no more."""
-CURVE_TOLERANCE: Final = 0.1
+_CURVE_TOLERANCE: Final = 0.1
 """degrees (mm) that curved joints may be off the line of their stretch beyond its slack."""
-CURVE_SAFETY: Final = 1.5
+_CURVE_SAFETY: Final = 1.5
 """By how much more than in the middle of a part joints may be off its straight line elsewhere."""
-LEAST_RESOLUTION: Final = 0.05
+_LEAST_RESOLUTION: Final = 0.05
 """mm to which a least distance is found."""
 MOST_DISTANCES: Final = 400_000
 """Distances that are computed for least ones at most; what is found then is a bound."""
@@ -209,16 +209,16 @@ def firsts(
     count = len(model)
     keys = np.array([one.group * count + one.pair for one in wanted], dtype=np.intp)
     stretch = np.flatnonzero(np.isin(group, [one.group for one in wanted]))
-    for start in range(0, len(stretch), MOST_STRETCHES):
-        some = stretch[start : start + MOST_STRETCHES]
+    for start in range(0, len(stretch), _MOST_STRETCHES):
+        some = stretch[start : start + _MOST_STRETCHES]
         at, pair = (
             x.reshape(-1) for x in np.meshgrid(some, np.unique(keys % count), indexing="ij")
         )
         of = np.isin(group[at] * count + pair, keys)
         at, pair = at[of], pair[of]
-        for part in range(0, len(at), PAIRS_AT_ONCE):
+        for part in range(0, len(at), _PAIRS_AT_ONCE):
             chunk = _Chunk(model, way, 0, len(way.rows) - 1)
-            s, p = at[part : part + PAIRS_AT_ONCE], pair[part : part + PAIRS_AT_ONCE]
+            s, p = at[part : part + _PAIRS_AT_ONCE], pair[part : part + _PAIRS_AT_ONCE]
             begun = (s == 0) | (group[s] != group[np.maximum(s - 1, 0)])
             for hit in chunk.hits(s, p, limit, begun, RESOLUTION):
                 key = int(group[min(int(hit.at), len(group) - 1)]), hit.pair
@@ -229,12 +229,12 @@ def firsts(
 
 def _chunks(model: Model, way: JointPath, limit: Floats) -> Iterator[tuple[_Chunk, Rows, Rows]]:
     """Parts of a way, with the stretches (k,) of each and pairs (k,) that may be nearer there."""
-    for start in range(0, len(way.rows) - 1, MOST_STRETCHES):
-        chunk = _Chunk(model, way, start, min(start + MOST_STRETCHES, len(way.rows) - 1))
+    for start in range(0, len(way.rows) - 1, _MOST_STRETCHES):
+        chunk = _Chunk(model, way, start, min(start + _MOST_STRETCHES, len(way.rows) - 1))
         slack = chunk.slack
         if slack is not None and way.curve is not None:
-            slack = slack + CURVE_TOLERANCE * (slack > 0.0)
-        for stretch, pair in near_pairs(model, chunk.rows, slack, limit, PAIRS_AT_ONCE):
+            slack = slack + _CURVE_TOLERANCE * (slack > 0.0)
+        for stretch, pair in _near_pairs(model, chunk.rows, slack, limit, _PAIRS_AT_ONCE):
             yield chunk, stretch, pair
 
 
@@ -289,7 +289,7 @@ class _Chunk:
             least = (at_low + at_high - whole) / 2.0 - off
             close = least <= limit[pair]
             small = (whole <= resolution) & ((2.0 * off <= resolution) | fixed)
-            small |= parts.size <= SHORTEST_PART
+            small |= parts.size <= _SHORTEST_PART
             found, on = np.flatnonzero(close & small), np.flatnonzero(close & ~small)
             out += self._found(parts, which[found], pair[found])
             which, pair, at_low, at_high = which[on], pair[on], at_low[on], at_high[on]
@@ -323,12 +323,12 @@ class _Chunk:
             np.minimum.at(best, job, np.minimum(at_low, at_high))
             whole, off, fixed = self._reach(parts, which, pair)
             least = (at_low + at_high - whole) / 2.0 - off
-            open_ = (least < best[job] - LEAST_RESOLUTION) & (least <= limit[pair])
-            small = (whole <= LEAST_RESOLUTION) & (2.0 * off <= LEAST_RESOLUTION)
+            open_ = (least < best[job] - _LEAST_RESOLUTION) & (least <= limit[pair])
+            small = (whole <= _LEAST_RESOLUTION) & (2.0 * off <= _LEAST_RESOLUTION)
             small |= fixed & (
-                whole <= np.maximum(LEAST_RESOLUTION, off)
+                whole <= np.maximum(_LEAST_RESOLUTION, off)
             )  # halves would be no surer
-            small |= parts.size <= SHORTEST_PART
+            small |= parts.size <= _SHORTEST_PART
             if done > MOST_DISTANCES:  # contacts are found all the same, but not how deep they are
                 small |= (least > 0.0) | (best[job] <= 0.0)
             ends, on = np.flatnonzero(open_ & small), np.flatnonzero(open_ & ~small)
@@ -346,7 +346,7 @@ class _Chunk:
         for key, distance, lower in zip(jobs.tolist(), best, bound, strict=True):
             number, one = divmod(int(key), count)
             if min(distance, lower) <= limit[one]:
-                exact = max(distance - LEAST_RESOLUTION, -np.inf)
+                exact = max(distance - _LEAST_RESOLUTION, -np.inf)
                 yield ClosestApproach(number, one, float(distance), float(min(exact, lower)))
 
     # ------------------------------------------------------------------------------- parts
@@ -366,7 +366,7 @@ class _Chunk:
         if self.curve is not None:
             middle = self._at(stretch, low + size / 2.0)
         fixed = fixed | ~middle.exact
-        off = CURVE_SAFETY * np.abs(middle.rows - straight)
+        off = _CURVE_SAFETY * np.abs(middle.rows - straight)
         off = np.where(fixed[:, None], np.maximum(off, self.slack[stretch]), off)
         return self._made(stretch, low, size, first.rows, middle.rows, last.rows, off, fixed)
 
@@ -455,7 +455,7 @@ class _At:
     exact: Truths
 
 
-HIT_SEPARATION: Final = 1.0
+_HIT_SEPARATION: Final = 1.0
 """Stretches between two hits of a pair from which on they are two."""
 
 
@@ -464,7 +464,7 @@ def _first_of_runs(found: list[Hit]) -> list[Hit]:
     last: dict[int, float] = {}
     out = []
     for hit in sorted(found, key=lambda hit: hit.at):
-        if hit.at - last.get(hit.pair, -np.inf) > HIT_SEPARATION:
+        if hit.at - last.get(hit.pair, -np.inf) > _HIT_SEPARATION:
             out.append(hit)
         last[hit.pair] = hit.at
     return out

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
-TINY: Final = 1e-12
-BOX_PAIRS_AT_ONCE: Final = 4096
+_TINY: Final = 1e-12
+_BOX_PAIRS_AT_ONCE: Final = 4096
 """Pairs of boxes that are computed together: 144 pairs of edges each."""
 
 
@@ -47,25 +47,25 @@ class NearestPoints:
     normal: Floats
 
 
-def dot_products(a: Floats, b: Floats) -> Floats:
+def _dot_products(a: Floats, b: Floats) -> Floats:
     """(...) products of vectors (..., 3)."""
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
-def segments_apart(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> tuple[Floats, Floats]:
+def _segments_apart(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> tuple[Floats, Floats]:
     """The nearest points (..., 3) of segments from a0 to a1 and from b0 to b1 (..., 3).
 
     After Ericson, Real-Time Collision Detection, 5.1.9.
     """
     d1, d2, r = a1 - a0, b1 - b0, a0 - b0
     a, e, f, c, b = (
-        dot_products(d1, d1),
-        dot_products(d2, d2),
-        dot_products(d2, r),
-        dot_products(d1, r),
-        dot_products(d1, d2),
+        _dot_products(d1, d1),
+        _dot_products(d2, d2),
+        _dot_products(d2, r),
+        _dot_products(d1, r),
+        _dot_products(d1, d2),
     )
-    point_a, point_b = a <= TINY, e <= TINY
+    point_a, point_b = a <= _TINY, e <= _TINY
     safe_a, safe_e = np.where(point_a, 1.0, a), np.where(point_b, 1.0, e)
     denominator = a * e - b * b
     parallel = denominator <= 1e-12 * safe_a * safe_e
@@ -81,11 +81,11 @@ def segments_apart(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> tuple[Floa
     return a0 + s[..., None] * d1, b0 + t[..., None] * d2
 
 
-def capsule_distances(
+def _capsule_distances(
     a: tuple[Floats, Floats], b: tuple[Floats, Floats], radii: Floats
 ) -> NearestPoints:
     """Capsules about segments (k, 3) to (k, 3). radii: (k, 2) of the one and of the other."""
-    p, q = segments_apart(*a, *b)
+    p, q = _segments_apart(*a, *b)
     way = q - p
     apart = norms(way)
     crossing = apart <= 1e-9
@@ -101,14 +101,14 @@ def _across(one: Floats, other: Floats) -> Floats:
     found = np.cross(one, other)
     for vector in (one, other):
         smallest = np.eye(3)[np.abs(vector).argmin(axis=1)]
-        lost = norms(found) <= 1e-9 * (norms(one) * norms(other) + TINY)
+        lost = norms(found) <= 1e-9 * (norms(one) * norms(other) + _TINY)
         found = np.where(lost[:, None], np.cross(vector, smallest), found)
-    lost = norms(found) <= TINY
+    lost = norms(found) <= _TINY
     found[lost] = (0.0, 0.0, 1.0)
     return found
 
 
-def capsule_box_distances(p0: Floats, p1: Floats, half: Floats, radius: Floats) -> NearestPoints:
+def _capsule_box_distances(p0: Floats, p1: Floats, half: Floats, radius: Floats) -> NearestPoints:
     """Capsules about segments p0 to p1 (k, 3), from boxes of half edges (k, 3) about the origin.
 
     The points and the normals are in the frames of the boxes; the capsule is the one.
@@ -134,7 +134,7 @@ def _nearest_to_box(p0: Floats, way: Floats, half: Floats) -> Floats:
     The square of the distance is convex along the segment, and its slope linear between the parts
     at which the segment passes a plane of the box.
     """
-    still = np.abs(way) <= TINY
+    still = np.abs(way) <= _TINY
     safe = np.where(still, 1.0, way)
     cuts = [np.where(still, 0.0, (side * half - p0) / safe) for side in (-1.0, 1.0)]
     k = len(p0)
@@ -158,7 +158,7 @@ def _segment_in_box(p0: Floats, way: Floats, half: Floats) -> tuple[Floats, Floa
     """
     across = np.cross(way[:, None], np.eye(3)[None])
     size = norms(across.reshape(-1, 3)).reshape(-1, 3)
-    flat = size <= 1e-9 * (norms(way)[:, None] + TINY)
+    flat = size <= 1e-9 * (norms(way)[:, None] + _TINY)
     across = np.where(flat[..., None], 0.0, across / np.where(flat, 1.0, size)[..., None])
     axes = np.concatenate([np.broadcast_to(np.eye(3), across.shape), across], axis=1)
     reach = np.einsum("ksi,ki->ks", np.abs(axes), half)
@@ -182,14 +182,14 @@ _EDGES: Final = np.array(
 )
 
 
-def box_distances(turn: Floats, place: Floats, one: Floats, other: Floats) -> NearestPoints:
+def _box_distances(turn: Floats, place: Floats, one: Floats, other: Floats) -> NearestPoints:
     """Boxes of half edges other (k, 3) at places (k, 3), turned by (k, 3, 3), in the frames of
     boxes of half edges one (k, 3), in which the points and the normals are.
     """
-    if len(one) > BOX_PAIRS_AT_ONCE:
+    if len(one) > _BOX_PAIRS_AT_ONCE:
         parts = [
-            box_distances(*(x[i : i + BOX_PAIRS_AT_ONCE] for x in (turn, place, one, other)))
-            for i in range(0, len(one), BOX_PAIRS_AT_ONCE)
+            _box_distances(*(x[i : i + _BOX_PAIRS_AT_ONCE] for x in (turn, place, one, other)))
+            for i in range(0, len(one), _BOX_PAIRS_AT_ONCE)
         ]
         columns = ("distance", "one", "other", "normal")
         return NearestPoints(*(np.concatenate([getattr(p, c) for p in parts]) for c in columns))
@@ -208,7 +208,7 @@ def box_distances(turn: Floats, place: Floats, one: Floats, other: Floats) -> Ne
         p[out], q[out] = _apart(*(x[out] for x in (turn, place, one, other, corners, others)))
         way = q[out] - p[out]
         apart[out] = norms(way)
-        normal[out] = way / np.maximum(apart[out], TINY)[:, None]
+        normal[out] = way / np.maximum(apart[out], _TINY)[:, None]
     return NearestPoints(apart, p, q, normal)
 
 
@@ -246,17 +246,17 @@ def _apart(
     on_one = np.clip(theirs, -one[:, None], one[:, None])
     edges = np.indices((12, 12)).reshape(2, -1)
     a, b = mine[:, _EDGES[edges[0]]], theirs[:, _EDGES[edges[1]]]
-    e, f = segments_apart(a[:, :, 0], a[:, :, 1], b[:, :, 0], b[:, :, 1])
+    e, f = _segments_apart(a[:, :, 0], a[:, :, 1], b[:, :, 0], b[:, :, 1])
     p = np.concatenate([mine, on_one, e], axis=1)
     q = np.concatenate([on_other, theirs, f], axis=1)
-    best = dot_products(q - p, q - p).argmin(axis=1)
+    best = _dot_products(q - p, q - p).argmin(axis=1)
     rows = np.arange(len(mine))
     return p[rows, best], q[rows, best]
 
 
-COAL_TOLERANCE: Final = 1e-9
+_COAL_TOLERANCE: Final = 1e-9
 """mm, of the distances of convex shapes."""
-COAL_ITERATIONS: Final = 1000
+_COAL_ITERATIONS: Final = 1000
 
 
 def coal_library() -> ModuleType:
@@ -271,8 +271,8 @@ def coal_library() -> ModuleType:
 def distance_request() -> Any:
     """Return the settings of a distance request to coal."""
     wanted = coal_library().DistanceRequest()
-    wanted.gjk_tolerance = COAL_TOLERANCE
-    wanted.gjk_max_iterations = COAL_ITERATIONS
+    wanted.gjk_tolerance = _COAL_TOLERANCE
+    wanted.gjk_max_iterations = _COAL_ITERATIONS
     return wanted
 
 
@@ -349,7 +349,7 @@ def _triangles(mesh: Mesh) -> Any:
     return out
 
 
-RAYS: Final = (
+_RAYS: Final = (
     (0.5773502691896258, 0.5773502691896257, 0.5773502691896259),
     (-0.2672612419124244, 0.5345224838248488, 0.8017837257372732),
     (0.8728715609439694, -0.2182178902359924, 0.4364357804719847),
@@ -357,7 +357,7 @@ RAYS: Final = (
 """Unit vectors along no axis, which many edges and faces of drawings lie along."""
 
 
-class InsideTest:
+class _InsideTest:
     """Test whether a shape lies inside another; shapes are given by number."""
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
@@ -397,12 +397,12 @@ def points_inside(mesh: Mesh, points: Floats) -> Any:
     if mesh.within is not None:
         return mesh.within(points)
     votes = sum(
-        (ray_crossings(mesh, points, np.array(ray)) % 2 for ray in RAYS), np.zeros(len(points))
+        (_ray_crossings(mesh, points, np.array(ray)) % 2 for ray in _RAYS), np.zeros(len(points))
     )
     return votes >= 2
 
 
-def ray_crossings(mesh: Mesh, points: Floats, ray: Floats) -> Any:
+def _ray_crossings(mesh: Mesh, points: Floats, ray: Floats) -> Any:
     """(n,) how many triangles a ray (3,) from points (n, 3) passes (Möller and Trumbore, 1997)."""
     a, b, c = (mesh.points[mesh.triangles[:, i]] for i in range(3))
     e1, e2 = b - a, c - a
@@ -484,7 +484,7 @@ class Distances:
             i, o = one[some], other[some]
             radii = np.stack([self._radii[i], self._radii[o]], axis=1)
             segments = self._segment(i, _of(at_one, some)), self._segment(o, _of(at_other, some))
-            yield some, capsule_distances(*segments, radii)
+            yield some, _capsule_distances(*segments, radii)
         some = np.flatnonzero(round_one & box_other)
         if len(some):
             yield some, self._of_box(one[some], other[some], _of(at_one, some), _of(at_other, some))
@@ -497,7 +497,7 @@ class Distances:
             (p, turn), (p_other, turn_other) = _of(at_one, some), _of(at_other, some)
             relative = np.einsum("kji,kjl->kil", turn, turn_other)
             place = np.einsum("kji,kj->ki", turn, p_other - p)
-            found = box_distances(
+            found = _box_distances(
                 relative, place, self._halves[one[some]], self._halves[other[some]]
             )
             yield some, _transforms(found, p, turn)
@@ -512,7 +512,7 @@ class Distances:
         place, turn = at_box
         ends = self._segment(capsule, at_capsule)
         p0, p1 = (np.einsum("kji,kj->ki", turn, end - place) for end in ends)
-        found = capsule_box_distances(p0, p1, self._halves[box], self._radii[capsule])
+        found = _capsule_box_distances(p0, p1, self._halves[box], self._radii[capsule])
         return _transforms(found, place, turn)
 
     # ----------------------------------------------------------------------------- by coal
@@ -535,10 +535,10 @@ class Distances:
         return self._geometries[shape]
 
     @cached_property
-    def _inside(self) -> InsideTest | None:
+    def _inside(self) -> _InsideTest | None:
         """None without closed meshes: their triangles are a surface, with nothing inside."""
         solid = any(isinstance(shape, Mesh) and shape.solid for shape in self.shapes)
-        return InsideTest(self.shapes) if solid else None
+        return _InsideTest(self.shapes) if solid else None
 
     @staticmethod
     def _frame(place: Floats, turn: Floats) -> Any:

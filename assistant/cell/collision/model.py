@@ -174,9 +174,9 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(f"`{name}`" for name in names[:12])
 
 
-PAIRS_AT_ONCE: Final = 200_000
+_PAIRS_AT_ONCE: Final = 200_000
 """Rows times pairs whose bounds are worked out together."""
-FARTHEST: Final = 1e9
+_FARTHEST: Final = 1e9
 """mm that no distance in a cell is larger than."""
 
 
@@ -368,7 +368,7 @@ class Model:
         ends = [self._placed(origins, turns, row, item) for item in (one, other)]
         found = self.distances.signed(one, other, *ends)
         # A library answers with the largest number, either way, where it finds no two points.
-        return np.asarray(np.clip(found, -FARTHEST, FARTHEST) - self._off[pair])
+        return np.asarray(np.clip(found, -_FARTHEST, _FARTHEST) - self._off[pair])
 
     def _placed(
         self, origins: Floats, turns: Floats, row: Rows, item: Rows
@@ -387,7 +387,7 @@ class Model:
 
     def nearest(self, rows: Floats) -> tuple[Floats, Rows]:
         """Rows (n, j) → the least distance (n,) of any pair, inf without pairs, and which (n,)."""
-        size = max(PAIRS_AT_ONCE // max(len(self), 1), 1)
+        size = max(_PAIRS_AT_ONCE // max(len(self), 1), 1)
         blocks = [self._nearest(rows[i : i + size]) for i in range(0, max(len(rows), 1), size)]
         best, which = zip(*blocks, strict=True)
         return np.concatenate(best), np.concatenate(which)

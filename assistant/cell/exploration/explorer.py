@@ -126,7 +126,7 @@ class Explorer:
             rows.append(some)
             offs.append(off)
             if model is not None and found:
-                touch = touch_of(model, found[0], placed)
+                touch = _touch_of(model, found[0], placed)
                 break
         return self.gone(np.concatenate(rows), touch, np.concatenate(offs))
 
@@ -149,7 +149,7 @@ class Explorer:
         return rows[before], off[before]
 
 
-def touch_of(model: Model, hit: Hit, placed: PlacedRobot) -> Touch:
+def _touch_of(model: Model, hit: Hit, placed: PlacedRobot) -> Touch:
     """Return the contact of a hit, at the point on the object that the robot does not carry."""
     contact = model.contact(hit.joints, hit.pair)
     bodies = [model.items[int(i[hit.pair])] for i in (model.one, model.other)]
@@ -159,9 +159,9 @@ def touch_of(model: Model, hit: Hit, placed: PlacedRobot) -> Touch:
     return Touch() if all(moved) else Touch(contact.points[moved.index(False)])
 
 
-TARGETS_PER_MOVE: Final = 6
+_TARGETS_PER_MOVE: Final = 6
 """Number of targets drawn for each move; the arm moves to the one that adds most new space."""
-ROWS_BACK: Final = 2
+_ROWS_BACK: Final = 2
 """Rows that it goes back from a contact."""
 
 ContactIndicator = Callable[[Floats], tuple[int, Touch] | None]
@@ -189,7 +189,7 @@ def wander(
     seed: int = 0,
     start: Floats | None = None,
     within: Floats | None = None,
-    tries: int = TARGETS_PER_MOVE,
+    tries: int = _TARGETS_PER_MOVE,
 ) -> Wandered:
     """Straight moves of the joints to random places, each up to the first contact: a run each.
 
@@ -216,7 +216,7 @@ def wander(
         if touch is None:
             at = rows[-1]
         elif len(clear):
-            at = clear[max(len(clear) - 1 - ROWS_BACK, 0)]
+            at = clear[max(len(clear) - 1 - _ROWS_BACK, 0)]
     return Wandered(moves, contacts, placeless, new, at)
 
 
@@ -281,6 +281,6 @@ def in_scene(hidden: Scene, placed: PlacedRobot) -> ContactIndicator:
         found = hits(model, JointPath(rows))
         if not found:
             return None
-        return int(np.ceil(found[0].at)), touch_of(model, found[0], placed)
+        return int(np.ceil(found[0].at)), _touch_of(model, found[0], placed)
 
     return indicated

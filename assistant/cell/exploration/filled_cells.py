@@ -41,11 +41,11 @@ from assistant.program.geometry import Pose
 DepthFunction = Callable[[Floats, Floats, Floats], Floats]
 """Coordinates x, y, z of places in the frame of a shape → mm to its surface, below 0 outside."""
 
-LEAST_LEFT: Final = 0.01
+_LEAST_LEFT: Final = 0.01
 """mm that a shape keeps of itself, however much thinner it is made."""
-VOXELS: Final = 3000
+_VOXELS: Final = 3000
 """Places in the box about a mesh that its depth is worked out at."""
-POINT_RADIUS: Final = 1e-3
+_POINT_RADIUS: Final = 1e-3
 """mm: the radius of a ball that stands for a point."""
 
 
@@ -125,7 +125,7 @@ def _of_mesh(mesh: Mesh) -> SolidDepth:
     way between them.
     """
     low, high = extent(mesh)
-    edge = max(float((np.prod(high - low) / VOXELS) ** (1.0 / 3.0)), 1e-6)
+    edge = max(float((np.prod(high - low) / _VOXELS) ** (1.0 / 3.0)), 1e-6)
     shape = np.maximum(np.ceil((high - low) / edge), 1).astype(np.intp)
     indices = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1).reshape(-1, 3)
     places = low + (indices + 0.5) * edge
@@ -145,7 +145,7 @@ def _from_surface(mesh: Mesh, points: Floats) -> Floats:
     coal = coal_library()
     surface, ball, result, wanted = (
         coal_geometry(mesh),
-        coal.Sphere(POINT_RADIUS),
+        coal.Sphere(_POINT_RADIUS),
         None,
         distance_request(),
     )
@@ -163,19 +163,19 @@ def _inside(mesh: Mesh, points: Floats) -> Truths:
 
 
 def thinner_shape(shape: Shape, by: float) -> Shape:
-    """Return a shape that is `by` mm thinner all round, but at least `LEAST_LEFT` thick.
+    """Return a shape that is `by` mm thinner all round, but at least `_LEAST_LEFT` thick.
 
     A mesh is replaced by its convex hull, which is larger than the mesh.
     """
     match shape:
         case Sphere(radius=r):
-            return Sphere(max(r - by, LEAST_LEFT))
+            return Sphere(max(r - by, _LEAST_LEFT))
         case Capsule(radius=r, length=length):
-            return Capsule(max(r - by, LEAST_LEFT), length)
+            return Capsule(max(r - by, _LEAST_LEFT), length)
         case Cylinder(radius=r, length=length):
-            return Cylinder(max(r - by, LEAST_LEFT), max(length - 2.0 * by, 2.0 * LEAST_LEFT))
+            return Cylinder(max(r - by, _LEAST_LEFT), max(length - 2.0 * by, 2.0 * _LEAST_LEFT))
         case Box(size=(a, b, c)):
-            least = 2.0 * LEAST_LEFT
+            least = 2.0 * _LEAST_LEFT
             return Box((max(a - 2 * by, least), max(b - 2 * by, least), max(c - 2 * by, least)))
         case Convex():
             return _thinner_hull(shape, by)
@@ -187,7 +187,7 @@ def _thinner_hull(shape: Convex, by: float) -> Convex:
 
     planes = _planes(shape)
     middle, deepest = _middle(planes)
-    by = min(by, deepest - LEAST_LEFT)
+    by = min(by, deepest - _LEAST_LEFT)
     if by <= 0.0:
         return shape
     sides = np.column_stack([planes[:, :3], by - planes[:, 3]])
@@ -200,13 +200,13 @@ MOST_CELLS: Final = 1 << 28
 """Cells of the box about all that a run fills: a byte each."""
 HALF_DIAGONAL: Final = 3.0**0.5 / 2.0
 """Sizes of a cell from its middle to its corners."""
-DEPTH_ROUNDING: Final = 1e-9
+_DEPTH_ROUNDING: Final = 1e-9
 """mm that a cell is deeper inside than rounding could take away."""
-CELL_CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
+_CELL_CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
 
 
 @dataclass(frozen=True, eq=False)
-class MovedPart:
+class _MovedPart:
     """A part that a robot moves: link: the frame of `Robot.link_frames` it is carried by; pose: in
     that; low, high: (3,) of the box about it, in its own frame.
     """
@@ -244,7 +244,7 @@ class Filler:
                 for part in body.parts:
                     yield body, part, carrier - self._first - 1, pose @ part.pose
 
-    def _parts(self) -> Iterator[MovedPart]:
+    def _parts(self) -> Iterator[_MovedPart]:
         for body, part, link, pose in self.moved():
             solid = solid_depth(part.shape)
             if solid is None:
@@ -254,7 +254,7 @@ class Filler:
                 better = solid.deepest / HALF_DIAGONAL
                 self.findings.append(TOO_COARSE(name=body.name, size=self.size, better=better))
             low, high = _box(part.shape)
-            yield MovedPart(body, part, link, pose, solid, low, high)
+            yield _MovedPart(body, part, link, pose, solid, low, high)
 
     def lever(self) -> Floats:
         """(j, i) mm that a part moves at most for a degree (mm) of each joint of the scene."""
@@ -300,11 +300,11 @@ class Filler:
         for part in body.parts:
             solid = solid_depth(part.shape)
             if solid is not None:
-                still = MovedPart(body, part, 0, pose @ part.pose, solid, *_box(part.shape))
+                still = _MovedPart(body, part, 0, pose @ part.pose, solid, *_box(part.shape))
                 found.append(self._still(still))
         return np.unique(np.concatenate(found))
 
-    def _still(self, part: MovedPart) -> Ints:
+    def _still(self, part: _MovedPart) -> Ints:
         """Return the keys of the cells inside one part, whose pose is in the base; see `inside`."""
         at = np.array([part.pose.position])
         turn = rotations.to_matrix(np.array([part.pose.quaternion]))
@@ -317,20 +317,20 @@ class Filler:
         self._mark(marks, first, part, at[0], turn[0], low[0], high[0], 0.0)
         return keys_of(np.argwhere(marks) + first)
 
-    def _placed(self, part: MovedPart, origins: Floats, turns: Floats) -> tuple[Floats, Floats]:
+    def _placed(self, part: _MovedPart, origins: Floats, turns: Floats) -> tuple[Floats, Floats]:
         """(n, 3) where the frame of a part is in the base, and (n, 3, 3) how it is turned."""
         turn = turns[:, part.link]
         own = rotations.to_matrix(np.array(part.pose.quaternion))
         return origins[:, part.link] + turn @ np.array(part.pose.position), turn @ own
 
-    def _looked(self, part: MovedPart, at: Floats, turn: Floats) -> Ints:
+    def _looked(self, part: _MovedPart, at: Floats, turn: Floats) -> Ints:
         """Rows at which a part has moved by `STEP_IN_CELLS` since the last one, the first and the
         last.
         """
-        corners = (part.low + part.high) / 2.0 + CELL_CORNERS * (part.high - part.low)
+        corners = (part.low + part.high) / 2.0 + _CELL_CORNERS * (part.high - part.low)
         there = at[:, None] + np.einsum("npq,cq->ncp", turn, corners)
         gone = np.concatenate([[0.0], norms(np.diff(there, axis=0)).max(axis=1).cumsum()])
-        steps = np.floor(gone / (STEP_IN_CELLS * self.size) + DEPTH_ROUNDING)
+        steps = np.floor(gone / (STEP_IN_CELLS * self.size) + _DEPTH_ROUNDING)
         new = np.append(True, np.diff(steps) > 0)
         new[-1] = True
         return np.flatnonzero(new)
@@ -339,7 +339,7 @@ class Filler:
         self,
         marks: Truths,
         first: Ints,
-        part: MovedPart,
+        part: _MovedPart,
         at: Floats,
         turn: Floats,
         low: Floats,
@@ -355,14 +355,14 @@ class Filler:
         own = [turn[0, k] * x + turn[1, k] * y + turn[2, k] * z for k in range(3)]
         depth = part.solid.depth(own[0], own[1], own[2]) - thinner
         window = marks[start[0] : stop[0], start[1] : stop[1], start[2] : stop[2]]
-        sure = depth >= HALF_DIAGONAL * size + DEPTH_ROUNDING
+        sure = depth >= HALF_DIAGONAL * size + _DEPTH_ROUNDING
         window |= sure
         if part.solid.convex:  # it is in it if its corners are
             open_ = np.nonzero((depth >= size / 2.0) & ~sure & ~window)
-            offsets = (CELL_CORNERS * size) @ turn
+            offsets = (_CELL_CORNERS * size) @ turn
             corners = [own[k][open_][:, None] + offsets[:, k] for k in range(3)]
             deep = part.solid.depth(*corners) - thinner
-            window[open_] = deep.min(axis=1) >= DEPTH_ROUNDING if len(open_[0]) else False
+            window[open_] = deep.min(axis=1) >= _DEPTH_ROUNDING if len(open_[0]) else False
 
 
 def robot_named(scene: Scene, name: str | None) -> PlacedRobot:
@@ -379,7 +379,7 @@ def _box(shape: Shape) -> tuple[Floats, Floats]:
     return box.middle - box.half, box.middle + box.half
 
 
-def _bounds(part: MovedPart, at: Floats, turn: Floats) -> tuple[Floats, Floats]:
+def _bounds(part: _MovedPart, at: Floats, turn: Floats) -> tuple[Floats, Floats]:
     """(n, 3) lowest and highest coordinates of a part in the base; of a capsule without its box."""
     half, middle = (part.high - part.low) / 2.0, (part.low + part.high) / 2.0
     about = at + turn @ middle

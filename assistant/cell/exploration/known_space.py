@@ -1,7 +1,7 @@
 """Explored space as bodies of a scene: space that is not known to be free is an obstacle.
 
 Unknown space reaches up to the surface of a body that has just been there, as cells that it fills
-only in part are still unknown. So against unknown space each body is thinner by `SKIN` cells: the
+only in part are still unknown. So against unknown space each body is thinner by `_SKIN` cells: the
 diagonal of a cell, and what a body moves between two positions at which it was tested. Every
 position at which a robot has been is clear then, and clear space is free space but for that skin.
 Against occupied cells a body counts in full.
@@ -135,9 +135,9 @@ def _joined(first: Ints, last: Ints, axis: int) -> tuple[Ints, Ints]:
     return first[begins], out
 
 
-SKIN: Final = 2.0 * HALF_DIAGONAL + STEP_IN_CELLS
+_SKIN: Final = 2.0 * HALF_DIAGONAL + STEP_IN_CELLS
 """Sizes of a cell that a body is taken thinner by."""
-OCCUPIED_COLOUR: Final = (200, 80, 60)
+_OCCUPIED_COLOUR: Final = (200, 80, 60)
 
 
 def with_map(
@@ -168,17 +168,17 @@ def mapped(
         raise Refused(OTHER_GRID(one=one, other=other), exit_status=2)
     moved = {body.name: body for body, _, _, _ in filler.moved()}
     taken = {b.name: b for b in scene.bodies if b.taken is not None and b.name not in moved}
-    skin = SKIN * occupancy.size
+    skin = _SKIN * occupancy.size
     cores = (
         *(_core(body, skin) for body in moved.values()),
         *(_core_on(body, placed.name, skin) for body in taken.values()),
     )
     standing = [_standing(filler, body) for body in taken.values()]
-    reach = farthest_reach(filler, taken.values())
+    reach = _farthest_reach(filler, taken.values())
     first, occupied, known = _spaces(occupancy, np.concatenate([*standing, occupancy.keys]))
     base = f"{placed.name}.base"
     boxes = _boxes(occupied, first, occupancy.size)
-    spaces = [Body(placed.name + OCCUPIED_SUFFIX, boxes, Pose(), base, OCCUPIED_COLOUR, 0.0)]
+    spaces = [Body(placed.name + OCCUPIED_SUFFIX, boxes, Pose(), base, _OCCUPIED_COLOUR, 0.0)]
     if blocked:
         part = Part(_around(known, first, occupancy.size, reach))
         spaces.append(
@@ -209,11 +209,11 @@ def _thin(filler: Filler) -> Iterator[Diagnostic]:
         name = part.body.name
         deepest[name] = min(deepest.get(name, np.inf), part.solid.deepest)
     for name, deep in deepest.items():
-        if deep < SKIN * filler.size:
-            yield CELLS_TOO_LARGE(name=name, size=filler.size, better=deep / SKIN)
+        if deep < _SKIN * filler.size:
+            yield CELLS_TOO_LARGE(name=name, size=filler.size, better=deep / _SKIN)
 
 
-def farthest_reach(filler: Filler, taken: Iterable[Body] = ()) -> float:
+def _farthest_reach(filler: Filler, taken: Iterable[Body] = ()) -> float:
     """Mm from the origin of the base that nothing that the robot moves, or takes, can be beyond."""
     steps = link_lengths(filler.placed.robot)
     reach = 0.0

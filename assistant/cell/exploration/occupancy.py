@@ -24,7 +24,7 @@ from assistant.base.source_text import read_bytes
 from assistant.cell.findings import NEWER_MAP, NO_MAP, OTHER_GRID, WRONG_CELL_SIZE
 from assistant.sources.tables.npy_files import read_npz
 
-HALF: Final = 1 << 20
+_HALF: Final = 1 << 20
 """Places of cells along an axis go from -HALF to HALF - 1."""
 
 
@@ -187,32 +187,32 @@ def cells_at(points: Floats, size: float) -> Ints:
 
 def keys_of(cells: Ints) -> Ints:
     """(n,) a number for each of cells (n, 3), in their order."""
-    x, y, z = (cells + HALF).T
+    x, y, z = (cells + _HALF).T
     return np.asarray((x << 42) | (y << 21) | z)
 
 
 def cells_of_keys(keys: Ints) -> Ints:
     """(n, 3) cells by their numbers."""
     mask = (1 << 21) - 1
-    return np.stack([keys >> 42, (keys >> 21) & mask, keys & mask], axis=1) - HALF
+    return np.stack([keys >> 42, (keys >> 21) & mask, keys & mask], axis=1) - _HALF
 
 
-MAP_VERSION: Final = 1
-MAP_KIND: Final = "explored space"
-MAP_COLUMNS: Final = ("keys", "filled", "touched", "free")
-LARGEST_EXACT: Final = 2.0**53
+_MAP_VERSION: Final = 1
+_MAP_KIND: Final = "explored space"
+_MAP_COLUMNS: Final = ("keys", "filled", "touched", "free")
+_LARGEST_EXACT: Final = 2.0**53
 """The largest number that columns keep exactly: they are read as float64."""
 
 
 def save_map(occupancy: Occupancy, path: str | FilePath) -> None:
     """Writes a map; the file appears whole or not at all. Raises Refused if it cannot be."""
     buffer = io.BytesIO()
-    columns: dict[str, Any] = {name: getattr(occupancy, name) for name in MAP_COLUMNS}
+    columns: dict[str, Any] = {name: getattr(occupancy, name) for name in _MAP_COLUMNS}
     columns["keys"] = np.stack([occupancy.keys >> 32, occupancy.keys & 0xFFFFFFFF])
     columns["free"] = occupancy.free.astype(np.uint8)
-    numbers = np.array([MAP_VERSION, occupancy.size, occupancy.runs], dtype=np.float64)
+    numbers = np.array([_MAP_VERSION, occupancy.size, occupancy.runs], dtype=np.float64)
     np.savez_compressed(
-        buffer, kind=np.array(MAP_KIND), robot=np.array(occupancy.robot), about=numbers, **columns
+        buffer, kind=np.array(_MAP_KIND), robot=np.array(occupancy.robot), about=numbers, **columns
     )
     write_all({FilePath(path): buffer.getvalue()})
 
@@ -220,12 +220,12 @@ def save_map(occupancy: Occupancy, path: str | FilePath) -> None:
 def load_map(path: str | FilePath) -> Occupancy:
     """Load the map of a file. Raises Unreadable or Refused, with a finding, if it is not a map."""
     arrays, texts = read_npz(read_bytes(path), str(path))
-    if texts.get("kind") != MAP_KIND or "robot" not in texts:
+    if texts.get("kind") != _MAP_KIND or "robot" not in texts:
         raise Unreadable(NO_MAP(path=str(path), reason="it says to be something else"))
     about = arrays.get("about", np.zeros(0))
-    if about.shape == (3,) and about[0] > MAP_VERSION:
+    if about.shape == (3,) and about[0] > _MAP_VERSION:
         raise Refused(
-            NEWER_MAP(path=str(path), version=float(about[0]), known=MAP_VERSION), exit_status=2
+            NEWER_MAP(path=str(path), version=float(about[0]), known=_MAP_VERSION), exit_status=2
         )
     reason = _map_fault(arrays, about)
     if reason:
@@ -245,15 +245,15 @@ def _map_fault(arrays: dict[str, Floats], about: Floats) -> str:
     """Return the reason why columns are not a map, empty if they are one."""
     if about.shape != (3,) or not (np.isfinite(about).all() and about[1] > 0.0 and about[2] >= 0.0):
         return "its `about` is not version, size of cells and number of runs"
-    missing = [name for name in MAP_COLUMNS if name not in arrays]
+    missing = [name for name in _MAP_COLUMNS if name not in arrays]
     if missing:
         return f"it lacks {', '.join(missing)}"
     keys, count = arrays["keys"], arrays["keys"].shape[-1] if arrays["keys"].ndim else 0
-    if keys.shape != (2, count) or any(arrays[name].shape != (count,) for name in MAP_COLUMNS[1:]):
+    if keys.shape != (2, count) or any(arrays[name].shape != (count,) for name in _MAP_COLUMNS[1:]):
         return "its columns differ in length"
-    for name in MAP_COLUMNS:
+    for name in _MAP_COLUMNS:
         values = arrays[name]
-        if not (np.isfinite(values) & (values >= 0.0) & (values < LARGEST_EXACT)).all():
+        if not (np.isfinite(values) & (values >= 0.0) & (values < _LARGEST_EXACT)).all():
             return f"`{name}` holds what no number of cells is"
         if (values != np.floor(values)).any():
             return f"`{name}` holds what is no whole number"

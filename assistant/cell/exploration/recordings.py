@@ -24,14 +24,14 @@ from assistant.robots.robot import Robot
 from assistant.sources.tables.delimited_text import read_cells
 from assistant.sources.tables.headers import shown
 
-SECONDS: Final = ("seconds", "t_s", "time")
+_SECONDS: Final = ("seconds", "t_s", "time")
 """Columns of the time, as logs, motions over time and recordings of led arms name them."""
-SETTLING: Final = 0.5
+_SETTLING: Final = 0.5
 """Seconds before a contact that tell nothing: a signal is read later than the joints, or comes
 late."""
 OVER: Final = 0.5
 """Degrees (mm) that a recorded joint may be over its limits: controllers round, and overshoot."""
-AXIS_UNITS: Final = ("deg", "mm")
+_AXIS_UNITS: Final = ("deg", "mm")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,7 +106,7 @@ def _columns(
     found: dict[str, int] = {}
     for axis in robot.axes:
         form = re.compile(
-            rf"{re.escape(axis.lower())}_({'|'.join(AXIS_UNITS)})|joints\.{re.escape(axis.lower())}"
+            rf"{re.escape(axis.lower())}_({'|'.join(_AXIS_UNITS)})|joints\.{re.escape(axis.lower())}"
         )
         for number, name in enumerate(plain):
             if form.fullmatch(name):
@@ -116,7 +116,7 @@ def _columns(
         raise Refused(NOT_RECORDED(names=", ".join(lacking), robot=robot.title, **where))
     if contact is None:
         return found
-    for what, names in (("contact", (contact.lower().removeprefix("_"),)), ("seconds", SECONDS)):
+    for what, names in (("contact", (contact.lower().removeprefix("_"),)), ("seconds", _SECONDS)):
         at = next((i for i, name in enumerate(plain) if name in names), None)
         if at is None:
             known = ", ".join(shown(name) for name in header)
@@ -133,7 +133,7 @@ def _left(times: Floats, touching: Truths) -> Truths:
     """
     ends = np.append(times[touching], times[-1:])
     following = ends[np.searchsorted(ends, times)]
-    return np.asarray(touching | (following - times < SETTLING))
+    return np.asarray(touching | (following - times < _SETTLING))
 
 
 def _check_limits(rows: Floats, robot: Robot, path: str) -> None:

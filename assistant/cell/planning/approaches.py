@@ -24,44 +24,44 @@ from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import Pose, Vector
 from assistant.sources.process import ALONG_TOOL, WayIn
 
-APPROACH_TILTED: Final = info(
+_APPROACH_TILTED: Final = info(
     "CK478",
     "the tool comes and goes {angle:.0f} degrees off its axis: along it `{one}` would come too near"
     " to `{other}`",
     "",
 )
-STRAIGHT_OUT_OF_REACH: Final = info(
+_STRAIGHT_OUT_OF_REACH: Final = info(
     "CK477",
     "the tool comes and goes {angle:.0f} degrees off its axis: along it the arm cannot go so far",
     "",
 )
-NO_APPROACH: Final = error(
+_NO_APPROACH: Final = error(
     "CK479",
     "no line of {distance:g} mm that leads here is free, neither along the tool nor tilted from it:"
     " along it `{one}` touches `{other}`",
     "state a shorter approach or retract, or move the place or the body",
 )
 
-TILTS: Final = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
+_TILTS: Final = (15.0, 30.0, 45.0, 60.0, 75.0, 90.0)
 """Degrees from the tool's axis, after 0."""
-TILT_SIDES: Final = 8
+_TILT_SIDES: Final = 8
 """Sides to which it is tilted, of each angle."""
-DIRECTION_DECIMALS: Final = 3
+_DIRECTION_DECIMALS: Final = 3
 """Decimals of a direction that is written to the program."""
 
 
-def approach_directions() -> Iterator[tuple[float, tuple[Vector, ...]]]:
+def _approach_directions() -> Iterator[tuple[float, tuple[Vector, ...]]]:
     """Those that are tried, in the tool's own axes, by their angles from its axis."""
     yield 0.0, (ALONG_TOOL,)
-    around = 2.0 * np.pi * np.arange(TILT_SIDES) / TILT_SIDES
-    for tilt in TILTS:
+    around = 2.0 * np.pi * np.arange(_TILT_SIDES) / _TILT_SIDES
+    for tilt in _TILTS:
         t = np.radians(tilt)
         ring = [
             np.sin(t) * np.cos(around),
             np.sin(t) * np.sin(around),
-            np.full(TILT_SIDES, -np.cos(t)),
+            np.full(_TILT_SIDES, -np.cos(t)),
         ]
-        rows = np.round(np.stack(ring, axis=1), DIRECTION_DECIMALS) + 0.0
+        rows = np.round(np.stack(ring, axis=1), _DIRECTION_DECIMALS) + 0.0
         yield tilt, tuple((x, y, z) for x, y, z in rows.tolist())
 
 
@@ -110,7 +110,7 @@ class CellSurroundings:
         if names is None:
             return WayIn()
         one, other = names
-        said = NO_APPROACH(place=place, distance=distance, one=one, other=other)
+        said = _NO_APPROACH(place=place, distance=distance, one=one, other=other)
         return WayIn(findings=(said,))
 
     def _said(self, row: Floats, along: _Line, found: tuple[float, Vector], place: str) -> WayIn:
@@ -119,14 +119,14 @@ class CellSurroundings:
             return WayIn()
         names = self._in_the_way(row, along)
         if names is None:
-            return WayIn(direction, (STRAIGHT_OUT_OF_REACH(place=place, angle=angle),))
+            return WayIn(direction, (_STRAIGHT_OUT_OF_REACH(place=place, angle=angle),))
         one, other = names
-        return WayIn(direction, (APPROACH_TILTED(place=place, angle=angle, one=one, other=other),))
+        return WayIn(direction, (_APPROACH_TILTED(place=place, angle=angle, one=one, other=other),))
 
     def _free(self, row: Floats, along: _Line, most: float) -> tuple[float, Vector] | None:
         """The first free direction from joints (a,), with its angle. most: mm of the margins."""
         margins = self._margins(row, most)
-        for angle, ring in approach_directions():
+        for angle, ring in _approach_directions():
             lines = [replace(along, direction=np.array(one)) for one in ring]
             free = self._clear(self._tracked(row, lines), margins)
             if free.any():
@@ -158,7 +158,7 @@ class CellSurroundings:
                     good & self.robot.inside(wound), np.abs(wound - track[-1]).max(1), np.inf
                 )
                 best = int(np.argmin(far))
-                if not far[best] <= MOST_TURNED:
+                if not far[best] <= _MOST_TURNED:
                     break
                 track.append(wound[best])
             out.append(np.array(track) if len(track) == len(one) + 1 else None)
@@ -173,7 +173,7 @@ class CellSurroundings:
     def _margins(self, row: Floats, most: float) -> Floats:
         """(p,) mm that are kept on ways to joints (a,): less of what is nearer there."""
         wanted = np.minimum(self.space.margins, most)
-        return np.asarray(np.minimum(wanted, self.space.distances(row) - MARGIN_LESS))
+        return np.asarray(np.minimum(wanted, self.space.distances(row) - _MARGIN_LESS))
 
     def _clear(self, tracks: Sequence[Floats | None], margins: Floats) -> Truths:
         """(n,) whether margins (p,) are kept on ways through joints (s, a)."""
@@ -187,7 +187,7 @@ class CellSurroundings:
                 np.concatenate([track[some] for track in going])
                 for some in (slice(None, -1), slice(1, None))
             )
-            clear = self.space.clear(starts, ends, PATH_ROOM)
+            clear = self.space.clear(starts, ends, _PATH_ROOM)
         finally:
             self.space.margins = usual
         out[out] = [
@@ -200,7 +200,7 @@ class CellSurroundings:
         (way,) = self._tracked(row, [along])
         if way is None:
             return None
-        margins = self._margins(row, np.inf) + PATH_ROOM + RESOLUTION
+        margins = self._margins(row, np.inf) + _PATH_ROOM + RESOLUTION
         found = hits(self.space.model, JointPath(self.space.all_joints(way)), margins)
         if not found:
             return None
@@ -219,20 +219,20 @@ class _Line:
     tool: Pose
 
     def flanges(self) -> list[Pose]:
-        """Every `APPROACH_STEP` mm, without the first."""
-        count = max(1, int(np.ceil(self.distance / APPROACH_STEP)))
+        """Every `_APPROACH_STEP` mm, without the first."""
+        count = max(1, int(np.ceil(self.distance / _APPROACH_STEP)))
         places = np.arange(1, count + 1)[:, None] / count * self.distance * self.direction
         back = self.tool.inverse()
         return [self.pose @ Pose((x, y, z)) @ back for x, y, z in places.tolist()]
 
 
-MARGIN_LESS: Final = 0.5
+_MARGIN_LESS: Final = 0.5
 """mm by which a margin is less than the distance at the place that a way leads to."""
-PATH_ROOM: Final = 0.1
+_PATH_ROOM: Final = 0.1
 """mm that the way between two looked at places may be from what the joints go in between."""
-APPROACH_STEP: Final = 4.0
+_APPROACH_STEP: Final = 4.0
 """Distance in mm between poses that are examined; the stretch in between is proven clear. A line of
 that length is 0.02 mm from the arc of a joint 100 mm away.
 """
-MOST_TURNED: Final = 45.0
+_MOST_TURNED: Final = 45.0
 """degrees or mm that a joint moves in a step at most, in one branch."""

@@ -24,40 +24,40 @@ from assistant.base.diagnostics import Refused
 from assistant.cell.findings import NO_PLANNER
 from assistant.cell.planning.space import Cone, Space
 
-CONE_INSIDE: Final = 10.0
+_CONE_INSIDE: Final = 10.0
 """degrees that joints are brought inside the edge of a cone: moves between them bulge outwards."""
-CONE_ROUNDS: Final = 12
+_CONE_ROUNDS: Final = 12
 """Rounds of moving joints into the cone."""
-MOST_TURN_A_ROUND: Final = 45.0
+_MOST_TURN_A_ROUND: Final = 45.0
 """degrees that the tool is turned in a round."""
-CONE_TOLERANCE: Final = 0.02
+_CONE_TOLERANCE: Final = 0.02
 """degrees that joints which were brought into the cone may be off."""
-DIFFERENCE_STEP: Final = 0.01
+_DIFFERENCE_STEP: Final = 0.01
 """degrees (mm) that joints are moved by to see how the tool turns."""
-WEAKEST_TURN: Final = 1e-2
+_WEAKEST_TURN: Final = 1e-2
 """Weakest effect, as a share of the strongest, that a joint may have on the tool's turn to be used
 for it.
 """
-MOST_HALVINGS: Final = 7
+_MOST_HALVINGS: Final = 7
 """Times that a move is halved until its parts stay in the cone."""
-MOST_DETOUR: Final = 2.5
+_MOST_DETOUR: Final = 2.5
 """Greatest length, as a multiple of a move, of the two moves that detour by way of its middle in
 the cone.
 """
-LONGEST_STEP: Final = 0.15
+_LONGEST_STEP: Final = 0.15
 """Longest step towards a sample, as a share of the diagonal between the corners of the limits."""
 
 
-DRAWN_AT_ONCE: Final = 64
+_DRAWN_AT_ONCE: Final = 64
 """Joints that are drawn at random together."""
 
 
-class ConeMoves:
+class _ConeMoves:
     """The cone of a space, and what is brought into it. low, high: (a,) of joints."""
 
     def __init__(self, space: Space, cone: Cone, low: Floats, high: Floats) -> None:
         self.space, self.cone, self.low, self.high = space, cone, low, high
-        self.inner = max(cone.angle - CONE_INSIDE, 0.0)
+        self.inner = max(cone.angle - _CONE_INSIDE, 0.0)
         self.direction = np.array(cone.direction) / np.linalg.norm(cone.direction)
 
     def brought(self, rows: Floats) -> tuple[Floats, Truths]:
@@ -65,16 +65,16 @@ class ConeMoves:
         out = np.clip(rows, self.low, self.high)
         good = np.zeros(len(out), dtype=bool)
         some = np.arange(len(out))
-        for _ in range(CONE_ROUNDS):
+        for _ in range(_CONE_ROUNDS):
             axes = self._axes(out[some])
             along = axes[:, 0] @ self.direction
             across = norms(np.cross(axes[:, 0], self.direction))
             off = np.degrees(np.arctan2(across, along)) - self.inner
-            good[some] = off <= CONE_TOLERANCE
+            good[some] = off <= _CONE_TOLERANCE
             axes, off, some = (
-                axes[off > CONE_TOLERANCE],
-                off[off > CONE_TOLERANCE],
-                some[off > CONE_TOLERANCE],
+                axes[off > _CONE_TOLERANCE],
+                off[off > _CONE_TOLERANCE],
+                some[off > _CONE_TOLERANCE],
             )
             if not len(some):
                 break
@@ -84,7 +84,7 @@ class ConeMoves:
     def _axes(self, rows: Floats) -> Floats:
         """(n, a + 1, 3) the axis of the tool at joints (n, a), and with each of them moved."""
         n, a = rows.shape
-        near = rows[:, None] + DIFFERENCE_STEP * np.vstack([np.zeros(a), np.eye(a)])
+        near = rows[:, None] + _DIFFERENCE_STEP * np.vstack([np.zeros(a), np.eye(a)])
         return self.cone.axes(self.space.tip(near.reshape(-1, a))[1]).reshape(n, a + 1, 3)
 
     def _back(self, axes: Floats, angles: Floats) -> Floats:
@@ -93,15 +93,15 @@ class ConeMoves:
         to = self.direction - (axis @ self.direction)[:, None] * axis
         flat = norms(to) < 1e-6  # upside down: any way round
         to[flat] = np.cross(axis[flat], np.eye(3)[np.abs(axis[flat]).argmin(axis=1)])
-        to *= (np.radians(np.minimum(angles, MOST_TURN_A_ROUND)) / np.maximum(norms(to), 1e-9))[
+        to *= (np.radians(np.minimum(angles, _MOST_TURN_A_ROUND)) / np.maximum(norms(to), 1e-9))[
             :, None
         ]
         rates = (
             (axes[:, 1:] - axis[:, None]).transpose(0, 2, 1)
-            / DIFFERENCE_STEP
+            / _DIFFERENCE_STEP
             * self.space.robot.speeds
         )
-        motion = np.linalg.pinv(rates, rcond=WEAKEST_TURN) @ to[..., None]
+        motion = np.linalg.pinv(rates, rcond=_WEAKEST_TURN) @ to[..., None]
         return np.asarray(motion[..., 0] * self.space.robot.speeds)
 
     def chain(self, start: Floats, end: Floats) -> Floats:
@@ -110,7 +110,7 @@ class ConeMoves:
         The start first. Where that cannot be, it ends before.
         """
         rows, proven = np.stack([start, end]), np.zeros(1, dtype=bool)
-        for _ in range(MOST_HALVINGS):
+        for _ in range(_MOST_HALVINGS):
             proven[~proven] = self.space.upright(rows[:-1][~proven], rows[1:][~proven])
             open_ = np.flatnonzero(~proven)
             if not len(open_):
@@ -118,7 +118,7 @@ class ConeMoves:
             one, other = rows[open_], rows[open_ + 1]
             middle, good = self.brought((one + other) / 2.0)
             both = self.space.length(one, middle) + self.space.length(middle, other)
-            good &= both <= MOST_DETOUR * self.space.length(one, other)
+            good &= both <= _MOST_DETOUR * self.space.length(one, other)
             if not good.all():
                 bad = int(np.argmin(good))
                 rows, proven = rows[: open_[bad] + 1], proven[: open_[bad]]
@@ -158,10 +158,10 @@ class _ConeTree:
         return out
 
 
-class ConeTrees:
+class _ConeTrees:
     """Two trees of moves in a cone, from joints (a,) and from goals (k, a)."""
 
-    def __init__(self, leaning: ConeMoves, start: Floats, goals: Floats) -> None:
+    def __init__(self, leaning: _ConeMoves, start: Floats, goals: Floats) -> None:
         self.leaning, self.space = leaning, leaning.space
         self.here, self.there = _ConeTree(), _ConeTree()
         self.goals = goals
@@ -180,7 +180,7 @@ class ConeTrees:
         """
         draw = np.random.default_rng(seed)
         low, high = self.leaning.low, self.leaning.high
-        reach = LONGEST_STEP * float(self.space.length(low, high))
+        reach = _LONGEST_STEP * float(self.space.length(low, high))
         for goal in range(len(self.there.rows)):
             if time.monotonic() > end:
                 return None
@@ -191,7 +191,7 @@ class ConeTrees:
         while time.monotonic() < end:
             if not drawn:
                 some, good = self.leaning.brought(
-                    draw.uniform(low, high, (DRAWN_AT_ONCE, len(low)))
+                    draw.uniform(low, high, (_DRAWN_AT_ONCE, len(low)))
                 )
                 drawn = list(some[good])
                 continue
@@ -231,9 +231,9 @@ class ConeTrees:
         return np.asarray(rows[int(np.argmin(self.space.length(rows[:, None], self.goals).min(1)))])
 
 
-LONGEST_MOVE: Final = 0.15
+_LONGEST_MOVE: Final = 0.15
 """Longest move of a tree, as a share of the diagonal between the corners of the limits."""
-ENDLESS_AXIS_RANGE: Final = 360.0
+_ENDLESS_AXIS_RANGE: Final = 360.0
 """degrees (mm) about start and goals, to which an axis without an end is held."""
 
 
@@ -263,24 +263,24 @@ def search_path(
         lengths = space.length(start, goals[straight])
         goal = goals[straight[int(np.argmin(lengths))]]
         return SearchResult(np.stack([start, goal]), goal, time.monotonic() - begun)
-    trees: _PlannerTrees | ConeTrees
+    trees: _PlannerTrees | _ConeTrees
     if space.cone is None:
         trees = _PlannerTrees(space, start, goals)
     else:
-        low, high = joint_bounds(space, start, goals)
-        trees = ConeTrees(ConeMoves(space, space.cone, low, high), start, goals)
+        low, high = _joint_bounds(space, start, goals)
+        trees = _ConeTrees(_ConeMoves(space, space.cone, low, high), start, goals)
     rows = trees.grow(begun + seconds, seed)
     nearest = rows[-1] if rows is not None else trees.nearest()
     return SearchResult(rows, nearest, time.monotonic() - begun)
 
 
-def joint_bounds(space: Space, start: Floats, goals: Floats) -> tuple[Floats, Floats]:
+def _joint_bounds(space: Space, start: Floats, goals: Floats) -> tuple[Floats, Floats]:
     """Return the least and the largest joints (a,) that a path between joints (k, a) may use."""
     ends = np.vstack([goals, start])
     low, high = space.robot.limits.T
     return (
-        np.maximum(low, ends.min(axis=0) - ENDLESS_AXIS_RANGE),
-        np.minimum(high, ends.max(axis=0) + ENDLESS_AXIS_RANGE),
+        np.maximum(low, ends.min(axis=0) - _ENDLESS_AXIS_RANGE),
+        np.minimum(high, ends.max(axis=0) + _ENDLESS_AXIS_RANGE),
     )
 
 
@@ -289,7 +289,7 @@ class _PlannerTrees:
 
     def __init__(self, space: Space, start: Floats, goals: Floats) -> None:
         self.space, self.start, self.goals = space, start, goals
-        self.low, self.high = joint_bounds(space, start, goals)
+        self.low, self.high = _joint_bounds(space, start, goals)
         self.moves: list[tuple[Floats, Floats]] = []
 
     def grow(self, end: float, seed: int) -> Floats | None:
@@ -302,8 +302,8 @@ class _PlannerTrees:
         for axis, (low, high) in enumerate(
             zip(self.low * weights, self.high * weights, strict=True)
         ):
-            bounds.setLow(axis, float(low) - BOUND_MARGIN)
-            bounds.setHigh(axis, float(high) + BOUND_MARGIN)
+            bounds.setLow(axis, float(low) - _BOUND_MARGIN)
+            bounds.setHigh(axis, float(high) + _BOUND_MARGIN)
         room.setBounds(bounds)
         info = base.SpaceInformation(room)
         # Both hold the other: kept here, that they are let go of before the interpreter ends.
@@ -317,7 +317,7 @@ class _PlannerTrees:
             states.addState(self._state(info, goal))
         problem.setGoal(states)
         planner = geometric.RRTConnect(info)
-        planner.setRange(LONGEST_MOVE * float(np.linalg.norm((self.high - self.low) * weights)))
+        planner.setRange(_LONGEST_MOVE * float(np.linalg.norm((self.high - self.low) * weights)))
         planner.setProblemDefinition(problem)
         planner.setup()
         planner.solve(base.PlannerTerminationCondition(lambda: time.monotonic() > end))
@@ -360,7 +360,7 @@ class _PlannerTrees:
     def _joints(self, state: Any) -> Floats:
         values = np.array([state[axis] for axis in range(len(self.start))]) / self.space.weights
         # Start and goals to the last bit, and nothing outside the limits by rounding.
-        return np.asarray(np.clip(np.round(values, STATE_DIGITS), self.low, self.high)) + 0.0
+        return np.asarray(np.clip(np.round(values, _STATE_DIGITS), self.low, self.high)) + 0.0
 
     def _free(self, state: Any) -> bool:
         return bool(self.space.free(self._joints(state)[None])[0])
@@ -373,9 +373,9 @@ class _PlannerTrees:
         return clear
 
 
-BOUND_MARGIN: Final = 1e-9
+_BOUND_MARGIN: Final = 1e-9
 """seconds by which the bounds are wider than the limits: start and goal may lie on them."""
-STATE_DIGITS: Final = 6
+_STATE_DIGITS: Final = 6
 """Decimals of joints in degrees and mm."""
 
 
@@ -401,17 +401,17 @@ def _validator(base: Any, info: Any, clear: Any) -> Any:
     return Moves(info)
 
 
-SHORTCUT_ROUNDS: Final = 30
+_SHORTCUT_ROUNDS: Final = 30
 """Rounds of random shortcuts."""
-SHORTCUTS_AT_ONCE: Final = 8
+_SHORTCUTS_AT_ONCE: Final = 8
 """Shortcuts that are tried together."""
-CORNER_ROOM: Final = 4.0
+_CORNER_ROOM: Final = 4.0
 """mm beyond the margins that are left in a shortcut for its corners to be rounded in."""
-NO_LENGTH: Final = 1e-12
+_NO_LENGTH: Final = 1e-12
 """Duration in seconds below which a path has no length."""
-PROGRAM_DIGITS: Final = 2
+_PROGRAM_DIGITS: Final = 2
 """Decimals of joints in degrees and mm between start and goal: every language can express them."""
-LEAST_SAVING: Final = 1e-3
+_LEAST_SAVING: Final = 1e-3
 """Least saving of a shortcut, as a share of the length of a path."""
 
 
@@ -420,7 +420,7 @@ def shorten_path(
     rows: Floats,
     goals: Floats | None = None,
     *,
-    rounds: int = SHORTCUT_ROUNDS,
+    rounds: int = _SHORTCUT_ROUNDS,
     seed: int = 1,
 ) -> Floats:
     """A way through joints (n, a) without what can be left out, and with corners cut.
@@ -431,8 +431,8 @@ def shorten_path(
     well, such as other turns of an axis.
     """
     cone = space.cone
-    leaning = None if cone is None else ConeMoves(space, cone, *space.robot.limits.T)
-    rows = without_corners(space, _to_nearer_goal(space, rows, goals))
+    leaning = None if cone is None else _ConeMoves(space, cone, *space.robot.limits.T)
+    rows = _without_corners(space, _to_nearer_goal(space, rows, goals))
     draw = np.random.default_rng(seed)
     for _ in range(rounds):
         if len(rows) < 3:
@@ -441,7 +441,7 @@ def shorten_path(
         rows = rows if shorter is None else shorter
         straighter = _straightened(space, rows, draw)
         rows = rows if straighter is None else straighter
-    rows = without_corners(space, _to_nearer_goal(space, rows, goals))
+    rows = _without_corners(space, _to_nearer_goal(space, rows, goals))
     return _in_few_digits(space, rows)
 
 
@@ -449,7 +449,7 @@ def _in_few_digits(space: Space, rows: Floats) -> Floats:
     """The way with places that a program can state, if it is as free with them."""
     low, high = space.robot.limits.T
     stated = rows.copy()
-    stated[1:-1] = np.clip(np.round(rows[1:-1], PROGRAM_DIGITS), low, high) + 0.0
+    stated[1:-1] = np.clip(np.round(rows[1:-1], _PROGRAM_DIGITS), low, high) + 0.0
     return stated if space.clear(stated[:-1], stated[1:]).all() else rows
 
 
@@ -467,15 +467,15 @@ def _with_turn_spread(space: Space, rows: Floats, goals: Floats) -> Floats | Non
     """The way with what another goal differs by spread over all of it: a turn less of an axis."""
     lengths = space.length(rows[:-1], rows[1:])
     gone = np.concatenate([[0.0], np.cumsum(lengths)])
-    part = gone / max(gone[-1], NO_LENGTH)
+    part = gone / max(gone[-1], _NO_LENGTH)
     ways = rows + part[:, None] * (goals - rows[-1])[:, None]
     ways[:, -1] = goals
     saved = gone[-1] - space.length(ways[:, :-1], ways[:, 1:]).sum(axis=1)
-    for goal in np.argsort(-saved, kind="stable")[:SHORTCUTS_AT_ONCE]:
+    for goal in np.argsort(-saved, kind="stable")[:_SHORTCUTS_AT_ONCE]:
         way = ways[goal]
-        if saved[goal] <= LEAST_SAVING * gone[-1]:
+        if saved[goal] <= _LEAST_SAVING * gone[-1]:
             break
-        if space.robot.inside(way).all() and space.clear(way[:-1], way[1:], CORNER_ROOM).all():
+        if space.robot.inside(way).all() and space.clear(way[:-1], way[1:], _CORNER_ROOM).all():
             return np.asarray(way)
     return None
 
@@ -485,11 +485,11 @@ def _straight_to(space: Space, rows: Floats, goals: Floats) -> Floats | None:
     left = np.cumsum(space.length(rows[:-1], rows[1:])[::-1])[::-1]
     saved = left[:, None] - space.length(rows[:-1, None], goals)
     place, goal = np.divmod(
-        np.argsort(-saved, axis=None, kind="stable")[:SHORTCUTS_AT_ONCE], len(goals)
+        np.argsort(-saved, axis=None, kind="stable")[:_SHORTCUTS_AT_ONCE], len(goals)
     )
-    some = saved[place, goal] > LEAST_SAVING * left[0]
+    some = saved[place, goal] > _LEAST_SAVING * left[0]
     place, goal = place[some], goal[some]
-    free = np.flatnonzero(space.clear(rows[place], goals[goal], CORNER_ROOM))
+    free = np.flatnonzero(space.clear(rows[place], goals[goal], _CORNER_ROOM))
     if not len(free):
         return None
     best = int(free[0])
@@ -508,18 +508,18 @@ def _straightened(space: Space, rows: Floats, draw: np.random.Generator) -> Floa
     old = rows[first : last + 1]
     gone = np.concatenate([[0.0], np.cumsum(space.length(old[:-1], old[1:]))])
     new = old.copy()
-    new[:, axis] = old[0, axis] + gone / max(gone[-1], NO_LENGTH) * (old[-1, axis] - old[0, axis])
+    new[:, axis] = old[0, axis] + gone / max(gone[-1], _NO_LENGTH) * (old[-1, axis] - old[0, axis])
     length = space.length(new[:-1], new[1:]).sum()
     whole = space.length(rows[:-1], rows[1:]).sum()
     if (
-        gone[-1] - length <= LEAST_SAVING * whole
-        or not space.clear(new[:-1], new[1:], CORNER_ROOM).all()
+        gone[-1] - length <= _LEAST_SAVING * whole
+        or not space.clear(new[:-1], new[1:], _CORNER_ROOM).all()
     ):
         return None
     return np.concatenate([rows[:first], new, rows[last + 1 :]])
 
 
-def without_corners(space: Space, rows: Floats) -> Floats:
+def _without_corners(space: Space, rows: Floats) -> Floats:
     """From each place on straight to the last one that can be reached so."""
     kept, at = [0], 0
     while at < len(rows) - 1:
@@ -532,18 +532,18 @@ def without_corners(space: Space, rows: Floats) -> Floats:
 
 
 def _shortcut(
-    space: Space, leaning: ConeMoves | None, rows: Floats, draw: np.random.Generator
+    space: Space, leaning: _ConeMoves | None, rows: Floats, draw: np.random.Generator
 ) -> Floats | None:
     """The way with the best of some shortcuts, None if none is free."""
     lengths = space.length(rows[:-1], rows[1:])
     gone = np.concatenate([[0.0], np.cumsum(lengths)])
-    places = np.sort(draw.uniform(0.0, gone[-1], (SHORTCUTS_AT_ONCE, 2)), axis=1)
+    places = np.sort(draw.uniform(0.0, gone[-1], (_SHORTCUTS_AT_ONCE, 2)), axis=1)
     legs = np.clip(np.searchsorted(gone, places, side="right") - 1, 0, len(lengths) - 1)
     part = (places - gone[legs]) / np.where(lengths[legs] > 0.0, lengths[legs], 1.0)
     ends = rows[legs] + part[..., None] * (rows[legs + 1] - rows[legs])
     saved = places[:, 1] - places[:, 0] - space.length(ends[:, 0], ends[:, 1])
-    some = np.flatnonzero((legs[:, 0] < legs[:, 1]) & (saved > LEAST_SAVING * gone[-1]))
-    free = some[space.clear(ends[some, 0], ends[some, 1], CORNER_ROOM)]
+    some = np.flatnonzero((legs[:, 0] < legs[:, 1]) & (saved > _LEAST_SAVING * gone[-1]))
+    free = some[space.clear(ends[some, 0], ends[some, 1], _CORNER_ROOM)]
     if len(free):
         best = int(free[int(np.argmax(saved[free]))])
         between = ends[best]
@@ -554,7 +554,7 @@ def _shortcut(
         apart = float(places[best, 1] - places[best, 0])
         if (
             not np.array_equal(between[-1], ends[best, 1])
-            or apart - length <= LEAST_SAVING * gone[-1]
+            or apart - length <= _LEAST_SAVING * gone[-1]
         ):
             return None
     else:

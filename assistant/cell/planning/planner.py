@@ -48,10 +48,10 @@ from assistant.program.program import Program
 from assistant.program.statements import Move, MoveJoints
 from assistant.robots.robot import Robot
 
-TOUCHING: Final = 2.0 * RESOLUTION
+_TOUCHING: Final = 2.0 * RESOLUTION
 """mm that two bodies must be apart for a way to begin or to end there: what is nearer cannot be
 told from contact."""
-SECONDS: Final = 10.0
+_SECONDS: Final = 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +118,7 @@ def plan(
     margin: float | None = None,
     cone: Cone | None = None,
     linear: bool = False,
-    seconds: float = SECONDS,
+    seconds: float = _SECONDS,
     seed: int = 1,
 ) -> Planned:
     """A way of a robot from joints to a pose of its tool, or to other joints.
@@ -279,7 +279,7 @@ def _start(space: Space, row: Floats) -> Iterator[Diagnostic]:
     """Raises Refused for a start in contact; margins that it does not keep become less."""
     distances = space.distances(row)
     pair = int(np.argmin(distances)) if len(distances) else 0
-    if len(distances) and distances[pair] <= TOUCHING:
+    if len(distances) and distances[pair] <= _TOUCHING:
         contact = space.contact(row, pair)
         deep = max(-float(distances[pair]), 0.0)
         raise Refused(START_TOUCHES(one=contact.one, other=contact.other, deep=deep))
@@ -296,12 +296,12 @@ def _upright(space: Space, row: Floats, where: str) -> None:
 def _less(space: Space, row: Floats, distances: Floats, where: str) -> Iterator[Diagnostic]:
     """Less margin for what is within it at a place; a finding for each two bodies."""
     told = set[tuple[str, str]]()
-    for pair in np.flatnonzero(distances <= space.margins + TOUCHING):
-        margin, least = float(space.margins[pair]), float(distances[pair]) - TOUCHING
+    for pair in np.flatnonzero(distances <= space.margins + _TOUCHING):
+        margin, least = float(space.margins[pair]), float(distances[pair]) - _TOUCHING
         space.margins[pair] = min(margin, least)
         contact = space.contact(row, int(pair))
         names = contact.one, contact.other
-        if names not in told and least < margin - TOUCHING:
+        if names not in told and least < margin - _TOUCHING:
             told.add(names)
             yield LESS_MARGIN(one=names[0], other=names[1], least=least, margin=margin, where=where)
 
@@ -322,7 +322,7 @@ def _goals(
         return free, ()
     distances = np.array([space.distances(row) for row in goals])
     least = distances.min(axis=1)
-    if least.max() <= TOUCHING:
+    if least.max() <= _TOUCHING:
         best = int(np.argmax(least))
         contact = space.contact(goals[best], int(np.argmin(distances[best])))
         raise Refused(
@@ -334,7 +334,9 @@ def _goals(
                 count=len(goals),
             )
         )
-    best = int(np.argmax(np.where(least > TOUCHING, (distances - space.margins).min(axis=1), -1e9)))
+    best = int(
+        np.argmax(np.where(least > _TOUCHING, (distances - space.margins).min(axis=1), -1e9))
+    )
     return goals[best][None], tuple(_less(space, goals[best], distances[best], "ends"))
 
 

@@ -30,12 +30,12 @@ from assistant.robots.robot import Robot
 from assistant.robots.timing import simulate
 from assistant.robots.timing.uninterrupted_moves import stretches_of
 
-BLEND_RADII: Final = (50.0, 20.0, 5.0)
+_BLEND_RADII: Final = (50.0, 20.0, 5.0)
 """mm of blends, the largest that stays clear is taken."""
-TOOL_NAME: Final = "tool"
+_TOOL_NAME: Final = "tool"
 
 
-def joint_target(robot: Robot, row: Floats) -> JointTarget:
+def _joint_target(robot: Robot, row: Floats) -> JointTarget:
     """Joints (a,) as a target, NaN for an axis in between that the arm does not have."""
     values = [float("nan")] * (max(robot.places) + 1)
     for place, value in zip(robot.places, row.tolist(), strict=True):
@@ -46,13 +46,13 @@ def joint_target(robot: Robot, row: Floats) -> JointTarget:
 def _rounded_pose(pose: Pose) -> Pose:
     """A pose in as many digits as are worth saying."""
     position, turn = (
-        np.round(pose.position, POSE_DIGITS[0]),
-        np.round(pose.quaternion, POSE_DIGITS[1]),
+        np.round(pose.position, _POSE_DIGITS[0]),
+        np.round(pose.quaternion, _POSE_DIGITS[1]),
     )
     return Pose.of(position + 0.0, turn + 0.0)
 
 
-POSE_DIGITS: Final = (6, 12)
+_POSE_DIGITS: Final = (6, 12)
 """Decimals of positions in mm and of quaternions."""
 
 
@@ -87,13 +87,13 @@ class Route:
                 target = Target(_rounded_pose(Pose.of(p[to], q[to]) @ self.tip), stated)
                 yield Move("linear", TargetValue(target), motion)
             else:
-                yield MoveJoints(JointValue(joint_target(self.robot, self.rows[to])), motion)
+                yield MoveJoints(JointValue(_joint_target(self.robot, self.rows[to])), motion)
 
     def program(self, name: str, speed: Speed = MAXIMUM_SPEED) -> Program:
         """A program of these moves only."""
         plain = self.tip == IDENTITY
-        statements = self.statements(speed, FLANGE if plain else TOOL_NAME)
-        tools = {} if plain else {TOOL_NAME: Tool(self.tip)}
+        statements = self.statements(speed, FLANGE if plain else _TOOL_NAME)
+        tools = {} if plain else {_TOOL_NAME: Tool(self.tip)}
         return Program(name, (Procedure("main", statements),), robot=self.robot.name, tools=tools)
 
 
@@ -125,23 +125,23 @@ class RoundedCorners:
 
 
 def round_corners(space: Space, rows: Floats, linear: Truths) -> RoundedCorners:
-    """The largest of `BLEND_RADII` at each corner of a way with which it keeps its margins and
+    """The largest of `_BLEND_RADII` at each corner of a way with which it keeps its margins and
     tilt.
 
     rows: (n, a). linear: (n - 1,), see `Route`.
     """
-    sizes = np.append(BLEND_RADII, 0.0)
+    sizes = np.append(_BLEND_RADII, 0.0)
     tips, _ = space.tip(rows)
     room = norms(np.diff(tips, axis=0)) / 2.0  # a controller rounds no further than half a move
     room = np.minimum(room, np.append(room[1:], 0.0))
-    level = np.minimum((sizes[:-1] > room[:, None]).sum(axis=1), len(BLEND_RADII) - 1)
-    level[-1] = len(BLEND_RADII)
+    level = np.minimum((sizes[:-1] > room[:, None]).sum(axis=1), len(_BLEND_RADII) - 1)
+    level[-1] = len(_BLEND_RADII)
     while True:
         radii = sizes[level]
         seen = check_route(space, Route(space.robot, rows, radii, linear, space.tool))
         # A move is bent by the corner that it leads to and by the one that it comes from.
         corners = np.unique([c for m in seen.moves for c in (m - 1, m) if c >= 0])
-        corners = corners[level[corners] < len(BLEND_RADII)] if len(corners) else corners
+        corners = corners[level[corners] < len(_BLEND_RADII)] if len(corners) else corners
         if not len(corners):
             return RoundedCorners(radii, seen)
         level[corners.astype(np.intp)] += 1
@@ -161,35 +161,35 @@ def check_route(space: Space, route: Route) -> RouteCheck:
         way = stretches_of(passed.plan)
         ends = [piece.number for piece in passed.pieces]
         driven &= not len(passed.plan.course.knots.guessed)
-        driven &= bool(np.abs(way.joints[-1] - route.rows[ends[-1]]).max() < SAME_JOINTS)
+        driven &= bool(np.abs(way.joints[-1] - route.rows[ends[-1]]).max() < _SAME_JOINTS)
         for hit in hits(space.model, space.way(way), space.margins):
             found.append(hit)
             at = min(int(hit.at), len(way.row) - 1)
             numbers.add(passed.piece_of(int(way.row[at]))[0].number - 1)
         if space.cone is not None:
-            upright = space.upright(way.joints[:-1], way.joints[1:], CORNER_TILT, way.slack)
+            upright = space.upright(way.joints[:-1], way.joints[1:], _CORNER_TILT, way.slack)
             numbers |= {passed.piece_of(int(m))[0].number - 1 for m in way.row[~upright]}
     return RouteCheck(driven, tuple(found), tuple(sorted(numbers)))
 
 
-CORNER_TILT: Final = 0.2
+_CORNER_TILT: Final = 0.2
 """degrees by which a rounded corner may be tilted further than its cone."""
-SAME_JOINTS: Final = 1e-3
+_SAME_JOINTS: Final = 1e-3
 """degrees (mm) by which joints may differ where a straight line ends, and be the same."""
 
 
-JOINT_MOVE_PARTS: Final = 8
+_JOINT_MOVE_PARTS: Final = 8
 """That a joint move is cut into, for lines."""
-MOST_LINE_PARTS: Final = 32
+_MOST_LINE_PARTS: Final = 32
 """Parts of a way of several moves, about."""
-SHORTEST_LINE: Final = 1.0
+_SHORTEST_LINE: Final = 1.0
 """mm that the tip goes at least on a line that is worth one."""
 
 
 def goal_on_line(space: Space, start: Floats, goals: Floats) -> Floats | None:
     """The goal (a,), of goals (k, a) in order, to which a line from joints (a,) is free, if any."""
     for goal in goals:
-        if line_is_clear(space, start, goal):
+        if _line_is_clear(space, start, goal):
             return np.asarray(goal)
     return None
 
@@ -197,11 +197,11 @@ def goal_on_line(space: Space, start: Floats, goals: Floats) -> Floats | None:
 def with_lines(space: Space, rows: Floats) -> tuple[Floats, Truths]:
     """A way (n, a) with lines as long as they can be: rows (m, a), and for each move whether it is.
 
-    Joint moves that stay in a branch are cut into `JOINT_MOVE_PARTS`, so that several lines may
+    Joint moves that stay in a branch are cut into `_JOINT_MOVE_PARTS`, so that several lines may
     stand for one. From each place on a line goes as far as one is found that is clear; where none
     is, the joint move stays.
     """
-    parts = int(np.clip(MOST_LINE_PARTS // (len(rows) - 1), 1, JOINT_MOVE_PARTS))
+    parts = int(np.clip(_MOST_LINE_PARTS // (len(rows) - 1), 1, _JOINT_MOVE_PARTS))
     moves = [_cut(space, one, other, parts) for one, other in pairwise(rows)]
     places = np.concatenate([rows[:1], *moves])
     move = np.repeat(np.arange(len(moves)), [len(part) for part in moves])  # to a place but one
@@ -225,7 +225,7 @@ def _farthest(space: Space, places: Floats, at: int) -> int:
     """The farthest of places (n, a) that a line from one of them reaches, 0 if none."""
     last = len(places) - 1
     while last > at:
-        if line_is_clear(space, places[at], places[last]):
+        if _line_is_clear(space, places[at], places[last]):
             return last
         last = at + (last - at) // 2
     return 0
@@ -246,11 +246,11 @@ def _cut(space: Space, start: Floats, end: Floats, parts: int) -> Floats:
     return np.asarray(rows)
 
 
-def line_is_clear(space: Space, start: Floats, end: Floats) -> bool:
+def _line_is_clear(space: Space, start: Floats, end: Floats) -> bool:
     """True if the tip can move in a line from joints (a,) to joints (a,), with margins and tilt."""
     rows = np.stack([start, end])
     tips, _ = space.tip(rows)
-    if np.linalg.norm(tips[1] - tips[0]) < SHORTEST_LINE:
+    if np.linalg.norm(tips[1] - tips[0]) < _SHORTEST_LINE:
         return False
     # The first move stands still: it tells the branch and the turns that the line begins with.
     route = Route(space.robot, rows[[0, 0, 1]], np.zeros(2), np.array([False, True]), space.tool)

@@ -2,7 +2,7 @@
 
 A straight move is divided until each part is proven: nothing comes nearer on a part than in its
 middle, less what it can move from there to an end (`Model.leverage`). A move that is not proven in
-parts in which nothing moves more than `FINEST` counts as not free. A pose of the tool has a goal
+parts in which nothing moves more than `_FINEST` counts as not free. A pose of the tool has a goal
 for each arm branch, with every whole turn of the axes inside their limits.
 """
 
@@ -25,15 +25,15 @@ from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.robot import Robot
 from assistant.robots.timing.uninterrupted_moves import Stretches
 
-FINEST: Final = 0.1
+_FINEST: Final = 0.1
 """Largest movement in mm of any body in the shortest part of a move that is examined."""
-COARSEST: Final = 120.0
+_COARSEST: Final = 120.0
 """mm that anything moves in the parts that a move is cut into at first."""
-MOST_PARTS: Final = 64
+_MOST_PARTS: Final = 64
 """Parts that a move is cut into at first, at most."""
-COARSEST_TURN: Final = 10.0
+_COARSEST_TURN: Final = 10.0
 """degrees that the tool turns in the parts that a move is cut into at first for its tilt."""
-FINEST_TURN: Final = 0.05
+_FINEST_TURN: Final = 0.05
 """Turn of the tool in degrees in the shortest part of a move whose tilt is examined."""
 
 
@@ -163,7 +163,7 @@ class Space:
         out = np.ones(len(starts), dtype=bool)
         self.asked += len(starts)
         if self.cone is not None:
-            off = min(CONE_EDGE, self.cone.angle / 5.0) if room else 0.0
+            off = min(_CONE_EDGE, self.cone.angle / 5.0) if room else 0.0
             out = self.upright(starts, ends, TILT_TOLERANCE - off)
         if len(self.model):
             some = np.flatnonzero(out)
@@ -180,7 +180,7 @@ class Space:
         step = ends - starts
         whole = np.abs(step) @ lever  # (n, p) mm
         most = whole.max(axis=1, initial=0.0, where=self.moved)
-        parts = np.clip(np.ceil(most / COARSEST), 1, MOST_PARTS).astype(np.intp)
+        parts = np.clip(np.ceil(most / _COARSEST), 1, _MOST_PARTS).astype(np.intp)
         edge, half, middle = _halves(parts)
         while len(edge):
             rows = self.all_joints(starts[edge] + middle[:, None] * step[edge])
@@ -189,7 +189,7 @@ class Space:
             apart = self.model.exact(rows, k, pair)
             out[edge[k[apart <= limit[pair]]]] = False
             near = apart <= limit[pair] + moved[k, pair]
-            out[edge[k[near & (moved[k, pair] <= FINEST / 2.0)]]] = False
+            out[edge[k[near & (moved[k, pair] <= _FINEST / 2.0)]]] = False
             again = np.unique(k[near])
             again = again[out[edge[again]]]
             edge, half = np.repeat(edge[again], 2), np.repeat(half[again] / 2.0, 2)
@@ -215,14 +215,14 @@ class Space:
         out = np.ones(len(starts), dtype=bool)
         step = ends - starts
         whole = np.abs(step) @ self.turning
-        parts = np.clip(np.ceil(whole / COARSEST_TURN), 1, MOST_PARTS).astype(np.intp)
+        parts = np.clip(np.ceil(whole / _COARSEST_TURN), 1, _MOST_PARTS).astype(np.intp)
         edge, half, middle = _halves(parts)
         while len(edge):
             tilt = self.tilt(starts[edge] + middle[:, None] * step[edge])
             turned = whole[edge] * half
             out[edge[tilt + off[edge] > most]] = False
             near = tilt + off[edge] + turned > most
-            out[edge[near & (turned <= FINEST_TURN)]] = False
+            out[edge[near & (turned <= _FINEST_TURN)]] = False
             again = np.flatnonzero(near & out[edge])
             edge, half = np.repeat(edge[again], 2), np.repeat(half[again] / 2.0, 2)
             middle = np.repeat(middle[again], 2) + half * np.tile([-1.0, 1.0], len(again))
@@ -237,15 +237,15 @@ def _halves(parts: Rows) -> tuple[Rows, Floats, Floats]:
     return edge, half, (2.0 * (np.arange(len(edge)) - first) + 1.0) * half
 
 
-CONE_EDGE: Final = 1.0
+_CONE_EDGE: Final = 1.0
 """degrees inside the edge of a cone, at most a fifth of it, that leave room for corners."""
 TILT_TOLERANCE: Final = 0.1
 """degrees that a tool may be tilted beyond its cone: targets at its edge are rounded."""
 
 
-MOST_GOALS: Final = 64
+_MOST_GOALS: Final = 64
 """Ways that are tried, of those nearest to where the arm comes from."""
-SAME_JOINTS: Final = 1e-3
+_SAME_JOINTS: Final = 1e-3
 """degrees (mm) by which two ways differ at least."""
 
 
@@ -265,9 +265,9 @@ def goal_joints(robot: Robot, pose: Pose, near: Floats, tool: Pose = IDENTITY) -
     order = np.argsort(np.linalg.norm((some - near) / robot.speeds, axis=1), kind="stable")
     out: list[Floats] = []
     for row in some[order]:
-        if all(np.abs(row - other).max() > SAME_JOINTS for other in out):
+        if all(np.abs(row - other).max() > _SAME_JOINTS for other in out):
             out.append(row)
-    return np.array(out[:MOST_GOALS]).reshape(-1, len(robot.axes))
+    return np.array(out[:_MOST_GOALS]).reshape(-1, len(robot.axes))
 
 
 def _with_whole_turns(robot: Robot, row: Floats) -> list[Floats]:

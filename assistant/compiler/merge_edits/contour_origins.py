@@ -20,9 +20,9 @@ from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import rewrite
 from assistant.program.statements import Statement
 
-CONTOUR_PART_NAME: Final = re.compile(r"(.+_[0-9]+)_[A-Za-z][A-Za-z_]*")
+_CONTOUR_PART_NAME: Final = re.compile(r"(.+_[0-9]+)_[A-Za-z][A-Za-z_]*")
 """A target of a contour: the name of that, and what it is of it, as `glue_1` and `start`."""
-NUMBERED_NAME: Final = re.compile(r"(.+)_[0-9]+")
+_NUMBERED_NAME: Final = re.compile(r"(.+)_[0-9]+")
 
 PoseKey = tuple[float, ...]
 PlaceProfile = tuple[Any, ...]
@@ -37,7 +37,7 @@ def pose_key(pose: Pose) -> PoseKey:
 
 def unnumbered_name(name: str) -> str:
     """Return a name without its trailing number, which contours of one layer have in common."""
-    found = NUMBERED_NAME.fullmatch(name)
+    found = _NUMBERED_NAME.fullmatch(name)
     return name if found is None else found[1]
 
 
@@ -59,7 +59,7 @@ class ContourOrigins:
     @cached_property
     def contours(self) -> frozenset[str]:
         """Names of what has several places: of paths, and those that their parts begin with."""
-        parts = (CONTOUR_PART_NAME.fullmatch(name) for name in self.program.targets)
+        parts = (_CONTOUR_PART_NAME.fullmatch(name) for name in self.program.targets)
         return frozenset({*self.paths, *(found[1] for found in parts if found)})
 
     def contour(self, name: str) -> str | None:
@@ -116,7 +116,7 @@ class ContourOrigins:
 
     def is_numbered(self, name: str) -> bool:
         """True if the name of a target follows from its order, and was not given by people."""
-        return self.contour(name) is not None or NUMBERED_NAME.fullmatch(name) is not None
+        return self.contour(name) is not None or _NUMBERED_NAME.fullmatch(name) is not None
 
     def owners(self, statement: Statement) -> set[str]:
         """The contours that a statement is of."""

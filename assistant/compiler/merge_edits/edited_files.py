@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-TEXT_WORD: Final = re.compile(r'"[^"\r\n]*"|[A-Za-z_]\w*|[^\w\s]')
+_TEXT_WORD: Final = re.compile(r'"[^"\r\n]*"|[A-Za-z_]\w*|[^\w\s]')
 
 
-def merged_text(
+def _merged_text(
     language: Language[Any],
     program: Program,
     sides: tuple[Program, Program, Program],
@@ -58,7 +58,7 @@ def merged_text(
         yield _in_text_of(language, program, made, arm)
 
 
-def lost_comments(language: Language[Any], sides: tuple[bytes, bytes, bytes]) -> list[str]:
+def _lost_comments(language: Language[Any], sides: tuple[bytes, bytes, bytes]) -> list[str]:
     """The comments that somebody wrote and that are not in the merged text.
 
     sides: as it was written, as it is in the file, as it is merged.
@@ -93,10 +93,10 @@ def _words_in(language: Language[Any], data: bytes) -> Counter[str]:
         plain.append(text[at : span.start])
         at = span.end
     plain.append(text[at:])
-    return Counter(found[0] for found in TEXT_WORD.finditer("".join(plain)))
+    return Counter(found[0] for found in _TEXT_WORD.finditer("".join(plain)))
 
 
-NOT_EXPRESSIBLE: Final = "the new program changes what programs of its kind do not say"
+_NOT_EXPRESSIBLE: Final = "the new program changes what programs of its kind do not say"
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,10 +239,10 @@ class Keeper:
         comments are to be there; None if some may go with the edits that they are of.
         """
         arm = self._arm()
-        why = rules.NOT_READ(path=str(path), file=path, reason=NOT_EXPRESSIBLE)
-        for data in merged_text(language, program, sides, arm):
+        why = rules.NOT_READ(path=str(path), file=path, reason=_NOT_EXPRESSIBLE)
+        for data in _merged_text(language, program, sides, arm):
             proof = prove_read_back(language, program, {path.name: data}, arm)
-            lost = lost_comments(language, (*comments, data)) if comments else []
+            lost = _lost_comments(language, (*comments, data)) if comments else []
             if proof.holds and not lost:
                 return data
             if lost:

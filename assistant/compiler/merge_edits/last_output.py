@@ -18,7 +18,7 @@ from assistant.base.file_sets import file_in_folder, write_all
 from assistant.compiler.merge_edits import rules
 
 WRITTEN: Final = FilePath(".robot-assistant") / "written"
-SOURCES_FILE: Final = "sources.json"
+_SOURCES_FILE: Final = "sources.json"
 """Source of each file of a folder."""
 WRITTEN_SUFFIX: Final = ".written"
 """After the name of what is remembered, which is no program for anybody who looks for such."""
@@ -65,13 +65,13 @@ def with_sources(
             if FilePath(source).is_file():
                 known[name] = FilePath(os.path.relpath(source, memory)).as_posix()
     text = json.dumps(dict(sorted(known.items())), indent=1, ensure_ascii=False)
-    return {memory / SOURCES_FILE: f"{text}\n".encode()}
+    return {memory / _SOURCES_FILE: f"{text}\n".encode()}
 
 
 def _stored_sources(memory: FilePath) -> dict[str, str]:
     """The sources of files in a folder by the files' names, relative to its memory."""
     try:
-        known = json.loads(bytes_of(memory / SOURCES_FILE) or b"{}")
+        known = json.loads(bytes_of(memory / _SOURCES_FILE) or b"{}")
     except ValueError:
         return {}
     pairs = known.items() if isinstance(known, dict) else ()

@@ -113,7 +113,7 @@ class Merge:
         was = self.base.program.targets[name]
         made = self.made.program.targets
         if not self.base.is_numbered(name):
-            same = name in made and is_same_place(made[name], was)
+            same = name in made and _is_same_place(made[name], was)
             return (name, "") if same else (None, f"there is no `{name}` any more")
         owner = self.base.contour(name)
         if owner is not None and owner in self.contours:
@@ -140,9 +140,9 @@ class Merge:
         self.contours = same_contours(self.base, self.made)
         edited, moved = self._moved_rows()
         changed: dict[str, Any] = {
-            table: self._table(table, kind) for table, kind in TABLE_WORDS.items()
+            table: self._table(table, kind) for table, kind in _TABLE_WORDS.items()
         }
-        for part in SCALAR_FIELDS:
+        for part in _SCALAR_FIELDS:
             changed[part] = self._scalar(part)
         changed["comments"] = self._comments()
         made = tuple(_with_paths(one, moved) for one in self.made.program.procedures)
@@ -202,27 +202,31 @@ class Merge:
             if to not in made or made[to] == now:
                 return to
             self.refuse(
-                rules.BOTH_MOVED, name, what=what, was=MISSING_WORD, **_changed_words(now, made[to])
+                rules.BOTH_MOVED,
+                name,
+                what=what,
+                was=_MISSING_WORD,
+                **_changed_words(now, made[to]),
             )
             return None
-        told = {"what": what, "was": value_text(was, now)}
+        told = {"what": what, "was": _value_text(was, now)}
         if not isinstance(was, Target):
             if made.get(name) in (was, now) or (self.is_kept(name) and name in made):
                 return name
-            there = value_text(made[name], was) if name in made else "it is gone"
-            self.refuse(rules.BOTH_MOVED, name, **told, now=value_text(now, was), made=there)
+            there = _value_text(made[name], was) if name in made else "it is gone"
+            self.refuse(rules.BOTH_MOVED, name, **told, now=_value_text(now, was), made=there)
             return None
         found, why = self.place_of(name)
         if found is not None:
             return found
         other = made.get(name) if self.resembles(name) else None
-        if other is not None and (self.is_kept(name) or (now and is_same_place(other, now))):
+        if other is not None and (self.is_kept(name) or (now and _is_same_place(other, now))):
             return name
-        if other is not None and not is_same_place(other, was):
-            there = value_text(other, was)
-            self.refuse(rules.BOTH_MOVED, name, **told, now=value_text(now, was), made=there)
+        if other is not None and not _is_same_place(other, was):
+            there = _value_text(other, was)
+            self.refuse(rules.BOTH_MOVED, name, **told, now=_value_text(now, was), made=there)
         else:
-            self.refuse(rules.NOWHERE, name, **told, now=value_text(now, was), reason=why)
+            self.refuse(rules.NOWHERE, name, **told, now=_value_text(now, was), reason=why)
         return None
 
     # -------------------------------------------------------------------------------- rows of paths
@@ -271,7 +275,7 @@ class Merge:
             elif same is None and there[0][0] != path.name:
                 wrong = f"`{there[0][0]}` has a point at its old place, but is not the same contour"
             if wrong:
-                told = {"was": value_text(before, after), "now": value_text(after, before)}
+                told = {"was": _value_text(before, after), "now": _value_text(after, before)}
                 self.refuse(rules.NOWHERE, name, what=what, **told, reason=wrong)
                 continue
             to, which, at = there[0]
@@ -288,9 +292,9 @@ class Merge:
             return made
         if made not in (was, now) and not self.is_kept(part):
             told = {
-                "was": value_text(was, now),
-                "now": value_text(now, was),
-                "made": value_text(made, was),
+                "was": _value_text(was, now),
+                "now": _value_text(now, was),
+                "made": _value_text(made, was),
             }
             self.refuse(rules.BOTH_MOVED, part, what=f"the {part} of the program", **told)
             return made
@@ -325,7 +329,7 @@ class Merge:
         old = {one.name: one for one in self.base.program.procedures}
         now = {one.name: one for one in edited}
         new = {one.name: one for one in made}
-        bodies = BodyMerge(self)
+        bodies = _BodyMerge(self)
         for name in dict.fromkeys((*old, *now)):
             was, here, there = old.get(name), now.get(name), new.get(name)
             if was == here:
@@ -356,7 +360,7 @@ class Merge:
     def _head(self, was: Procedure, here: Procedure, there: Procedure) -> dict[str, Any]:
         """Return the edits of a procedure outside its body."""
         changed: dict[str, Any] = {}
-        for part in PROCEDURE_FIELDS:
+        for part in _PROCEDURE_FIELDS:
             one, two, three = (getattr(side, part) for side in (was, here, there))
             what = f"the {part} of procedure `{was.name}`"
             if one == two or self.is_dropped(was.name, what):
@@ -369,7 +373,7 @@ class Merge:
         return changed
 
 
-def is_same_place(one: Target, other: Target) -> bool:
+def _is_same_place(one: Target, other: Target) -> bool:
     """True if two targets have the same pose, whatever the configuration of the arm."""
     return pose_key(one.pose) == pose_key(other.pose)
 
@@ -378,17 +382,17 @@ def _lower_case(names: Collection[str]) -> frozenset[str]:
     return frozenset(name.lower() for name in names)
 
 
-Body = tuple[Statement, ...]
-BodyPartKey = tuple[str, int]
+_Body = tuple[Statement, ...]
+_BodyPartKey = tuple[str, int]
 """A part of a body: its contour, "" for what is before the first, and which part of that."""
 _NO_NAMES: Final[Mapping[str, str]] = MappingProxyType({})
 
 
-class UnknownTarget(Exception):
+class _UnknownTarget(Exception):
     """A statement names a target of which nobody knows what it is in the new program."""
 
 
-class BodyMerge:
+class _BodyMerge:
     """The bodies of the procedures of a merge."""
 
     def __init__(self, merge: Merge) -> None:
@@ -404,12 +408,12 @@ class BodyMerge:
         """A procedure that only the file has, with the names that things have now."""
         try:
             return replace(procedure, body=self._with_names(procedure.body))
-        except UnknownTarget as unknown:
+        except _UnknownTarget as unknown:
             reason = f"nobody knows what `{unknown}` is in the new program"
             self._merge.refuse(rules.STATEMENTS, procedure.name, reason=reason)
             return procedure
 
-    def merged(self, was: Procedure, here: Procedure, there: Procedure) -> Body:
+    def merged(self, was: Procedure, here: Procedure, there: Procedure) -> _Body:
         """The body that the source gives now with the edits of the file."""
         base, made = self._merge.base, self._merge.made
         if here.body == there.body or _statement_keys(was.body, base) == _statement_keys(
@@ -447,7 +451,7 @@ class BodyMerge:
                 continue
             try:
                 both = self._three(before, part, new[to])
-            except UnknownTarget as unknown:
+            except _UnknownTarget as unknown:
                 reason = f"nobody knows what `{unknown}` is in the new program"
                 self._merge.refuse(rules.STATEMENTS, called, reason=reason)
                 continue
@@ -459,7 +463,7 @@ class BodyMerge:
             new[to] = both
         return tuple(statement for part in new.values() for statement in part)
 
-    def _three(self, was: Body, here: Body, there: Body) -> Body | None:
+    def _three(self, was: _Body, here: _Body, there: _Body) -> _Body | None:
         """A part with the edits of both sides, None where they are of the same statements."""
         base, made = self._merge.base, self._merge.made
         old = _statement_keys(was, base, self._merge.contours)
@@ -477,7 +481,7 @@ class BodyMerge:
             at = stop + shift
         return (*result, *there[at:])
 
-    def _with_names(self, body: Body) -> Body:
+    def _with_names(self, body: _Body) -> _Body:
         """Statements of the file with the names that things have in the new program."""
         merge = self._merge
 
@@ -485,14 +489,14 @@ class BodyMerge:
             if isinstance(part, Path):
                 owner = merge.contours.get(part.name)
                 if owner is None and part.name in merge.made.paths:
-                    raise UnknownTarget(part.name)
+                    raise _UnknownTarget(part.name)
                 return part if owner is None else replace(part, name=owner)
             if isinstance(part, e.Name) and part.name in merge.base.program.targets:
                 found, _ = merge.place_of(part.name)
                 if found is None and not merge.base.is_numbered(part.name):
                     found = part.name if part.name in merge.made.program.targets else None
                 if found is None:
-                    raise UnknownTarget(part.name)
+                    raise _UnknownTarget(part.name)
                 return part if found == part.name else replace(part, name=found)
             if isinstance(part, e.Name) and part.name in merge.edited.program.targets:
                 found = merge.renamed(part.name)
@@ -502,13 +506,13 @@ class BodyMerge:
         return rewrite(body, visit)
 
 
-BodyChange = tuple[int, int, int, int]
+_BodyChange = tuple[int, int, int, int]
 """Statements first … stop of one body that are begin … end of another."""
 
 
-def _changes(old: Sequence[str], new: Sequence[str]) -> list[BodyChange]:
+def _changes(old: Sequence[str], new: Sequence[str]) -> list[_BodyChange]:
     """In order, one by one where as many are replaced."""
-    found: list[BodyChange] = []
+    found: list[_BodyChange] = []
     for step, i1, i2, j1, j2 in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
         if step != "equal" and i2 - i1 == j2 - j1:
             found += [(i1 + k, i1 + k + 1, j1 + k, j1 + k + 1) for k in range(i2 - i1)]
@@ -517,20 +521,20 @@ def _changes(old: Sequence[str], new: Sequence[str]) -> list[BodyChange]:
     return found
 
 
-def _changes_touch(one: BodyChange, other: BodyChange) -> bool:
+def _changes_touch(one: _BodyChange, other: _BodyChange) -> bool:
     """True if two changes are of the same statements, or insert next to them."""
     if one[0] == one[1] or other[0] == other[1]:
         return one[0] <= other[1] and other[0] <= one[1]
     return one[0] < other[1] and other[0] < one[1]
 
 
-def _body_parts(body: Body, made: ContourOrigins) -> dict[BodyPartKey, Body]:
+def _body_parts(body: _Body, made: ContourOrigins) -> dict[_BodyPartKey, _Body]:
     """A body contour by contour; as a whole where a statement is of several."""
     owners = [made.owners(statement) for statement in body]
     if any(len(one) > 1 for one in owners):
         return {("", 0): body}
-    found: dict[BodyPartKey, list[Statement]] = {("", 0): []}
-    key: BodyPartKey = ("", 0)
+    found: dict[_BodyPartKey, list[Statement]] = {("", 0): []}
+    key: _BodyPartKey = ("", 0)
     seen: dict[str, int] = {}
     for statement, some in zip(body, owners, strict=True):
         owner = next(iter(some), key[0])
@@ -543,7 +547,7 @@ def _body_parts(body: Body, made: ContourOrigins) -> dict[BodyPartKey, Body]:
 
 
 def _statement_keys(
-    body: Body, known: ContourOrigins, contours: Mapping[str, str] = _NO_NAMES
+    body: _Body, known: ContourOrigins, contours: Mapping[str, str] = _NO_NAMES
 ) -> list[str]:
     """Return a comparable text of each statement; names numbered by position are replaced by
     descriptions.
@@ -572,40 +576,40 @@ def _path_digest(path: Path, name: str) -> str:
     return f"{name} {hashlib.sha256(data + repr(rows).encode()).hexdigest()}"
 
 
-SHOWN_DIGITS: Final = 4
-LONGEST_VALUE: Final = 60
+_SHOWN_DIGITS: Final = 4
+_LONGEST_VALUE: Final = 60
 
 
-def value_text(value: Any, beside: Any = None) -> str:
+def _value_text(value: Any, beside: Any = None) -> str:
     """Return a value as readable text. beside: another value, to distinguish it from."""
     if value is None:
         return "nothing"
     if isinstance(value, Target):
-        told = numbers_text(value.pose.position)
+        told = _numbers_text(value.pose.position)
         if isinstance(beside, Target) and beside.pose.position == value.pose.position:
-            told += f" {numbers_text(value.pose.quaternion)}"
+            told += f" {_numbers_text(value.pose.quaternion)}"
         if isinstance(beside, Target) and beside.pose == value.pose:
             return "another branch of the arm"
         return told
     if isinstance(value, JointTarget):
-        return numbers_text(value.joints)
+        return _numbers_text(value.joints)
     if isinstance(value, Tool):
         same = isinstance(beside, Tool) and beside.tip.position == value.tip.position
-        tip = numbers_text(value.tip.position)
-        return f"{tip} {numbers_text(value.tip.quaternion)}" if same else tip
+        tip = _numbers_text(value.tip.position)
+        return f"{tip} {_numbers_text(value.tip.quaternion)}" if same else tip
     text = str(value)
-    return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]}…"
+    return text if len(text) <= _LONGEST_VALUE else f"{text[:_LONGEST_VALUE]}…"
 
 
-def numbers_text(values: Any) -> str:
+def _numbers_text(values: Any) -> str:
     """Numbers in brackets, without those at the end that are not used."""
     listed = [float(v) for v in values]
     while listed and listed[-1] != listed[-1]:
         listed.pop()
-    return f"[{', '.join(f'{round(v, SHOWN_DIGITS):g}' for v in listed)}]"
+    return f"[{', '.join(f'{round(v, _SHOWN_DIGITS):g}' for v in listed)}]"
 
 
-TABLE_WORDS: Final = {
+_TABLE_WORDS: Final = {
     "tools": "tool",
     "frames": "frame",
     "speeds": "speed",
@@ -615,9 +619,9 @@ TABLE_WORDS: Final = {
     "joint_targets": "joint target",
     "variables": "variable",
 }
-SCALAR_FIELDS: Final = ("name", "entry", "robot", "declarations")
-PROCEDURE_FIELDS: Final = ("parameters", "variables", "result", "unit", "local")
-MISSING_WORD: Final = "nothing"
+_SCALAR_FIELDS: Final = ("name", "entry", "robot", "declarations")
+_PROCEDURE_FIELDS: Final = ("parameters", "variables", "result", "unit", "local")
+_MISSING_WORD: Final = "nothing"
 
 
 def _with_paths(procedure: Procedure, paths: Mapping[int, Path]) -> Procedure:
@@ -654,4 +658,4 @@ def _with_values(now: Any, was: Any, made: Any) -> Any:
 
 
 def _changed_words(now: Any, made: Any) -> dict[str, str]:
-    return {"now": value_text(now, made), "made": value_text(made, now)}
+    return {"now": _value_text(now, made), "made": _value_text(made, now)}

@@ -37,57 +37,57 @@ from assistant.controllers.cyclic.trajectory import POSE_COLUMNS, Kind
 
 __all__ = ["Egm", "guide"]
 
-Scalar = Literal["uint", "double"]
+_Scalar = Literal["uint", "double"]
 """`uint`: whole numbers, enumerations and truths."""
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class _Field:
     """kind: of a number, or the name of the message that it holds."""
 
     name: str
     kind: str
 
 
-def _doubles(*names: str) -> dict[int, Field]:
-    return {number: Field(name, "double") for number, name in enumerate(names, 1)}
+def _doubles(*names: str) -> dict[int, _Field]:
+    return {number: _Field(name, "double") for number, name in enumerate(names, 1)}
 
 
 _POSES_AND_JOINTS: Final = {
-    1: Field("joints", "EgmJoints"),
-    2: Field("cartesian", "EgmPose"),
-    3: Field("externalJoints", "EgmJoints"),
-    4: Field("time", "EgmClock"),
+    1: _Field("joints", "EgmJoints"),
+    2: _Field("cartesian", "EgmPose"),
+    3: _Field("externalJoints", "EgmJoints"),
+    4: _Field("time", "EgmClock"),
 }
-MESSAGES: Final[Mapping[str, Mapping[int, Field]]] = {
-    "EgmHeader": {1: Field("seqno", "uint"), 2: Field("tm", "uint"), 3: Field("mtype", "uint")},
+_MESSAGES: Final[Mapping[str, Mapping[int, _Field]]] = {
+    "EgmHeader": {1: _Field("seqno", "uint"), 2: _Field("tm", "uint"), 3: _Field("mtype", "uint")},
     "EgmCartesian": _doubles("x", "y", "z"),
     "EgmQuaternion": _doubles("u0", "u1", "u2", "u3"),
-    "EgmClock": {1: Field("sec", "uint"), 2: Field("usec", "uint")},
-    "EgmPose": {1: Field("pos", "EgmCartesian"), 2: Field("orient", "EgmQuaternion")},
+    "EgmClock": {1: _Field("sec", "uint"), 2: _Field("usec", "uint")},
+    "EgmPose": {1: _Field("pos", "EgmCartesian"), 2: _Field("orient", "EgmQuaternion")},
     "EgmJoints": _doubles("joints"),
     "EgmFeedBack": _POSES_AND_JOINTS,
     "EgmPlanned": _POSES_AND_JOINTS,
-    "EgmState": {1: Field("state", "uint")},
+    "EgmState": {1: _Field("state", "uint")},
     "EgmRobot": {
-        1: Field("header", "EgmHeader"),
-        2: Field("feedBack", "EgmFeedBack"),
-        3: Field("planned", "EgmPlanned"),
-        4: Field("motorState", "EgmState"),
-        5: Field("mciState", "EgmState"),
-        6: Field("mciConvergenceMet", "uint"),
-        8: Field("rapidExecState", "EgmState"),
-        10: Field("utilizationRate", "double"),
+        1: _Field("header", "EgmHeader"),
+        2: _Field("feedBack", "EgmFeedBack"),
+        3: _Field("planned", "EgmPlanned"),
+        4: _Field("motorState", "EgmState"),
+        5: _Field("mciState", "EgmState"),
+        6: _Field("mciConvergenceMet", "uint"),
+        8: _Field("rapidExecState", "EgmState"),
+        10: _Field("utilizationRate", "double"),
     },
-    "EgmSensor": {1: Field("header", "EgmHeader"), 2: Field("planned", "EgmPlanned")},
+    "EgmSensor": {1: _Field("header", "EgmHeader"), 2: _Field("planned", "EgmPlanned")},
 }
 """Message → number of a field → what it is. Those of motors, EGM and RAPID share `EgmState`."""
 
-VARINT, FIXED64, LENGTH, FIXED32 = 0, 1, 2, 5
+_VARINT, _FIXED64, _LENGTH, _FIXED32 = 0, 1, 2, 5
 """Wire types."""
-LONGEST_VARINT: Final = 10
+_LONGEST_VARINT: Final = 10
 """Bytes of a whole number."""
-DEEPEST_MESSAGE: Final = 4
+_DEEPEST_MESSAGE: Final = 4
 _DOUBLE: Final = struct.Struct("<d")
 
 
@@ -118,15 +118,15 @@ def decode(kind: str, data: bytes) -> Message:
 
 
 def _decode(kind: str, data: memoryview, depth: int) -> Message:
-    if depth > DEEPEST_MESSAGE:
+    if depth > _DEEPEST_MESSAGE:
         raise ValueError("messages in messages without end")
-    message, fields = Message(), MESSAGES[kind]
+    message, fields = Message(), _MESSAGES[kind]
     for number, wire, value, inside in _fields(data):
         known = fields.get(number)
         if known is None:
             continue
-        if known.kind in MESSAGES:
-            if wire != LENGTH:
+        if known.kind in _MESSAGES:
+            if wire != _LENGTH:
                 raise ValueError(f"{known.name} is no message")
             part = _decode(known.kind, inside, depth + 1)
             merged = message.parts.setdefault(known.name, part)
@@ -136,13 +136,13 @@ def _decode(kind: str, data: memoryview, depth: int) -> Message:
                 merged.parts.update(part.parts)
             continue
         numbers = message.numbers.setdefault(known.name, [])
-        if known.kind == "double" and wire == FIXED64:
+        if known.kind == "double" and wire == _FIXED64:
             numbers.append(_DOUBLE.unpack(inside)[0])
-        elif known.kind == "double" and wire == LENGTH:  # packed
+        elif known.kind == "double" and wire == _LENGTH:  # packed
             if len(inside) % _DOUBLE.size:
                 raise ValueError(f"{known.name} ends within a number")
             numbers.extend(one for (one,) in _DOUBLE.iter_unpack(inside))
-        elif known.kind == "uint" and wire == VARINT:
+        elif known.kind == "uint" and wire == _VARINT:
             numbers.append(value)
         else:
             raise ValueError(f"{known.name} has the wire type {wire}")
@@ -158,12 +158,12 @@ def _fields(data: memoryview) -> Iterator[tuple[int, int, int, memoryview]]:
         value, length = 0, 0
         if number == 0:
             raise ValueError("a field without a number")
-        if wire == VARINT:
+        if wire == _VARINT:
             value, at = _varint(data, at)
-        elif wire == LENGTH:
+        elif wire == _LENGTH:
             length, at = _varint(data, at)
-        elif wire in (FIXED64, FIXED32):
-            length = 8 if wire == FIXED64 else 4
+        elif wire in (_FIXED64, _FIXED32):
+            length = 8 if wire == _FIXED64 else 4
         else:
             raise ValueError(f"the wire type {wire}")
         if at + length > size:
@@ -174,7 +174,7 @@ def _fields(data: memoryview) -> Iterator[tuple[int, int, int, memoryview]]:
 
 def _varint(data: memoryview, at: int) -> tuple[int, int]:
     value = 0
-    for place in range(LONGEST_VARINT):
+    for place in range(_LONGEST_VARINT):
         if at + place >= len(data):
             raise ValueError("the message ends within a number")
         byte = data[at + place]
@@ -187,18 +187,18 @@ def _varint(data: memoryview, at: int) -> tuple[int, int]:
 def encode(kind: str, message: Message) -> bytes:
     """The bytes of a message, its fields by number, repeated numbers one by one (proto2)."""
     made = bytearray()
-    for number, known in sorted(MESSAGES[kind].items()):
-        if known.kind in MESSAGES:
+    for number, known in sorted(_MESSAGES[kind].items()):
+        if known.kind in _MESSAGES:
             part = message.parts.get(known.name)
             if part is not None:
                 inside = encode(known.kind, part)
-                made += _tag(number, LENGTH) + _encode_varint(len(inside)) + inside
+                made += _tag(number, _LENGTH) + _encode_varint(len(inside)) + inside
             continue
         for value in message.numbers.get(known.name, ()):
             if known.kind == "double":
-                made += _tag(number, FIXED64) + _DOUBLE.pack(value)
+                made += _tag(number, _FIXED64) + _DOUBLE.pack(value)
             else:
-                made += _tag(number, VARINT) + _encode_varint(int(value))
+                made += _tag(number, _VARINT) + _encode_varint(int(value))
     return bytes(made)
 
 
@@ -215,15 +215,15 @@ def _encode_varint(value: int) -> bytes:
     return bytes(made)
 
 
-CORRECTION: Final = 3
+_CORRECTION: Final = 3
 """MSGTYPE_CORRECTION: position guidance by a sensor."""
-MOTORS_OFF: Final = 2
-EGM_ERROR, EGM_RUNNING = 1, 3
-RAPID_STOPPED: Final = 1
+_MOTORS_OFF: Final = 2
+_EGM_ERROR, _EGM_RUNNING = 1, 3
+_RAPID_STOPPED: Final = 1
 """RAPID is `undefined` after each restart of a controller although it runs (abb_libegm, #96)."""
-ROBOT_AXES: Final = 6
+_ROBOT_AXES: Final = 6
 """Number of axes in `joints`; the others are in `externalJoints`."""
-COUNTER_WRAP: Final = 1 << 32
+_COUNTER_WRAP: Final = 1 << 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +236,7 @@ class Egm:
     """
 
     kind: Kind = "joints"
-    axes: int = ROBOT_AXES
+    axes: int = _ROBOT_AXES
     cycle: float = 0.004
     speaks_first: bool = True
     recorded: tuple[str, ...] = ("tm", "converged", "utilization")
@@ -255,7 +255,7 @@ class Egm:
         if values is None or not seqno or not all(map(math.isfinite, values)):
             return None
         stopped = _stopped(message)
-        ready = _state(message, "mciState") == EGM_RUNNING
+        ready = _state(message, "mciState") == _EGM_RUNNING
         if not ready and not stopped:
             stopped = "its EGM does not run (any more)"
         extra = (
@@ -263,15 +263,15 @@ class Egm:
             message.number("mciConvergenceMet") or 0.0,
             _finite(message.number("utilizationRate")),
         )
-        return Measured(values, int(seqno[-1]) % COUNTER_WRAP, 0, stopped, ready, extra)
+        return Measured(values, int(seqno[-1]) % _COUNTER_WRAP, 0, stopped, ready, extra)
 
     def command(self, values: Sequence[float], count: int) -> bytes:
         milliseconds = time.monotonic_ns() // 1_000_000
         header = Message(
             {
-                "seqno": [count % COUNTER_WRAP],
-                "tm": [milliseconds % COUNTER_WRAP],
-                "mtype": [CORRECTION],
+                "seqno": [count % _COUNTER_WRAP],
+                "tm": [milliseconds % _COUNTER_WRAP],
+                "mtype": [_CORRECTION],
             }
         )
         if self.kind == "poses":
@@ -280,9 +280,9 @@ class Egm:
             orient = Message({f"u{i}": [part] for i, part in enumerate(turn)})
             planned = {"cartesian": Message(parts={"pos": place, "orient": orient})}
         else:
-            planned = {"joints": Message({"joints": list(values[:ROBOT_AXES])})}
-            if len(values) > ROBOT_AXES:
-                planned["externalJoints"] = Message({"joints": list(values[ROBOT_AXES:])})
+            planned = {"joints": Message({"joints": list(values[:_ROBOT_AXES])})}
+            if len(values) > _ROBOT_AXES:
+                planned["externalJoints"] = Message({"joints": list(values[_ROBOT_AXES:])})
         sensor = Message(parts={"header": header, "planned": Message(parts=planned)})
         return encode("EgmSensor", sensor)
 
@@ -300,7 +300,7 @@ class Egm:
             return found if len(found) == POSE_COLUMNS else None
         own = message.all("feedBack", "joints", "joints")
         more = message.all("feedBack", "externalJoints", "joints")
-        found = (*own[:ROBOT_AXES], *more)
+        found = (*own[:_ROBOT_AXES], *more)
         return found[: self.axes] if len(found) >= self.axes else None
 
 
@@ -310,11 +310,11 @@ def _state(message: Message, name: str) -> float | None:
 
 def _stopped(message: Message) -> str:
     """Return the reason why the arm cannot move whatever is sent, "" if it can."""
-    if _state(message, "motorState") == MOTORS_OFF:
+    if _state(message, "motorState") == _MOTORS_OFF:
         return "its motors are off"
-    if _state(message, "mciState") == EGM_ERROR:
+    if _state(message, "mciState") == _EGM_ERROR:
         return "its EGM reports an error"
-    if _state(message, "rapidExecState") == RAPID_STOPPED:
+    if _state(message, "rapidExecState") == _RAPID_STOPPED:
         return "its program is stopped"
     return ""
 
@@ -327,13 +327,13 @@ CYCLE: Final = 0.004
 """Seconds, of all controllers that know it."""
 PORT: Final = 6510
 """Port of this computer, as the UdpUc device of a new system names it."""
-OPENING_TIMEOUT: Final = 60.0
+_OPENING_TIMEOUT: Final = 60.0
 """Seconds in which the program on the controller has to begin."""
-HOLD_AT_END: Final = 0.3
+_HOLD_AT_END: Final = 0.3
 """Seconds for which the last point is held. The program on the controller sees the end as its
 communication time-out, or as convergence where its \\CondTime is shorter.
 """
-OF_THE_CONTROLLER: Final = {rules.STOPPED.code, rules.SILENT.code}
+_OF_THE_CONTROLLER: Final = {rules.STOPPED.code, rules.SILENT.code}
 """Codes of findings for an end that the controller itself caused."""
 
 
@@ -356,7 +356,7 @@ def guide(
     on the controller.
     Raises Refused before anything is sent, Ended afterwards.
     """
-    chosen = settings or Settings(opening=OPENING_TIMEOUT, settle=HOLD_AT_END)
+    chosen = settings or Settings(opening=_OPENING_TIMEOUT, settle=_HOLD_AT_END)
     link = Egm(trajectory.kind, trajectory.rows.shape[1], cycle)
     endpoint = Endpoint(host, 0, local_host, port)
     try:
@@ -364,7 +364,7 @@ def guide(
     except Ended as ended:
         report = ended.report
         code = ended.findings[0].code
-        if report is None or report.done < report.rows or code not in OF_THE_CONTROLLER:
+        if report is None or report.done < report.rows or code not in _OF_THE_CONTROLLER:
             raise
         if not _is_there(report, trajectory, chosen):
             raise
@@ -385,7 +385,7 @@ def guide_by_corrections(
 
     limits: with the range of the joints. Else as `guide`.
     """
-    chosen = settings or Settings(opening=OPENING_TIMEOUT, settle=HOLD_AT_END)
+    chosen = settings or Settings(opening=_OPENING_TIMEOUT, settle=_HOLD_AT_END)
     return Leading(
         Egm("joints", axes, cycle), Endpoint(host, 0, local_host, port), axes, limits, chosen
     )

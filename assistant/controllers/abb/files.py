@@ -22,9 +22,9 @@ from assistant.controllers.connection import reason_of
 
 TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
-ASIDE: Final = "{name}~"
+_ASIDE: Final = "{name}~"
 """Name of the old file while a server that never replaces files receives the new one."""
-MOST_ASIDE: Final = 8
+_MOST_ASIDE: Final = 8
 """Number of names `seam.mod~`, `seam.mod~~` … that other users may have taken."""
 MOST_FOLDERS: Final = 32
 """Greatest depth of folders that is searched."""
@@ -58,11 +58,11 @@ def free_aside(name: str, there: Iterable[str]) -> str:
     Refused.
     """
     taken = {one.lower() for one in there}
-    aside = ASIDE.format(name=name)
+    aside = _ASIDE.format(name=name)
     while aside.lower() in taken:
-        aside = ASIDE.format(name=aside)
-    if len(aside) > len(name) + MOST_ASIDE:
-        reason = f"the names `{name}~` to `{name}{'~' * MOST_ASIDE}` are all taken"
+        aside = _ASIDE.format(name=aside)
+    if len(aside) > len(name) + _MOST_ASIDE:
+        reason = f"the names `{name}~` to `{name}{'~' * _MOST_ASIDE}` are all taken"
         raise Refused(rules.FILE_NAME(place=name, name=name, reason=reason))
     return aside
 

@@ -53,13 +53,13 @@ from assistant.controllers.abb.ftp_connection import (
 from assistant.controllers.address import Address, Credentials
 from assistant.controllers.connection import TransferDeadline, reason_of
 
-SEARCH_RATE: Final = 50_000.0
+_SEARCH_RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
-LISTING_TIMEOUTS: Final = 10
+_LISTING_TIMEOUTS: Final = 10
 """Time-outs in which a whole listing has to come."""
-PIECE: Final = 65536
+_PIECE: Final = 65536
 """Bytes that are sent or received at once."""
-FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError)
+_FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError)
 """Exceptions of ftplib for a lost connection or a senseless answer: no port is that large."""
 
 
@@ -99,7 +99,7 @@ class Ftp(FileSession):
 
     def __exit__(self, *error: object) -> None:
         if self._ftp is not None:
-            with suppress(*FAILURES):
+            with suppress(*_FAILURES):
                 self._ftp.quit()
         self._hang_up()
 
@@ -122,7 +122,7 @@ class Ftp(FileSession):
         ftp.set_pasv(self.address.option("mode", "passive") == "passive")
         try:
             ftp.connect(self.address.host, self.address.port, timeout=self._timeout)
-        except FAILURES as error:
+        except _FAILURES as error:
             ftp.close()
             self._unreachable(error)
         if isinstance(ftp, BoundedFtpTls):
@@ -139,7 +139,7 @@ class Ftp(FileSession):
         except ftplib.error_perm as error:
             ftp.close()
             self._no_tls(error, "nothing that is secret was sent")
-        except FAILURES as error:
+        except _FAILURES as error:
             ftp.close()
             self._unreachable(error)
 
@@ -152,7 +152,7 @@ class Ftp(FileSession):
             self._untrusted(f"`{self._certificate}`: {error}")
         except ftplib.error_perm as error:
             self._no_tls(error, "nothing that is secret was sent")
-        except FAILURES as error:
+        except _FAILURES as error:
             self._unreachable(error)
 
     def _no_tls(self, error: ftplib.Error, state: str) -> NoReturn:
@@ -185,7 +185,7 @@ class Ftp(FileSession):
                 ),
                 exit_status=2,
             ) from None
-        except FAILURES as error:
+        except _FAILURES as error:
             self._unreachable(error)
 
     def _keep_private(self, ftp: BoundedFtpTls) -> None:
@@ -198,7 +198,7 @@ class Ftp(FileSession):
     def _enter_folder(self, ftp: BoundedFtp) -> None:
         try:
             ftp_connection.enter_home_folder(self, ftp)
-        except FAILURES as error:
+        except _FAILURES as error:
             self._unreachable(error)
 
     def _unreachable(self, error: Exception) -> NoReturn:
@@ -221,10 +221,10 @@ class Ftp(FileSession):
             left = memoryview(data)
             with self._transfer(ftp, f"{command} {name}") as (channel, pace):
                 while left:
-                    sent = channel.send(left[:PIECE])
+                    sent = channel.send(left[:_PIECE])
                     pace.moved(sent)
                     left = left[sent:]
-            ftp.sock.settimeout(self._timeout + len(data) / SEARCH_RATE)
+            ftp.sock.settimeout(self._timeout + len(data) / _SEARCH_RATE)
             try:
                 ftp.voidresp()
             finally:
@@ -248,7 +248,7 @@ class Ftp(FileSession):
         """Receive a command's data, piece by piece, within its deadline; raises as ftplib does."""
         ftp = self.session
         with self._transfer(ftp, command, kind, start) as (channel, pace):
-            while piece := channel.recv(PIECE):
+            while piece := channel.recv(_PIECE):
                 pace.moved(len(piece))
                 sink(piece)
         ftp.voidresp()
@@ -256,10 +256,10 @@ class Ftp(FileSession):
     def lines(self, command: str) -> list[str]:
         """Return the lines of a listing, decoded as UTF-8 or else Latin-1; raises as ftplib does.
 
-        The complete listing must arrive within `LISTING_TIMEOUTS` time-outs.
+        The complete listing must arrive within `_LISTING_TIMEOUTS` time-outs.
         """
         data = bytearray()
-        until = time.monotonic() + LISTING_TIMEOUTS * self._timeout
+        until = time.monotonic() + _LISTING_TIMEOUTS * self._timeout
 
         def take(piece: bytes) -> None:
             data.extend(piece)
@@ -290,7 +290,7 @@ class Ftp(FileSession):
 
     def discard(self, name: str) -> None:
         """Deletes what is left of a transfer; a rest that stays is overwritten by the next."""
-        with suppress(*FAILURES):
+        with suppress(*_FAILURES):
             if self._ftp is not None:
                 self._ftp.delete(name)
 
@@ -310,7 +310,7 @@ class Ftp(FileSession):
             raise Refused(
                 rules.REFUSED(place=place, doing=doing, reply=reply, state=state)
             ) from None
-        except FAILURES as error:
+        except _FAILURES as error:
             self._hang_up()
             raise rules.Lost(
                 rules.LOST(place=place, doing=doing, reason=self.said(error), state=state)
@@ -346,7 +346,7 @@ class Ftp(FileSession):
         checked_name(name)
         if not self._has(name) and self.size(name) is None:
             return None
-        return read_whole(self, name)
+        return _read_whole(self, name)
 
     def remove(self, name: str) -> None:
         checked_name(name)
@@ -397,7 +397,7 @@ class Ftp(FileSession):
             try:
                 self.receive(f"RETR {name}", data.write)
             except (ftplib.error_perm, ftplib.error_temp) as error:
-                if not str(error).startswith(NOT_NOW):
+                if not str(error).startswith(_NOT_NOW):
                     raise
                 return None
         return data.getvalue()
@@ -409,14 +409,14 @@ class Ftp(FileSession):
             try:
                 self.session.delete(name)
             except (ftplib.error_perm, ftplib.error_temp) as error:
-                if not str(error).startswith(NOT_NOW):
+                if not str(error).startswith(_NOT_NOW):
                     raise
                 return False
         return True
 
     def size(self, name: str) -> int | None:
         """Return the bytes of a file, None if it is missing or the server does not report them."""
-        return file_size(self, checked_path(name))
+        return _file_size(self, checked_path(name))
 
     def download(self, name: str, to: str | FilePath, progress: Progress | None = None) -> int:
         """Fetch a file, also out of folders, into one of this computer; return its bytes.
@@ -428,26 +428,26 @@ class Ftp(FileSession):
         return download(self, checked_path(name), FilePath(to), progress)
 
     def upload(self, name: str, data: bytes) -> None:
-        """Write a file as `write` does; continue the part left by an interrupted `upload`.
+        """Write a file as `write` does; continue the part left by an interrupted `_upload`.
 
         The existing part is fetched and compared first: no transferred byte is trusted.
         """
         checked_name(name)
-        upload(self, name, data)
+        _upload(self, name, data)
         temporary = TEMPORARY.format(name=name)
         with self._discarding(temporary):
             self.replace(temporary, name)
 
     def tree(self, folder: str = "") -> tuple[Entry, ...]:
         """All files and folders below a folder, `HOME:` or one of the address for ""."""
-        return folder_tree(self, folder)
+        return _folder_tree(self, folder)
 
     def fetch_folder(self, folder: str, into: str | FilePath) -> tuple[str, ...]:
         """Fetches a whole folder of the controller into a new one; its files, relative to it.
 
         The new folder appears when all of it is there, with an index as every backup has.
         """
-        return fetch_tree(self, folder, FilePath(into))
+        return _fetch_tree(self, folder, FilePath(into))
 
     def _has(self, name: str) -> bool:
         """True if a file of that name exists; the controller's disk ignores case."""
@@ -491,21 +491,21 @@ class Ftp(FileSession):
 Progress = Callable[[int, int | None], None]
 """Receives the bytes transferred and the total, None if the server does not report it."""
 
-COMPARED_OVERLAP: Final = 4096
+_COMPARED_OVERLAP: Final = 4096
 """Bytes at the end of a part that are fetched again and compared."""
-UNTOUCHED: Final = "nothing was changed by that"
+_UNTOUCHED: Final = "nothing was changed by that"
 
 
-def file_size(session: Ftp, name: str) -> int | None:
+def _file_size(session: Ftp, name: str) -> int | None:
     """Bytes of a file; in binary mode, for in ASCII mode servers refuse or count otherwise."""
     told = _status_text(session, f"SIZE {name}")
     return int(told) if told is not None and told.isdecimal() else None
 
 
-def read_whole(session: Ftp, name: str) -> bytes:
+def _read_whole(session: Ftp, name: str) -> bytes:
     """A file with as many bytes as the server says that it has, where it says so."""
-    data = session.retrieve(name, UNTOUCHED)
-    length = file_size(session, name)
+    data = session.retrieve(name, _UNTOUCHED)
+    length = _file_size(session, name)
     if length not in (None, len(data)):
         raise Refused(rules.SHORT(place=name, name=name, there=length, back=len(data)))
     return data
@@ -540,11 +540,11 @@ def download(session: Ftp, name: str, to: FilePath, progress: Progress | None) -
     return length
 
 
-def upload(session: Ftp, name: str, data: bytes) -> None:
+def _upload(session: Ftp, name: str, data: bytes) -> None:
     """Puts a file whole under its temporary name."""
     temporary, doing = TEMPORARY.format(name=name), f"storing `{name}`"
     state = f"`{name}` there is as it was"
-    there = file_size(session, temporary) or 0
+    there = _file_size(session, temporary) or 0
     begun = 0
     if 0 < there <= len(data) and session.retrieve(temporary, state) == data[:there]:
         begun = there
@@ -558,7 +558,7 @@ def upload(session: Ftp, name: str, data: bytes) -> None:
     if not begun:
         session.store(temporary, data, doing, state)
     back = session.retrieve(temporary, state, start=begun)
-    if back != data[begun:] or file_size(session, temporary) not in (None, len(data)):
+    if back != data[begun:] or _file_size(session, temporary) not in (None, len(data)):
         session.discard(temporary)
         raise Refused(
             rules.ALTERED(
@@ -598,7 +598,7 @@ def _fetch_rest(
     progress: Progress | None,
 ) -> bool:
     """Fetch into a file from an offset on; False if the existing part no longer matches."""
-    begin = max(0, start - COMPARED_OVERLAP)
+    begin = max(0, start - _COMPARED_OVERLAP)
     file.seek(begin)
     known = file.read(start - begin)
     file.seek(begin)
@@ -612,7 +612,7 @@ def _fetch_rest(
         if progress is not None:
             progress(file.tell(), whole)
 
-    session.retrieve_into(name, UNTOUCHED, keep, begin)
+    session.retrieve_into(name, _UNTOUCHED, keep, begin)
     return bytes(seen[: len(known)]) == known
 
 
@@ -630,13 +630,13 @@ def _partial_size(part: FilePath, note: FilePath, stamp: tuple[str, str] | None)
 
 def _size_and_time(session: Ftp, name: str) -> tuple[str, str] | None:
     """Size and time of a file, None if the server does not tell both."""
-    length, changed = file_size(session, name), _status_text(session, f"MDTM {name}")
+    length, changed = _file_size(session, name), _status_text(session, f"MDTM {name}")
     return None if length is None or changed is None else (str(length), changed)
 
 
 def _status_text(session: Ftp, command: str) -> str | None:
     """Return the text after `213` in the answer to a command, None for another answer."""
-    with session.during(f"asking `{command.split()[0]}`", UNTOUCHED):
+    with session.during(f"asking `{command.split()[0]}`", _UNTOUCHED):
         try:
             session.session.voidcmd("TYPE I")
             answer = session.session.sendcmd(command)
@@ -647,22 +647,22 @@ def _status_text(session: Ftp, command: str) -> str | None:
 
 EntryKind = Literal["file", "folder", "other"]
 """Links and devices are others: they are never followed, for they may lead in circles."""
-FOLDER_KIND: Final = "abb files"
+_FOLDER_KIND: Final = "abb files"
 """Kind in the index of a folder of files: not a backup of a complete controller."""
 
-UNIX_LINE: Final = re.compile(
+_UNIX_LINE: Final = re.compile(
     r"(?P<type>[-dlbcps])[-rwxsStTlL]{9}[.+@]?\s+\d+\s+(?:\S+\s+){1,2}(?P<size>\d+)\s+"
     r"(?:[A-Za-z]{3,9}\.?\s+\d{1,2}|\d{1,2}\s+[A-Za-z]{3,9}\.?|\d{4}-\d\d-\d\d)\s+"
     r"(?:\d{1,2}:\d\d(?::\d\d)?|\d{4})\s(?P<name>.+)"
 )
 """Line in the form of `ls -l`: mode, links, owner, group, size, date, time or year, name."""
-DOS_LINE: Final = re.compile(
+_DOS_LINE: Final = re.compile(
     r"\d\d-\d\d-(?:\d\d|\d{4})\s+\d\d:\d\d(?:[AP]M)?\s+(?:(?P<folder><DIR>)|(?P<size>\d+))\s+"
     r"(?P<name>.+)",
     re.IGNORECASE,
 )
-UNIX_TYPES: Final[dict[str, EntryKind]] = {"-": "file", "d": "folder"}
-MLSD_TYPES: Final[dict[str, EntryKind]] = {"file": "file", "dir": "folder"}
+_UNIX_TYPES: Final[dict[str, EntryKind]] = {"-": "file", "d": "folder"}
+_MLSD_TYPES: Final[dict[str, EntryKind]] = {"file": "file", "dir": "folder"}
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -674,15 +674,15 @@ class Entry:
     size: int | None = None
 
 
-def folder_tree(session: Ftp, folder: str = "") -> tuple[Entry, ...]:
+def _folder_tree(session: Ftp, folder: str = "") -> tuple[Entry, ...]:
     """All below a folder, sorted; the session is in its own folder again afterwards."""
-    with session.during("asking for the folder", UNTOUCHED):
+    with session.during("asking for the folder", _UNTOUCHED):
         home = session.session.pwd()
     found: list[Entry] = []
     try:
         if folder:
             _enter(session, folder)
-        with session.during("asking for the folder", UNTOUCHED):
+        with session.during("asking for the folder", _UNTOUCHED):
             top = session.session.pwd()
         spelling = session.session.spelling
         _walk(session, top.rstrip("/"), "", 0, found)
@@ -699,13 +699,13 @@ def folder_tree(session: Ftp, folder: str = "") -> tuple[Entry, ...]:
     return tuple(sorted(found))
 
 
-def fetch_tree(session: Ftp, folder: str, into: FilePath) -> tuple[str, ...]:
+def _fetch_tree(session: Ftp, folder: str, into: FilePath) -> tuple[str, ...]:
     """Fetches all files below a folder into a new one."""
-    files = [entry.path for entry in folder_tree(session, folder) if entry.kind == "file"]
+    files = [entry.path for entry in _folder_tree(session, folder) if entry.kind == "file"]
     start = f"{folder.rstrip('/')}/" if folder else ""
-    with backup_folder.appearing_folder(into, FOLDER_KIND) as new:
+    with backup_folder.appearing_folder(into, _FOLDER_KIND) as new:
         for path in files:
-            backup_folder.put_file(new, path, read_whole(session, start + path))
+            backup_folder.put_file(new, path, _read_whole(session, start + path))
     return tuple(files)
 
 
@@ -715,9 +715,9 @@ def parse_list(lines: Iterable[str]) -> list[Entry] | None:
     for line in lines:
         if re.fullmatch(r"(total \d+)?\s*", line):
             continue
-        unix, dos = UNIX_LINE.fullmatch(line), DOS_LINE.fullmatch(line)
+        unix, dos = _UNIX_LINE.fullmatch(line), _DOS_LINE.fullmatch(line)
         if unix is not None:
-            kind = UNIX_TYPES.get(unix["type"], "other")
+            kind = _UNIX_TYPES.get(unix["type"], "other")
             name = unix["name"].split(" -> ")[0] if unix["type"] == "l" else unix["name"]
             found.append(Entry(name, kind, int(unix["size"]) if kind == "file" else None))
         elif dos is not None:
@@ -739,7 +739,7 @@ def parse_mlsd(lines: Iterable[str]) -> list[Entry] | None:
         if pairs["type"] in ("cdir", "pdir"):
             continue
         size = pairs.get("size", "")
-        kind = MLSD_TYPES.get(pairs["type"], "other")
+        kind = _MLSD_TYPES.get(pairs["type"], "other")
         found.append(Entry(name, kind, int(size) if size.isdecimal() else None))
     return found
 
@@ -783,14 +783,14 @@ def _entries(session: Ftp) -> list[Entry]:
 
 
 def _listing_lines(session: Ftp, command: str) -> list[str]:
-    with session.during("listing a folder", UNTOUCHED):
+    with session.during("listing a folder", _UNTOUCHED):
         return session.lines(command)
 
 
 def _entries_by_name(session: Ftp) -> Iterator[Entry]:
     """By names alone: what can be entered is a folder."""
     names = [line.rsplit("/", 1)[-1] for line in _listing_lines(session, "NLST")]
-    with session.during("asking for the folder", UNTOUCHED):
+    with session.during("asking for the folder", _UNTOUCHED):
         here = session.session.pwd()
     for name in sorted(set(names) - {".", ".."}):
         try:
@@ -808,9 +808,9 @@ def _enter(session: Ftp, folder: str) -> None:
     if re.search(r"[\x00-\x1f\x7f]", folder):
         reason = "it holds a control character"
         raise Refused(rules.FILE_NAME(place=repr(folder), name=repr(folder), reason=reason))
-    with session.during(f"entering `{folder}`", UNTOUCHED):
+    with session.during(f"entering `{folder}`", _UNTOUCHED):
         session.session.cwd(folder)
 
 
-NOT_NOW: Final = ("550", "450")
+_NOT_NOW: Final = ("550", "450")
 """Replies for a file that is missing, or that another client has open (RFC 959, 5.4)."""

@@ -124,11 +124,11 @@ def certificate_of_server(host: str, port: int, timeout: float) -> bytes:
 
 
 HOME: Final = "HOME"
-HOME_PLACES: Final = (HOME, "/HOME:", f"/{HOME}")
+_HOME_PLACES: Final = (HOME, "/HOME:", f"/{HOME}")
 """Folders to try on servers without a `HOME:` where the login begins."""
-DISK: Final = "/hd0a"
+_DISK: Final = "/hd0a"
 """The controller's disk, on which each installed system has a folder with its own `HOME`."""
-MOST_SYSTEMS: Final = 64
+_MOST_SYSTEMS: Final = 64
 """Most folders of a disk that are tried."""
 
 
@@ -169,7 +169,7 @@ def enter_home_folder(session: FolderSession, ftp: BoundedFtp) -> None:
     if start.rstrip("/").rpartition("/")[2].upper() in (HOME, f"{HOME}:"):
         _found(session, start)
         return
-    for place in HOME_PLACES:
+    for place in _HOME_PLACES:
         if _enters(ftp, place):
             _found(session, ftp.pwd() or place)
             return
@@ -191,7 +191,7 @@ def enter_home_folder(session: FolderSession, ftp: BoundedFtp) -> None:
 
 def _homes_of_systems(session: FolderSession, ftp: BoundedFtp, start: str) -> list[str]:
     """Folders `HOME` of the systems on the disk, or else below the folder of the login."""
-    for disk in dict.fromkeys((DISK, start)):
+    for disk in dict.fromkeys((_DISK, start)):
         if not _enters(ftp, disk):
             continue
         try:
@@ -199,7 +199,7 @@ def _homes_of_systems(session: FolderSession, ftp: BoundedFtp, start: str) -> li
         except ftplib.error_perm:  # as servers answer of an empty folder
             names = []
         found = []
-        for name in [name for name in names if name not in (".", "..")][:MOST_SYSTEMS]:
+        for name in [name for name in names if name not in (".", "..")][:_MOST_SYSTEMS]:
             home = f"{disk.rstrip('/')}/{name}/{HOME}"
             if _enters(ftp, home):
                 found.append(home)

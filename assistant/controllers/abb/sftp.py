@@ -32,13 +32,13 @@ from assistant.controllers.connection import LEAST_BYTES, TransferDeadline, reas
 if TYPE_CHECKING:
     from paramiko import PKey, SFTPClient, SSHClient
 
-KIND: Final = "abb files"
+_KIND: Final = "abb files"
 """Kind in the index of a folder of files: not a backup of a complete controller."""
-LISTING: Final = 10
+_LISTING: Final = 10
 """Time-outs in which a whole listing has to come."""
-PIECE: Final = 32768
+_PIECE: Final = 32768
 """Bytes of a request (draft-ietf-secsh-filexfer-02: what servers take at least)."""
-UNTOUCHED: Final = "nothing was changed by that"
+_UNTOUCHED: Final = "nothing was changed by that"
 
 
 class Sftp(FileSession):
@@ -86,7 +86,7 @@ class Sftp(FileSession):
         self._hang_up()
 
     def names(self) -> tuple[str, ...]:
-        with self._during("listing the folder", UNTOUCHED, LISTING) as (files, _):
+        with self._during("listing the folder", _UNTOUCHED, _LISTING) as (files, _):
             found = files.listdir(".")
         for name in found:
             if not name.isprintable():
@@ -98,12 +98,12 @@ class Sftp(FileSession):
         checked_name(name)
         if name.lower() not in {other.lower() for other in self.names()}:
             return None
-        return self.retrieve(name, UNTOUCHED)
+        return self.retrieve(name, _UNTOUCHED)
 
     def look(self, name: str) -> bytes | None:
         """Return a file without asking first whether it exists; None if it is missing."""
         checked_name(name)
-        with self._during(f"reading `{name}`", UNTOUCHED) as (files, pace):
+        with self._during(f"reading `{name}`", _UNTOUCHED) as (files, pace):
             try:
                 return _bytes(files, name, pace)
             except FileNotFoundError:
@@ -130,7 +130,7 @@ class Sftp(FileSession):
         """Makes a folder; False if there is one. Of many clients the server lets one do it."""
         checked_name(name)
         try:
-            with self._during(f"making the folder `{name}`", UNTOUCHED) as (files, _):
+            with self._during(f"making the folder `{name}`", _UNTOUCHED) as (files, _):
                 files.mkdir(name)
         except rules.Lost:
             raise
@@ -152,7 +152,7 @@ class Sftp(FileSession):
     def is_folder(self, name: str) -> bool:
         """True if there is a folder of that name."""
         checked_name(name)
-        with self._during(f"looking for `{name}`", UNTOUCHED) as (files, _):
+        with self._during(f"looking for `{name}`", _UNTOUCHED) as (files, _):
             try:
                 return stat.S_ISDIR(files.stat(name).st_mode or 0)
             except FileNotFoundError:
@@ -165,12 +165,12 @@ class Sftp(FileSession):
         """
         start = f"{checked_path(folder)}/" if folder else ""
         entries: dict[str, bool] = {}
-        with self._during("listing the folder", UNTOUCHED, LISTING) as (files, pace):
+        with self._during("listing the folder", _UNTOUCHED, _LISTING) as (files, pace):
             _walk(files, pace, start, "", 0, entries)
         found = sorted(path for path, is_file in entries.items() if is_file)
-        with backup_folder.appearing_folder(into, KIND) as new:
+        with backup_folder.appearing_folder(into, _KIND) as new:
             for path in found:
-                backup_folder.put_file(new, path, self.retrieve(start + path, UNTOUCHED))
+                backup_folder.put_file(new, path, self.retrieve(start + path, _UNTOUCHED))
         return tuple(found)
 
     def _trust(self, ssh: SSHClient) -> None:
@@ -230,7 +230,7 @@ class Sftp(FileSession):
 
     def _enter_folder(self) -> None:
         folder = self.address.folder
-        with self._during("going to the folder", UNTOUCHED) as (files, _):
+        with self._during("going to the folder", _UNTOUCHED) as (files, _):
             try:
                 files.chdir(folder or ".")
             except OSError as error:
@@ -256,9 +256,9 @@ class Sftp(FileSession):
         left = memoryview(data)
         with self._during(doing, state) as (files, pace), files.open(name, "wb") as file:
             while left:
-                file.write(left[:PIECE].tobytes())
-                pace.moved(len(left[:PIECE]))
-                left = left[PIECE:]
+                file.write(left[:_PIECE].tobytes())
+                pace.moved(len(left[:_PIECE]))
+                left = left[_PIECE:]
 
     def retrieve(self, name: str, state: str) -> bytes:
         with self._during(f"reading `{name}`", state) as (files, pace):
@@ -356,10 +356,10 @@ def _failures() -> tuple[type[Exception], ...]:
 def _bytes(files: SFTPClient, name: str, pace: TransferDeadline) -> bytes:
     data = bytearray()
     with files.open(name, "rb") as file:
-        while piece := file.read(PIECE):
+        while piece := file.read(_PIECE):
             pace.moved(len(piece))
             data += piece
-            if len(piece) < PIECE:
+            if len(piece) < _PIECE:
                 break
     return bytes(data)
 

@@ -160,7 +160,7 @@ class Timing:
 
 
 @dataclass(slots=True)
-class TimingRecorder:
+class _TimingRecorder:
     """Gathers a `Timing` while a loop runs. half: seconds of half a cycle."""
 
     half: float
@@ -232,10 +232,10 @@ class Report:
         save_columns(path, self.columns)
 
 
-BIGGEST_PACKET: Final = 2048
+_BIGGEST_PACKET: Final = 2048
 """Bytes of a packet that are read; longer ones make no sense here."""
-MOST_DROPPED: Final = 1000
-SHORTEST_BLOCK: Final = 0.001
+_MOST_DROPPED: Final = 1000
+_SHORTEST_BLOCK: Final = 0.001
 """Seconds for which it is worth while to block."""
 _SO_TIMESTAMPNS: Final = 35
 """SO_TIMESTAMPNS of Linux on machines of 64 bits (asm-generic/socket.h): the kernel stamps each
@@ -332,8 +332,8 @@ class PacketSocket:
                 return None
 
     def hush(self, seconds: float) -> None:
-        """Drops what comes until nothing has come for that long, at most `MOST_DROPPED`."""
-        for _ in range(MOST_DROPPED):
+        """Drops what comes until nothing has come for that long, at most `_MOST_DROPPED`."""
+        for _ in range(_MOST_DROPPED):
             if self.receive(seconds) is None:
                 return
 
@@ -355,9 +355,9 @@ class PacketSocket:
 
     def _read(self) -> tuple[bytes, list[tuple[int, int, bytes]], tuple[str, int]]:
         if not self.stamped:  # where the system may lack `recvmsg`
-            packet, sender = self._socket.recvfrom(BIGGEST_PACKET)
+            packet, sender = self._socket.recvfrom(_BIGGEST_PACKET)
             return packet, [], sender
-        packet, data, _, sender = self._socket.recvmsg(BIGGEST_PACKET, _CONTROL_BYTES)
+        packet, data, _, sender = self._socket.recvmsg(_BIGGEST_PACKET, _CONTROL_BYTES)
         return packet, data, sender
 
     def _arrival(self, data: list[tuple[int, int, bytes]]) -> float:
@@ -376,7 +376,7 @@ class PacketSocket:
         due = self._came + self._cycle
         if now >= due + self._spin:
             self._wait(until - now)
-        elif (rest := min(until, due - self._spin) - now) >= SHORTEST_BLOCK:
+        elif (rest := min(until, due - self._spin) - now) >= _SHORTEST_BLOCK:
             self._wait(rest, early=True)
 
     def _wait(self, seconds: float, *, early: bool = False) -> None:
@@ -391,20 +391,20 @@ ReportProgress = Callable[[float, float, Row, Timing], None]
 """Receives the progress at intervals: seconds since the first packet, the row, the position of the
 arm, and the timing so far.
 """
-PROGRESS_INTERVAL: Final = 0.1
+_PROGRESS_INTERVAL: Final = 0.1
 """Seconds from telling to telling."""
-CORRECTED_PROGRESS_INTERVAL: Final = 0.0
+_CORRECTED_PROGRESS_INTERVAL: Final = 0.0
 """The same where others work out meanwhile how it goes on: each packet."""
-ENDINGS: Final = 2
+_ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
-COUNTER_WRAP: Final = 1 << 32
-SILENT_CYCLES: Final = 4
+_COUNTER_WRAP: Final = 1 << 32
+_SILENT_CYCLES: Final = 4
 """Cycles without a packet after which no packet of an earlier motion is expected."""
-STANDSTILL_TOLERANCE: Final = 1e-3
+_STANDSTILL_TOLERANCE: Final = 1e-3
 """Degrees, mm or pulses between two reported positions of an arm at rest."""
 ONE: Final = 0
 FIRST: Final = 1
-SECOND: Final = 2
+_SECOND: Final = 2
 """Packets in transit: one; or, after a repeated request, perhaps two, of which the loop waits for
 the first or for the second. Answering both would double the speed.
 """
@@ -491,7 +491,7 @@ class Loop:
         reason = f"nothing came within {left:g} s"
         seen: Row = ()
         if not self._link.speaks_first:
-            self._wire.hush(SILENT_CYCLES * self._link.cycle)
+            self._wire.hush(_SILENT_CYCLES * self._link.cycle)
         while left > 0.0:
             if (why := self._stop.look()) is not None:
                 raise LoopFailure(why, done=0, rows=self._way.rows)
@@ -537,7 +537,7 @@ class Loop:
         if not self._link.speaks_first or counter is None:
             return True
         most = max(1.0, self._settings.timeout / self._link.cycle)
-        return before is not None and 0 < (counter - before) % COUNTER_WRAP <= most
+        return before is not None and 0 < (counter - before) % _COUNTER_WRAP <= most
 
     def _check_silence(self, heard: float, cause: LoopFailure | None) -> None:
         """Raises Failed if nothing new has come for too long."""
@@ -564,8 +564,8 @@ class Loop:
         most = [settings.lag * speed + settings.slack for speed in self._job.speeds]
         hold = 1 + round(settings.settle / cycle)
         nonsense, cause = 0, None
-        kept = TimingRecorder(cycle / 2.0)
-        each = PROGRESS_INTERVAL if self._job.corrections is None else CORRECTED_PROGRESS_INTERVAL
+        kept = _TimingRecorder(cycle / 2.0)
+        each = _PROGRESS_INTERVAL if self._job.corrections is None else _CORRECTED_PROGRESS_INTERVAL
         wire.hush(0.0 if link.speaks_first else cycle)  # what came meanwhile, or is still to come
         if not link.speaks_first:
             self._send(link.command(way.told, self._count))
@@ -623,14 +623,14 @@ class Loop:
         """True if a packet arrived before, or is one more than requested."""
         counter, before = measured.counter, self._last
         if counter is not None:
-            ahead = (counter - before) % COUNTER_WRAP if before is not None else 0
-            if self._counts and (ahead == 0 or ahead > COUNTER_WRAP // 2):
+            ahead = (counter - before) % _COUNTER_WRAP if before is not None else 0
+            if self._counts and (ahead == 0 or ahead > _COUNTER_WRAP // 2):
                 return True
             self._counts = self._counts or ahead != 0  # one that stays as it is says nothing
             self._last = counter
         if self._extra == FIRST:
-            self._extra = SECOND
-        elif self._extra == SECOND:
+            self._extra = _SECOND
+        elif self._extra == _SECOND:
             self._extra = ONE
             return arrival - self._sent < self._link.cycle / 2.0
         return False
@@ -666,7 +666,7 @@ class Loop:
 
     def _end(self) -> None:
         """Ends the control; a controller that does not answer gets the packet once more."""
-        for _ in range(ENDINGS):
+        for _ in range(_ENDINGS):
             packet = self._link.end(self._way.told, self._count)
             if packet is None:
                 return
@@ -682,7 +682,7 @@ def _agree(one: Row, two: Row) -> bool:
     """True if an arm at rest has reported the same position twice."""
     if not one:
         return False
-    return all(abs(a - b) <= STANDSTILL_TOLERANCE for a, b in zip(one, two, strict=True))
+    return all(abs(a - b) <= _STANDSTILL_TOLERANCE for a, b in zip(one, two, strict=True))
 
 
 def _unanswered(address: str, reason: str) -> dict[str, str | float]:

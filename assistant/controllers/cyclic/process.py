@@ -38,11 +38,11 @@ from assistant.controllers.cyclic.loop import Delays, Endpoint, Link, Report, Ti
 from assistant.controllers.cyclic.setpoint_source import Settings, correction_line
 from assistant.controllers.cyclic.trajectory import Limits, Trajectory, resampled
 
-PATIENCE: Final = 20.0
+_PATIENCE: Final = 20.0
 """Seconds of silence beyond its time-outs after which the process receives a stop."""
-GRACE: Final = 30.0
+_GRACE: Final = 30.0
 """Seconds more after which it is killed; it ends earlier than that whatever the controller does."""
-BEAT: Final = 0.2
+_BEAT: Final = 0.2
 """Seconds from sign to sign that this process lives; see `Settings.alive`."""
 LOOK: Final = 0.05
 """Seconds from look to look whether to stop."""
@@ -101,12 +101,12 @@ def follow(
     return _led(described, rows, settings, link.cycle, watch, stop, None)
 
 
-def follow_corrections(
+def _follow_corrections(
     link: Link,
     endpoint: Endpoint,
     width: int,
     limits: Limits,
-    feed: Feed,
+    feed: _Feed,
     settings: Settings | None = None,
     *,
     watch: Callable[[Progress], None] | None = None,
@@ -132,7 +132,7 @@ def follow_corrections(
     return _led(described, np.zeros((0, width)), settings, link.cycle, watch, stop, feed)
 
 
-class Feed:
+class _Feed:
     """Corrections on their way to the process of a loop; `put` may be called at any time."""
 
     def __init__(self) -> None:
@@ -167,14 +167,14 @@ def _led(
     cycle: float,
     watch: Callable[[Progress], None] | None,
     stop: threading.Event | None,
-    feed: Feed | None,
+    feed: _Feed | None,
 ) -> Report:
     """Run a job in its process and return its report; raises Ended."""
     with tempfile.TemporaryDirectory(prefix="robot-assistant-", ignore_cleanup_errors=True) as name:
         folder = FilePath(name)
         np.save(folder / "rows.npy", rows)
         (folder / "job.json").write_text(json.dumps(described), encoding="utf-8")
-        patience = settings.first + settings.timeout + PATIENCE
+        patience = settings.first + settings.timeout + _PATIENCE
         said, why = _run(folder, patience, watch, stop, len(rows), feed)
         if "done" not in said:
             rule = rules.ERRORS.get(str(said.get("code")), rules.BROKEN)
@@ -198,7 +198,7 @@ def _run(
     watch: Callable[[Progress], None] | None,
     stop: threading.Event | None,
     rows: int,
-    feed: Feed | None,
+    feed: _Feed | None,
 ) -> tuple[dict[str, object], str]:
     """Return the last report of the process, and the reason of its death for an empty report."""
     # -P: nothing is imported from the working folder, which may be anybody's.
@@ -244,12 +244,12 @@ def _run(
                 if over and asked:
                     break
                 if over or (stop is not None and stop.is_set() and not asked):
-                    asked, until = True, time.monotonic() + GRACE
+                    asked, until = True, time.monotonic() + _GRACE
                     _silence(worker, quiet, beating, feed)
         finally:
             _silence(worker, quiet, beating, feed)
             _close(worker)
-            reader.join(GRACE)
+            reader.join(_GRACE)
             worker.stdout.close()
         errors.seek(0)
         why = errors.read().strip().splitlines()
@@ -259,7 +259,7 @@ def _run(
 def _beat(stdin: IO[str], quiet: threading.Event) -> None:
     """Tells the process that this one lives, until that is over or nobody listens."""
     with suppress(OSError):
-        while not quiet.wait(BEAT):
+        while not quiet.wait(_BEAT):
             os.write(stdin.fileno(), b"\n")
 
 
@@ -267,7 +267,7 @@ def _silence(
     worker: subprocess.Popen[str],
     quiet: threading.Event,
     beating: threading.Thread,
-    feed: Feed | None,
+    feed: _Feed | None,
 ) -> None:
     """Ends stdin of the process."""
     assert worker.stdin is not None
@@ -281,7 +281,7 @@ def _silence(
 def _close(worker: subprocess.Popen[str]) -> None:
     """Wait for the process, which ends after its stdin; kill it otherwise."""
     try:
-        worker.wait(GRACE)
+        worker.wait(_GRACE)
     except subprocess.TimeoutExpired:
         worker.kill()
         worker.wait()
@@ -329,7 +329,7 @@ def _report(
     )
 
 
-SILENCE: Final = 1.0
+_SILENCE: Final = 1.0
 """Seconds without a word of the process after which it is not known where the arm is."""
 
 
@@ -350,7 +350,7 @@ class Leading:
     ) -> None:
         self._settings = settings or Settings()
         self._given = (link, endpoint, width, limits)
-        self._feed, self._stop = Feed(), threading.Event()
+        self._feed, self._stop = _Feed(), threading.Event()
         self._news = threading.Condition()
         self._latest: Progress | None = None
         self._ended: Refused | None = None
@@ -361,7 +361,7 @@ class Leading:
     def __enter__(self) -> Self:
         self._thread.start()
         try:
-            self._wait(self._settings.first + GRACE)
+            self._wait(self._settings.first + _GRACE)
         except BaseException:
             self._end()
             raise
@@ -380,7 +380,7 @@ class Leading:
 
     def joints(self) -> tuple[float, ...]:
         """Return the position of the arm, which the controller reported some milliseconds ago."""
-        self._wait(SILENCE)
+        self._wait(_SILENCE)
         assert self._latest is not None
         return self._latest.values
 
@@ -415,7 +415,7 @@ class Leading:
     def _run(self) -> None:
         link, endpoint, width, limits = self._given
         try:
-            self.report = follow_corrections(
+            self.report = _follow_corrections(
                 *(link, endpoint, width, limits, self._feed, self._settings),
                 watch=self._told,
                 stop=self._stop,

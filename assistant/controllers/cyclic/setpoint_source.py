@@ -94,7 +94,7 @@ class Settings:
 
 
 Row = tuple[float, ...]
-ZERO_SPEED: Final = 1e-9
+_ZERO_SPEED: Final = 1e-9
 """Degrees or mm a second that count as standstill."""
 
 
@@ -177,7 +177,7 @@ class SetpointSource(Protocol):
 
 
 @dataclass(slots=True, eq=False)
-class TrajectorySource:
+class _TrajectorySource:
     """The rows of a job, with a soft start before them."""
 
     job: Job
@@ -298,7 +298,7 @@ class CorrectionSource:
 
     @property
     def stands(self) -> bool:
-        return all(abs(speed) <= ZERO_SPEED for speed in self._speed)
+        return all(abs(speed) <= _ZERO_SPEED for speed in self._speed)
 
     def begin(self, here: Row, cycle: float) -> None:
         self.told = self._from = self._goal = here
@@ -354,7 +354,7 @@ def column_named(kind: Kind, column: int) -> dict[str, str]:
 
 
 def source_of(job: Job) -> SetpointSource:
-    return TrajectorySource(job) if job.corrections is None else CorrectionSource(job)
+    return _TrajectorySource(job) if job.corrections is None else CorrectionSource(job)
 
 
 def correction_line(row: Sequence[float], seconds: float) -> bytes:

@@ -27,7 +27,7 @@ Kind = Literal["joints", "poses"]
 """Rows of joints, degrees or mm each (or pulses); or of x, y, z in mm with w, x, y, z."""
 
 POSE_COLUMNS: Final = 7
-TO_FULL_SPEED: Final = 0.3
+_TO_FULL_SPEED: Final = 0.3
 """Seconds in which an axis may come to its full speed where no acceleration is given: cautious,
 makers quote less for light loads."""
 
@@ -60,7 +60,7 @@ class Limits:
     """Limits that no cycle may exceed.
 
     speeds: of joints, each a second; of poses two, mm/s and deg/s. accelerations: likewise a second
-    squared, None for a cautious `TO_FULL_SPEED`. lowest, highest: of joints, None for none. arm:
+    squared, None for a cautious `_TO_FULL_SPEED`. lowest, highest: of joints, None for none. arm:
     for poses, the limits of their joints; without it only the tool's speed is limited.
     """
 
@@ -76,7 +76,7 @@ class Limits:
         try:
             speeds = reals(self.speeds)
             given = self.accelerations
-            rises = speeds / TO_FULL_SPEED if given is None else reals(given)
+            rises = speeds / _TO_FULL_SPEED if given is None else reals(given)
         except ValueError as error:
             raise Refused(BAD_LIMITS(reason=error), exit_status=2) from None
         for what, values in (("speeds", speeds), ("accelerations", rises)):
@@ -128,7 +128,7 @@ def column_names(kind: Kind, width: int) -> tuple[str, ...]:
     return ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 
-def checked_rows(rows: Sequence[Sequence[float]] | Floats) -> Floats:
+def _checked_rows(rows: Sequence[Sequence[float]] | Floats) -> Floats:
     """Rows as (n, c) finite floats; raises ValueError with what is wrong."""
     values = reals(rows)
     if values.ndim != 2 or not len(values) or not values.shape[1]:
@@ -140,7 +140,7 @@ def checked_rows(rows: Sequence[Sequence[float]] | Floats) -> Floats:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
+class _Curve:
     """at: (n,) increasing. rows, slopes: (n, c), slopes by `at`."""
 
     at: Floats
@@ -148,13 +148,13 @@ class Curve:
     slopes: Floats
 
     @staticmethod
-    def through(at: Floats, rows: Floats) -> Curve:
+    def through(at: Floats, rows: Floats) -> _Curve:
         step = np.diff(at)[:, None]
         chord = np.diff(rows, axis=0) / step
         slopes = np.zeros_like(rows)
         if len(rows) == 2:
             slopes[:] = chord
-            return Curve(at, rows, slopes)
+            return _Curve(at, rows, slopes)
         before, after = chord[:-1], chord[1:]
         one, two = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
         same = before * after > 0.0
@@ -162,7 +162,7 @@ class Curve:
             mean = (one + two) / (one / before + two / after)
         slopes[1:-1] = np.where(same, mean, 0.0)
         slopes[0], slopes[-1] = chord[0], chord[-1]
-        return Curve(at, rows, slopes)
+        return _Curve(at, rows, slopes)
 
     def piece(self, s: Floats) -> Rows:
         """The piece (m,) in which each place lies."""
@@ -190,19 +190,19 @@ class Curve:
         ) / step**2
 
 
-MOST_ROWS: Final = 2_000_000
+_MOST_ROWS: Final = 2_000_000
 """Cycles of one trajectory: 3.9 hours at 7.11 ms."""
-SAMPLES_IN_CYCLE: Final = 4
+_SAMPLES_IN_CYCLE: Final = 4
 """Positions in a cycle at which the limits are checked, for trajectories with times."""
-FEWEST_SAMPLES: Final = 8
-MOST_SAMPLES: Final = 4096
+_FEWEST_SAMPLES: Final = 8
+_MOST_SAMPLES: Final = 4096
 """Positions in a piece between two points at which the limits are checked."""
-LEAST_TIME: Final = 1e-9
+_LEAST_TIME: Final = 1e-9
 """Seconds between two points."""
-MARGIN: Final = 0.995
+_MARGIN: Final = 0.995
 """Part of the limits that is used: rounding to single precision in packets stays within."""
-ROUNDS: Final = 40
-FASTEST: Final = 1e6
+_ROUNDS: Final = 40
+_FASTEST: Final = 1e6
 """Greatest factor by which a trajectory without times may be faster than `_nominal`; limits apply
 before.
 """
@@ -231,7 +231,7 @@ class Trajectory:
     ) -> Trajectory:
         """positions: (n, 3) mm. quaternions: (n, 4), scalar first. Raises Refused."""
         try:
-            place, turn = checked_rows(positions), checked_rows(quaternions)
+            place, turn = _checked_rows(positions), _checked_rows(quaternions)
             if place.shape[1] != 3 or turn.shape != (len(place), 4):
                 raise ValueError(f"positions {place.shape} and quaternions {turn.shape}")
             if not (np.abs(turn).max(axis=1) > 0.0).all():
@@ -272,13 +272,13 @@ def _made(
     times: Sequence[float] | Floats | None,
 ) -> Trajectory:
     try:
-        values = checked_rows(rows)
+        values = _checked_rows(rows)
         if times is None:
             return Trajectory(kind, values)
         at = reals(times)
         if at.shape != (len(values),):
             raise ValueError(f"{len(values)} points but times of shape {at.shape}")
-        if not np.isfinite(at).all() or not (np.diff(at) >= LEAST_TIME).all():
+        if not np.isfinite(at).all() or not (np.diff(at) >= _LEAST_TIME).all():
             raise ValueError("its times do not rise from point to point")
     except ValueError as error:
         raise Refused(BAD_TRAJECTORY(reason=error), exit_status=2) from None
@@ -320,10 +320,10 @@ def resampled(trajectory: Trajectory, limits: Limits, cycle: float) -> Floats:
     points, times, fastest = _with_times(trajectory, speeds)
     if len(points) == 1:
         return points
-    curve = Curve.through(times, points)
+    curve = _Curve.through(times, points)
     places = _places(times, cycle, trajectory.times is not None)
-    v, a = speeds * MARGIN, rises * MARGIN
-    for _ in range(ROUNDS):
+    v, a = speeds * _MARGIN, rises * _MARGIN
+    for _ in range(_ROUNDS):
         rows = _in_time(curve, places, trajectory.kind, v, a, fastest, cycle)
         too_fast = _excess(trajectory.kind, rows, limits, speeds, rises, cycle)
         if too_fast <= 1.0:
@@ -347,23 +347,25 @@ def _with_times(trajectory: Trajectory, speeds: Floats) -> tuple[Floats, Floats,
     seconds = (sizes(trajectory.kind, np.diff(rows, axis=0)) / speeds).max(axis=1, initial=0.0)
     moving = np.concatenate([[True], seconds > 1e-9])
     at = np.concatenate([[0.0], np.cumsum(seconds)])[moving]
-    return rows[moving], at, FASTEST
+    return rows[moving], at, _FASTEST
 
 
 def _places(times: Floats, cycle: float, given: bool) -> Floats:
     """Places (p,) on the curve, all points among them, so close that limits hold in between."""
     step = np.diff(times)
-    least = 2 if given else FEWEST_SAMPLES
-    parts = np.clip(np.ceil(step * (SAMPLES_IN_CYCLE / cycle)), least, MOST_SAMPLES).astype(np.intp)
-    if parts.sum() > SAMPLES_IN_CYCLE * MOST_ROWS:
-        raise Refused(BAD_TRAJECTORY(reason=f"it has more than {MOST_ROWS:,} cycles"))
+    least = 2 if given else _FEWEST_SAMPLES
+    parts = np.clip(np.ceil(step * (_SAMPLES_IN_CYCLE / cycle)), least, _MOST_SAMPLES).astype(
+        np.intp
+    )
+    if parts.sum() > _SAMPLES_IN_CYCLE * _MOST_ROWS:
+        raise Refused(BAD_TRAJECTORY(reason=f"it has more than {_MOST_ROWS:,} cycles"))
     piece = np.repeat(np.arange(len(step)), parts)
     inside = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
     return np.append(times[piece] + step[piece] * inside / parts[piece], times[-1])
 
 
 def _in_time(
-    curve: Curve, places: Floats, kind: Kind, v: Floats, a: Floats, fastest: float, cycle: float
+    curve: _Curve, places: Floats, kind: Kind, v: Floats, a: Floats, fastest: float, cycle: float
 ) -> Floats:
     """Rows at the cycle, along the curve as fast as v and a let it, at rest at both ends.
 
@@ -383,8 +385,8 @@ def _in_time(
     seconds = 2.0 * step / (rate[:-1] + rate[1:])
     clock = np.concatenate([[0.0], np.cumsum(seconds)])
     count = int(np.ceil(clock[-1] / cycle - 1e-9))
-    if count >= MOST_ROWS:
-        raise Refused(BAD_TRAJECTORY(reason=f"it takes more than {MOST_ROWS:,} cycles"))
+    if count >= _MOST_ROWS:
+        raise Refused(BAD_TRAJECTORY(reason=f"it takes more than {_MOST_ROWS:,} cycles"))
     at = np.minimum(np.arange(count + 1) * cycle, clock[-1])
     i = np.clip(np.searchsorted(clock, at, side="right") - 1, 0, len(step) - 1)
     since = at - clock[i]

@@ -97,7 +97,7 @@ def _priority() -> tuple[str, str]:
     return f"SCHED_FIFO {PRIORITY}", ""
 
 
-SPUN: Final = 1.0 / 3.0
+_SPUN: Final = 1.0 / 3.0
 """Part of a cycle before a packet is due, and after, in which the socket is polled without
 pause.
 """
@@ -118,7 +118,7 @@ def main(folder: FilePath) -> None:
     endpoint = Endpoint(**described["endpoint"])
     stop = Watched(settings.alive, corrections)
     try:
-        spin = {"block": 0.0, "mixed": link.cycle * SPUN, "spin": float("inf")}[settings.wait]
+        spin = {"block": 0.0, "mixed": link.cycle * _SPUN, "spin": float("inf")}[settings.wait]
         wire = PacketSocket(endpoint, spin=spin, cycle=link.cycle)
     except OSError as error:
         reason = error.strerror or str(error)

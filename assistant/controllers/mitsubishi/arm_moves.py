@@ -30,25 +30,25 @@ from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.controllers.mitsubishi.state import SERVO, Shown, faults, run_bits, running
 from assistant.controllers.states import Jog
 
-LIMITS: Final = "MEJAR"
+_LIMITS: Final = "MEJAR"
 """Parameter of the least and the most of each joint, degrees (mm of a linear axis)."""
-LEAST_STEP: Final = 0.01
-MOST_STEP: Final = 100.0
+_LEAST_STEP: Final = 0.01
+_MOST_STEP: Final = 100.0
 """Degrees or mm of one jog; places are written with two decimals."""
-LEAST_SPEED: Final = 1.0
+_LEAST_SPEED: Final = 1.0
 """Percent: what the joint override of a program is given at least."""
 LOOK: Final = 0.05
 """Seconds between two looks at the arm."""
-STILL: Final = 40
+_STILL: Final = 40
 """Looks at an arm that does not move, after which it does not arrive any more."""
 NEAR: Final = 0.06
 """mm and degrees that the arm may be off: places are shown with two decimals."""
-MOST_SECONDS: Final = 120.0
-SERVOS_OFF, DURING_RUN = 2000, 5640
-OUT_OF_REACH: Final = frozenset({2600, 2601, 2602, 2603, 2800, 2801, 2802, 2803})
+_MOST_SECONDS: Final = 120.0
+_SERVOS_OFF, _DURING_RUN = 2000, 5640
+_OUT_OF_REACH: Final = frozenset({2600, 2601, 2602, 2603, 2800, 2801, 2802, 2803})
 """Errors of goals that are out of reach or of the limits."""
-JOINT_VARIABLE, POSE_VARIABLE = "JGOAL", "PGOAL"
-ROTATION_AXES: Final = {"A": "X", "B": "Y", "C": "Z"}
+_JOINT_VARIABLE, _POSE_VARIABLE = "JGOAL", "PGOAL"
+_ROTATION_AXES: Final = {"A": "X", "B": "Y", "C": "Z"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,12 +66,12 @@ Check = Callable[[Goal], None]
 """Raises Refused for a goal that the arm must not be sent to."""
 
 
-def always_held() -> bool:
+def _always_held() -> bool:
     """Default for motions that need no hold by the user."""
     return True
 
 
-def jog(session: Session, asked: Jog, check: Check | None, held: Held = always_held) -> None:
+def jog(session: Session, asked: Jog, check: Check | None, held: Held = _always_held) -> None:
     """Move, and return when the arm has stopped at the goal; stop it on any failure.
 
     check: called before anything moves; the joint limits of the controller are checked too. held:
@@ -85,11 +85,11 @@ def jog(session: Session, asked: Jog, check: Check | None, held: Held = always_h
         axes = state.joints(session)
         if axis.startswith("J"):
             goal = Goal(joints=_joints(session, asked, axis, axes))
-            name, value = JOINT_VARIABLE, _joint_text(axes, goal)
+            name, value = _JOINT_VARIABLE, _joint_text(axes, goal)
         else:
             place = state.pose(session)
             goal = Goal(pose=_pose(session, asked, axis, axes, place))
-            name, value = POSE_VARIABLE, state.pose_text(place, goal.pose)
+            name, value = _POSE_VARIABLE, state.pose_text(place, goal.pose)
         if check is not None:
             check(goal)
         _go(session, asked.speed, name, value, goal, doing, held)
@@ -126,15 +126,15 @@ def jog_joints(
         if unknown := set(joints) - set(there):
             raise values.bad_value(min(unknown), "an axis", "the arm lacks it", ", ".join(there))
         for axis, value in joints.items():
-            if not abs(value - there[axis]) <= MOST_STEP:
-                reason = f"one jog goes {MOST_STEP:g} mm or degrees at most"
+            if not abs(value - there[axis]) <= _MOST_STEP:
+                reason = f"one jog goes {_MOST_STEP:g} mm or degrees at most"
                 raise values.bad_value(value, f"a place of {axis}", reason, "one that is nearer")
         _within(session, joints, list(there))
         _sensible_speed(speed)
         goal = Goal(joints=there | dict(joints))
         if check is not None:
             check(goal)
-        _go(session, speed, JOINT_VARIABLE, _joint_text(axes, goal), goal, doing)
+        _go(session, speed, _JOINT_VARIABLE, _joint_text(axes, goal), goal, doing)
 
 
 def _go(
@@ -144,7 +144,7 @@ def _go(
     value: str,
     goal: Goal,
     doing: str,
-    held: Held = always_held,
+    held: Held = _always_held,
 ) -> None:
     """Set a variable to a value, move to it, and return when the arm has stopped there."""
     with _acknowledged(session), scratch(session, doing) as slot:
@@ -165,14 +165,14 @@ def _sensible(asked: Jog, axis: str) -> None:
         )
     if asked.frame not in ("base", "tool"):
         raise values.bad_value(asked.frame, "a frame", "there is none of that name", "base or tool")
-    if not math.isfinite(asked.by) or not LEAST_STEP <= abs(asked.by) <= MOST_STEP:
-        reason = f"one jog goes {LEAST_STEP:g} to {MOST_STEP:g} mm or degrees"
+    if not math.isfinite(asked.by) or not _LEAST_STEP <= abs(asked.by) <= _MOST_STEP:
+        reason = f"one jog goes {_LEAST_STEP:g} to {_MOST_STEP:g} mm or degrees"
         raise values.bad_value(asked.by, "a step", reason, "one of that size")
     _sensible_speed(asked.speed)
 
 
 def _sensible_speed(speed: float) -> None:
-    if not LEAST_SPEED <= speed <= operation.MOST_PERCENT:
+    if not _LEAST_SPEED <= speed <= operation.MOST_PERCENT:
         raise values.bad_value(speed, "a speed", "it is a percentage", "1 to 100")
 
 
@@ -180,9 +180,9 @@ def _may_move(session: Session, doing: str) -> None:
     """Raises Refused while a program runs, during an error, and with servos that are off."""
     numbers = [fault.number for fault in faults(session) if fault.level == "error"]
     if not numbers and running(session):
-        numbers = [DURING_RUN]
+        numbers = [_DURING_RUN]
     if not numbers and not run_bits(session)[0] & SERVO:
-        numbers = [SERVOS_OFF]
+        numbers = [_SERVOS_OFF]
     if numbers:
         raise Refused(session.alarm(numbers[0], doing))
 
@@ -213,7 +213,7 @@ def _limits(session: Session, there: list[str]) -> dict[str, tuple[float, float]
 
     It tells pairs, of the axes that there are or of J1 to J8.
     """
-    told = session.attempt(f"PNR{LIMITS}", doing="asking for the limits of the joints")
+    told = session.attempt(f"PNR{_LIMITS}", doing="asking for the limits of the joints")
     fields = told.text.split(";")
     numbers = re.findall(values.NUMBER_PATTERN, fields[1]) if told.ok and len(fields) > 1 else []
     pairs = list(zip(*[iter(map(float, numbers))] * 2, strict=False))
@@ -252,7 +252,7 @@ def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) ->
                 )
             )
         return here | {axis: here[axis] + asked.by}
-    by = rotations.about(rotations.AXES[ROTATION_AXES[axis]], asked.by)
+    by = rotations.about(rotations.AXES[_ROTATION_AXES[axis]], asked.by)
     new = rotations.multiply(turn, by) if in_tool else rotations.multiply(by, turn)
     c, b, a = (float(angle) for angle in rotations.to_euler(new))
     return here | {"A": a, "B": b, "C": c}
@@ -273,7 +273,7 @@ def _acknowledged(session: Session) -> Iterator[None]:
     except _Alarmed:
         if session.connected:
             with suppress(Refused):
-                if {fault.number for fault in faults(session)} <= OUT_OF_REACH:
+                if {fault.number for fault in faults(session)} <= _OUT_OF_REACH:
                     session.ask("RSTALRM", doing="acknowledging the error", shape=BARE_ANSWER)
         raise
 
@@ -298,7 +298,7 @@ def _not_there(session: Session, doing: str, seconds: float, state: str) -> Refu
 
 def _arrive(session: Session, goal: Goal, doing: str, held: Held) -> None:
     """Comes back when the arm stands at the goal; raises Refused for errors and if it does not."""
-    end = time.monotonic() + MOST_SECONDS
+    end = time.monotonic() + _MOST_SECONDS
     began = time.monotonic()
     before: list[float] = []
     still = 0
@@ -314,7 +314,7 @@ def _arrive(session: Session, goal: Goal, doing: str, held: Held) -> None:
                 raise _Alarmed(session.alarm(fault.number, doing, "the arm has been stopped"))
         still = still + 1 if off == before else 0
         before = off
-        if still >= STILL or time.monotonic() > end:
+        if still >= _STILL or time.monotonic() > end:
             state = "the arm does not get to its goal and has been stopped"
             raise _not_there(session, doing, time.monotonic() - began, state)
         time.sleep(LOOK)
@@ -328,8 +328,8 @@ def _off(session: Session, goal: Goal) -> list[float]:
         now = state.joints(session)
         return [abs(now.value(name) - value) for name, value in goal.joints.items()]
     here, target = state.pose(session), goal.pose or {}
-    lengths = [abs(here.value(n) - v) for n, v in target.items() if n not in ROTATION_AXES]
-    angles = {name: value for name, value in target.items() if name in ROTATION_AXES}
+    lengths = [abs(here.value(n) - v) for n, v in target.items() if n not in _ROTATION_AXES]
+    angles = {name: value for name, value in target.items() if name in _ROTATION_AXES}
     if len(angles) == 3:
         turns = [rotations.from_euler([m["C"], m["B"], m["A"]]) for m in (_angles(here), angles)]
         return [*lengths, float(rotations.angle_between(*turns))]
@@ -340,7 +340,7 @@ def _off(session: Session, goal: Goal) -> list[float]:
 
 
 def _angles(place: Shown) -> dict[str, float]:
-    return {name: place.value(name) for name in ROTATION_AXES}
+    return {name: place.value(name) for name in _ROTATION_AXES}
 
 
 def joints_statement(joints: Floats) -> list[str]:

@@ -32,13 +32,13 @@ from assistant.controllers.mitsubishi.session import Session
 from assistant.controllers.mitsubishi.values import SECRET_PARAMETER, ParameterKind, why_left_out
 
 KIND: Final = "melfa"
-IDENTITY: Final = "identity.json"
-PARAMETERS: Final = "parameters.txt"
+_IDENTITY: Final = "identity.json"
+_PARAMETERS: Final = "parameters.txt"
 DEVICE: Final = re.compile(r"CON|PRN|AUX|NUL|(?:COM|LPT)[0-9]")
 """Names that stand for devices in Windows, where no file can have them ("Naming Files, Paths, and
 Namespaces" of Microsoft)."""
-AFTER_DEVICE: Final = "_"
-EXTERNALS: Final = "variables/externals.txt"
+_AFTER_DEVICE: Final = "_"
+_EXTERNALS: Final = "variables/externals.txt"
 NOT_KEPT: Final = "not-kept.txt"
 
 
@@ -46,43 +46,43 @@ def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
     """Writes the folder, which appears whole or not at all; its files, relative to it."""
     with backup_folder.appearing_folder(folder, KIND) as place, session.scope():
         identity = asdict(state.identify(session))
-        backup_folder.put_file(place, IDENTITY, (json.dumps(identity, indent=2) + "\n").encode())
+        backup_folder.put_file(place, _IDENTITY, (json.dumps(identity, indent=2) + "\n").encode())
         there, others = programs.directory(session)
         if others:
             text = "".join(f"{name}\n" for name in others)
             backup_folder.put_file(place, NOT_KEPT, text.encode())
         for name in (entry.name for entry in there if entry.name != SCRATCH):
-            backup_folder.put_file(place, program_file(name), programs.listed(session, name))
-            _put_lines(place, variable_file(name), values.program_variables(session, name))
-        _put_lines(place, EXTERNALS, values.external_variables(session))
-        told = values.read_parameters(session, without_secrets(values.changed_parameters(session)))
-        backup_folder.put_file(place, PARAMETERS, parameter_text(told))
+            backup_folder.put_file(place, _program_file(name), programs.listed(session, name))
+            _put_lines(place, _variable_file(name), values.program_variables(session, name))
+        _put_lines(place, _EXTERNALS, values.external_variables(session))
+        told = values.read_parameters(session, _without_secrets(values.changed_parameters(session)))
+        backup_folder.put_file(place, _PARAMETERS, _parameter_text(told))
     return (backup_folder.INDEX, *backup_folder.backup_files(FilePath(folder)))
 
 
-def program_file(name: str) -> str:
+def _program_file(name: str) -> str:
     return f"programs/{_stem(name)}.prg"
 
 
-def variable_file(name: str) -> str:
+def _variable_file(name: str) -> str:
     return f"variables/{_stem(name)}.txt"
 
 
 def _stem(name: str) -> str:
     """Return the name of a program's file, valid in every system."""
-    return f"{name}{AFTER_DEVICE}" if DEVICE.fullmatch(name) else name
+    return f"{name}{_AFTER_DEVICE}" if DEVICE.fullmatch(name) else name
 
 
-def program_of(file: str) -> str:
+def _program_of(file: str) -> str:
     """The program that a file is of."""
-    return FilePath(file).stem.removesuffix(AFTER_DEVICE)
+    return FilePath(file).stem.removesuffix(_AFTER_DEVICE)
 
 
-def without_secrets(names: Iterable[str]) -> list[str]:
+def _without_secrets(names: Iterable[str]) -> list[str]:
     return [name for name in names if not SECRET_PARAMETER.fullmatch(name)]
 
 
-def parameter_text(values: Mapping[str, str]) -> bytes:
+def _parameter_text(values: Mapping[str, str]) -> bytes:
     """`NAME=value` each, sorted."""
     lines = (f"{name}={values[name]}\n" for name in sorted(values))
     return "".join(lines).encode(programs.ENCODING)
@@ -95,7 +95,7 @@ def assignments(data: bytes) -> dict[str, str]:
     return {name.strip(blanks): value.strip(blanks) for name, _, value in pairs}
 
 
-def variable_text(lines: Iterable[str]) -> bytes:
+def _variable_text(lines: Iterable[str]) -> bytes:
     """The lines sorted by name, P2 before P10."""
     ordered = sorted(lines, key=lambda line: programs.natural_order(line.partition("=")[0].upper()))
     return "".join(f"{line}\n" for line in ordered).encode(programs.ENCODING)
@@ -103,13 +103,13 @@ def variable_text(lines: Iterable[str]) -> bytes:
 
 def _put_lines(place: FilePath, name: str, lines: list[str]) -> None:
     if lines:
-        backup_folder.put_file(place, name, variable_text(lines))
+        backup_folder.put_file(place, name, _variable_text(lines))
 
 
-BACKUP_FILE: Final = re.compile(
+_BACKUP_FILE: Final = re.compile(
     r"programs/[A-Z0-9]{1,12}_?\.prg|variables/(?:[A-Z0-9]{1,12}_?|externals)\.txt"
 )
-BEFORE_FOLDER: Final = "before"
+_BEFORE_FOLDER: Final = "before"
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ class Restoring:
     @property
     def needs_restart(self) -> bool:
         """True if it includes parameters, many of which take effect only after a restart."""
-        return any(item.file == PARAMETERS for item in self.items)
+        return any(item.file == _PARAMETERS for item in self.items)
 
     def apply(self) -> None:
         """Restores one after the other; raises Refused with what has been restored by then."""
@@ -171,7 +171,7 @@ class Restoring:
         """Save the present content into a new folder next to the backup."""
         number = 1
         while (
-            kept := self.folder.with_name(f"{self.folder.name}.{BEFORE_FOLDER}-{number}")
+            kept := self.folder.with_name(f"{self.folder.name}.{_BEFORE_FOLDER}-{number}")
         ).exists():
             number += 1
         with backup_folder.appearing_folder(kept, KIND) as place:
@@ -196,9 +196,9 @@ def restoring(
     """
     place = FilePath(folder)
     saved = backup_folder.backup_contents(place, KIND)
-    wanted = assignments(saved.get(PARAMETERS, b""))
-    files = {name: data for name, data in saved.items() if BACKUP_FILE.fullmatch(name)}
-    _all_there(only, [*files, *wanted, *([PARAMETERS] if PARAMETERS in saved else [])])
+    wanted = assignments(saved.get(_PARAMETERS, b""))
+    files = {name: data for name, data in saved.items() if _BACKUP_FILE.fullmatch(name)}
+    _all_there(only, [*files, *wanted, *([_PARAMETERS] if _PARAMETERS in saved else [])])
     left_out = _of_another_robot(session, saved)
     with session.scope():
         items = [
@@ -207,7 +207,7 @@ def restoring(
             *_parameters(session, wanted, only, kinds, left_out),
         ]
         if not only:
-            alone = {program_file(name) for name in programs.names(session)} - {*files}
+            alone = {_program_file(name) for name in programs.names(session)} - {*files}
             left_out |= dict.fromkeys(sorted(alone), "only the controller has it, and it stays")
     return Restoring(items, left_out, place)
 
@@ -215,14 +215,14 @@ def restoring(
 def _of_another_robot(session: Session, saved: Mapping[str, bytes]) -> dict[str, str]:
     """That the backup is of another robot, by the file that says so."""
     try:
-        told = json.loads(saved.get(IDENTITY, b"{}"))
+        told = json.loads(saved.get(_IDENTITY, b"{}"))
     except ValueError:
         return {}
     robot, here = told.get("robot") if isinstance(told, dict) else None, session.about.robot
     if not isinstance(robot, str) or robot == here:
         return {}
     one, other = (name if name.isprintable() else ascii(name) for name in (robot, here))
-    return {IDENTITY: f"the backup is of a `{one}`, this is a `{other}`: positions may differ"}
+    return {_IDENTITY: f"the backup is of a `{one}`, this is a `{other}`: positions may differ"}
 
 
 def _all_there(only: Sequence[str], names: Sequence[str]) -> None:
@@ -242,7 +242,7 @@ def _chosen(name: str, only: Sequence[str]) -> bool:
 def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str]) -> Iterator[Item]:
     there = programs.names(session)
     for file, data in files.items():
-        name = program_of(file)
+        name = _program_of(file)
         if not file.startswith("programs/") or not _chosen(file, only):
             continue
         before = programs.listed(session, name) if name in there else None
@@ -276,8 +276,8 @@ def _variables(
 ) -> Iterator[Item]:
     there = programs.names(session)
     for file, data in files.items():
-        name = program_of(file)
-        shared = file == EXTERNALS
+        name = _program_of(file)
+        shared = file == _EXTERNALS
         if not _chosen(file, only) or not (shared or file.startswith("variables/")):
             continue
         lines = (
@@ -287,7 +287,7 @@ def _variables(
             if name in there
             else []
         )
-        now, saved = assignments(variable_text(lines)), assignments(data)
+        now, saved = assignments(_variable_text(lines)), assignments(data)
         acting = [n for n in saved if shared and values.ACTING_VARIABLE.fullmatch(n.upper())]
         left_out |= dict.fromkeys(acting, "it acts on what is connected to the controller")
         saved = {n: v for n, v in saved.items() if n not in acting}
@@ -295,8 +295,8 @@ def _variables(
             n: v for n, v in saved.items() if n not in now or not values.same_value(now[n], v)
         }
         if changed:
-            before = variable_text(f"{n}={now[n]}" for n in changed if n in now)
-            after = variable_text(f"{n}={v}" for n, v in changed.items())
+            before = _variable_text(f"{n}={now[n]}" for n in changed if n in now)
+            after = _variable_text(f"{n}={v}" for n, v in changed.items())
             writer = _variable_writer(session, "" if shared else name, changed)
             yield Item(file, file, before or None, after, writer)
 
@@ -323,7 +323,7 @@ def _parameters(
     left_out: dict[str, str],
 ) -> Iterator[Item]:
     for name, value in sorted(wanted.items()):
-        if not _chosen(name, only) and PARAMETERS not in only:
+        if not _chosen(name, only) and _PARAMETERS not in only:
             continue
         values.checked_parameter_name(name)
         told = session.attempt(f"PNR{name}", doing=f"reading parameter {name}")
@@ -334,9 +334,9 @@ def _parameters(
         if reason is not None:
             left_out[name] = reason
             continue
-        before = None if now is None else parameter_text({name: now})
+        before = None if now is None else _parameter_text({name: now})
         writer = _parameter_writer(session, name, value, kinds)
-        yield Item(name, PARAMETERS, before, parameter_text({name: value}), writer)
+        yield Item(name, _PARAMETERS, before, _parameter_text({name: value}), writer)
 
 
 def _parameter_writer(

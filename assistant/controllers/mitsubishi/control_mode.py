@@ -47,16 +47,16 @@ __all__ = ["FORM", "ControlMode", "Measuring", "Status"]
 
 FORM: Final = Form.parse("M_TIMER(1) | P_CURR | J_FBC | J_CURR | M_RSPD(3) | M_04")
 """Form of a line that the program DATALINK prints."""
-READY_WORD: Final = "READY"
-END_WORD: Final = "END"
-STOP_MESSAGE: Final = "0"
-WATCH_MESSAGE: Final = "2"
-WATCH_INTERVAL: Final = 0.4
+_READY_WORD: Final = "READY"
+_END_WORD: Final = "END"
+_STOP_MESSAGE: Final = "0"
+_WATCH_MESSAGE: Final = "2"
+_WATCH_INTERVAL: Final = 0.4
 """Seconds between two messages of a client that is watched; two seconds stop the programs."""
-STOPPING_TIMEOUT: Final = 5.0
+_STOPPING_TIMEOUT: Final = 5.0
 """Seconds that the programs have to end."""
-STOP_BY_THEMSELVES: Final = "the programs stop by themselves within 2 s of the last message"
-RUN_ON: Final = "no position was sent; programs that run may still wait for one"
+_STOP_BY_THEMSELVES: Final = "the programs stop by themselves within 2 s of the last message"
+_RUN_ON: Final = "no position was sent; programs that run may still wait for one"
 """Known condition of a controller whose status line is gone."""
 
 
@@ -77,7 +77,7 @@ class Status:
     taken: int
 
 
-class StatusStream:
+class _StatusStream:
     """silence: seconds without a record after which the arm is not known any more."""
 
     def __init__(self, link: DataLink, silence: float) -> None:
@@ -139,15 +139,15 @@ class StatusStream:
         self.link.close()
         self.link.open()
         while not self.ended and time.monotonic() < end:
-            self.link.send(STOP_MESSAGE)
+            self.link.send(_STOP_MESSAGE)
             heard = time.monotonic()
-            while not self.ended and time.monotonic() - heard < WATCH_INTERVAL:
-                self.ended = self.link.wait(RECORD_SLICE) == END_WORD
+            while not self.ended and time.monotonic() - heard < _WATCH_INTERVAL:
+                self.ended = self.link.wait(_RECORD_SLICE) == _END_WORD
 
     @property
     def state(self) -> str:
         """Known condition of the programs if nothing more is received from them."""
-        return RUN_ON if self.latest is None else STOP_BY_THEMSELVES
+        return _RUN_ON if self.latest is None else _STOP_BY_THEMSELVES
 
     def close(self) -> None:
         """Ends the thread and the line."""
@@ -175,16 +175,16 @@ class StatusStream:
 
     def _hear(self) -> None:
         began = heard = time.monotonic()
-        said, word = -WATCH_INTERVAL, ""
+        said, word = -_WATCH_INTERVAL, ""
         while not self._over.is_set():
             now = time.monotonic()
-            asked = STOP_MESSAGE if self._stopping.is_set() else WATCH_MESSAGE
-            if now - said >= WATCH_INTERVAL or asked != word:
+            asked = _STOP_MESSAGE if self._stopping.is_set() else _WATCH_MESSAGE
+            if now - said >= _WATCH_INTERVAL or asked != word:
                 said, word = now, asked
                 self.link.send(word)
-            line = self.link.wait(RECORD_SLICE)
+            line = self.link.wait(_RECORD_SLICE)
             now = time.monotonic()
-            if line == END_WORD:
+            if line == _END_WORD:
                 with self._news:
                     self.ended = True
                     self._news.notify_all()
@@ -197,7 +197,7 @@ class StatusStream:
 
     def _take(self, line: str, seconds: float) -> bool:
         """True if the line is a record; raises Lost for a line that the program never prints."""
-        if line == READY_WORD and self.latest is None:
+        if line == _READY_WORD and self.latest is None:
             return False
         try:
             values = FORM.read(line)
@@ -238,7 +238,7 @@ class Streaming:
     """Base of classes with a status stream; each entry creates another stream."""
 
     def __init__(self, line: str | DataLink, silence: float, timeout: float) -> None:
-        self._stream = StatusStream(link_to(line, timeout), silence)
+        self._stream = _StatusStream(_link_to(line, timeout), silence)
 
     @property
     def recording(self) -> Recording:
@@ -251,19 +251,19 @@ class Streaming:
         return self._stream.first()
 
     def _anew(self) -> None:
-        self._stream = StatusStream(self._stream.link, self._stream.silence)
+        self._stream = _StatusStream(self._stream.link, self._stream.silence)
 
 
-def link_to(line: str | DataLink, timeout: float) -> DataLink:
+def _link_to(line: str | DataLink, timeout: float) -> DataLink:
     """line: a target of `DataLink`, or a link that is not open yet."""
     return line if isinstance(line, DataLink) else DataLink(line, timeout=timeout)
 
 
-RECORD_SLICE: Final = 0.1
+_RECORD_SLICE: Final = 0.1
 """Seconds that a record is waited for at a time."""
 
 
-def joint_limits(limits: ArrayLike) -> Floats:
+def _joint_limits(limits: ArrayLike) -> Floats:
     """Return (k, 2) lowest and highest degrees of each axis; raises Refused for invalid limits."""
     rows = _number_rows(limits, "the limits")
     if rows.ndim != 2 or rows.shape[1:] != (2,) or not 0 < len(rows) <= AXES:
@@ -275,7 +275,7 @@ def joint_limits(limits: ArrayLike) -> Floats:
     return rows
 
 
-def checked_points(joints: ArrayLike, limits: Floats, most_step: float | None) -> Floats:
+def _checked_points(joints: ArrayLike, limits: Floats, most_step: float | None) -> Floats:
     """(n, k) degrees as they will arrive, NaN for an axis that the arm lacks.
 
     limits: (k, 2). most_step: degrees that an axis may turn from one point to the next.
@@ -306,11 +306,11 @@ def checked_points(joints: ArrayLike, limits: Floats, most_step: float | None) -
             )
         )
     if most_step is not None and len(points) > 1:
-        check_steps(points, most_step)
+        _check_steps(points, most_step)
     return points
 
 
-def check_steps(points: Floats, most: float, first: int = 2) -> None:
+def _check_steps(points: Floats, most: float, first: int = 2) -> None:
     """Raise Refused for a step that is too large. first: number of the second point."""
     steps = np.nan_to_num(np.abs(np.diff(points, axis=0)))
     if (far := steps > most).any():
@@ -339,10 +339,10 @@ def _bad_points(reason: str, cure: str) -> Refused:
     return Refused(rules.BAD_POINTS(reason=reason, cure=cure), exit_status=2)
 
 
-STARTING_PROGRAM: Final = "MULTITASK"
+_STARTING_PROGRAM: Final = "MULTITASK"
 """Starts and stops the others."""
-PROGRAM_NAMES: Final = (STARTING_PROGRAM, "DATALINK", "CONTROLLINK")
-SHARED_VARIABLES: Final = ("M_01", "M_02", "M_03", "M_04")
+PROGRAM_NAMES: Final = (_STARTING_PROGRAM, "DATALINK", "CONTROLLINK")
+_SHARED_VARIABLES: Final = ("M_01", "M_02", "M_03", "M_04")
 """External variables by which they signal each other."""
 MEASURING_PROGRAM: Final = "MEASURE"
 """Program that sends the status independently, in parallel with another slot."""
@@ -354,7 +354,7 @@ def program_texts(names: Sequence[str] = PROGRAM_NAMES) -> dict[str, bytes]:
     return {name: resource("samples", f"{folder}/{name}.prg").read_bytes() for name in names}
 
 
-def install_programs(
+def _install_programs(
     controller: Controller, names: Sequence[str] = PROGRAM_NAMES, *, replace: bool = False
 ) -> None:
     """Writes the programs that are not there yet.
@@ -386,29 +386,29 @@ def _steps(controller: Controller, data: bytes) -> list[bytes]:
     return [line for line in controller.stored(data).splitlines() if line[:1].isdigit()]
 
 
-def check_idle(controller: Controller) -> None:
+def _check_idle(controller: Controller) -> None:
     """Raises Refused for what programs cannot be started in."""
     state = controller.state()
-    reason = next(iter(troubles(state)), "a program runs" if state.running else "")
+    reason = next(iter(_troubles(state)), "a program runs" if state.running else "")
     if reason:
         cure = "put right what it says, stop the programs, then begin anew"
         finding = rules.NOT_READY(place=str(controller.address), reason=reason, cure=cure)
         raise Refused(finding)
 
 
-def troubles(state: State) -> list[str]:
+def _troubles(state: State) -> list[str]:
     """Return the reasons why a controller is stopped, in words."""
     found = ["the emergency stop is pressed"] if state.emergency else []
     return found + [f"error {fault.number} ({fault.text})" for fault in state.faults]
 
 
-POINTS_AHEAD: Final = 8
+_POINTS_AHEAD: Final = 8
 """Points that are sent before the controller has taken them: what it moves to at most if the
 line dies.
 """
-ARRIVAL_TOLERANCE: Final = 0.02
+_ARRIVAL_TOLERANCE: Final = 0.02
 """Degrees; positions are printed with two decimals."""
-ARRIVAL_POLL: Final = 0.1
+_ARRIVAL_POLL: Final = 0.1
 """Seconds between two looks whether they have."""
 
 
@@ -433,19 +433,19 @@ class ControlMode(Streaming):
         *,
         limits: ArrayLike,
         most_step: float | None = None,
-        ahead: int = POINTS_AHEAD,
+        ahead: int = _POINTS_AHEAD,
         silence: float = 2.0,
         timeout: float = 10.0,
         replace: bool = False,
     ) -> None:
         super().__init__(status_line, silence, timeout)
         self.controller = controller
-        self.limits = joint_limits(limits)
+        self.limits = _joint_limits(limits)
         self.most_step = most_step
         self.ahead = ahead
         self.timeout = timeout
         self._replace = replace
-        self._control = link_to(control_line, timeout)
+        self._control = _link_to(control_line, timeout)
         self._sent = 0
         self._last: Floats | None = None
         """The point that was sent last, None before the first."""
@@ -473,7 +473,7 @@ class ControlMode(Streaming):
     ) -> None:
         """Raises Refused if the programs could not be stopped, unless there is an error already."""
         state = self._end(error)
-        if state != STOPPED_REASON and error is None:
+        if state != _STOPPED_REASON and error is None:
             raise Lost(rules.NOT_ENDED(place=self._stream.link.target, state=state))
 
     def follow(
@@ -485,7 +485,7 @@ class ControlMode(Streaming):
         the controller has taken, and their total. Any failure, ^C too, stops the programs. Raises
         Refused: limits are checked before anything is sent.
         """
-        points = checked_points(joints, self.limits, self.most_step)
+        points = _checked_points(joints, self.limits, self.most_step)
         try:
             self._follow(points, progress or (lambda _done, _count: None))
         except BaseException as error:
@@ -501,11 +501,11 @@ class ControlMode(Streaming):
         meanwhile; the arm stops at the last one. Limits, and `most_step` from the point before, are
         checked before it is sent. Any failure, ^C too, stops the programs.
         """
-        points = checked_points(np.atleast_2d(np.asarray(joints)), self.limits, None)
+        points = _checked_points(np.atleast_2d(np.asarray(joints)), self.limits, None)
         try:
             if self.most_step is not None:
                 before = self._last if self._last is not None else self._commanded()
-                check_steps(np.vstack([before, points]), self.most_step, first=1)
+                _check_steps(np.vstack([before, points]), self.most_step, first=1)
             self._until(lambda now: self._sent - now.taken < self.ahead, self._sent, 1)
             self._control.send(Joints(tuple(points[0].tolist())))
             self._sent, self._last = self._sent + 1, points[0]
@@ -518,14 +518,14 @@ class ControlMode(Streaming):
     def stop(self) -> str:
         """Stops the arm and the programs; in words, what is known of them."""
         if self._stopped or not self._started:
-            return STOPPED_REASON
-        said = self._stream.stop(STOPPING_TIMEOUT, again=self.controller is None)
+            return _STOPPED_REASON
+        said = self._stream.stop(_STOPPING_TIMEOUT, again=self.controller is None)
         if self.controller is not None:
             stands = self._stop_through(self.controller, said)
-            said = stands or self._stream.stop(STOPPING_TIMEOUT, again=True)
+            said = stands or self._stream.stop(_STOPPING_TIMEOUT, again=True)
         self._stopped = said
         return (
-            STOPPED_REASON if self._stopped else f"they could not be stopped: {self._stream.state}"
+            _STOPPED_REASON if self._stopped else f"they could not be stopped: {self._stream.state}"
         )
 
     # ------------------------------------------------------------------------------ inside
@@ -534,10 +534,10 @@ class ControlMode(Streaming):
         self._control.prepare()
         self._stream.link.prepare()
         if self.controller is not None:
-            check_idle(self.controller)
-            self._before = BorrowedState.of(self.controller, PROGRAM_NAMES, SHARED_VARIABLES)
-            install_programs(self.controller, replace=self._replace)
-            self.controller.load(STARTING_PROGRAM)
+            _check_idle(self.controller)
+            self._before = BorrowedState.of(self.controller, PROGRAM_NAMES, _SHARED_VARIABLES)
+            _install_programs(self.controller, replace=self._replace)
+            self.controller.load(_STARTING_PROGRAM)
             self._started = True
             self.controller.start()
         self._stream.link.open()
@@ -552,7 +552,7 @@ class ControlMode(Streaming):
             state = self.stop()
         finally:
             self._close()
-        if self._before is not None and state == STOPPED_REASON:
+        if self._before is not None and state == _STOPPED_REASON:
             try:
                 self._before.put_back()
             except Refused:
@@ -567,7 +567,7 @@ class ControlMode(Streaming):
     def _follow(self, points: Floats, progress: Callable[[int, int], None]) -> None:
         before, count, told = self._sent, len(points), 0
         if self.most_step is not None:
-            check_steps(np.vstack([self._commanded(), points[:1]]), self.most_step, first=1)
+            _check_steps(np.vstack([self._commanded(), points[:1]]), self.most_step, first=1)
 
         def tell(taken: int) -> None:
             nonlocal told
@@ -605,7 +605,7 @@ class ControlMode(Streaming):
     def _is_at(self, now: Status, goal: Floats) -> bool:
         there = np.array(now.commanded.values[: len(goal)])
         away = np.nan_to_num(np.abs(there - goal))
-        return now.taken == self._sent and bool((away <= ARRIVAL_TOLERANCE).all())
+        return now.taken == self._sent and bool((away <= _ARRIVAL_TOLERANCE).all())
 
     def _stalled(self, left: int, count: int) -> Refused:
         place = self._control.target
@@ -613,10 +613,10 @@ class ControlMode(Streaming):
 
     def _stop_through(self, controller: Controller, said: bool) -> bool:
         """True if no program runs any more; stop the programs unless they end unaided."""
-        end = time.monotonic() + (STOPPING_TIMEOUT if said else 0.0)
+        end = time.monotonic() + (_STOPPING_TIMEOUT if said else 0.0)
         try:
             while controller.state().running and time.monotonic() < end:
-                time.sleep(ARRIVAL_POLL)
+                time.sleep(_ARRIVAL_POLL)
             if controller.state().running:
                 controller.stop()
             return not controller.state().running
@@ -634,13 +634,13 @@ class ControlMode(Streaming):
         if self.controller is None:
             return ""
         try:
-            found = troubles(self.controller.state())
+            found = _troubles(self.controller.state())
         except Refused:
             return "; the controller does not answer"
         return f"; the controller says: {', '.join(found)}" if found else ""
 
 
-STOPPED_REASON: Final = "the programs were stopped"
+_STOPPED_REASON: Final = "the programs were stopped"
 
 
 def _moved(then: Status, now: Status | None) -> bool:
@@ -651,7 +651,7 @@ def _moved(then: Status, now: Status | None) -> bool:
     )
 
 
-MEASURING_SLOT: Final = "2"
+_MEASURING_SLOT: Final = "2"
 
 
 class Measuring(Streaming):
@@ -682,9 +682,9 @@ class Measuring(Streaming):
         try:
             if self._controller is not None:
                 self._before = BorrowedState.of(self._controller, (MEASURING_PROGRAM,))
-                install_programs(self._controller, (MEASURING_PROGRAM,), replace=self._replace)
-                self._controller.load(MEASURING_PROGRAM, task=MEASURING_SLOT)
-                self._controller.start(MEASURING_SLOT)
+                _install_programs(self._controller, (MEASURING_PROGRAM,), replace=self._replace)
+                self._controller.load(MEASURING_PROGRAM, task=_MEASURING_SLOT)
+                self._controller.start(_MEASURING_SLOT)
             self._stream.link.open()
             self._stream.start()
             self._stream.first()
@@ -704,7 +704,7 @@ class Measuring(Streaming):
     def _end(self, *, failed: bool) -> None:
         """End the stream, restore the controller. A program that gets no stop ends within 2 s."""
         try:
-            self._stream.stop(STOPPING_TIMEOUT, again=True)
+            self._stream.stop(_STOPPING_TIMEOUT, again=True)
         finally:
             self._stream.close()
         if self._before is not None:

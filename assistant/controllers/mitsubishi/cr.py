@@ -24,8 +24,8 @@ from assistant.controllers.mitsubishi.session import about as identity
 from assistant.controllers.mitsubishi.state import controller_state, position
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
-SIGNAL_NAME: Final = re.compile(r"(?:(in|out|m_in|m_out)[: (]?)?(\d{1,5})\)?", re.IGNORECASE)
-ALL_SLOTS: Final = 20
+_SIGNAL_NAME: Final = re.compile(r"(?:(in|out|m_in|m_out)[: (]?)?(\d{1,5})\)?", re.IGNORECASE)
+_ALL_SLOTS: Final = 20
 """Looks after which all slots are asked; else those that had a program."""
 
 
@@ -40,7 +40,7 @@ def watch(session: Session, interval: float, signals: Sequence[str]) -> Iterator
     slots: Sequence[int] | None = None
     while True:
         seconds = time.monotonic() - began
-        told = controller_state(session, slots if count % ALL_SLOTS else None)
+        told = controller_state(session, slots if count % _ALL_SLOTS else None)
         slots = [int(task.name) for task in told.tasks]
         yield Sample(seconds, told, position(session), _signal_values(session, wanted))
         count += 1
@@ -50,7 +50,7 @@ def watch(session: Session, interval: float, signals: Sequence[str]) -> Iterator
 
 def _parse_signal(name: str) -> tuple[bool, str]:
     """Return whether a signal is an output, and its number."""
-    found = SIGNAL_NAME.fullmatch(name)
+    found = _SIGNAL_NAME.fullmatch(name)
     if found is None:
         raise values.bad_value(name, "a signal", "it names none", "`in:5`, `out:900` or `5`")
     numbered.number_of(found[2])
@@ -69,7 +69,7 @@ def _signal_values(session: Session, wanted: dict[str, tuple[bool, str]]) -> dic
 
 __all__ = ["Cr", "identity"]
 
-EVERY_LANGUAGE: Final = tuple(name for names in LANGUAGES.values() for name in names)
+_EVERY_LANGUAGE: Final = tuple(name for names in LANGUAGES.values() for name in names)
 
 
 class Cr:
@@ -92,7 +92,7 @@ class Cr:
         check: Check | None = None,
     ) -> None:
         self.address = address
-        self.languages: tuple[str, ...] = EVERY_LANGUAGE
+        self.languages: tuple[str, ...] = _EVERY_LANGUAGE
         self.session = Session(address, timeout=timeout, terminator=terminator, pace=pace)
         self.check = check
         self._kinds: dict[str, values.ParameterKind] = {}
@@ -103,7 +103,7 @@ class Cr:
     def __enter__(self) -> Self:
         """Connects and opens a session."""
         self.session.open()
-        self.languages = LANGUAGES.get(self.identity.suffix, EVERY_LANGUAGE)
+        self.languages = LANGUAGES.get(self.identity.suffix, _EVERY_LANGUAGE)
         return self
 
     def __exit__(self, *error: object) -> None:

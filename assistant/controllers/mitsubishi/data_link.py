@@ -38,18 +38,18 @@ __all__ = ["DataLink", "Form", "Joints", "Position", "Rate"]
 try:
     from termios import error as _terminal_error
 
-    TERMINAL_ERRORS: tuple[type[Exception], ...] = (_terminal_error,)
+    _TERMINAL_ERRORS: tuple[type[Exception], ...] = (_terminal_error,)
 except ImportError:  # not on Windows
-    TERMINAL_ERRORS = ()
-READ_AT_ONCE: Final = 1 << 16
-CONNECT_RETRY: Final = 0.1
+    _TERMINAL_ERRORS = ()
+_READ_AT_ONCE: Final = 1 << 16
+_CONNECT_RETRY: Final = 0.1
 """Seconds between two trials to connect to a program that may not have opened its line yet."""
 
 
-PSEUDO_TERMINAL: Final = re.compile("/dev/pts/")
+_PSEUDO_TERMINAL: Final = re.compile("/dev/pts/")
 """A pseudo terminal has no parity, and refuses to be set to one where nothing else changes."""
-PARITY_LETTERS: Final = {"none": "N", "odd": "O", "even": "E"}
-PORT_SLICE: Final = 0.05
+_PARITY_LETTERS: Final = {"none": "N", "odd": "O", "even": "E"}
+_PORT_SLICE: Final = 0.05
 """Seconds that a serial port is waited for at a time."""
 
 
@@ -117,7 +117,7 @@ class _Tcp:
                 raise ConnectionError("it was closed here") from None
             if not selector.select(timeout):
                 raise TimeoutError
-        data = peer.recv(READ_AT_ONCE)
+        data = peer.recv(_READ_AT_ONCE)
         if not data:
             raise ConnectionResetError("the controller closed it")
         return data
@@ -147,17 +147,17 @@ class TcpClient(_Tcp):
         end = time.monotonic() + timeout
         while True:
             try:
-                left = max(CONNECT_RETRY, end - time.monotonic())
+                left = max(_CONNECT_RETRY, end - time.monotonic())
                 peer = socket.create_connection(self._place, timeout=left)
             except ConnectionRefusedError:
-                if not self._patient or time.monotonic() + CONNECT_RETRY > end:
+                if not self._patient or time.monotonic() + _CONNECT_RETRY > end:
                     raise
-                time.sleep(CONNECT_RETRY)
+                time.sleep(_CONNECT_RETRY)
             else:
                 return self._use(peer)
 
 
-class TcpServer(_Tcp):
+class _TcpServer(_Tcp):
     """For a controller that is the client (NETMODE 0): one at a time."""
 
     def __init__(self, target: str, host: str, port: int) -> None:
@@ -209,13 +209,13 @@ class Serial:
                 self.target,
                 self._rate.baud,
                 bytesize=self._rate.bits,
-                parity="N" if _is_pseudo(self.target) else PARITY_LETTERS[self._rate.parity],
+                parity="N" if _is_pseudo(self.target) else _PARITY_LETTERS[self._rate.parity],
                 stopbits=self._rate.stops,
-                timeout=PORT_SLICE,  # and not changed later: that would set the port anew each time
+                timeout=_PORT_SLICE,  # not changed later: that would set the port anew
                 write_timeout=timeout,
                 exclusive=None if os.name == "nt" else True,
             )
-        except TERMINAL_ERRORS as error:
+        except _TERMINAL_ERRORS as error:
             raise OSError(f"the port takes no such rate ({error.args[-1]})") from None
 
     def send(self, data: bytes, timeout: float) -> None:  # noqa: ARG002 - that of `open`
@@ -251,7 +251,7 @@ class Serial:
 
 def _is_pseudo(target: str) -> bool:
     """True if a serial port is a pseudo terminal, or a link to one."""
-    return PSEUDO_TERMINAL.match(os.path.realpath(target)) is not None
+    return _PSEUDO_TERMINAL.match(os.path.realpath(target)) is not None
 
 
 def stream_to(target: str, rate: Rate | None = None) -> Stream:
@@ -274,7 +274,7 @@ def stream_to(target: str, rate: Rate | None = None) -> Stream:
     for is_wrong, reason in wrong:
         if is_wrong:
             raise Refused(rules.BAD_LINE(target=target, reason=reason), exit_status=2)
-    kind: Callable[[str, str, int], Stream] = TcpServer if listens else TcpClient
+    kind: Callable[[str, str, int], Stream] = _TcpServer if listens else TcpClient
     return kind(target, host, int(port))
 
 
@@ -282,10 +282,10 @@ AXES: Final = 8
 """Components of a position and of joints: six, and two additional axes."""
 DECIMALS: Final = 4
 """Decimals of a number that is sent; a single-precision value of a controller has no more."""
-MOST_BYTES: Final = 255
+_MOST_BYTES: Final = 255
 """Bytes of a line that is sent: a text variable has no more."""
-ENCODING: Final = "latin-1"
-COMPONENTS: Final = {
+_ENCODING: Final = "latin-1"
+_COMPONENTS: Final = {
     "number": (),
     "text": (),
     "position": ("X", "Y", "Z", "A", "B", "C", "L1", "L2", "FL1", "FL2"),
@@ -294,7 +294,7 @@ COMPONENTS: Final = {
 """Names of the components of a value, as they are recorded."""
 
 ValueKind = Literal["number", "text", "position", "joints"]
-VALUE_KINDS: Final[dict[str, ValueKind]] = {
+_VALUE_KINDS: Final[dict[str, ValueKind]] = {
     "M": "number",
     "C": "text",
     "P": "position",
@@ -349,9 +349,9 @@ class Form:
         """The form that a text such as `M_TIMER | P_CURR | J_FBC` says; raises Refused."""
         names = tuple(name.strip() for name in text.split(separator))
         for name in names:
-            if not FORM_FIELD.fullmatch(name):
+            if not _FORM_FIELD.fullmatch(name):
                 raise Refused(rules.BAD_FORM(place=text, field=name), exit_status=2)
-        return Form(names, tuple(VALUE_KINDS[name[0].upper()] for name in names), separator)
+        return Form(names, tuple(_VALUE_KINDS[name[0].upper()] for name in names), separator)
 
     def read(self, line: str) -> tuple[Value, ...]:
         """The values of a line; raises ValueError if it is of another form."""
@@ -365,13 +365,13 @@ class Form:
     def recording(self, *more: str) -> Recording:
         """An empty recording of these fields but for texts, behind single numbers `more`."""
         numeric = self._numeric()
-        fields = {name: COMPONENTS[kind] for name, kind in numeric}
+        fields = {name: _COMPONENTS[kind] for name, kind in numeric}
         return Recording({**dict.fromkeys(more, ()), **fields})
 
     def record(self, recording: Recording, values: Sequence[Value], *more: float) -> None:
         """Adds a row to one of `recording`."""
         recording.add(
-            *more, *(value_components(value) for value in values if not isinstance(value, str))
+            *more, *(_value_components(value) for value in values if not isinstance(value, str))
         )
 
     def _numeric(self) -> Iterable[tuple[str, ValueKind]]:
@@ -379,14 +379,14 @@ class Form:
         return ((name, kind) for name, kind in pairs if kind != "text")
 
 
-FORM_FIELD: Final = re.compile(r"[MCPJ][A-Z0-9_]*[$%&!#]?(?:\(\s*\d+\s*(?:,\s*\d+\s*)*\))?", re.I)
+_FORM_FIELD: Final = re.compile(r"[MCPJ][A-Z0-9_]*[$%&!#]?(?:\(\s*\d+\s*(?:,\s*\d+\s*)*\))?", re.I)
 NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d+)?", re.I)
-BRACKETS: Final = re.compile(r"\(([^()]*)\)\s*(?:\(([^()]*)\))?")
-LACKING: Final = {"", "****"}
+_BRACKETS: Final = re.compile(r"\(([^()]*)\)\s*(?:\(([^()]*)\))?")
+_LACKING: Final = {"", "****"}
 """Texts of an axis that the arm lacks."""
 
 
-def value_components(value: float | Position | Joints) -> float | tuple[float, ...]:
+def _value_components(value: float | Position | Joints) -> float | tuple[float, ...]:
     """The components of a value, as a recording has them."""
     return value if isinstance(value, (int, float)) else value.numbers
 
@@ -412,13 +412,13 @@ def _read_number(text: str) -> float:
 
 
 def _read_brackets(text: str, kind: Literal["position", "joints"]) -> Position | Joints:
-    found = BRACKETS.fullmatch(text)
+    found = _BRACKETS.fullmatch(text)
     if found is None or (found[2] is None) != (kind == "joints"):
         raise ValueError(f"{text!r} is no {kind}")
     parts = [part.strip() for part in found[1].split(",")]
     if len(parts) > AXES:
         raise ValueError(f"{text!r} has more than {AXES} components")
-    given = [math.nan if part in LACKING else _read_number(part) for part in parts]
+    given = [math.nan if part in _LACKING else _read_number(part) for part in parts]
     values = (*given, *[math.nan] * (AXES - len(given)))
     if found[2] is None:
         return Joints(values)
@@ -431,8 +431,8 @@ def _read_brackets(text: str, kind: Literal["position", "joints"]) -> Position |
 def input_line(values: Sequence[Value]) -> str:
     """A line for Input#, its items between commas; raises Refused for what no line can carry."""
     line = ",".join(map(_item_text, values))
-    if len(line) > MOST_BYTES:
-        reason = f"it has {len(line)} bytes, a line {MOST_BYTES}"
+    if len(line) > _MOST_BYTES:
+        reason = f"it has {len(line)} bytes, a line {_MOST_BYTES}"
         raise _unsendable("the line", reason, "send fewer items at once")
     return line
 
@@ -470,9 +470,9 @@ def _unsendable(what: str, reason: str, cure: str) -> Refused:
     return Refused(rules.UNSENDABLE(what=what, reason=reason, cure=cure), exit_status=2)
 
 
-MOST_LINE: Final = 4096
+_MOST_LINE: Final = 4096
 """Bytes without an end after which what comes is no line of a program."""
-LINE_END: Final = b"\r"
+_LINE_END: Final = b"\r"
 
 
 class DataLink:
@@ -535,7 +535,7 @@ class DataLink:
 
         Raises Refused for what no line can carry, Lost if it does not go out.
         """
-        data = f"{self._prefix}{input_line(values)}".encode(ENCODING) + LINE_END
+        data = f"{self._prefix}{input_line(values)}".encode(_ENCODING) + _LINE_END
         try:
             self.stream.send(data, self.timeout)
         except OSError as error:
@@ -555,7 +555,7 @@ class DataLink:
         """The same, but None if no whole line has come in time; what came stays for the next."""
         end = time.monotonic() + timeout
         while (line := self._whole()) is None:
-            if len(self._come) > MOST_LINE:
+            if len(self._come) > _MOST_LINE:
                 self._lost(rules.LINE_GARBLED, answer=repr(self._come[:80]))
             try:
                 self._come += self.stream.receive(max(0.0, end - time.monotonic()))
@@ -576,11 +576,11 @@ class DataLink:
 
     def _whole(self) -> str | None:
         self._come = self._come.removeprefix(b"\n")
-        line, end, rest = self._come.partition(LINE_END)
+        line, end, rest = self._come.partition(_LINE_END)
         if not end:
             return None
         self._come = rest
-        return line.decode(ENCODING)
+        return line.decode(_ENCODING)
 
     def _lost(self, rule: Rule, *, doing: str = "", reason: str = "", answer: str = "") -> NoReturn:
         self.close()

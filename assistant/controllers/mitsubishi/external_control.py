@@ -66,43 +66,43 @@ PACKET_FIELDS: Final = (
 )
 """Offset, form and name of each field; the names are those of the manual."""
 PACKET_LAYOUT: Final = struct.Struct("<" + "".join(form for _, form, _ in PACKET_FIELDS))
-FIELD_NAMES: Final = tuple(name for _, _, name in PACKET_FIELDS)
+_FIELD_NAMES: Final = tuple(name for _, _, name in PACKET_FIELDS)
 PACKET_SIZE: Final = 196
-SHORT_SIZE: Final = 64
+_SHORT_SIZE: Final = 64
 """Bytes of a packet of the CRn-500 series."""
 
-NULL_COMMAND: Final = 0
-MOVE_COMMAND: Final = 1
-END_COMMAND: Final = 255
+_NULL_COMMAND: Final = 0
+_MOVE_COMMAND: Final = 1
+_END_COMMAND: Final = 255
 """Commands: no motion, move, end the control."""
-NO_SIGNALS: Final = 0
-OUTPUTS: Final = 1
-INPUTS: Final = 2
+_NO_SIGNALS: Final = 0
+_OUTPUTS: Final = 1
+_INPUTS: Final = 2
 
-FILTERED: Final = 3
-FEEDBACK: Final = 6
-"""Offset of the type of a command for the same data from the encoders; `FILTERED` for those after
+_FILTERED: Final = 3
+_FEEDBACK: Final = 6
+"""Offset of the type of a command for the same data from the encoders; `_FILTERED` for those after
 the filter.
 """
-POSE_DATA: Final = struct.Struct("<8f2I")
-JOINT_DATA: Final = struct.Struct("<8f8x")
-PULSE_DATA: Final = struct.Struct("<8i8x")
-COMMAND_TYPES: Final = {"pose": 1, "joint": 2, "pulse": 3}
+_POSE_DATA: Final = struct.Struct("<8f2I")
+_JOINT_DATA: Final = struct.Struct("<8f8x")
+_PULSE_DATA: Final = struct.Struct("<8i8x")
+_COMMAND_TYPES: Final = {"pose": 1, "joint": 2, "pulse": 3}
 """Mode → type of the data in a command, which also is one more than the statement's argument."""
-DATA_FORMS: Final[Mapping[int, struct.Struct]] = {
-    **dict.fromkeys((1, 4, 7), POSE_DATA),
-    **dict.fromkeys((2, 5, 8), JOINT_DATA),
-    **dict.fromkeys((3, 6, 9, 10, 11), PULSE_DATA),
+_DATA_FORMS: Final[Mapping[int, struct.Struct]] = {
+    **dict.fromkeys((1, 4, 7), _POSE_DATA),
+    **dict.fromkeys((2, 5, 8), _JOINT_DATA),
+    **dict.fromkeys((3, 6, 9, 10, 11), _PULSE_DATA),
 }
 """Type of data → its form; 10 and 11 are the currents, commanded and fed back, in percent."""
-NO_DATA: Final = bytes(40)
+_NO_DATA: Final = bytes(40)
 
 
 def pack_packet(fields: Mapping[str, int | bytes], size: int = PACKET_SIZE) -> bytes:
     """A packet of these fields; those that are left out are 0."""
-    empty: Mapping[str, int | bytes] = {"data": NO_DATA, "data1": NO_DATA}
-    given = {**empty, "data2": NO_DATA, "data3": NO_DATA, **fields}
-    return PACKET_LAYOUT.pack(*(given.get(name, 0) for name in FIELD_NAMES))[:size]
+    empty: Mapping[str, int | bytes] = {"data": _NO_DATA, "data1": _NO_DATA}
+    given = {**empty, "data2": _NO_DATA, "data3": _NO_DATA, **fields}
+    return PACKET_LAYOUT.pack(*(given.get(name, 0) for name in _FIELD_NAMES))[:size]
 
 
 def unpack_packet(packet: bytes, size: int = PACKET_SIZE) -> dict[str, int | bytes] | None:
@@ -110,17 +110,17 @@ def unpack_packet(packet: bytes, size: int = PACKET_SIZE) -> dict[str, int | byt
     if len(packet) != size:
         return None
     return dict(
-        zip(FIELD_NAMES, PACKET_LAYOUT.unpack(packet.ljust(PACKET_SIZE, b"\0")), strict=True)
+        zip(_FIELD_NAMES, PACKET_LAYOUT.unpack(packet.ljust(PACKET_SIZE, b"\0")), strict=True)
     )
 
 
 def pack_data(kind: int, values: Sequence[float], flags: tuple[int, int] = (0, 0)) -> bytes:
     """Eight numbers as data of a type; what is left out is 0. flags: of a pose."""
     eight = [*values, *[0.0] * (8 - len(values))]
-    form = DATA_FORMS[kind]
-    if form is POSE_DATA:
+    form = _DATA_FORMS[kind]
+    if form is _POSE_DATA:
         return form.pack(*eight, *flags)
-    if form is PULSE_DATA:
+    if form is _PULSE_DATA:
         return form.pack(*(round(value) for value in eight))
     return form.pack(*eight)
 
@@ -151,8 +151,8 @@ def angles_of_quaternion(w: float, x: float, y: float, z: float) -> tuple[float,
 
 Mode = Literal["pose", "joint", "pulse"]
 Watched = Literal["command", "filtered", "feedback"]
-WATCHED_OFFSETS: Final = {"command": 0, "filtered": FILTERED, "feedback": FEEDBACK}
-FARTHEST: Final = 1e6
+_WATCHED_OFFSETS: Final = {"command": 0, "filtered": _FILTERED, "feedback": _FEEDBACK}
+_FARTHEST: Final = 1e6
 """mm or radians (pulses are not bounded): what a controller sends beyond is no position."""
 
 
@@ -188,21 +188,21 @@ class MxtLink:
 
     @property
     def size(self) -> int:
-        return SHORT_SIZE if self.short else PACKET_SIZE
+        return _SHORT_SIZE if self.short else PACKET_SIZE
 
     def hello(self, count: int) -> bytes:
         """Asks for the commanded position, where a motion has to begin."""
-        return self._packed(NULL_COMMAND, 0, COMMAND_TYPES[self.mode], NO_DATA, count)
+        return self._packed(_NULL_COMMAND, 0, _COMMAND_TYPES[self.mode], _NO_DATA, count)
 
     def command(self, values: Sequence[float], count: int) -> bytes:
-        kind = COMMAND_TYPES[self.mode]
-        asked = kind + WATCHED_OFFSETS[self.watched]
-        return self._packed(MOVE_COMMAND, kind, asked, self._data(kind, values), count)
+        kind = _COMMAND_TYPES[self.mode]
+        asked = kind + _WATCHED_OFFSETS[self.watched]
+        return self._packed(_MOVE_COMMAND, kind, asked, self._data(kind, values), count)
 
     def end(self, values: Sequence[float], count: int) -> bytes:
-        kind = COMMAND_TYPES[self.mode]
-        asked = kind + WATCHED_OFFSETS[self.watched]
-        return self._packed(END_COMMAND, kind, asked, self._data(kind, values), count)
+        kind = _COMMAND_TYPES[self.mode]
+        asked = kind + _WATCHED_OFFSETS[self.watched]
+        return self._packed(_END_COMMAND, kind, asked, self._data(kind, values), count)
 
     def read(self, received: bytes) -> Measured | None:
         if len(received) != self.size:
@@ -210,12 +210,12 @@ class MxtLink:
         fields = PACKET_LAYOUT.unpack(received.ljust(PACKET_SIZE, b"\0"))
         command, send_type, kind, data = fields[0], fields[1], fields[2], fields[4]
         if send_type != kind or command not in (
-            NULL_COMMAND,
-            MOVE_COMMAND,
-            END_COMMAND,
+            _NULL_COMMAND,
+            _MOVE_COMMAND,
+            _END_COMMAND,
         ):
             return None
-        if not 1 <= kind <= 9 or (kind - COMMAND_TYPES[self.mode]) % 3:
+        if not 1 <= kind <= 9 or (kind - _COMMAND_TYPES[self.mode]) % 3:
             return None
         values = self._values(kind, data)
         if values is None:
@@ -233,8 +233,8 @@ class MxtLink:
 
     def _packed(self, command: int, kind: int, asked: int, data: bytes, count: int) -> bytes:
         more = [*self.also, 0, 0, 0]
-        nothing = NO_DATA
-        signals = OUTPUTS if self.mask else NO_SIGNALS
+        nothing = _NO_DATA
+        signals = _OUTPUTS if self.mask else _NO_SIGNALS
         head = (command, kind, asked, 0, data, signals, self.signals)
         bits = (self.first, self.mask, self.word, 0, count & 0xFFFFFFFF)
         rest = (more[0], 0, nothing, more[1], 0, nothing, more[2], 0, nothing)
@@ -248,10 +248,10 @@ class MxtLink:
         return pack_data(kind, values)
 
     def _values(self, kind: int, data: bytes) -> tuple[float, ...] | None:
-        found = DATA_FORMS[kind].unpack(data)
+        found = _DATA_FORMS[kind].unpack(data)
         if self.mode == "pulse":
             return tuple(float(v) for v in found[: self.axes])
-        if not all(isfinite(v) and abs(v) < FARTHEST for v in found[:8]):
+        if not all(isfinite(v) and abs(v) < _FARTHEST for v in found[:8]):
             return None
         if self.mode == "pose":
             return (*found[:3], *quaternion_of_angles(*found[3:6]))
@@ -264,13 +264,13 @@ class MxtLink:
         """Eight numbers as they are sent, nan where the controller sent other data."""
         if kind != asked:
             return [float("nan")] * 8
-        return [float(v) for v in DATA_FORMS[kind].unpack(data)[:8]]
+        return [float(v) for v in _DATA_FORMS[kind].unpack(data)[:8]]
 
 
-_COUNTER_FIELD: Final = FIELD_NAMES.index("c_count")
-_MISSED_FIELD: Final = FIELD_NAMES.index("t_count")
-_SIGNAL_WORD_FIELD: Final = FIELD_NAMES.index("io_data")
-_MORE_DATA_FIELDS: Final = tuple(FIELD_NAMES.index(f"data{i}") for i in (1, 2, 3))
+_COUNTER_FIELD: Final = _FIELD_NAMES.index("c_count")
+_MISSED_FIELD: Final = _FIELD_NAMES.index("t_count")
+_SIGNAL_WORD_FIELD: Final = _FIELD_NAMES.index("io_data")
+_MORE_DATA_FIELDS: Final = tuple(_FIELD_NAMES.index(f"data{i}") for i in (1, 2, 3))
 
 
 PORT: Final = 10000
@@ -278,8 +278,8 @@ PORT: Final = 10000
 CYCLES: Final = {"CR750": 64 / 9000, "CR800": 0.0035}
 """Series → seconds of a cycle: CRn-500, CRn-700 and CR750 7.11 ms; CR800 3.5 ms, but 7.11 ms with
 a user mechanism."""
-KINDS: Final = {"pose": "poses", "joint": "joints", "pulse": "joints"}
-END_PACKETS: Final = 2
+_KINDS: Final = {"pose": "poses", "joint": "joints", "pulse": "joints"}
+_END_PACKETS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 
 
@@ -318,12 +318,12 @@ class Mxt:
         settings: Settings | None = None,
         local_port: int = 0,
     ) -> None:
-        require("mode", mode, mode in COMMAND_TYPES, "it is pose, joint or pulse")
+        require("mode", mode, mode in _COMMAND_TYPES, "it is pose, joint or pulse")
         require(
             "watched",
             watched,
-            watched in WATCHED_OFFSETS,
-            f"it is one of {', '.join(WATCHED_OFFSETS)}",
+            watched in _WATCHED_OFFSETS,
+            f"it is one of {', '.join(_WATCHED_OFFSETS)}",
         )
         require("port", port, 0 < port < 65536, "it is a number from 1 to 65535")
         require("local_port", local_port, 0 <= local_port < 65536, "it is 0 or a port")
@@ -331,7 +331,7 @@ class Mxt:
         require("axes", axes, 1 <= axes <= 8, "a packet has room for 1 to 8")
         require("sliding", sliding, set(sliding) <= set(range(1, axes + 1)), "axes are from 1 on")
         require(
-            "also", also, len(also) <= 3 and set(also) <= set(DATA_FORMS), "three types, 1 to 11"
+            "also", also, len(also) <= 3 and set(also) <= set(_DATA_FORMS), "three types, 1 to 11"
         )
         require("also", also, not (short and also), "short packets carry one type only")
         first, mask, word = outputs or (inputs or 0, 0, 0)
@@ -422,7 +422,7 @@ class Mxt:
         stop, and errors: see `cyclic.follow`.
         """
         led = Trajectory.of_path(trajectory) if isinstance(trajectory, Path) else trajectory
-        if led.kind != KINDS[self._link.mode]:
+        if led.kind != _KINDS[self._link.mode]:
             raise Refused(WRONG_KIND(kind=led.kind, mode=self._link.mode), exit_status=2)
         width = led.rows.shape[1]
         if led.kind == "joints":
@@ -456,7 +456,7 @@ class Mxt:
         limits: with the range of the joints. Raises Refused.
         """
         bounds = limits or self._limits
-        if KINDS[self._link.mode] != "joints" or bounds is None:
+        if _KINDS[self._link.mode] != "joints" or bounds is None:
             wrong = WRONG_KIND(kind="joints", mode=self._link.mode)
             none = BAD_SETTING(name="limits", value=None, reason="nothing moves without them")
             raise Refused(none if bounds is None else wrong, exit_status=2)
@@ -469,7 +469,7 @@ class Mxt:
         with self._wire() as wire, contextlib.suppress(OSError):
             if not self._told and self._asked(wire):
                 return False
-            for _ in range(END_PACKETS):
+            for _ in range(_END_PACKETS):
                 wire.send(self._link.end(self._told, self._count))
                 self._count += 1
                 if wire.receive(4 * self._link.cycle) is not None:
@@ -485,7 +485,7 @@ class Mxt:
             raise Refused(refusal, exit_status=2) from None
 
 
-LONGEST_FILTER: Final = 10_000
+_LONGEST_FILTER: Final = 10_000
 """ms; the manual states no most, and no one smooths longer."""
 
 
@@ -496,8 +496,8 @@ def program(pc: str, mode: Mode = "joint", *, filter_ms: int = 0, file: int = 1)
     filter_ms: time constant with which the controller smooths its commands; the arm lags by about
     as much. file: 1 to 8. Raises Refused for invalid settings.
     """
-    if not 0 <= filter_ms <= LONGEST_FILTER:
-        reason = f"it is milliseconds from 0 to {LONGEST_FILTER}"
+    if not 0 <= filter_ms <= _LONGEST_FILTER:
+        reason = f"it is milliseconds from 0 to {_LONGEST_FILTER}"
         refusal = BAD_SETTING(name="filter_ms", value=filter_ms, reason=reason)
         raise Refused(refusal, exit_status=2)
     if file not in range(1, 9):
@@ -512,7 +512,7 @@ def program(pc: str, mode: Mode = "joint", *, filter_ms: int = 0, file: int = 1)
     smoothed = f",{filter_ms}" if filter_ms else ""
     lines = (
         f'OPEN "ENET:{address}" AS #{file}',
-        f"MXT {file},{COMMAND_TYPES[mode] - 1}{smoothed}",
+        f"MXT {file},{_COMMAND_TYPES[mode] - 1}{smoothed}",
         f"CLOSE #{file}",
         "END",
     )

@@ -25,8 +25,8 @@ from assistant.controllers.connection import reason_of
 from assistant.controllers.mitsubishi.data_link import Rate, Serial, Stream, TcpClient
 
 ENCODING: Final = "latin-1"
-ANSWER_FORM: Final = re.compile(r"Q(OK|ER)([^\r\n]*)", re.IGNORECASE)
-ERROR_ANSWER: Final = re.compile(r"(\d{4})((?:;\d+)*)\s*")
+_ANSWER_FORM: Final = re.compile(r"Q(OK|ER)([^\r\n]*)", re.IGNORECASE)
+_ERROR_ANSWER: Final = re.compile(r"(\d{4})((?:;\d+)*)\s*")
 
 BARE_ANSWER: Final = re.compile(r"[; ]*")
 """Answer to a command that only confirms its acceptance."""
@@ -51,34 +51,36 @@ class Answer:
 
 def parse_answer(raw: str) -> Answer | None:
     """Parse an answer, None if the text is not an answer."""
-    found = ANSWER_FORM.fullmatch(raw)
+    found = _ANSWER_FORM.fullmatch(raw)
     if found is None:
         return None
     kind, text = found[1], found[2]
     alarmed = kind[1].islower()
     if kind.upper() == "OK":
         return Answer(text, alarmed=alarmed)
-    error = ERROR_ANSWER.fullmatch(text)
+    error = _ERROR_ANSWER.fullmatch(text)
     if error is None:
         return None
     places = tuple(int(p) for p in error[2].split(";") if p)
     return Answer(text, int(error[1]), places, alarmed)
 
 
-MOST_ANSWER: Final = 1 << 20
+_MOST_ANSWER: Final = 1 << 20
 """Bytes after which an answer is nonsense."""
-FIRST_QUIET: Final = 0.3
+_FIRST_QUIET: Final = 0.3
 """Seconds of silence that end the first answer of a controller which sends no end code."""
-QUIET: Final = 0.1
+_QUIET: Final = 0.1
 """The same once it is known to send none."""
-STX, ETX, EOT, ENQ, ACK, NAK = (bytes([code]) for code in (0x02, 0x03, 0x04, 0x05, 0x06, 0x15))
-TRIALS: Final = 4
+_STX, _ETX, _EOT, _ENQ, _ACK, _NAK = (
+    bytes([code]) for code in (0x02, 0x03, 0x04, 0x05, 0x06, 0x15)
+)
+_TRIALS: Final = 4
 """Trials of a step: the first one and three more."""
-STEP_TIMEOUT: Final = 2.0
+_STEP_TIMEOUT: Final = 2.0
 """Seconds for a step of the procedure; 255 bytes take 0.3 s at 9600 baud."""
 
 
-class UnaskedData(Exception):
+class _UnaskedData(Exception):
     """data: bytes on the line that cannot be the answer to a command."""
 
     def __init__(self, data: bytes) -> None:
@@ -98,7 +100,7 @@ class Framing(Protocol):
         """
 
 
-class PlainFraming:
+class _PlainFraming:
     """No procedure. terminator: what ends a command, b"" for nothing."""
 
     def __init__(self, terminator: bytes = b"\r") -> None:
@@ -108,18 +110,18 @@ class PlainFraming:
 
     def exchange(self, stream: Stream, command: bytes, timeout: float) -> bytes:
         if waiting := pending(stream).strip(b"\r\n"):
-            raise UnaskedData(waiting)
+            raise _UnaskedData(waiting)
         stream.send(command + self._terminator, timeout)
         return self._answer(stream, time.monotonic() + timeout)
 
     def _answer(self, stream: Stream, end: float) -> bytes:
         data = b""
-        while len(data) < MOST_ANSWER:
+        while len(data) < _MOST_ANSWER:
             started = parse_answer(data.decode(ENCODING)) is not None
             bare = started and not self._ends
-            quiet = FIRST_QUIET if self._ends is None else QUIET
+            quiet = _FIRST_QUIET if self._ends is None else _QUIET
             left = end - time.monotonic()
-            if left < -FIRST_QUIET:  # it is never quiet
+            if left < -_FIRST_QUIET:  # it is never quiet
                 raise TimeoutError
             try:  # the end of the time is no end of an answer
                 piece = stream.receive(quiet if bare else max(0.0, left))
@@ -132,73 +134,73 @@ class PlainFraming:
             if code := re.search(rb"[\r\n]", data):
                 self._ends = True
                 if data[code.start() :].strip(b"\r\n"):
-                    raise UnaskedData(data)
+                    raise _UnaskedData(data)
                 return data[: code.start()]
-        raise UnaskedData(data)
+        raise _UnaskedData(data)
 
 
-class ProceduralFraming:
+class _ProceduralFraming:
     """With the procedure of RS-232."""
 
     def __init__(self) -> None:
         self.most = 254  # the length counts the letter before the command
 
     def exchange(self, stream: Stream, command: bytes, timeout: float) -> bytes:
-        if waiting := pending(stream).strip(EOT + b"\r\n"):
-            raise UnaskedData(waiting)
+        if waiting := pending(stream).strip(_EOT + b"\r\n"):
+            raise _UnaskedData(waiting)
         end = time.monotonic() + timeout
-        self._insist(stream, ENQ, end)
+        self._insist(stream, _ENQ, end)
         self._insist(stream, frame(command), end)
-        stream.send(EOT, timeout)
+        stream.send(_EOT, timeout)
         return self._answer(stream, end)
 
     def _insist(self, stream: Stream, data: bytes, end: float) -> None:
         """Sends until it is acknowledged; raises OSError."""
-        for _ in range(TRIALS):
-            stream.send(data, STEP_TIMEOUT)
+        for _ in range(_TRIALS):
+            stream.send(data, _STEP_TIMEOUT)
             try:
-                reply = stream.receive(_left(end, STEP_TIMEOUT))
+                reply = stream.receive(_left(end, _STEP_TIMEOUT))
             except TimeoutError:
                 if time.monotonic() >= end:
                     raise
                 continue
-            if reply.endswith(ACK):
+            if reply.endswith(_ACK):
                 return
-            if ENQ in reply:
-                raise UnaskedData(reply)
+            if _ENQ in reply:
+                raise _UnaskedData(reply)
         raise TimeoutError
 
     def _answer(self, stream: Stream, end: float) -> bytes:
-        data = self._until(stream, ENQ, b"", end, end - time.monotonic())
-        stream.send(ACK, STEP_TIMEOUT)
-        for _ in range(TRIALS):
-            data = self._until(stream, ETX, data, end, STEP_TIMEOUT)
+        data = self._until(stream, _ENQ, b"", end, end - time.monotonic())
+        stream.send(_ACK, _STEP_TIMEOUT)
+        for _ in range(_TRIALS):
+            data = self._until(stream, _ETX, data, end, _STEP_TIMEOUT)
             text = unframed(data)
-            stream.send(NAK if text is None else ACK, STEP_TIMEOUT)
+            stream.send(_NAK if text is None else _ACK, _STEP_TIMEOUT)
             data = b""
             if text is not None:
                 self._closed(stream, end)
                 return text
-        raise UnaskedData(b"frames with wrong checksums")
+        raise _UnaskedData(b"frames with wrong checksums")
 
     def _until(self, stream: Stream, code: bytes, data: bytes, end: float, step: float) -> bytes:
         """Return the bytes up to a control code, without the code; for ENQ the bytes after it."""
         while code not in data:
-            if len(data) > MOST_ANSWER:
-                raise UnaskedData(data)
+            if len(data) > _MOST_ANSWER:
+                raise _UnaskedData(data)
             data += stream.receive(_left(end, step))
-            if code == ETX and data.endswith(ENQ):  # our ACK was lost
-                stream.send(ACK, STEP_TIMEOUT)
+            if code == _ETX and data.endswith(_ENQ):  # our ACK was lost
+                stream.send(_ACK, _STEP_TIMEOUT)
                 data = b""
         before, _, after = data.partition(code)
-        return after if code == ENQ else before
+        return after if code == _ENQ else before
 
     def _closed(self, stream: Stream, end: float) -> None:
         """Waits for EOT; a frame that comes once more is acknowledged once more."""
         try:
-            while not (data := stream.receive(_left(end, STEP_TIMEOUT))).endswith(EOT):
-                if data.endswith(ETX):
-                    stream.send(ACK, STEP_TIMEOUT)
+            while not (data := stream.receive(_left(end, _STEP_TIMEOUT))).endswith(_EOT):
+                if data.endswith(_ETX):
+                    stream.send(_ACK, _STEP_TIMEOUT)
         except TimeoutError:
             return  # the frame was whole: what is missing is only its farewell
 
@@ -206,7 +208,7 @@ class ProceduralFraming:
 def frame(command: bytes) -> bytes:
     """A command with its length and checksum: XOR of all from the `D` on."""
     body = b"D0%02XR%s" % (len(command) + 1, command)
-    return STX + body + b"%02X" % reduce(xor, body) + ETX
+    return _STX + body + b"%02X" % reduce(xor, body) + _ETX
 
 
 def unframed(data: bytes) -> bytes | None:
@@ -224,7 +226,7 @@ def unframed(data: bytes) -> bytes | None:
 def pending(stream: Stream) -> bytes:
     """Return the bytes that have arrived already; raises OSError."""
     data = b""
-    while len(data) < MOST_ANSWER:
+    while len(data) < _MOST_ANSWER:
         try:
             data += stream.receive(0.0)
         except TimeoutError:
@@ -238,13 +240,13 @@ def _left(end: float, most: float) -> float:
 
 ENDS: Final = {"cr": b"\r", "crlf": b"\r\n", "none": b""}
 """Option `end` of an address → what ends a command."""
-PARITIES: Final[dict[str, Literal["none", "odd", "even"]]] = {
+_PARITIES: Final[dict[str, Literal["none", "odd", "even"]]] = {
     "none": "none",
     "odd": "odd",
     "even": "even",
 }
-STOPS: Final[dict[str, Literal[1, 2]]] = {"1": 1, "2": 2}
-BITS: Final[dict[str, Literal[7, 8]]] = {"7": 7, "8": 8}
+_STOPS: Final[dict[str, Literal[1, 2]]] = {"1": 1, "2": 2}
+_BITS: Final[dict[str, Literal[7, 8]]] = {"7": 7, "8": 8}
 
 
 class Link:
@@ -300,7 +302,7 @@ class Link:
                 raw = self._framing.exchange(self._stream, data, seconds)
             except OSError as error:
                 self._lost(self._gone(doing, reason_of(error), state))
-            except UnaskedData as unasked:
+            except _UnaskedData as unasked:
                 self._lost(self._garbled(doing, unasked.data.decode(ENCODING), state))
             except BaseException:
                 self.close()
@@ -341,7 +343,7 @@ def link_to(address: Address, *, timeout: float, terminator: bytes | None = None
     """The link that an address with its options says; terminator: instead of option `end`."""
     ends = ENDS[address.option("end", "cr")] if terminator is None else terminator
     procedural = address.option("framing", "plain") == "procedural"
-    framing = ProceduralFraming() if procedural else PlainFraming(ends)
+    framing = _ProceduralFraming() if procedural else _PlainFraming(ends)
     stream: Stream
     if address.scheme == "melfa-serial":
         stream = Serial(address.host, _rate(address))
@@ -356,7 +358,7 @@ def _rate(address: Address) -> Rate:
     """
     return Rate(
         int(address.option("baud", "9600")),
-        PARITIES[address.option("parity", "even")],
-        STOPS[address.option("stop", "2")],
-        BITS[address.option("bits", "8")],
+        _PARITIES[address.option("parity", "even")],
+        _STOPS[address.option("stop", "2")],
+        _BITS[address.option("bits", "8")],
     )

@@ -27,9 +27,9 @@ from assistant.controllers.mitsubishi.rules import MONITOR_SILENT, NO_MONITOR, r
 
 PORT: Final = 12000
 """First element of MONPORT as delivered."""
-PACKET_SIZE: Final = 196
-START_COMMAND: Final = 1
-END_COMMAND: Final = 255
+_PACKET_SIZE: Final = 196
+_START_COMMAND: Final = 1
+_END_COMMAND: Final = 255
 FIELDS: Final = (
     *((0, "H", "command"), (4, "H", "type1"), (8, "40s", "data1")),
     *((48, "H", "first_input"), (50, "H", "first_output")),
@@ -39,11 +39,11 @@ FIELDS: Final = (
     *((152, "H", "type4"), (156, "40s", "data4")),
 )
 """Offset, form and name of each field that is used; little-endian."""
-FIELD_STRUCTS: Final = {name: (offset, struct.Struct("<" + form)) for offset, form, name in FIELDS}
+_FIELD_STRUCTS: Final = {name: (offset, struct.Struct("<" + form)) for offset, form, name in FIELDS}
 
 AXES: Final = tuple(f"J{i}" for i in range(1, 9))
 POSE: Final = (*"xyzabc", "l1", "l2", "flag1", "flag2")
-FORCE: Final = ("fx", "fy", "fz", "mx", "my", "mz")
+_FORCE: Final = ("fx", "fy", "fz", "mx", "my", "mz")
 ROBOT: Final = (
     *("speed_feedback", "left_feedback", "speed", "left", "gap", "factor", "accelerating"),
     *("step", "temperature", "cycles"),
@@ -53,12 +53,12 @@ FORMS: Final[Mapping[str, tuple[struct.Struct, tuple[str, ...]]]] = {
     "joint": (struct.Struct("<8f8x"), AXES),
     "pulse": (struct.Struct("<8i8x"), AXES),
     "float8": (struct.Struct("<8f8x"), AXES),
-    "force": (struct.Struct("<6f16x"), FORCE),
+    "force": (struct.Struct("<6f16x"), _FORCE),
     "robot": (struct.Struct("<5f3h6xh2xI"), ROBOT),
 }
 """Structure → its form and what its numbers are called; of `robot` mm/s, mm, tenths of degrees
 Celsius and cycles since the controller was switched on, without the name of the program."""
-PROGRAM_NAME_BYTES: Final = slice(26, 32)
+_PROGRAM_NAME_BYTES: Final = slice(26, 32)
 """Bytes of `robot` with the name of the program in slot 1."""
 
 TYPES: Final[Mapping[str, tuple[int, str]]] = {
@@ -101,8 +101,8 @@ TYPES: Final[Mapping[str, tuple[int, str]]] = {
 }
 """Name → data type ID and structure (table 5-8). Those from 1001 on are degrees and amperes, which
 controllers know from software R4b/S4b on; those with units in their name are older."""
-MOST_TYPES: Final = 4
-START_RETRY: Final = 0.1
+_MOST_TYPES: Final = 4
+_START_RETRY: Final = 0.1
 """Seconds after which a start that is not answered is sent again."""
 
 
@@ -144,7 +144,7 @@ class Monitor:
     ) -> None:
         unknown = sorted(set(types) - set(TYPES))
         require("types", unknown, not unknown, f"known are {', '.join(TYPES)}")
-        right = 1 <= len(types) <= MOST_TYPES and len(set(types)) == len(types)
+        right = 1 <= len(types) <= _MOST_TYPES and len(set(types)) == len(types)
         require("types", tuple(types), right, "a packet has room for four different ones")
         require("port", port, 0 < port < 65536, "it is a number from 1 to 65535")
         require("local_port", local_port, 0 <= local_port < 65536, "it is 0 or a port")
@@ -186,7 +186,7 @@ class Monitor:
         before, moment = None, began
         while True:
             counter = int(
-                FIELD_STRUCTS["counter"][1].unpack_from(packet, FIELD_STRUCTS["counter"][0])[0]
+                _FIELD_STRUCTS["counter"][1].unpack_from(packet, _FIELD_STRUCTS["counter"][0])[0]
             )
             ahead = 1 if before is None else (counter - before) % (1 << 32)
             if 0 < ahead < 1 << 31:
@@ -217,8 +217,8 @@ class Monitor:
         """The first packet and when it came."""
         until = time.monotonic() + self._timeout
         for _ in count():
-            self._send(START_COMMAND)
-            got = self._receive(min(START_RETRY, max(0.0, until - time.monotonic())))
+            self._send(_START_COMMAND)
+            got = self._receive(min(_START_RETRY, max(0.0, until - time.monotonic())))
             if got is not None:
                 return got
             if time.monotonic() >= until:
@@ -244,14 +244,18 @@ class Monitor:
                 return None
             except ConnectionError:  # nothing listened on that port when it was asked
                 continue
-            if sender[0] == self._peer[0] and len(packet) == PACKET_SIZE and self._is_asked(packet):
+            if (
+                sender[0] == self._peer[0]
+                and len(packet) == _PACKET_SIZE
+                and self._is_asked(packet)
+            ):
                 return time.monotonic(), packet
         return None
 
     def _is_asked(self, packet: bytes) -> bool:
         wanted = [TYPES[name][0] for name in self._types]
         for i, number in enumerate(wanted, 1):
-            offset, form = FIELD_STRUCTS[f"type{i}"]
+            offset, form = _FIELD_STRUCTS[f"type{i}"]
             if form.unpack_from(packet, offset)[0] != number:
                 return False
         return True
@@ -260,34 +264,36 @@ class Monitor:
         values: dict[str, tuple[float, ...]] = {}
         program = ""
         for i, name in enumerate(self._types, 1):
-            offset = FIELD_STRUCTS[f"data{i}"][0]
+            offset = _FIELD_STRUCTS[f"data{i}"][0]
             structure = TYPES[name][1]
             numbers = FORMS[structure][0].unpack_from(packet, offset)
             values[name] = tuple(float(v) if isfinite(v) else float("nan") for v in numbers)
             if structure == "robot":
-                named = packet[offset + PROGRAM_NAME_BYTES.start : offset + PROGRAM_NAME_BYTES.stop]
+                named = packet[
+                    offset + _PROGRAM_NAME_BYTES.start : offset + _PROGRAM_NAME_BYTES.stop
+                ]
                 program = named.split(b"\0")[0].decode("ascii", "replace").strip()
         inputs, outputs = (
-            int(FIELD_STRUCTS[n][1].unpack_from(packet, FIELD_STRUCTS[n][0])[0])
+            int(_FIELD_STRUCTS[n][1].unpack_from(packet, _FIELD_STRUCTS[n][0])[0])
             for n in ("inputs", "outputs")
         )
         return MonitorSample(seconds, counter, values, inputs, outputs, program, lost)
 
     def _send(self, command: int) -> None:
-        packet = bytearray(PACKET_SIZE)
+        packet = bytearray(_PACKET_SIZE)
         fields = {"command": command}
-        if command == START_COMMAND:
+        if command == _START_COMMAND:
             fields |= {f"type{i}": TYPES[name][0] for i, name in enumerate(self._types, 1)}
             fields |= {"first_input": self._signals[0], "first_output": self._signals[1]}
         for name, value in fields.items():
-            offset, form = FIELD_STRUCTS[name]
+            offset, form = _FIELD_STRUCTS[name]
             form.pack_into(packet, offset, value)
         self._socket.sendto(packet, self._peer)
 
     def _stop(self) -> None:
         """Asks the controller to send no more."""
         try:
-            self._send(END_COMMAND)
+            self._send(_END_COMMAND)
         except OSError:
             return  # there is no way to the controller, whose packets go nowhere then
         finally:

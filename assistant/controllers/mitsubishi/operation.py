@@ -28,9 +28,9 @@ from assistant.controllers.mitsubishi.state import (
 )
 from assistant.controllers.mitsubishi.values import external_variables, selected_program
 
-OPERATION_POLL: Final = 0.1
+_OPERATION_POLL: Final = 0.1
 """Seconds between two looks whether something has come to its end."""
-SERVO_TIME: Final = 10.0
+_SERVO_TIME: Final = 10.0
 """Seconds that servos may take to come on; they need about two."""
 MOST_PERCENT: Final = 100
 
@@ -74,7 +74,7 @@ def motors(session: Session, *, on: bool) -> None:
             return bool(run_bits(session)[0] & SERVO) == on
 
         state = "look at the state before anything moves"
-        wait(session, done, doing, state, SERVO_TIME, errors_end_it=on)
+        wait(session, done, doing, state, _SERVO_TIME, errors_end_it=on)
 
 
 def start(session: Session, slot: int, *, forever: bool) -> None:
@@ -126,7 +126,7 @@ def _stop_others(session: Session, doing: str) -> None:
             session.ask("STOP", doing=doing, slot=slot, shape=BARE_ANSWER)
 
     state = "programs still run"
-    wait(session, lambda: not running(session), doing, state, SERVO_TIME, errors_end_it=False)
+    wait(session, lambda: not running(session), doing, state, _SERVO_TIME, errors_end_it=False)
 
 
 def override(session: Session, percent: int) -> None:
@@ -184,16 +184,16 @@ def wait(
         if time.monotonic() > end:
             place = str(session.address)
             raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=most, state=state))
-        time.sleep(OPERATION_POLL)
+        time.sleep(_OPERATION_POLL)
 
 
 SCRATCH: Final = "ASSISTANT"
 """Program whose variables single statements use; no backup has it."""
-ENDING_TIMEOUT: Final = 5.0
+_ENDING_TIMEOUT: Final = 5.0
 """Seconds in which a program must end, with and without a stop."""
-ENDING_POLL: Final = 0.05
+_ENDING_POLL: Final = 0.05
 """Seconds between two looks whether it runs."""
-PRESENT: Final = "N"
+_PRESENT: Final = "N"
 """Answer of FCHECK for a file that exists."""
 
 
@@ -223,7 +223,7 @@ def scratch(session: Session, doing: str) -> Iterator[int]:
 def _exists(session: Session, name: str) -> bool:
     file = programs.file_name(session, name)
     answer = session.attempt(f"FCHECK{file}", doing=f"looking for `{name}`")
-    return answer.ok and answer.text.strip().upper().startswith(PRESENT)
+    return answer.ok and answer.text.strip().upper().startswith(_PRESENT)
 
 
 def _quietly(session: Session, command: str, slot: int) -> None:
@@ -305,14 +305,14 @@ class BorrowedState:
     def _end(self, slot: int) -> None:
         """Wait for the program of a slot, stop it if it does not end, and reset it."""
         session, stopped = self._session, False
-        end = time.monotonic() + ENDING_TIMEOUT
+        end = time.monotonic() + _ENDING_TIMEOUT
         while slot_state(session, slot).running:
             if time.monotonic() > end:
                 if stopped:
                     break
                 session.ask("STOP", doing=f"stopping slot {slot}", slot=slot, shape=BARE_ANSWER)
-                stopped, end = True, time.monotonic() + ENDING_TIMEOUT
-            time.sleep(ENDING_POLL)
+                stopped, end = True, time.monotonic() + _ENDING_TIMEOUT
+            time.sleep(_ENDING_POLL)
         if slot_state(session, slot).stop & WAITING:
             session.ask("RSTPRG", doing=f"resetting slot {slot}", slot=slot, shape=BARE_ANSWER)
 

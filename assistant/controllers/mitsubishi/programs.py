@@ -27,15 +27,15 @@ ENCODING: Final = "latin-1"
 
 BLANKS: Final = " \t"
 """The only ones: other bytes that Python calls blank are halves of Japanese characters."""
-STEP_LINE: Final = re.compile(r"\s*(\d+)(?:[ \t]+(.*))?$", re.DOTALL | re.ASCII)
-VARIABLE_LINE: Final = re.compile(
+_STEP_LINE: Final = re.compile(r"\s*(\d+)(?:[ \t]+(.*))?$", re.DOTALL | re.ASCII)
+_VARIABLE_LINE: Final = re.compile(
     r"\s*([A-Za-z]\w*[$%&!#]?(?:\([\d, ]*\))?)\s*=\s*(\(.*)$", re.DOTALL | re.ASCII
 )
-DECIMAL_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?", re.ASCII)
-QUOTED: Final = re.compile(
+_DECIMAL_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?", re.ASCII)
+_QUOTED: Final = re.compile(
     r"""("[^"]*"?)|('.*$|\bREM\b.*$)""", re.IGNORECASE | re.DOTALL | re.ASCII
 )
-DECIMALS: Final = Decimal("0.01")
+_DECIMALS: Final = Decimal("0.01")
 """A controller lists positions with two decimals."""
 
 
@@ -62,9 +62,9 @@ def listed_form(data: bytes) -> bytes:
     variables: dict[str, str] = {}
     others: list[str] = []
     for line in program_lines(data):
-        if step := STEP_LINE.match(line.text):
+        if step := _STEP_LINE.match(line.text):
             steps[int(step[1])] = statement_form(step[2] or "")
-        elif variable := VARIABLE_LINE.match(line.text):
+        elif variable := _VARIABLE_LINE.match(line.text):
             name = re.sub(r"[ \t]+", "", variable[1]).upper()
             variables[name] = f"{name}={rounded_values(variable[2])}"
         else:
@@ -77,7 +77,7 @@ def listed_form(data: bytes) -> bytes:
 def statement_form(statement: str) -> str:
     """A statement in capitals with single blanks, strings and comments as they are."""
     parts, at = [], 0
-    for quoted in QUOTED.finditer(statement):
+    for quoted in _QUOTED.finditer(statement):
         parts += [_capitals(statement[at : quoted.start()]), quoted[0]]
         at = quoted.end()
     parts.append(_capitals(statement[at:]))
@@ -87,12 +87,12 @@ def statement_form(statement: str) -> str:
 def rounded_values(text: str) -> str:
     """A bracketed list of numbers with two decimals each; flags in the second stay whole."""
     head, bracket, flags = re.sub(r"[ \t]+", "", text).partition(")")
-    return DECIMAL_NUMBER.sub(_rounded, head) + bracket + flags
+    return _DECIMAL_NUMBER.sub(_rounded, head) + bracket + flags
 
 
 def _rounded(number: re.Match[str]) -> str:
     try:
-        value = Decimal(number[0]).quantize(DECIMALS, ROUND_HALF_EVEN)
+        value = Decimal(number[0]).quantize(_DECIMALS, ROUND_HALF_EVEN)
     except InvalidOperation:  # more digits than any robot has millimetres
         return number[0]
     return f"{value + 0 if value else Decimal('0.00'):+.2f}"
@@ -108,19 +108,19 @@ def natural_order(name: str) -> list[str | int]:
 
 
 VT: Final = "\v"
-PROGRAM_NAME: Final = re.compile(r"[A-Z0-9]{1,12}")
+_PROGRAM_NAME: Final = re.compile(r"[A-Z0-9]{1,12}")
 LANGUAGES: Final = {
     "MB4": ("melfa-basic-4",),
     "MB5": ("melfa-basic-5",),
     "MB6": ("melfa-basic-6",),
 }
 """Suffix of a controller's program files → languages of the programs that it takes."""
-NO_PROGRAM: Final = 4140
-MOST_PROGRAMS: Final = 100_000
+_NO_PROGRAM: Final = 4140
+_MOST_PROGRAMS: Final = 100_000
 """Entries after which an endless folder counts as a fault."""
-MOST_DIGITS: Final = 15
+_MOST_DIGITS: Final = 15
 """Digits of a size in bytes."""
-MOST_LINES: Final = 100_000
+_MOST_LINES: Final = 100_000
 """Answers after which a program counts as endless: steps go up to 32767."""
 
 
@@ -149,7 +149,7 @@ def directory(session: Session) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
     others: list[str] = []
     told: set[str] = set()
     text = session.ask("PDIRTOP", doing=doing).text
-    for index in range(1, MOST_PROGRAMS):
+    for index in range(1, _MOST_PROGRAMS):
         if text in told:
             session.garbled(doing, text)
         told.add(text)
@@ -173,7 +173,7 @@ def _entry(name: str, fields: list[str], *, first: bool) -> Entry:
     size = fields[1] if len(fields) > 1 else ""
     return Entry(
         name,
-        int(size) if size.isdecimal() and len(size) <= MOST_DIGITS else None,
+        int(size) if size.isdecimal() and len(size) <= _MOST_DIGITS else None,
         time_of(fields[2]) if len(fields) > 2 else None,
         rest[0].strip() if rest else "",
     )
@@ -213,7 +213,7 @@ def write(session: Session, name: str, data: bytes) -> None:
     """Replaces the program; its lines are all looked at before the first is sent."""
     checked_name(name)
     most = _room(session)
-    parcels = list(_parcels(checked_lines(name, data, most), most))
+    parcels = list(_parcels(_checked_lines(name, data, most), most))
     state = f"`{name}` there is as it was"
     doing = f"writing `{name}`"
     with editing(session, name, doing, state):
@@ -226,7 +226,7 @@ def write(session: Session, name: str, data: bytes) -> None:
 
 def check_text(session: Session, name: str, data: bytes) -> None:
     """Raises Refused for lines that the link cannot carry, or that others see elsewhere."""
-    checked_lines(name, data, _room(session))
+    _checked_lines(name, data, _room(session))
     check_sent(data, name, by_line=True)
 
 
@@ -275,7 +275,7 @@ def _two(session: Session, name: str, new: str, doing: str) -> str:
     checked_name(new)
     there = names(session)
     if name not in there:
-        raise Refused(session.alarm(NO_PROGRAM, doing))
+        raise Refused(session.alarm(_NO_PROGRAM, doing))
     if new in there:
         reason = "there is a program of that name already"
         raise Refused(rules.FILE_NAME(place=new, name=new, reason=reason))
@@ -298,7 +298,7 @@ def editing(session: Session, name: str, doing: str, state: str) -> Iterator[Non
 
 def _steps(session: Session, doing: str) -> Iterator[str]:
     command = "LISTLTOP"
-    for _ in range(MOST_LINES):
+    for _ in range(_MOST_LINES):
         text = session.ask(command, doing=doing).text
         if not text.strip("; "):
             return
@@ -320,7 +320,7 @@ def counted(session: Session, text: str, doing: str) -> tuple[str, int, bool]:
 
 def _positions(session: Session, doing: str) -> Iterator[str]:
     command = "LISTPTOP"
-    for _ in range(MOST_LINES):
+    for _ in range(_MOST_LINES):
         line = session.ask(command, doing=doing).text
         if not line:
             return
@@ -338,7 +338,7 @@ def _send(session: Session, name: str, parcel: list[ProgramLine], doing: str, st
         return
     if not answer.places:  # not a line is wrong but the moment
         raise session.refusal(answer.number, doing, state)
-    nth, column = place_in_parcel(answer.places)
+    nth, column = _place_in_parcel(answer.places)
     line = parcel[min(max(nth, 1), len(parcel)) - 1]
     known = cr_error(answer.number)
     raise Refused(
@@ -358,13 +358,13 @@ def _send(session: Session, name: str, parcel: list[ProgramLine], doing: str, st
 
 def checked_name(name: str) -> str:
     """The name, if a program of a CR controller can have it; raises Refused."""
-    if PROGRAM_NAME.fullmatch(name):
+    if _PROGRAM_NAME.fullmatch(name):
         return name
     reason = "1 to 12 capital letters A-Z and digits are allowed"
     raise Refused(rules.FILE_NAME(place=name, name=name, reason=reason))
 
 
-def checked_lines(name: str, data: bytes, most: int) -> list[ProgramLine]:
+def _checked_lines(name: str, data: bytes, most: int) -> list[ProgramLine]:
     """The lines of a program, if the link can carry each of its `most` bytes; raises Refused."""
     lines = program_lines(data)
     findings = [finding for line in lines if (finding := _unsendable(name, line, most))]
@@ -385,7 +385,7 @@ def _unsendable(name: str, line: ProgramLine, most: int) -> Diagnostic | None:
     return None
 
 
-def place_in_parcel(places: tuple[int, ...]) -> tuple[int, int | None]:
+def _place_in_parcel(places: tuple[int, ...]) -> tuple[int, int | None]:
     """Line of a parcel and character in it, from `<nth line>;<character>` of an answer."""
     return places[0], (places[1] if len(places) > 1 else None)
 

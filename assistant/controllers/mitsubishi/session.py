@@ -26,10 +26,10 @@ from assistant.controllers import rules
 from assistant.controllers.address import Address
 from assistant.controllers.mitsubishi.link import BARE_ANSWER, ENCODING, Answer, Link, link_to
 
-ERROR_LEVELS: Final = {"H": "high", "L": "low", "C": "caution"}
+_ERROR_LEVELS: Final = {"H": "high", "L": "low", "C": "caution"}
 """High: servos go off. Low: the program stops. Caution: the program goes on."""
 
-ERROR_FAMILIES: Final = {
+_ERROR_FAMILIES: Final = {
     0: "an error of the hardware",
     1: "an error of the servos",
     2: "an error of the motion",
@@ -48,7 +48,7 @@ LOOK_IT_UP: Final = "look the number up in the controller's troubleshooting manu
 
 @dataclass(frozen=True, slots=True)
 class CrError:
-    """One error number; level is a key of `ERROR_LEVELS`, "" if it is not known."""
+    """One error number; level is a key of `_ERROR_LEVELS`, "" if it is not known."""
 
     number: int
     level: str
@@ -61,7 +61,7 @@ def cr_error(number: int) -> CrError:
     digits = f"{number:04}"
     rows = (_error_table().get(digits), _error_table().get(f"{digits[:-1]}n"))
     level, text, cure = next((row for row in rows if row is not None), ("", "", ""))
-    words = text.replace("{n}", digits[-1]) or ERROR_FAMILIES.get(number // 1000, "an error")
+    words = text.replace("{n}", digits[-1]) or _ERROR_FAMILIES.get(number // 1000, "an error")
     return CrError(number, level, words, cure or LOOK_IT_UP)
 
 
@@ -73,22 +73,22 @@ def _error_table() -> Mapping[str, tuple[str, str, str]]:
     return {row["number"]: (row["level"], row["text"], row["cure"]) for row in rows}
 
 
-OPEN_NAME: Final = "USERTOOL"
+_OPEN_NAME: Final = "USERTOOL"
 """Name under which a session is opened; controllers know NARCUSR, USERTOOL and TOOLBOX."""
-HELLOS: Final = 3
+_HELLOS: Final = 3
 """Times that a session is opened on a serial line until the answer is one to that."""
-QUIET_AFTER_HELLO: Final = 0.15
+_QUIET_AFTER_HELLO: Final = 0.15
 """Seconds after that answer in which nothing else may come: it could be a late one itself."""
-TAKEN_ERRORS: Final = frozenset({4170})
+_TAKEN_ERRORS: Final = frozenset({4170})
 """A program that is open somewhere, also in a session whose line is cut (reference, 4)."""
-NO_RIGHT: Final = 6020
+_NO_RIGHT: Final = 6020
 UNCHANGED: Final = "nothing was changed by that"
 RUN_BITS: Final = re.compile(r"([0-9A-F]{2})([0-9A-F]{2})(\d*)(?:;.*)?", re.IGNORECASE | re.DOTALL)
 """Run bits, stop bits and error number, as DSTATE and the fifth field of STATE have them."""
-RIGHT_TAKEN: Final = 0x80
+_RIGHT_TAKEN: Final = 0x80
 COMMAND_INTERVAL: Final = 0.1
 """Seconds between commands while a program runs, which the manual asks for."""
-RIGHT_POLL: Final = 0.05
+_RIGHT_POLL: Final = 0.05
 """Seconds between two looks whether the right is free."""
 
 
@@ -213,7 +213,7 @@ class Session:
             return self._once(f"1;{slot};{command}", doing, state, shape)
 
         answer = once()
-        if answer.number != NO_RIGHT or self.has_right:
+        if answer.number != _NO_RIGHT or self.has_right:
             return answer
         with self.scope():
             refused = self._take_right(doing, state)
@@ -258,7 +258,7 @@ class Session:
 
     def refusal(self, number: int, doing: str, state: str = UNCHANGED) -> Refused:
         """Return the exception for an error number."""
-        kind = rules.Taken if number in TAKEN_ERRORS else Refused
+        kind = rules.Taken if number in _TAKEN_ERRORS else Refused
         return kind(self.alarm(number, doing, state))
 
     def alarm(self, number: int, doing: str, state: str = UNCHANGED) -> Diagnostic:
@@ -299,10 +299,10 @@ class Session:
         """
         doing = "opening a session"
         serial = self.address.port == 0
-        for left in reversed(range(HELLOS if serial else 1)):
+        for left in reversed(range(_HELLOS if serial else 1)):
             try:
                 answer = self._link.ask(
-                    f"1;1;OPEN={OPEN_NAME}", doing=doing, state=UNCHANGED, timeout=timeout
+                    f"1;1;OPEN={_OPEN_NAME}", doing=doing, state=UNCHANGED, timeout=timeout
                 )
             except rules.Lost as error:
                 if not left or error.findings[0].code != rules.GARBLED.code:
@@ -310,7 +310,7 @@ class Session:
                 self._link.open(timeout)  # which forgets what has come
                 continue
             if not serial or (
-                about(answer.text).robot and self._link.stays_quiet(QUIET_AFTER_HELLO)
+                about(answer.text).robot and self._link.stays_quiet(_QUIET_AFTER_HELLO)
             ):
                 break
         return answer
@@ -355,17 +355,17 @@ class Session:
             self._link.open(self.timeout)
             self._hello(self.timeout)
             while True:
-                left = max(RIGHT_POLL, end - time.monotonic())
+                left = max(_RIGHT_POLL, end - time.monotonic())
                 self._link.ask("1;1;CNTLOFF", doing=doing, state=UNCHANGED, timeout=left)
                 told = self._link.ask("1;1;DSTATE", doing=doing, state=UNCHANGED, timeout=left)
                 bits = RUN_BITS.fullmatch(told.text)
                 if bits is None or not told.ok:
                     return "the controller does not tell whether it is free"
-                if not int(bits[1], 16) & RIGHT_TAKEN:
+                if not int(bits[1], 16) & _RIGHT_TAKEN:
                     return None
-                if time.monotonic() + RIGHT_POLL > end:
+                if time.monotonic() + _RIGHT_POLL > end:
                     return "the controller shows it as taken"
-                time.sleep(RIGHT_POLL)
+                time.sleep(_RIGHT_POLL)
         except Refused as error:
             return error.findings[0].message
         finally:

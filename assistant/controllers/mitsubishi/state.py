@@ -24,11 +24,11 @@ from assistant.controllers.mitsubishi.programs import time_of
 from assistant.controllers.mitsubishi.session import RUN_BITS, Session, cr_error
 from assistant.controllers.states import Fault, Identity, Position, State, TaskState
 
-TEACH, SERVO, RUNNING = 0x08, 0x20, 0x40
-EMERGENCY, WAITING, SELECTABLE = 0x01, 0x04, 0x10
-CAUTION: Final = "3"
+_TEACH, SERVO, RUNNING = 0x08, 0x20, 0x40
+_EMERGENCY, WAITING, _SELECTABLE = 0x01, 0x04, 0x10
+_CAUTION: Final = "3"
 """Level of an error that stops nothing."""
-SERIAL_PARAMETER: Final = "RCSERIAL"
+_SERIAL_PARAMETER: Final = "RCSERIAL"
 """Parameter of the controller's serial number, as parameter files of RT ToolBox have it."""
 
 
@@ -91,10 +91,10 @@ def controller_state(session: Session, slots: Iterable[int] | None = None) -> St
     told = {1: first, **{number: slot_state(session, number) for number in others}}
     session.running = any(slot.running for slot in told.values())
     return State(
-        mode="manual" if first.run & TEACH else "automatic",
+        mode="manual" if first.run & _TEACH else "automatic",
         motors=bool(first.run & SERVO),
         running=session.running,
-        emergency=bool(first.stop & EMERGENCY),
+        emergency=bool(first.stop & _EMERGENCY),
         right=session.has_right,
         override=first.override,
         tasks=tuple(
@@ -121,7 +121,7 @@ def faults(session: Session) -> tuple[Fault, ...]:
 def fault(number: int, level: str = "", text: str = "") -> Fault:
     """An error by its number; level: 1 high, 2 low, 3 caution, as the controller tells it."""
     known = cr_error(number)
-    mild = level == CAUTION or (not level and known.level == "C")
+    mild = level == _CAUTION or (not level and known.level == "C")
     kind: Literal["error", "warning"] = "warning" if mild else "error"
     return Fault(number, text or known.text, kind, known.cure)
 
@@ -138,11 +138,11 @@ def reset(session: Session) -> None:
 def identify(session: Session) -> Identity:
     """Robot, controller and version; the serial number where the controller has one to tell."""
     about = session.about
-    told = session.attempt(f"PNR{SERIAL_PARAMETER}", doing="asking for the serial number")
+    told = session.attempt(f"PNR{_SERIAL_PARAMETER}", doing="asking for the serial number")
     fields = told.text.split(";")
     serial = (
         fields[1].strip(' "')
-        if told.ok and fields[0] == SERIAL_PARAMETER and len(fields) > 1
+        if told.ok and fields[0] == _SERIAL_PARAMETER and len(fields) > 1
         else ""
     )
     return Identity(about.robot, about.controller, about.version, serial)
@@ -152,8 +152,8 @@ def _whole(text: str) -> int | None:
     return int(text) if text.strip().isdecimal() else None
 
 
-LOG_LEVELS: Final = {"H": "1", "L": "2", "C": "3"}
-MOST_LOG_ENTRIES: Final = 2000
+_LOG_LEVELS: Final = {"H": "1", "L": "2", "C": "3"}
+_MOST_LOG_ENTRIES: Final = 2000
 """Entries after which an endless history counts as a fault."""
 
 
@@ -162,7 +162,7 @@ def error_history(session: Session, most: int) -> tuple[Fault, ...]:
     doing = "reading the error history"
     found: list[Fault] = []
     text = session.ask("ERRORLOGTOP", doing=doing).text
-    while text.strip("; ") and len(found) < MOST_LOG_ENTRIES:
+    while text.strip("; ") and len(found) < _MOST_LOG_ENTRIES:
         fields = text.split(";")
         if len(fields) < 5 or not re.fullmatch(r"\d{1,5}", fields[2].strip()):
             session.garbled(doing, text)
@@ -178,14 +178,14 @@ def _log_entry(fields: list[str]) -> Fault:
     if rest and rest[0]:
         line = f", line {rest[1]}" if len(rest) > 1 and rest[1].strip("0") else ""
         words += f" (`{rest[0]}`{line})"
-    told = fault(int(number), LOG_LEVELS.get(level.upper(), level), words)
+    told = fault(int(number), _LOG_LEVELS.get(level.upper(), level), words)
     return replace(told, time=time_of(f"{date}{clock}"))
 
 
-NO_AXIS: Final = re.compile(r"\*+|")
-AXIS_VALUE: Final = re.compile(r"[+-]?\d{1,12}(?:\.\d{0,12})?", re.ASCII)
-POSE_AXES: Final = ("X", "Y", "Z", "A", "B", "C")
-ADDITIONAL_AXES: Final = ("L1", "L2")
+_NO_AXIS: Final = re.compile(r"\*+|")
+_AXIS_VALUE: Final = re.compile(r"[+-]?\d{1,12}(?:\.\d{0,12})?", re.ASCII)
+_POSE_AXES: Final = ("X", "Y", "Z", "A", "B", "C")
+_ADDITIONAL_AXES: Final = ("L1", "L2")
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,25 +201,26 @@ class Shown:
         return self.values.get(name) or 0.0
 
 
-def parse_shown(session: Session, command: str) -> Shown:
+def _parse_shown(session: Session, command: str) -> Shown:
     """Parse the answer to JPOSF, PPOSF and the like."""
     doing = "asking where the arm is"
     answer = session.ask(command, doing=doing)
     axes, separator, rest = answer.text.partition(";;")
     fields = axes.split(";")
     names, values = fields[::2], fields[1::2]
-    good = all(AXIS_VALUE.fullmatch(v) or NO_AXIS.fullmatch(v) for v in values)
+    good = all(_AXIS_VALUE.fullmatch(v) or _NO_AXIS.fullmatch(v) for v in values)
     if not separator or not len(set(names)) == len(names) == len(values) or not good:
         session.garbled(doing, answer.text)
     read = {
-        n: float(v) if AXIS_VALUE.fullmatch(v) else None for n, v in zip(names, values, strict=True)
+        n: float(v) if _AXIS_VALUE.fullmatch(v) else None
+        for n, v in zip(names, values, strict=True)
     }
     return Shown(read, rest.split(";")[0].strip(), answer.alarmed)
 
 
 def joints(session: Session) -> Shown:
     """Degrees, mm of linear axes."""
-    told = parse_shown(session, "JPOSF")
+    told = _parse_shown(session, "JPOSF")
     if not all(re.fullmatch(r"J[1-8]", name) for name in told.values):
         session.garbled("asking for the joints", repr(dict(told.values)))
     return told
@@ -227,7 +228,7 @@ def joints(session: Session) -> Shown:
 
 def pose(session: Session) -> Shown:
     """X, Y, Z in mm, A, B, C in degrees."""
-    told = parse_shown(session, "PPOSF")
+    told = _parse_shown(session, "PPOSF")
     if any(told.values.get(name) is None for name in "XYZ"):
         session.garbled("asking for the pose", repr(dict(told.values)))
     return told
@@ -247,7 +248,7 @@ def position(session: Session) -> Position:
 
 def orientation(axes: Shown, place: Shown) -> tuple[float, float, float, float]:
     """The quaternion (w, x, y, z) of a pose, for an arm of five axes with the help of joints."""
-    if has_five_axes(axes, place):
+    if _has_five_axes(axes, place):
         turns = (("Z", axes.value("J1")), ("Y", place.value("B")), ("Z", axes.value("J6")))
         one, two, three = (rotations.about(rotations.AXES[axis], by) for axis, by in turns)
         quaternion = rotations.multiply(rotations.multiply(one, two), three)
@@ -265,13 +266,13 @@ def turn_of(
     five_axes: for an arm without J4, whatever value its column has.
     """
     told: dict[str, float | None] = {f"J{i}": joint for i, joint in enumerate(joints, 1)}
-    shown: dict[str, float | None] = dict(zip(POSE_AXES, place, strict=False))
+    shown: dict[str, float | None] = dict(zip(_POSE_AXES, place, strict=False))
     if five_axes:
         told["J4"] = shown["C"] = None
     return orientation(Shown(told, ""), Shown(shown, ""))
 
 
-def has_five_axes(axes: Shown, place: Shown) -> bool:
+def _has_five_axes(axes: Shown, place: Shown) -> bool:
     """True if A and B alone define the orientation: no J4, and no C."""
     return axes.values.get("J4") is None and place.values.get("C") is None and "B" in place.values
 
@@ -279,7 +280,7 @@ def has_five_axes(axes: Shown, place: Shown) -> bool:
 def pose_text(place: Shown, values: Mapping[str, float] | None = None) -> str:
     """The pose as MELFA-BASIC writes it, with some other values."""
     named = dict(place.values) | dict(values or {})
-    names = [*POSE_AXES, *(name for name in ADDITIONAL_AXES if named.get(name) is not None)]
+    names = [*_POSE_AXES, *(name for name in _ADDITIONAL_AXES if named.get(name) is not None)]
     body = ",".join(f"{named.get(name) or 0.0:.2f}" for name in names)
     flags = place.flags if re.fullmatch(r"\d+,\d+", place.flags) else "0,0"
     return f"({body})({flags})"

@@ -31,26 +31,26 @@ from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.controllers.mitsubishi.state import running
 
 T = TypeVar("T")
-SETTLING: Final = 1.0
+_SETTLING: Final = 1.0
 """Seconds for an assignment of EXEC to be carried out."""
-SETTLING_POLL: Final = 0.02
+_SETTLING_POLL: Final = 0.02
 NUMBER_PATTERN: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?"
-LITERAL: Final = re.compile(
+_LITERAL: Final = re.compile(
     rf"{NUMBER_PATTERN}|[+-]?&[HhBb][0-9A-Fa-f]+"
     r'|"[^"\x00-\x1f\x7f]*"'
     r"|\([-+0-9.,Ee ]*\)(?:\([-+0-9,&HhA-Fa-f ]*\))?",
     re.ASCII,
 )
 """A number, a text, or a position or joints: what a value may be, and no expression."""
-VARIABLE_NAME: Final = re.compile(
+_VARIABLE_NAME: Final = re.compile(
     r"[A-Za-z]\w{0,39}[$%&!#]?(?:\(\d{1,4}(?:, ?\d{1,4}){0,2}\))?", re.ASCII
 )
-PRINTABLE: Final = re.compile(r"[^\x00-\x1f\x7f;]*")
-SHOWN_ROUNDING: Final = 0.00501
+_PRINTABLE: Final = re.compile(r"[^\x00-\x1f\x7f;]*")
+_SHOWN_ROUNDING: Final = 0.00501
 """Half of the last of two decimals, which is what a controller shows of positions."""
-RELATIVE_ROUNDING: Final = 1e-5
+_RELATIVE_ROUNDING: Final = 1e-5
 """Part of a number that it may be off where more digits of it are shown."""
-TWO_DECIMALS: Final = re.compile(r"[+-]?\d*\.\d\d")
+_TWO_DECIMALS: Final = re.compile(r"[+-]?\d*\.\d\d")
 
 
 def bad_value(value: object, what: str, reason: str, form: str) -> Refused:
@@ -59,16 +59,16 @@ def bad_value(value: object, what: str, reason: str, form: str) -> Refused:
     return Refused(rules.BAD_VALUE(place=what, value=shown, what=what, reason=reason, form=form))
 
 
-def checked_variable(name: str) -> str:
+def _checked_variable(name: str) -> str:
     """The name of a variable or of an element; raises Refused."""
-    if VARIABLE_NAME.fullmatch(name):
+    if _VARIABLE_NAME.fullmatch(name):
         return name.upper().replace(" ", "")
     raise bad_value(name, "a variable", "it is no name of the language", "`M1`, `P_00` or `M1(2)`")
 
 
-def checked_value(value: str) -> str:
+def _checked_value(value: str) -> str:
     """Return a value other than an expression; raises Refused."""
-    if LITERAL.fullmatch(value.strip(" ")):
+    if _LITERAL.fullmatch(value.strip(" ")):
         return value.strip(" ")
     raise bad_value(
         value,
@@ -78,9 +78,9 @@ def checked_value(value: str) -> str:
     )
 
 
-def checked_text(text: str, what: str, form: str) -> str:
+def _checked_text(text: str, what: str, form: str) -> str:
     """Printable text without `;`, which would end an argument; raises Refused."""
-    if PRINTABLE.fullmatch(text):
+    if _PRINTABLE.fullmatch(text):
         return text
     reason = "it holds a control character or a semicolon"
     raise bad_value(text, what, reason, form)
@@ -105,37 +105,37 @@ def _parts(text: str) -> list[str]:
 
 def _near(one: str, two: str) -> bool:
     if re.fullmatch(NUMBER_PATTERN, one) and re.fullmatch(NUMBER_PATTERN, two):
-        rounded = any(map(TWO_DECIMALS.fullmatch, (one, two)))
-        most = RELATIVE_ROUNDING * max(abs(float(one)), abs(float(two)))
-        return abs(float(one) - float(two)) <= (max(SHOWN_ROUNDING, most) if rounded else most)
+        rounded = any(map(_TWO_DECIMALS.fullmatch, (one, two)))
+        most = _RELATIVE_ROUNDING * max(abs(float(one)), abs(float(two)))
+        return abs(float(one) - float(two)) <= (max(_SHOWN_ROUNDING, most) if rounded else most)
     return one.upper() == two.upper()
 
 
-def read_until_settled(read: Callable[[], T], good: Callable[[T], bool]) -> T:
+def _read_until_settled(read: Callable[[], T], good: Callable[[T], bool]) -> T:
     """Read until the result is as expected, or until the time-out; return the last result.
 
     EXEC is answered when a statement is accepted; its effect comes a moment later.
     """
-    end = time.monotonic() + SETTLING
+    end = time.monotonic() + _SETTLING
     while not good(now := read()) and time.monotonic() < end:
-        time.sleep(SETTLING_POLL)
+        time.sleep(_SETTLING_POLL)
     return now
 
 
-VARIABLE_CLASSES: Final = "MCPJ"
+_VARIABLE_CLASSES: Final = "MCPJ"
 """Numbers, texts, positions, joints."""
-EXTERNAL_NAME: Final = re.compile(r"[A-Z]_", re.IGNORECASE)
+_EXTERNAL_NAME: Final = re.compile(r"[A-Z]_", re.IGNORECASE)
 """Beginning of the names of variables that belong to no program."""
 ACTING_VARIABLE: Final = re.compile(r"M_(?:D?OUT|HND|YDEV|UDEV|TOOL|SVO)[A-Z0-9]*(?:\(.*)?")
 """Status variables that set outputs, open hands or choose a tool: no memory of a program."""
-MOST_VARIABLES: Final = 100_000
+_MOST_VARIABLES: Final = 100_000
 """Variables after which an endless list counts as a fault."""
 
 
 def read_variable(session: Session, name: str, program: str = "", slot: int = 1) -> str:
     """The value, of a program that is named or else of the one in the slot."""
-    name = checked_variable(name)
-    if EXTERNAL_NAME.match(name):
+    name = _checked_variable(name)
+    if _EXTERNAL_NAME.match(name):
         return _value(session, "GVAL", name, slot)
     if program and checked_name(program) != selected_program(session, slot):
         with editing(session, program, f"reading {name} of `{program}`", UNCHANGED):
@@ -150,11 +150,11 @@ def write_variable(
 
     A running program may have changed it by the time that it is read.
     """
-    name, value = checked_variable(name), checked_value(value)
+    name, value = _checked_variable(name), _checked_value(value)
     _carried(session, name, value)
     doing = f"setting {name}"
     state = f"{name} is as it was or as it should be"
-    if EXTERNAL_NAME.match(name):
+    if _EXTERNAL_NAME.match(name):
         if ACTING_VARIABLE.fullmatch(name):
             reason = "it acts on what is connected"
             raise bad_value(name, "a variable to be set", reason, "outputs, or the hand, instead")
@@ -174,7 +174,7 @@ def write_variable(
         except Refused:
             return "no value"  # an external one that is being made
 
-    back = read_until_settled(now, lambda told: same_value(told, value) or running(session))
+    back = _read_until_settled(now, lambda told: same_value(told, value) or running(session))
     if not same_value(back, value) and not running(session):
         raise Refused(rules.NOT_TAKEN(place=name, what=name, sent=value, back=back))
 
@@ -185,7 +185,7 @@ def write_saved_variables(session: Session, program: str, changed: Mapping[str, 
     doing = f"setting variables of `{program}`"
     state = f"`{program}` there is as it was"
     slot = session.edit_slot
-    wanted = {checked_variable(n): checked_value(v) for n, v in changed.items()}
+    wanted = {_checked_variable(n): _checked_value(v) for n, v in changed.items()}
     for name, value in wanted.items():
         _carried(session, name, value)
     with editing(session, program, doing, state):
@@ -215,7 +215,7 @@ def selected_program(session: Session, slot: int) -> str:
 
 def external_variables(session: Session) -> list[str]:
     """All variables that belong to no program, `name=value` each."""
-    return [line for kind in VARIABLE_CLASSES for line in _listed(session, "GVALS", kind, 1)]
+    return [line for kind in _VARIABLE_CLASSES for line in _listed(session, "GVALS", kind, 1)]
 
 
 def program_variables(session: Session, name: str) -> list[str]:
@@ -229,7 +229,7 @@ def program_variables(session: Session, name: str) -> list[str]:
 def _listed(session: Session, command: str, kind: str, slot: int) -> Iterator[str]:
     doing = "listing variables"
     where = "<"
-    for _ in range(MOST_VARIABLES):
+    for _ in range(_MOST_VARIABLES):
         text = session.ask(f"{command}{where};{kind}", doing=doing, slot=slot).text
         if not text.strip("; "):
             return
@@ -260,14 +260,14 @@ def _class_of(name: str) -> str:
     """By the first letter, which tells it but for names that a program has declared as numbers."""
     if "$" in name:
         return "C"
-    return name[0] if name[0] in VARIABLE_CLASSES else "M"
+    return name[0] if name[0] in _VARIABLE_CLASSES else "M"
 
 
-SIGNAL_WORD: Final = re.compile(r"[0-9A-F]{4}", re.IGNORECASE)
-WORD_BITS: Final = 16
-LAST_SIGNAL: Final = 32767
-HANDS: Final = range(1, 9)
-HAND_OPEN, HAND_CLOSED = 1, 2
+_SIGNAL_WORD: Final = re.compile(r"[0-9A-F]{4}", re.IGNORECASE)
+_WORD_BITS: Final = 16
+_LAST_SIGNAL: Final = 32767
+_HANDS: Final = range(1, 9)
+_HAND_OPEN, _HAND_CLOSED = 1, 2
 
 
 def inputs(session: Session, names: Sequence[str]) -> dict[str, float]:
@@ -285,8 +285,8 @@ def _read_signals(session: Session, command: str, names: Sequence[str]) -> dict[
     for number in sorted(set(numbers.values())):
         if number not in bits:
             doing = f"reading {'inputs' if command == 'IN' else 'outputs'} from {number}"
-            word = int(session.ask(f"{command}{number}", doing=doing, shape=SIGNAL_WORD).text, 16)
-            bits |= {number + bit: float(word >> bit & 1) for bit in range(WORD_BITS)}
+            word = int(session.ask(f"{command}{number}", doing=doing, shape=_SIGNAL_WORD).text, 16)
+            bits |= {number + bit: float(word >> bit & 1) for bit in range(_WORD_BITS)}
     return {name: bits[number] for name, number in numbers.items()}
 
 
@@ -302,7 +302,7 @@ def set_output(session: Session, name: str, value: float) -> None:
     doing = f"switching output {number}"
     with session.right(doing):
         session.ask(f"EXECM_OUT({number})={value:.0f}", doing=doing, shape=BARE_ANSWER)
-    back = read_until_settled(lambda: outputs(session, [name])[name], lambda now: now == value)
+    back = _read_until_settled(lambda: outputs(session, [name])[name], lambda now: now == value)
     if back != value:
         raise Refused(
             rules.NOT_TAKEN(
@@ -315,14 +315,14 @@ def hand(session: Session, number: int, *, is_open: bool) -> None:
     """Open or close a hand; raises Refused if no hand has that number."""
     doing = f"{'opening' if is_open else 'closing'} hand {number}"
     there = _hand_states(session)
-    if number not in HANDS or (there is not None and there.get(number) is None):
+    if number not in _HANDS or (there is not None and there.get(number) is None):
         raise bad_value(
             number, "a hand", "the controller has none of that number", "the number of a hand"
         )
     session.ask(f"HND{'ON' if is_open else 'OFF'}{number}", doing=doing, shape=BARE_ANSWER)
     told = _hand_states(session)
-    if told is not None and told.get(number) != (HAND_OPEN if is_open else HAND_CLOSED):
-        words = {HAND_OPEN: "open", HAND_CLOSED: "closed"}
+    if told is not None and told.get(number) != (_HAND_OPEN if is_open else _HAND_CLOSED):
+        words = {_HAND_OPEN: "open", _HAND_CLOSED: "closed"}
         raise Refused(
             rules.NOT_TAKEN(
                 place=str(session.address),
@@ -348,16 +348,16 @@ def _hand_states(session: Session) -> dict[int, int | None] | None:
 
 def number_of(name: str) -> int:
     """The number of a signal; raises Refused."""
-    if re.fullmatch(r"\d{1,5}", name, re.ASCII) and int(name) <= LAST_SIGNAL:
+    if re.fullmatch(r"\d{1,5}", name, re.ASCII) and int(name) <= _LAST_SIGNAL:
         return int(name)
     raise bad_value(
-        name, "a signal", "signals of this controller have numbers", f"0 to {LAST_SIGNAL}"
+        name, "a signal", "signals of this controller have numbers", f"0 to {_LAST_SIGNAL}"
     )
 
 
-KIND_FILE_HEAD: Final = "NARC parameter system"
-KIND_ROW: Final = re.compile(r"([A-Z][A-Z0-9_]{0,15})=([UM])([sdilfx]),(.*);")
-KIND_FORMS: Final = {
+_KIND_FILE_HEAD: Final = "NARC parameter system"
+_KIND_ROW: Final = re.compile(r"([A-Z][A-Z0-9_]{0,15})=([UM])([sdilfx]),(.*);")
+_KIND_FORMS: Final = {
     "s": (r".*", "text"),
     "d": (r"[+-]?\d+", "a whole number"),
     "i": (r"[+-]?\d+", "a whole number"),
@@ -369,7 +369,7 @@ KIND_FORMS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class ParameterKind:
-    """letter: see `KIND_FORMS`. count: of values. own: whether it is one of the user's."""
+    """letter: see `_KIND_FORMS`. count: of values. own: whether it is one of the user's."""
 
     letter: str
     count: int
@@ -377,7 +377,7 @@ class ParameterKind:
 
     def check(self, name: str, value: str) -> None:
         """Raises Refused if a value is of another kind, or if there are not as many."""
-        pattern, words = KIND_FORMS[self.letter]
+        pattern, words = _KIND_FORMS[self.letter]
         parts = [part.strip() for part in value.split(",")]
         wrong = next((part for part in parts if not re.fullmatch(pattern, part)), None)
         if wrong is not None:
@@ -400,10 +400,10 @@ def parameter_kinds(files: Iterable[str | FilePath]) -> dict[str, ParameterKind]
         except OSError as error:
             reason = error.strerror or str(error)
             raise Refused(rules.NO_PARAMETERS(path=str(path), file=path, reason=reason)) from None
-        if KIND_FILE_HEAD not in text.partition(";")[0]:
+        if _KIND_FILE_HEAD not in text.partition(";")[0]:
             reason = "it does not begin as a parameter file of RT ToolBox"
             raise Refused(rules.NO_PARAMETERS(path=str(path), file=path, reason=reason))
-        for row in KIND_ROW.finditer(text):
+        for row in _KIND_ROW.finditer(text):
             name, owner, letter, body = row.groups()
             found[name] = ParameterKind(letter, len(_row_values(body)), owner == "U")
     return found
@@ -414,8 +414,8 @@ def _row_values(body: str) -> list[str]:
     return re.findall(r'"[^"]*"|[^,]+', body)
 
 
-PARAMETER_NAME: Final = re.compile(r"[A-Z][A-Z0-9_]{0,15}")
-MOST_LISTS: Final = 10_000
+_PARAMETER_NAME: Final = re.compile(r"[A-Z][A-Z0-9_]{0,15}")
+_MOST_LISTS: Final = 10_000
 """Answers after which an endless list counts as a fault."""
 
 
@@ -442,7 +442,7 @@ def changed_parameters(session: Session) -> list[str]:
     """Names of the parameters that are not as they were delivered, sorted."""
     doing = "listing the changed parameters"
     found: set[str] = set()
-    for index in range(MOST_LISTS):
+    for index in range(_MOST_LISTS):
         text = session.ask(f"PMR={int(index > 0)}", doing=doing).text
         if not text.strip("; "):
             break
@@ -451,7 +451,7 @@ def changed_parameters(session: Session) -> list[str]:
         if more.strip() not in ("0", "1") or not count.strip().isdecimal():
             session.garbled(doing, text)
         listed = [name.strip(" ;") for name in names.split(VT)]
-        found |= {name for name in listed if PARAMETER_NAME.fullmatch(name)}
+        found |= {name for name in listed if _PARAMETER_NAME.fullmatch(name)}
         if more.strip() == "0":
             break
     return sorted(found)
@@ -462,7 +462,7 @@ def write_parameter(
 ) -> None:
     """Writes a parameter and reads it back; kinds: of parameters that a file tells."""
     checked_parameter_name(name)
-    checked_text(value, f"parameter {name}", "numbers or text with commas between")
+    _checked_text(value, f"parameter {name}", "numbers or text with commas between")
     if name in kinds:
         kinds[name].check(name, value)
     doing = f"writing parameter {name}"
@@ -479,25 +479,25 @@ def write_parameter(
 
 def checked_parameter_name(name: str) -> str:
     """A name of a parameter; raises Refused."""
-    if PARAMETER_NAME.fullmatch(name):
+    if _PARAMETER_NAME.fullmatch(name):
         return name
     reason = "names of parameters have up to 16 capital letters and digits"
     raise bad_value(name, "a parameter", reason, "`MEXTL`")
 
 
-ORIGIN: Final = "it belongs to the origin of this arm; another one would move to wrong places"
-SAFETY: Final = "it limits what the arm may do, or watches over it"
-NETWORK: Final = "it belongs to the lines of this controller; another one could not be reached"
-MACHINE: Final = "it says what this controller and its arm are"
+_ORIGIN: Final = "it belongs to the origin of this arm; another one would move to wrong places"
+_SAFETY: Final = "it limits what the arm may do, or watches over it"
+_NETWORK: Final = "it belongs to the lines of this controller; another one could not be reached"
+_MACHINE: Final = "it says what this controller and its arm are"
 
-LEFT_OUT_PARAMETERS: Final = (
-    (re.compile(r"DATINST.*|HOME.*|JRC.*|USE?RORG|ME?ORG.*|ORG.*|MEDORG.*"), ORIGIN),
-    (re.compile(r"MEINS.*|MEOFF.*|DJNT"), ORIGIN),
-    (re.compile(r"ME[JPM]AR|AREA.*|USERAREA.*|SFC.*|COL.*|CAV.*|ESP.*|DOOR.*|AUTOENA"), SAFETY),
-    (re.compile(r"SF[A-Z]*|SS[12].*|SLS.*|SLP.*|STR(?:DLY|CRC).*|SRSW.*|SRPRM.*"), SAFETY),
-    (re.compile(r"NET.*|COMDEV|CBAU.*|CPRC.*|CPRTY.*|CSTOP.*|CTERM.*|CLEN.*|COMSPEC"), NETWORK),
-    (re.compile(r"MXTCOM.*|MONMODE|MONPORT"), NETWORK),
-    (re.compile(r"RCSERIAL|RCTYPE|MECHA\d*|MAINVER|SRVVER\d*|.*VER|PRGEXT"), MACHINE),
+_LEFT_OUT_PARAMETERS: Final = (
+    (re.compile(r"DATINST.*|HOME.*|JRC.*|USE?RORG|ME?ORG.*|ORG.*|MEDORG.*"), _ORIGIN),
+    (re.compile(r"MEINS.*|MEOFF.*|DJNT"), _ORIGIN),
+    (re.compile(r"ME[JPM]AR|AREA.*|USERAREA.*|SFC.*|COL.*|CAV.*|ESP.*|DOOR.*|AUTOENA"), _SAFETY),
+    (re.compile(r"SF[A-Z]*|SS[12].*|SLS.*|SLP.*|STR(?:DLY|CRC).*|SRSW.*|SRPRM.*"), _SAFETY),
+    (re.compile(r"NET.*|COMDEV|CBAU.*|CPRC.*|CPRTY.*|CSTOP.*|CTERM.*|CLEN.*|COMSPEC"), _NETWORK),
+    (re.compile(r"MXTCOM.*|MONMODE|MONPORT"), _NETWORK),
+    (re.compile(r"RCSERIAL|RCTYPE|MECHA\d*|MAINVER|SRVVER\d*|.*VER|PRGEXT"), _MACHINE),
 )
 """Patterns of names → why a restore leaves them out."""
 SECRET_PARAMETER: Final = re.compile(r".*(?:PSW|PSSW|PASSW|PWD|KEYW).*")
@@ -507,5 +507,5 @@ SECRET_PARAMETER: Final = re.compile(r".*(?:PSW|PSSW|PASSW|PWD|KEYW).*")
 def why_left_out(name: str) -> str | None:
     """Why a restore leaves a parameter out, None if it does not."""
     return next(
-        (reason for pattern, reason in LEFT_OUT_PARAMETERS if pattern.fullmatch(name)), None
+        (reason for pattern, reason in _LEFT_OUT_PARAMETERS if pattern.fullmatch(name)), None
     )

@@ -29,7 +29,7 @@ _SCOPES: Final = {
 """Sorts of known words by what colour themes know."""
 
 
-def textmate_grammar(spoken: LanguageAdapter, id: str) -> dict[str, Any]:
+def _textmate_grammar(spoken: LanguageAdapter, id: str) -> dict[str, Any]:
     """The grammar of a language as VS Code and others read it. id: of the language there."""
     editable = spoken.editable
     assert editable is not None
@@ -38,12 +38,12 @@ def textmate_grammar(spoken: LanguageAdapter, id: str) -> dict[str, Any]:
     ]
     return {
         "name": spoken.title,
-        "scopeName": textmate_scope(id),
+        "scopeName": _textmate_scope(id),
         "patterns": patterns,
     }
 
 
-def textmate_scope(id: str) -> str:
+def _textmate_scope(id: str) -> str:
     return f"source.{id}"
 
 
@@ -67,14 +67,14 @@ def _words_pattern(words: Iterable[str]) -> str:
 
 
 NAME: Final = "robot-assistant"
-ABOUT: Final = (
+_ABOUT: Final = (
     "Findings with quick fixes, names, outline and layout of robot programs, and a debugger."
 )
 _NEEDS: Final = (
     "It runs the command `robot-assistant`, which is installed with pip:"
     " `pip install 'robot-assistant[lsp]'`."
 )
-ENGINE: Final = "^1.82.0"
+_ENGINE: Final = "^1.82.0"
 """The oldest VS Code that the bundled client runs in."""
 FORMAT: Final = "http://schemas.microsoft.com/developer/vsx-schema/2011"
 """Name of the manifest's format; the address is never requested."""
@@ -112,10 +112,10 @@ def extension(version: str) -> dict[str, str]:
         "package.json": _json(package(version)),
         "client.js": client.joinpath("client.js").read_text("utf-8"),
         "LICENSE.txt": client.joinpath("LICENSE").read_text("utf-8"),
-        "README.md": f"# Robot Assistant\n\n{ABOUT}\n\n{_NEEDS}\n",
+        "README.md": f"# Robot Assistant\n\n{_ABOUT}\n\n{_NEEDS}\n",
     }
     for id, one in _spoken().items():
-        made[f"syntaxes/{id}.json"] = _json(textmate_grammar(one, id))
+        made[f"syntaxes/{id}.json"] = _json(_textmate_grammar(one, id))
         made[f"languages/{id}.json"] = _json(_configuration(one))
     return made
 
@@ -127,11 +127,11 @@ def package(version: str) -> dict[str, Any]:
     return {
         "name": NAME,
         "displayName": "Robot Assistant",
-        "description": ABOUT,
+        "description": _ABOUT,
         "publisher": NAME,
         "version": number[0] if number else "0.0.0",
         "license": "SEE LICENSE IN LICENSE.txt",
-        "engines": {"vscode": ENGINE},
+        "engines": {"vscode": _ENGINE},
         "categories": ["Programming Languages", "Debuggers", "Formatters", "Linters"],
         "main": "./client.js",
         "activationEvents": [*(f"onLanguage:{id}" for id in known), "onDebug"],
@@ -145,7 +145,7 @@ def package(version: str) -> dict[str, Any]:
         "contributes": {
             "languages": [_language(id, one) for id, one in known.items()],
             "grammars": [
-                {"language": id, "scopeName": textmate_scope(id), "path": f"./syntaxes/{id}.json"}
+                {"language": id, "scopeName": _textmate_scope(id), "path": f"./syntaxes/{id}.json"}
                 for id in known
             ],
             "commands": [
@@ -242,7 +242,7 @@ def _json(said: dict[str, Any]) -> str:
 def _manifest(version: str) -> str:
     said = package(version)
     properties = {
-        "Microsoft.VisualStudio.Code.Engine": ENGINE,
+        "Microsoft.VisualStudio.Code.Engine": _ENGINE,
         "Microsoft.VisualStudio.Code.ExtensionDependencies": "",
         "Microsoft.VisualStudio.Code.ExtensionKind": "workspace",
     }
@@ -260,7 +260,7 @@ def _manifest(version: str) -> str:
         f'<PackageManifest Version="2.0.0" xmlns="{FORMAT}"><Metadata>'
         f'<Identity Language="en-US" Id="{NAME}" Version="{said["version"]}" Publisher="{NAME}"/>'
         f"<DisplayName>{escape(said['displayName'])}</DisplayName>"
-        f'<Description xml:space="preserve">{escape(ABOUT)}</Description>'
+        f'<Description xml:space="preserve">{escape(_ABOUT)}</Description>'
         f"<Categories>{','.join(said['categories'])}</Categories>"
         f"<Properties>{listed}</Properties><License>extension/LICENSE.txt</License></Metadata>"
         '<Installation><InstallationTarget Id="Microsoft.VisualStudio.Code"/></Installation>'

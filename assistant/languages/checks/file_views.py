@@ -117,7 +117,7 @@ def _is_whole(text: str, start: int, end: int) -> bool:
     return not (text[end - 1].isalnum() and (after.isalnum() or after == "_"))
 
 
-def row_span(text: str, span: Span, row: int, name: str = "", *, last: bool = False) -> Span:
+def _row_span(text: str, span: Span, row: int, name: str = "", *, last: bool = False) -> Span:
     """Span of a line of a table, without its line end.
 
     With a name: of its first or last occurrence in that line.
@@ -178,4 +178,4 @@ class LineView(CachedResults):
         """Span of a row of a table, or of the first or last occurrence of a name in it."""
         if self.source is None or table.span is None:
             return None
-        return row_span(self.source.text, table.span, row, name, last=last)
+        return _row_span(self.source.text, table.span, row, name, last=last)

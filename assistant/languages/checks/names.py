@@ -196,9 +196,9 @@ class Keyed(Generic[K, T]):
             yield from ((k, thing) for k, thing in self.first.items() if k not in others.first)
 
 
-SHORTEST_COMPARED: Final = 4
+_SHORTEST_COMPARED: Final = 4
 """Least number of characters of a name that is compared with others for a typing mistake."""
-LONG_NAME: Final = 8
+_LONG_NAME: Final = 8
 """Characters of a name in which two slips may happen."""
 
 
@@ -215,8 +215,8 @@ def misspelt(name: str, known: Iterable[str], ending: str = "") -> str:
         stems = [one[: -len(ending)] for one in known if one.lower().endswith(ending)]
         stem = misspelt(low.removesuffix(ending), stems, ending)
         return stem + ending if stem else ""
-    most = 2 if len(low) >= LONG_NAME else 1
-    if len(low) < SHORTEST_COMPARED:
+    most = 2 if len(low) >= _LONG_NAME else 1
+    if len(low) < _SHORTEST_COMPARED:
         return ""
     letters = set(low)
     near = (

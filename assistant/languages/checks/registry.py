@@ -84,7 +84,7 @@ class Damage:
 
     def explains(self, finding: Diagnostic, source: SourceText | None) -> bool:
         """True if a finding in a file may follow from the damage."""
-        lines = list(islice(lines_of(finding), self.most_lines))
+        lines = list(islice(_lines_of(finding), self.most_lines))
         if any((finding.path, line) in self.lines for line in lines):
             return True
         named = lines[: self.named_lines]
@@ -93,7 +93,7 @@ class Damage:
         )
 
 
-def lines_of(finding: Diagnostic) -> Iterator[int]:
+def _lines_of(finding: Diagnostic) -> Iterator[int]:
     """Numbers of the lines that a finding is about; 0 if it has none."""
     first = finding.line or 0
     yield from range(first, (finding.end_line or first) + 1)
@@ -118,7 +118,7 @@ def damage_of(
         for tree in trees
         for finding in tree.findings
         if finding.severity is Severity.ERROR
-        for line in islice(lines_of(finding), most_lines)
+        for line in islice(_lines_of(finding), most_lines)
         if line
     }
     if not found:

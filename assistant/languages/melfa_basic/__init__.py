@@ -51,7 +51,7 @@ def language(name: str) -> MelfaBasic:
     return MelfaBasic(name)
 
 
-SETTINGS: Final = {
+_SETTINGS: Final = {
     "name-length": Setting(
         8, 255, "say how many characters of a variable's name or a label the controller takes"
     ),
@@ -59,7 +59,7 @@ SETTINGS: Final = {
         40, 1000, "say how many bytes of a line, without its line end, the controller takes"
     ),
 }
-SETTINGS_OF: Final = {"name-length": "longest", "step-length": "line"}
+_SETTINGS_OF: Final = {"name-length": "longest", "step-length": "line"}
 """Setting of a project → what it is in the table of dialects."""
 
 __getattr__ = offered(__name__, {"syntax": ("assistant.languages.melfa_basic.tree.syntax", None)})
@@ -91,7 +91,7 @@ class MelfaBasic(Language["File"]):
     joint_percent = True
     frames: Frames = "base"
     table = "melfa-basic"
-    settings = MappingProxyType({**SETTINGS, **ARITHMETIC})
+    settings = MappingProxyType({**_SETTINGS, **ARITHMETIC})
 
     def __init__(self, name: str) -> None:
         self.dialect = DIALECTS[name]
@@ -112,7 +112,7 @@ class MelfaBasic(Language["File"]):
     def configured(self, settings: Mapping[str, int | str]) -> MelfaBasic:
         made = super().configured(settings)
         limits: dict[str, Any] = {
-            SETTINGS_OF[key]: value for key, value in settings.items() if key in SETTINGS_OF
+            _SETTINGS_OF[key]: value for key, value in settings.items() if key in _SETTINGS_OF
         }
         made.dialect = replace(self.dialect, **limits)
         return made

@@ -141,7 +141,7 @@ class Rapid(Language["File"]):
         return super().with_supplied(changed, left, path) if left else changed
 
     def kept_secret(self, tree: File) -> str:
-        return next((NOT_SHOWN for one in tree.modules if NOT_SHOWN in one.attributes), "")
+        return next((_NOT_SHOWN for one in tree.modules if _NOT_SHOWN in one.attributes), "")
 
     def shared_names(self, tree: File) -> Iterator[tuple[str, str]]:
         from assistant.languages.rapid.tree.walk import shared_names
@@ -256,5 +256,5 @@ class Rapid(Language["File"]):
         return task_folder(path)
 
 
-NOT_SHOWN: Final = "NOVIEW"
+_NOT_SHOWN: Final = "NOVIEW"
 """Attribute of modules that can only be run."""

@@ -40,7 +40,7 @@ class Phrase(NamedTuple):
     unless: Set[str] = frozenset()
 
 
-MOST_SAID: Final = 4
+_MOST_SAID: Final = 4
 """Things that are listed as what could stand at a place."""
 
 
@@ -95,18 +95,18 @@ class LineSyntax:
         for phrase in self.phrases:
             if phrase.terminals & fitting and not phrase.unless & set(said):
                 said.append(phrase.said)
-        return "" if len(said) > MOST_SAID else or_list(said)
+        return "" if len(said) > _MOST_SAID else or_list(said)
 
 
-CLEAR, NEAR, UNCLEAR, TEXT, DELETED, CUT = 1, 2, 5, 6, 7, 9
+_CLEAR, NEAR, _UNCLEAR, TEXT, _DELETED, CUT = 1, 2, 5, 6, 7, 9
 """Costs of a change: what is known, guessed, taken out."""
-ALIKE: Final = 0.74
+_ALIKE: Final = 0.74
 """Least similarity of two words of which one may be meant for the other."""
 _TWO_WORDS: Final = re.compile(r"[ \t]*([A-Za-z]\w*)(?:[ \t]+([A-Za-z]\w*))?")
 _TEXT: Final = re.compile(r"(?:[^\W\d]|[.:>-]).*")
 
 
-def line_candidates(
+def _line_candidates(
     syntax: LineSyntax,
     text: str,
     code: int,
@@ -123,7 +123,7 @@ def line_candidates(
     yield from _comment_out_prose(syntax, text, code)
     yield from _replace_foreign_words(syntax, text, code, error)
     for mistake in syntax.mistakes:
-        if edit := mistake.edit(text, code, error, CLEAR):
+        if edit := mistake.edit(text, code, error, _CLEAR):
             yield edit
     yield from _correct_words(syntax, stop, read, fitting)
     yield from _another_statement(syntax, text, stop, fitting)
@@ -153,10 +153,10 @@ def _replace_foreign_words(syntax: LineSyntax, text: str, code: int, error: int)
                 write, cure = known
                 start, end = found.start(1), found.end(size)
                 what = f"`{text[start:end]}` is no word of {syntax.title}"
-                edit = Edit(start, end, write, what, cure, CLEAR)
+                edit = Edit(start, end, write, what, cure, _CLEAR)
                 yield edit
                 # and without what stands behind it
-                yield replace(edit, end=len(text), text=syntax.comment, cost=UNCLEAR)
+                yield replace(edit, end=len(text), text=syntax.comment, cost=_UNCLEAR)
                 break
 
 
@@ -176,7 +176,7 @@ def _correct_words(
         known = syntax.words
         if word is stop.word:
             known = [w for w, types in syntax.keywords.items() if fitting & set(types)]
-        for near in get_close_matches(written.upper(), known, n=3, cutoff=ALIKE):
+        for near in get_close_matches(written.upper(), known, n=3, cutoff=_ALIKE):
             meant = syntax.spelled(near)
             what = f"`{written}` is not known: is it `{meant}`?"
             cost = NEAR + (word is not stop.word)
@@ -229,7 +229,7 @@ def _delete_words(
     what = f"`{word}` cannot stand here{also}"
     if word == ")":
         yield Edit(start, end, "", "a `)` has no `(`", "take it out, or write the `(`", NEAR)
-    yield Edit(start, end, "", what, f"take `{word}` out, or write what it should be", DELETED)
+    yield Edit(start, end, "", what, f"take `{word}` out, or write what it should be", _DELETED)
     if END in fitting and _TEXT.match(text, start):
         said, cure = "text stands behind the statement", f"write `{mark}` before a comment"
         yield Edit(start, len(text), mark, said, cure, TEXT)
@@ -237,15 +237,15 @@ def _delete_words(
     yield Edit(start, len(text), mark, what, cure, CUT)
 
 
-MOST_FINDINGS: Final = 5
+_MOST_FINDINGS: Final = 5
 """Greatest number of findings of one line; more do not help."""
-PARTLY: Final = 4
+_PARTLY: Final = 4
 """Cost of a change behind which the line still cannot be read to its end."""
-AHEAD: Final = 2
+_AHEAD: Final = 2
 """Words that must be read behind such a change."""
-MOST_MENDED: Final = 500
+_MOST_MENDED: Final = 500
 """Damaged lines of a file that are looked into; a file with more is no program."""
-LONGEST: Final = 2000
+_LONGEST: Final = 2000
 """Characters of a line that is mended."""
 
 
@@ -262,7 +262,7 @@ class LineReader:
 
         why: where the line stops being one. before: findings of the lines before it.
         """
-        if before < MOST_MENDED:
+        if before < _MOST_MENDED:
             return self.mend(source, start, end)
         at = min(why.word.start, max(end - 1, start))
         word = source.text[at : max(why.word.end, at + 1)].strip()
@@ -274,9 +274,9 @@ class LineReader:
 
         start, end: offsets of the line and of its line end.
         """
-        line = ChangedLine(source.text[start:end], start)
+        line = _ChangedLine(source.text[start:end], start)
         findings: list[Diagnostic] = []
-        while len(findings) < MOST_FINDINGS and len(line.text) <= LONGEST:
+        while len(findings) < _MOST_FINDINGS and len(line.text) <= _LONGEST:
             read = self._read(line.text, self.syntax.nodes(line.place))
             if not isinstance(read, Stop):
                 return read, tuple(findings)
@@ -301,7 +301,7 @@ class LineReader:
             return None
         return node if isinstance(node, Stop) else syntax.item(node, number)
 
-    def _best(self, line: ChangedLine, stop: Stop) -> Edit | None:
+    def _best(self, line: _ChangedLine, stop: Stop) -> Edit | None:
         """The cheapest change behind which the line reads on."""
         text = line.text
         read = self._words(text)
@@ -313,7 +313,7 @@ class LineReader:
             return None
         best: tuple[int, Edit] | None = None
         _, code, _ = self.syntax.parts(text, 0, len(text))
-        for edit in line_candidates(self.syntax, text, code, stop, read, fitting):
+        for edit in _line_candidates(self.syntax, text, code, stop, read, fitting):
             if best is not None and edit.cost >= best[0]:
                 continue
             cost = self._cost(line, edit, stop)
@@ -321,7 +321,7 @@ class LineReader:
                 best = cost, edit
         return None if best is None else best[1]
 
-    def _cost(self, line: ChangedLine, edit: Edit, stop: Stop) -> int | None:
+    def _cost(self, line: _ChangedLine, edit: Edit, stop: Stop) -> int | None:
         """Return the cost of a change; None if it does not help."""
         text = edit.of(line.text)
         words = list[Lexeme]()
@@ -332,14 +332,14 @@ class LineReader:
         ahead = sum(len(text) - word.end < before for word in words)
         if edit.end == len(line.text) or len(text) - again.word.start >= before:
             return None
-        return None if ahead < AHEAD and edit.cost > 1 else edit.cost + PARTLY
+        return None if ahead < _AHEAD and edit.cost > 1 else edit.cost + _PARTLY
 
     def _words(self, text: str) -> tuple[Lexeme, ...]:
         words = list[Lexeme]()
         self._read(text, self.syntax.nodes(None), words)
         return tuple(words)
 
-    def _finding(self, source: SourceText, line: ChangedLine, edit: Edit, end: int) -> Diagnostic:
+    def _finding(self, source: SourceText, line: _ChangedLine, edit: Edit, end: int) -> Diagnostic:
         at = line.place(edit.start)
         behind = line.place(edit.end) if edit.end > edit.start else at + 1
         if not edit.text.strip() or edit.end == len(line.text):
@@ -349,13 +349,13 @@ class LineReader:
         rule = edit.rule or self.syntax.wrong
         return source.finding(rule, span, what=edit.what, cure=edit.cure)
 
-    def _unread(self, source: SourceText, line: ChangedLine, end: int) -> Diagnostic:
+    def _unread(self, source: SourceText, line: _ChangedLine, end: int) -> Diagnostic:
         syntax, most = self.syntax, self.syntax.grammar.most_words
-        words = self._words(line.text) if len(line.text) <= LONGEST else ()
+        words = self._words(line.text) if len(line.text) <= _LONGEST else ()
         _, code, _ = syntax.parts(line.text, 0, len(line.text))
         at = line.place(words[-1].end if words else code)
         at = min(at, max(end - 1, 0))
-        if len(line.text) > LONGEST or len(words) > most:
+        if len(line.text) > _LONGEST or len(words) > most:
             what = "the line is longer than any step"
             cure = f"split it, or write `{syntax.comment}` before a text"
         elif len(words) > most // 4 and any(word.type == "LPAR" for word in words):
@@ -367,7 +367,7 @@ class LineReader:
         return source.finding(syntax.wrong, Span(at, at + 1), what=what, cure=cure)
 
 
-class ChangedLine:
+class _ChangedLine:
     """The text of a line with changes, and the source offsets of its characters."""
 
     def __init__(self, text: str, base: int) -> None:

@@ -139,8 +139,8 @@ def _ending(before: str, text: str) -> re.Match[str] | None:
     return re.compile(rf"(?:{before})\Z", _FLAGS).search(text)
 
 
-LONGEST_SHOWN: Final = 30
-MOST_SHOWN: Final = 6
+_LONGEST_SHOWN: Final = 30
+_MOST_SHOWN: Final = 6
 """Things that are listed as what could stand at a place."""
 _OUTSIDE: Final = frozenset({"delete", "double", "swap", "hole", "strange", "string"})
 """Kinds of repairs that on the level of the file say that there is no unit."""
@@ -206,7 +206,7 @@ class Wording:
             return source.finding(
                 self.wrong,
                 Span(start, max(end, start)),
-                found=found_text(broken.text[repair.start : repair.end]),
+                found=_found_text(broken.text[repair.start : repair.end]),
                 expected=named if of_repair else self.expected(broken.accepted()),
                 hint=hint or self.cures.get(kind) or f"write {named}",
             )
@@ -230,8 +230,8 @@ class Wording:
             said.append("an operator")
             rest -= self.operators
         said += sorted(map(self.name, rest))
-        if len(said) > MOST_SHOWN:
-            said = [*said[:MOST_SHOWN], "…"]
+        if len(said) > _MOST_SHOWN:
+            said = [*said[:_MOST_SHOWN], "…"]
         return or_list(said) or "nothing more"
 
 
@@ -241,13 +241,13 @@ def or_list(things: Sequence[str]) -> str:
     return f"{', '.join(most)} or {last}" if most else last
 
 
-def found_text(text: str) -> str:
+def _found_text(text: str) -> str:
     """Return the text at a place, in words."""
     if text.strip(" \t\r\n") and (not text.strip() or not text[0].isprintable()):
         return f"the character U+{ord(text[0]):04X}"
     text = " ".join(text.split())
-    if len(text) > LONGEST_SHOWN:
-        text = text[:LONGEST_SHOWN] + "…"
+    if len(text) > _LONGEST_SHOWN:
+        text = text[:_LONGEST_SHOWN] + "…"
     return f"`{text}`" if text else "the end of the text"
 
 

@@ -21,9 +21,9 @@ from assistant.languages.recovery.repairs import Broken, HalfBlock, Outline, Rep
 from assistant.languages.recovery.syntax import Lexeme, Syntax
 
 MOST_FINDINGS: Final = 50
-FURTHER: Final = 24
+_FURTHER: Final = 24
 """Words behind an error that a repair is tried on."""
-MOST_MENDS: Final = 2000
+_MOST_MENDS: Final = 2000
 """Repairs, the unsaid ones included, after which a file counts as damaged all over."""
 
 
@@ -83,7 +83,7 @@ class _Reading:
         self._outline = Outline(reader.syntax.blocks, text)
 
     def value(self) -> Any:
-        for _ in range(MOST_MENDS + 1):
+        for _ in range(_MOST_MENDS + 1):
             words = self._words()
             wrong = self._tables.drive(self._stack, words, self._nodes, careful=True)
             if wrong is None:
@@ -123,7 +123,7 @@ class _Reading:
             raise _InTheWay(number_of(said))
         at = len(self.text) if type == END else self.short.offset(short_at)
         base, begin = self._statement(at)
-        near = syntax.scanner.lexemes(self.text, begin, at, FURTHER)
+        near = syntax.scanner.lexemes(self.text, begin, at, _FURTHER)
         error = next((i for i, word in enumerate(near) if word.end > at), len(near) - 1)
         broken = Broken(
             syntax,
@@ -210,11 +210,11 @@ class _Reading:
         """
         word, words = broken.word, broken.words
         alone = repair.kind in ("hole", "delete") and (repair.resume, broken.error) == (word.end, 0)
-        if not alone or repair.keep != len(broken.types) or len(words) <= FURTHER:
+        if not alone or repair.keep != len(broken.types) or len(words) <= _FURTHER:
             return repair.resume
         if any(_differs(word, other) for other in words[1:]):
             return repair.resume
-        behind = deque((word.end,), FURTHER + 1)
+        behind = deque((word.end,), _FURTHER + 1)
         for other in self.reader.syntax.scanner.words(self.text, word.end):
             if _differs(word, other):
                 break

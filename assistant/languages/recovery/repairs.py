@@ -173,11 +173,11 @@ class Broken:
         return Repair("hole", self.base, (), at, self.word.start, self.word.end)
 
 
-MOST_WORDS: Final = 60
+_MOST_WORDS: Final = 60
 """Words of one statement that are tried one by one."""
 
 
-def repair_candidates(broken: Broken) -> Iterator[tuple[Repair, int, int]]:
+def _repair_candidates(broken: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Changes, the row that reading goes on with, and 0 sure, 1 likely or 2 a last resort."""
     yield from _insert_forgotten_then(broken)
     yield from _close_blocks(broken)
@@ -225,7 +225,7 @@ def _close_blocks(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         )
     closers: list[str] = []
     open_now = list(openers)
-    while open_now and len(closers) < MOST_WORDS:
+    while open_now and len(closers) < _MOST_WORDS:
         type, _ = open_now.pop()
         closers.append(ends[type])
         if b.reach(b.base, closers, 0) <= b.error:
@@ -266,7 +266,7 @@ def _replace_braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         if following.type in blocks.clauses:
             repair = replace(repair, kind="delete", put=(), what="")
         yield repair, b.error + 1, 0
-    for row in range(b.error, max(b.error - MOST_WORDS, -1), -1):
+    for row in range(b.error, max(b.error - _MOST_WORDS, -1), -1):
         brace = b.words[row]
         alone = row + 1 < len(b.words) and b.words[row + 1].first
         if not alone or brace.type not in blocks.braces:
@@ -283,7 +283,7 @@ def _replace_braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
 def _insert_semicolon(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """The `;` that is missing at the end of a line, or the `)` of a head."""
     closers, put = b.syntax.blocks.ends.values(), b.syntax.holes.put
-    for row in range(b.error, max(b.error - MOST_WORDS, 0), -1):
+    for row in range(b.error, max(b.error - _MOST_WORDS, 0), -1):
         word, ahead = b.words[row], b.words[row - 1]
         ends = word.first or (row == b.error and word.type in closers)
         for type in ("SEMICOLON", "RPAR"):
@@ -300,7 +300,7 @@ def _correct_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Words of the language that were misspelt or written in two, and words said twice."""
     changes, closers = b.syntax.changes, b.syntax.blocks.ends.values()
     reserved = changes.reserved
-    for row in range(max(0, b.error - MOST_WORDS), min(b.error + 2, len(b.words))):
+    for row in range(max(0, b.error - _MOST_WORDS), min(b.error + 2, len(b.words))):
         word = b.words[row]
         ahead = b.words[row - 1] if row else None
         joined = (ahead.text + word.text).lower() if ahead and ahead.text.isalpha() else ""
@@ -477,7 +477,7 @@ def _delete_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         yield replace(repair, resume=further.end, end=further.end), row + 1, 2
 
 
-MOST_SKIPPED_WORDS: Final = 2000
+_MOST_SKIPPED_WORDS: Final = 2000
 """Number of words in which the end of a damaged statement is searched."""
 _CLOSING_BRACKETS: Final = frozenset({"RPAR", "RSQB", "RBRACE"})
 
@@ -518,7 +518,7 @@ def placeholder(b: Broken) -> Repair:
 
 def _following_words(b: Broken) -> Iterator[Lexeme]:
     """Yield the words from the error on, read only as far as needed."""
-    return islice(b.syntax.scanner.words(b.text, b.word.start), MOST_SKIPPED_WORDS + 1)
+    return islice(b.syntax.scanner.words(b.text, b.word.start), _MOST_SKIPPED_WORDS + 1)
 
 
 def _complete_head(b: Broken, head: tuple[str, ...]) -> tuple[Lexeme, ...]:
@@ -550,7 +550,7 @@ def _next_statement(b: Broken) -> int:
     return at
 
 
-WORDS_AHEAD: Final = 6
+_WORDS_AHEAD: Final = 6
 """Words of the next line that tell two changes apart."""
 
 
@@ -560,10 +560,12 @@ def best_repair(broken: Broken) -> Repair:
     likely: list[tuple[int, int, Repair]] = []
     ends = broken.word.first or broken.word.type in broken.syntax.blocks.ends.values()
     sure, ended, last, rest = likely.copy(), likely.copy(), likely.copy(), likely.copy()
-    for order, (repair, row, weight) in enumerate(repair_candidates(broken)):
+    for order, (repair, row, weight) in enumerate(_repair_candidates(broken)):
         put = [word.type for word in repair.put]
-        reached = broken.reach(repair.keep, put, row) if repair.kept is None else goal + WORDS_AHEAD
-        ranked = (min(reached, goal + WORDS_AHEAD), -order, repair)
+        reached = (
+            broken.reach(repair.keep, put, row) if repair.kept is None else goal + _WORDS_AHEAD
+        )
+        ranked = (min(reached, goal + _WORDS_AHEAD), -order, repair)
         if reached > goal:
             (likely if weight < 2 else last).append(ranked)
         elif weight == 0 and reached > broken.error:

@@ -102,14 +102,14 @@ def _code_end(text: str, at: int) -> int:
     return at
 
 
-TAB: Final = 4
+_TAB: Final = 4
 _LINE: Final = re.compile(r"^([ \t]*)([A-Za-z_]\w*)([^\r\n]*)", re.MULTILINE)
 
 
 def column(text: str, at: int) -> int:
     """Return the column of a word; -1 if it is not the first of its line."""
     ahead = text[text.rfind("\n", 0, at) + 1 : at]
-    return -1 if ahead.strip() else len(ahead.expandtabs(TAB))
+    return -1 if ahead.strip() else len(ahead.expandtabs(_TAB))
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +182,7 @@ def _code_lines(text: str, start: int, stop: int) -> Iterator[tuple[int, int, st
         if match.start(2) >= stop:
             return
         blank, word, rest = match.groups()
-        yield match.start(2), len(blank.expandtabs(TAB)), word.lower(), rest
+        yield match.start(2), len(blank.expandtabs(_TAB)), word.lower(), rest
 
 
 Types = tuple[str, ...]

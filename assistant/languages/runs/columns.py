@@ -209,7 +209,7 @@ class Entries(Generic[T]):
         return Entries(tuple(table), np.concatenate(index))
 
 
-Column: TypeAlias = NDArray[Any] | Names | Entries[Any]
+_Column: TypeAlias = NDArray[Any] | Names | Entries[Any]
 _COLUMNS: Final = (np.ndarray, Names, Entries)
 
 
@@ -224,7 +224,7 @@ class Run:
     def _fields(self) -> Iterator[tuple[str, Any]]:
         return ((f.name, getattr(self, f.name)) for f in fields(self) if f.compare)
 
-    def _columns(self) -> Iterator[tuple[str, Column]]:
+    def _columns(self) -> Iterator[tuple[str, _Column]]:
         return ((name, x) for name, x in self._fields() if isinstance(x, _COLUMNS))
 
     def __len__(self) -> int:

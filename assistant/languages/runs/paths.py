@@ -14,7 +14,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Kind, Path
 
-SETTINGS: Final = ("speed", "blend", "tool", "frame")
+_SETTINGS: Final = ("speed", "blend", "tool", "frame")
 """Columns of a path that are rows of a table, whose name adds an `s`."""
 
 
@@ -37,7 +37,7 @@ def path_kinds(arcs: Truths, plain: NDArray[np.integer]) -> NDArray[np.uint8]:
 def setting_columns(motions: Sequence[p.Motion], index: NDArray[np.integer]) -> dict[str, Any]:
     """Columns and tables of a path. index: (rows,) of motions that some rows have each."""
     columns: dict[str, Any] = {}
-    for name in SETTINGS:
+    for name in _SETTINGS:
         entries = Entries.of(getattr(motion, name) for motion in motions)
         columns[name], columns[name + "s"] = entries.index[index], entries.table
     return columns
@@ -58,7 +58,7 @@ def settings_of_parts(
 def setting_codes(path: Path) -> Ints:
     """(n,) a number for the settings of each row: rows with the same settings have the same."""
     code = np.zeros(len(path), dtype=np.int64)
-    for name in SETTINGS:
+    for name in _SETTINGS:
         code = code * len(getattr(path, name + "s")) + getattr(path, name)
     return code
 

@@ -123,7 +123,7 @@ class Marks:
         return np.asarray(column[self.first[:, None] + np.arange(count)])
 
 
-def all_rows_equal(text: Slots, starts: Offsets, ends: Offsets) -> bool:
+def _all_rows_equal(text: Slots, starts: Offsets, ends: Offsets) -> bool:
     """True if all rows have the same bytes; then one row is read for all."""
     first = text.bytes[starts[0] : ends[0]].tobytes()
     return bool((ends - starts == len(first)).all() and text.holds(first, starts).all())
@@ -195,7 +195,7 @@ def entries(
 
     longest: bytes of one; ValueError if a different one has more.
     """
-    if all_rows_equal(text, starts, ends):
+    if _all_rows_equal(text, starts, ends):
         only = read(text.bytes[starts[0] : ends[0]].tobytes())
         return Entries((only,), np.zeros(len(starts), dtype=np.int32))
     lengths = ends - starts
@@ -218,7 +218,7 @@ def _distinct(values: NDArray[np.bytes_]) -> tuple[NDArray[np.int32], list[bytes
     return index, [bytes(v) for v in table[order]]
 
 
-MOST_DECIMALS: Final = 1e6
+_MOST_DECIMALS: Final = 1e6
 """Smaller values have nine exact decimals in a double."""
 
 
@@ -256,7 +256,7 @@ class Groups:
             sound = sound and (len(part.after) == 1 or text.holds(part.after, stops[:, -1]).all())
             if not sound:
                 raise ValueError("brackets or commas are out of place")
-            rows = slice(1 if all_rows_equal(text, start, stops[:, -1]) else len(stops))
+            rows = slice(1 if _all_rows_equal(text, start, stops[:, -1]) else len(stops))
             starts = np.column_stack([start[rows], stops[rows, :-1] + 1])
             pointed = np.minimum(points[rows, part.marks], stops[rows])
             values[:, part.columns] = text.decimals(starts, stops[rows], pointed, self.known)
@@ -316,7 +316,7 @@ class FewestDecimals:
         """A column (n,) of numbers."""
         if len(values) > 1 and (values == values[0]).all():
             return [rows_text(self.pieces(values[:1]), 1)]
-        large = np.abs(values) >= MOST_DECIMALS
+        large = np.abs(values) >= _MOST_DECIMALS
         for places in self.places:
             if not large.any() and (np.round(values, places) == values).all():
                 return [Decimal(values, places, strip=True)]

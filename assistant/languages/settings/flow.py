@@ -63,7 +63,7 @@ class LineSet:
             at = said.find("1", at + 1)
 
 
-NO_LINES: Final = LineSet()
+_NO_LINES: Final = LineSet()
 
 
 class Unknown:
@@ -73,7 +73,7 @@ class Unknown:
         return "UNKNOWN"
 
 
-class Inherited:
+class _Inherited:
     """A setting as the caller of a procedure has it."""
 
     def __repr__(self) -> str:
@@ -81,7 +81,7 @@ class Inherited:
 
 
 UNKNOWN: Final = Unknown()
-INHERITED: Final = Inherited()
+INHERITED: Final = _Inherited()
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +101,9 @@ class Held:
     """
 
     value: Any
-    by: LineSet = NO_LINES
-    interrupts: LineSet = NO_LINES
-    before: LineSet = NO_LINES
+    by: LineSet = _NO_LINES
+    interrupts: LineSet = _NO_LINES
+    before: LineSet = _NO_LINES
 
     def met(self, other: Held, value: Any) -> Held:
         """Either of two, with what is certain of both."""
@@ -190,7 +190,7 @@ Steps = tuple[Sets | Changes | MaySet | Calls | Either, ...]
 """Effects of a line on settings, in its order."""
 
 
-def sets_in(steps: Steps) -> Iterator[Sets]:
+def _sets_in(steps: Steps) -> Iterator[Sets]:
     """The values that steps may give, other than in what they call."""
     for step in steps:
         match step:
@@ -198,7 +198,7 @@ def sets_in(steps: Steps) -> Iterator[Sets]:
                 yield step
             case Either(branches):
                 for branch in branches:
-                    yield from sets_in(branch)
+                    yield from _sets_in(branch)
 
 
 def calls_in(steps: Steps) -> Iterator[int | frozenset[int]]:
@@ -213,7 +213,7 @@ def calls_in(steps: Steps) -> Iterator[int | frozenset[int]]:
 
 
 def _may_set(steps: Steps, setting: int) -> bool:
-    if any(one.setting == setting for one in sets_in(steps)):
+    if any(one.setting == setting for one in _sets_in(steps)):
         return True
     if any(isinstance(one, frozenset) and setting in one for one in calls_in(steps)):
         return True
@@ -372,7 +372,7 @@ class Flow:
     def _made_anywhere(self, setting: int) -> Held:
         """A setting that any of the lines may have made that make it."""
         steps = self.lines.steps.items()
-        by = (at for at, made in steps if any(one.setting == setting for one in sets_in(made)))
+        by = (at for at, made in steps if any(one.setting == setting for one in _sets_in(made)))
         return Held(UNKNOWN, LineSet.of(by))
 
     def _is_set(self, setting: int) -> bool:
@@ -446,7 +446,7 @@ class Flow:
                 return None
             return resolved_state(tuple(_after_changes(held, None) for held in end), state)
         return tuple(
-            Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else NO_LINES))
+            Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else _NO_LINES))
             if k in called
             else held
             for k, held in enumerate(state)
@@ -508,7 +508,7 @@ def with_interrupts(
         for at in ways.running(interrupt) if changed else ():
             here = may_set.setdefault(at, {})
             for setting, by in changed.items():
-                here[setting] = here.get(setting, NO_LINES) | by
+                here[setting] = here.get(setting, _NO_LINES) | by
     steps = dict(lines.steps)
     for at, here in may_set.items():
         interrupted: Steps = tuple(MaySet(*one) for one in here.items())
@@ -541,7 +541,7 @@ class _ProgramGraph:
         for at in reachable(starts, self._next):
             steps = self.lines.steps.get(at, ())
             unknown = (one for one in calls_in(steps) if isinstance(one, frozenset))
-            for setting in {one.setting for one in sets_in(steps)}.union(*unknown):
+            for setting in {one.setting for one in _sets_in(steps)}.union(*unknown):
                 found.setdefault(setting, set()).add(at)
         return {setting: LineSet.of(lines) for setting, lines in found.items()}
 
@@ -577,7 +577,7 @@ class _ProgramGraph:
             yield from self.lines.procedures[number][:1]
 
 
-MOST_NAMED_LINES: Final = 4
+_MOST_NAMED_LINES: Final = 4
 """Lines that a reason names; the rest is counted."""
 
 
@@ -640,11 +640,11 @@ class UnknownSettings:
 
     def _value(self, number: int, at: int) -> Any:
         """Return the value that a line gives a setting."""
-        made = (one.value for one in sets_in(self._lines.steps[at]) if one.setting == number)
+        made = (one.value for one in _sets_in(self._lines.steps[at]) if one.setting == number)
         return next(made, UNKNOWN)
 
     def _list(self, lines: Sequence[int]) -> str:
         given = [self._where(at) for at in lines]
-        if len(given) > MOST_NAMED_LINES:
-            given = [*given[:MOST_NAMED_LINES], f"{len(given) - MOST_NAMED_LINES} more"]
+        if len(given) > _MOST_NAMED_LINES:
+            given = [*given[:_MOST_NAMED_LINES], f"{len(given) - _MOST_NAMED_LINES} more"]
         return " and ".join([", ".join(given[:-1]), given[-1]]) if len(given) > 1 else given[0]

@@ -25,7 +25,7 @@ from assistant.program.program import TakenNames, identifier
 MOST_FORMS: Final = 8
 """Forms of one procedure; called in more ways, its settings count as unknown."""
 
-MOST_LINES: Final = 4000
+_MOST_LINES: Final = 4000
 """Lines of all the passes of one file; what would take more is read once."""
 
 
@@ -128,7 +128,7 @@ class CalledForms:
 
     @property
     def too_long(self) -> bool:
-        most = max(MOST_LINES, 2 * len(self.flow.before))
+        most = max(_MOST_LINES, 2 * len(self.flow.before))
         return bool(self.flow.cuts) and self._lines > most
 
     @property

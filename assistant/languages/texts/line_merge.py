@@ -19,7 +19,7 @@ from assistant.languages.step_numbers import steps_of, with_steps
 from assistant.languages.texts import tree_merge
 from assistant.languages.texts.tree_merge import Entry
 
-MOST_ROWS: Final = 1 << 10
+_MOST_ROWS: Final = 1 << 10
 """Rows of a table that are compared one by one; a longer one is the same or it is not."""
 
 
@@ -63,7 +63,7 @@ class LineMerger(abc.ABC):
             if isinstance(item, self.line):
                 found += self._of_line(item, at, -1)
             elif isinstance(item, self.table):
-                if len(item) > MOST_ROWS:
+                if len(item) > _MOST_ROWS:
                     key = f"table {hash(item.said({'steps'}))}"
                     bare = with_steps(item.rows(slice(None)), np.zeros_like(steps_of(item)))
                     found.append(Entry(key, self.table, None, at, -1, "", bare))
@@ -180,7 +180,7 @@ class _LineEdits(tree_merge.Edits):
             yield rows.rows(slice(start, None))
 
 
-Known = dict[str, Any]
+_Known = dict[str, Any]
 """Lines of data by their names."""
 
 
@@ -243,7 +243,7 @@ class DataMerger(abc.ABC):
             return None
         return made + [line for name, line in new.items() if name not in done]
 
-    def _lacking(self, items: Iterable[Any], others: Iterable[Any]) -> Known:
+    def _lacking(self, items: Iterable[Any], others: Iterable[Any]) -> _Known:
         """The data of others that are not among the items, few objects for tables that are."""
         known: dict[str, list[Run]] = {}
         for item in items:
@@ -278,7 +278,7 @@ class DataMerger(abc.ABC):
             yield table.rows(slice(start, None)) if start else table
 
     def _changed(
-        self, items: Iterable[Any], old: Known, new: Known, done: set[str]
+        self, items: Iterable[Any], old: _Known, new: _Known, done: set[str]
     ) -> Iterator[Any]:
         """Items with each line that differs changed or left out. done: names that were there."""
         for item in items:

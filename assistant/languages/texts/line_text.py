@@ -71,7 +71,7 @@ class Code(abc.ABC):
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
+class _Parts:
     """The text of a code line: what stands before its number, the number, and so on to its end."""
 
     margin: str
@@ -89,7 +89,7 @@ class Parts:
         )
 
 
-def parts_of(text: str, line: Line) -> Parts:
+def _parts_of(text: str, line: Line) -> _Parts:
     """The parts of a line that was read. text: with its line end."""
     plain = text.rstrip("\r\n").rstrip()
     trail = text[len(plain) :]
@@ -102,10 +102,10 @@ def parts_of(text: str, line: Line) -> Parts:
         indent = plain[: len(plain) - len(plain.lstrip(" \t\f"))]
     rest = plain[len(margin) + len(number) + len(indent) :]
     code = rest.rstrip(" \t\f")
-    return Parts(margin, number, indent, code, rest[len(code) :], comment, trail)
+    return _Parts(margin, number, indent, code, rest[len(code) :], comment, trail)
 
 
-def changed_line(parts: Parts, old: Line, new: Line, language: Code) -> str:
+def _changed_line(parts: _Parts, old: Line, new: Line, language: Code) -> str:
     """The text of `new` in that of `old`, which has those parts."""
     if new.number != old.number:
         number = "" if new.number is None else str(new.number)
@@ -137,11 +137,11 @@ def _changed_code(text: str, old: Any, new: Any, language: Code) -> str:
     if not text or not after:
         return after
     before, here = language.words(language.printed(old)), language.words(text)
-    edited = edited_words(text, here, before, after, language.words(after), language.key)
+    edited = _edited_words(text, here, before, after, language.words(after), language.key)
     return after if edited is None or not language.says(edited, new) else edited
 
 
-def edited_words(
+def _edited_words(
     text: str,
     here: Sequence[Word],
     old: Sequence[Word],
@@ -185,7 +185,7 @@ def edited_words(
     return text
 
 
-class Indentation:
+class _Indentation:
     """Indentation of lines at each level of blocks."""
 
     def __init__(self) -> None:
@@ -207,7 +207,7 @@ class Indentation:
         return self._known[nearest] + " " * (INDENT * (level - nearest))
 
 
-def partners(
+def _partners(
     old: Sequence[Any], new: Sequence[Any], said: Callable[[Any], object]
 ) -> list[int | None]:
     """For each item the index of the one that it was made from, None for a new one.
@@ -303,7 +303,7 @@ def print_items(lines: LinePrinter, newline: str) -> Iterator[str]:
 
 R = TypeVar("R", bound=Run)
 
-SEGMENTS: Final = 1 << 16
+_SEGMENTS: Final = 1 << 16
 """Pieces of text that are put together at a time."""
 
 
@@ -355,8 +355,8 @@ def _gather_pieces(text: bytes, starts: Ints, ends: Ints) -> str:
     """Pieces of a text one behind the other."""
     letters = np.frombuffer(text, dtype=np.uint8)
     parts = []
-    for first in range(0, len(starts), SEGMENTS):
-        part = slice(first, first + SEGMENTS)
+    for first in range(0, len(starts), _SEGMENTS):
+        part = slice(first, first + _SEGMENTS)
         lengths = ends[part] - starts[part]
         shifts = starts[part] - np.cumsum(lengths) + lengths
         index = np.repeat(shifts, lengths) + np.arange(lengths.sum())
@@ -382,7 +382,7 @@ class _FileChanges:
         self._text, self._old, self._new = text, old, lines.items
         self._lines, self._newline = lines, newline
         self._as_line = {id(item): lines.line(item) for item in (*old, *self._new)}
-        self._partner = partners(old, self._new, self._said)
+        self._partner = _partners(old, self._new, self._said)
         kept = {
             at
             for at, item in zip(self._partner, self._new, strict=True)
@@ -393,7 +393,7 @@ class _FileChanges:
             for at, item in enumerate(old)
             if at not in kept and (rows := lines.as_data(item)) is not None
         ]
-        self._indents = Indentation()
+        self._indents = _Indentation()
         for item, level in zip(old, self._levels(old), strict=True):
             if level not in self._indents:
                 self._note(item, self._source(item), level)
@@ -411,10 +411,10 @@ class _FileChanges:
     def _note(self, item: Any, text: str, level: int) -> None:
         """Keeps in mind how lines as deep are indented."""
         if isinstance(item, self._lines.table):
-            first = parts_of(text[: text.index("\n")], Line(0, None, None))
+            first = _parts_of(text[: text.index("\n")], Line(0, None, None))
             self._indents.note(level, first.indent)
         elif (line := self._as_line[id(item)]) is not None and line.code is not None:
-            self._indents.note(level, parts_of(text, line).indent)
+            self._indents.note(level, _parts_of(text, line).indent)
 
     def texts(self) -> Iterator[str]:
         """The text of each item, with its line ends."""
@@ -436,7 +436,7 @@ class _FileChanges:
         """An item that is not what it was, None for one that is new."""
         was, now = self._as_line.get(id(old)), self._as_line[id(item)]
         if was is not None and now is not None:
-            text = changed_line(parts_of(self._source(old), was), was, now, self._lines)
+            text = _changed_line(_parts_of(self._source(old), was), was, now, self._lines)
             self._note(item, text, level)
             return text
         if isinstance(item, self._lines.table) and isinstance(old, self._lines.table):
@@ -549,10 +549,10 @@ class _FileLayout:
         span = self._items[at].span
         return self._text[span.start : span.end].rstrip("\r\n")
 
-    def _parts(self, at: int) -> Parts:
+    def _parts(self, at: int) -> _Parts:
         line = self._said[at]
         assert line is not None
-        return parts_of(self._source(at), line)
+        return _parts_of(self._source(at), line)
 
     def _line(self, at: int, line: Line, level: int) -> LaidOutLine:
         if self._lines.blocks and line.is_comment:
@@ -592,6 +592,6 @@ class _FileLayout:
             return text.replace("\r", "").replace("\n", self._newline)
 
 
-def _indent(parts: Parts) -> str:
+def _indent(parts: _Parts) -> str:
     """The blanks in front of the code, but for the one behind a number."""
     return parts.indent[1:] if parts.number else parts.indent

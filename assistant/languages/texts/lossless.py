@@ -137,7 +137,7 @@ class Original:
 
 __all__ = ["Block", "Extent", "Layout", "Sketch", "Spread", "render"]
 
-LINE_END: Final = "\n"
+_LINE_END: Final = "\n"
 
 
 def render(source: SourceText, old: Any, new: Any, layout: Layout) -> str:
@@ -241,7 +241,9 @@ class _Writer:
         yield notes
         if isinstance(inserted[-1].what, Block) and not last.strip():
             return
-        lacking = following if not last or (LINE_END in following and LINE_END not in last) else ""
+        lacking = (
+            following if not last or (_LINE_END in following and _LINE_END not in last) else ""
+        )
         yield lacking or last
 
     def _says(self, out: list[str | Piece], after: list[Piece]) -> bool:
@@ -330,9 +332,9 @@ class _Writer:
 
     def _indented(self, text: str, base: str, newline: str) -> str:
         """Printed lines, as deep as they are to stand here."""
-        if LINE_END not in text:
+        if _LINE_END not in text:
             return text
-        head, *lines = text.split(LINE_END)
+        head, *lines = text.split(_LINE_END)
         for number, line in enumerate(lines):
             inner = line.lstrip()
             depth = (len(line) - len(inner)) // max(len(self._layout.indent), 1)
@@ -411,18 +413,18 @@ class _Entries:
             return first
         if any(gap.strip() for gap in gaps):  # what could not be read
             return "".join([first, *(g for g in gaps[1:-1] if g.strip()), last])
-        if LINE_END in first and LINE_END in last:
-            return first[: first.rindex(LINE_END) + 1] + last[last.index(LINE_END) + 1 :]
-        return max((first, last), key=lambda gap: (LINE_END in gap, len(gap)))
+        if _LINE_END in first and _LINE_END in last:
+            return first[: first.rindex(_LINE_END) + 1] + last[last.index(_LINE_END) + 1 :]
+        return max((first, last), key=lambda gap: (_LINE_END in gap, len(gap)))
 
     def _mended(self, gap: str, before: Any, after: Any, put: bool, newline: str) -> str:
         """The room between two neighbours, one of which is not what it was."""
         ends = self._writer._layout.line_ends(before, after)
         if ends == 0:
-            return " " if LINE_END in gap and not gap.strip() else gap
-        if (ends or put) and LINE_END not in gap:
+            return " " if _LINE_END in gap and not gap.strip() else gap
+        if (ends or put) and _LINE_END not in gap:
             gap = gap.rstrip(" \t") + newline + (self._base if after is None else self._indent)
-        if put and ends == 2 and gap.count(LINE_END) < 2:
+        if put and ends == 2 and gap.count(_LINE_END) < 2:
             gap = newline + gap
         return gap
 
@@ -431,7 +433,7 @@ def _joined(out: Sequence[str | Piece]) -> str:
     return "".join(p if isinstance(p, str) else str(p.what) for p in out)
 
 
-MOST_ROWS: Final = 4096
+_MOST_ROWS: Final = 4096
 """Rows of a run that are written one by one; if more of it changed it is printed as a whole."""
 
 
@@ -506,7 +508,7 @@ class RunLayout(printed_trees.Layout):
             tails = range(1, most - head + 1)
             tail = next((k - 1 for k in tails if had[-k] != has[-k]), most - head)
             stretches = [(head, len(had) - tail, head, len(has) - tail)]
-        if sum(i2 - i1 + j2 - j1 for i1, i2, j1, j2 in stretches) > MOST_ROWS:
+        if sum(i2 - i1 + j2 - j1 for i1, i2, j1, j2 in stretches) > _MOST_ROWS:
             return None
         olds: list[Any] = []
         news: list[Any] = []
@@ -527,7 +529,7 @@ class RunLayout(printed_trees.Layout):
         self, text: str, old: Sequence[Any], new: Sequence[Any], shared: set[int]
     ) -> Spread | None:
         """Spread runs next to single rows: each row as a node, equal if its spelling is equal."""
-        if sum(len(n.run) for n in (*old, *new) if self.is_run(n)) > MOST_ROWS:
+        if sum(len(n.run) for n in (*old, *new) if self.is_run(n)) > _MOST_ROWS:
             return None
         spelled = any(id(node) not in shared and self.may_be_row(node) for node in new)
         olds: list[Any] = []

@@ -27,9 +27,9 @@ import numpy as np
 
 from assistant.languages.texts.words import Word
 
-MOST_COMPARED: Final = 1 << 20
+_MOST_COMPARED: Final = 1 << 20
 """Pairs of a stretch that are compared in full; longer stretches only from both ends."""
-MOST_RELATED: Final = 1 << 12
+_MOST_RELATED: Final = 1 << 12
 """Most pairs of a stretch that are compared for likeness; longer stretches are paired in order."""
 
 
@@ -111,18 +111,18 @@ def _equal(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[int, int]]:
         tail += 1
         yield len(old) - tail, len(new) - tail
     old, new = old[head : len(old) - tail], new[head : len(new) - tail]
-    if len(old) * len(new) <= MOST_COMPARED:
+    if len(old) * len(new) <= _MOST_COMPARED:
         for block in SequenceMatcher(None, old, new, autojunk=False).get_matching_blocks():
             for k in range(block.size):
                 yield head + block.a + k, head + block.b + k
 
 
 def _alike(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[int, int]]:
-    if len(old) == len(new) or len(old) * len(new) > MOST_RELATED:
+    if len(old) == len(new) or len(old) * len(new) > _MOST_RELATED:
         return
     at = 0
     for j, node in enumerate(new):
-        scores = [likeness(other, node) for other in old[at:]]
+        scores = [_likeness(other, node) for other in old[at:]]
         best = max(scores, default=0)
         if best:
             at += scores.index(best)
@@ -134,7 +134,7 @@ def _in_order(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[int, int
     return iter([(k, k) for k in range(min(len(old), len(new)))])
 
 
-def likeness(a: object, b: object) -> int:
+def _likeness(a: object, b: object) -> int:
     """Return how many fields two nodes of one kind share; empty ones do not count."""
     if type(a) is not type(b) or not is_dataclass(a):
         return 0

@@ -49,34 +49,36 @@ from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import Placed, Serial
 
-SUSPICIOUS_MISS: Final = 0.005
+_SUSPICIOUS_MISS: Final = 0.005
 """Share of the reach: if the nominal arm misses the points by more, typical mistakes are tried."""
-MISTAKE_SHARE: Final = 0.25
+_MISTAKE_SHARE: Final = 0.25
 """Largest share of the miss that may remain for a mistake to count as its reason."""
-SUSPICIOUS_TURN: Final = 5.0
+_SUSPICIOUS_TURN: Final = 5.0
 """Degrees of the measured turns that no arm is off by."""
-LEAST_AXIS_RANGE: Final = 2.0
+_LEAST_AXIS_RANGE: Final = 2.0
 """Degrees or mm by which some axis must move."""
-USEFUL_AXIS_RANGE: Final = 10.0
+_USEFUL_AXIS_RANGE: Final = 10.0
 """Degrees or mm that an axis should move by."""
-MISTAKEN_UNITS: Final = {"m": 1000.0, "cm": 10.0, "inches": 25.4}
-MIRRORED_Z: Final = np.array([1.0, 1.0, -1.0])
+_MISTAKEN_UNITS: Final = {"m": 1000.0, "cm": 10.0, "inches": 25.4}
+_MIRRORED_Z: Final = np.array([1.0, 1.0, -1.0])
 
 
-def check_motion(robot: Robot, poses: MeasuredPoses) -> tuple[Diagnostic, ...]:
+def _check_motion(robot: Robot, poses: MeasuredPoses) -> tuple[Diagnostic, ...]:
     """Findings of axes that hardly move; raises Refused for poses outside limits or all alike."""
     _check_limits(robot, poses)
     spans = np.ptp(poses.joints, axis=0) if len(poses) else np.zeros(len(robot.axes))
-    if spans.max() < LEAST_AXIS_RANGE:
+    if spans.max() < _LEAST_AXIS_RANGE:
         unit = "degrees"
         raise Refused(
             rules.POSES_ALIKE(path=poses.path, most=max(float(spans.max()), 0.01), unit=unit)
         )
-    still = [axis for axis, span in zip(robot.axes, spans, strict=True) if span < USEFUL_AXIS_RANGE]
+    still = [
+        axis for axis, span in zip(robot.axes, spans, strict=True) if span < _USEFUL_AXIS_RANGE
+    ]
     if not still:
         return ()
     return (
-        rules.AXES_HARDLY_MOVE(path=poses.path, axes=", ".join(still), least=USEFUL_AXIS_RANGE),
+        rules.AXES_HARDLY_MOVE(path=poses.path, axes=", ".join(still), least=_USEFUL_AXIS_RANGE),
     )
 
 
@@ -100,17 +102,17 @@ def _check_limits(robot: Robot, poses: MeasuredPoses) -> None:
         raise Refused(*findings)
 
 
-def check_reading(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> None:
+def _check_reading(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> None:
     """Raises Refused for poses that fit very much better if they are read otherwise."""
     points = replace(poses, turns=None)
     now = _point_miss(robot, points, known)
-    if now > SUSPICIOUS_MISS * robot.reach:
+    if now > _SUSPICIOUS_MISS * robot.reach:
         tried = [
             (_point_miss(robot, other, known), what, cure)
             for other, what, cure in _other_readings(points, known, robot)
         ]
         then, what, cure = min(tried)
-        if then < MISTAKE_SHARE * now:
+        if then < _MISTAKE_SHARE * now:
             told: dict[str, Any] = {"now": f"{now:.4g} mm", "then": f"{then:.4g} mm"}
             raise Refused(rules.MISREAD_POSES(path=poses.path, what=what, cure=cure, **told))
         _check_other_robots(robot, points, known, now)
@@ -125,14 +127,14 @@ def _other_readings(
     turning = ~robot.sliding
     scaled = np.where(turning, np.degrees(joints), joints)
     yield replace(poses, joints=scaled), "the joints are radians", "name their columns `j1_rad` …"
-    for unit, factor in MISTAKEN_UNITS.items():
+    for unit, factor in _MISTAKEN_UNITS.items():
         column = {"inches": "in"}.get(unit, unit)
         cure = f"name the columns `x_{column}`, `y_{column}`, `z_{column}`"
         yield replace(poses, points=points * factor), f"the points are {unit}", cure
     mirrored = "the points are mirrored: two columns are swapped, or an axis counts the other way"
     cure = "bring the columns into the order of a right-handed frame"
     if known.base is None:
-        yield replace(poses, points=points * MIRRORED_Z), mirrored, cure
+        yield replace(poses, points=points * _MIRRORED_Z), mirrored, cure
     else:
         for order in itertools.permutations(range(3)):
             if order != (0, 1, 2):
@@ -163,7 +165,7 @@ def _check_other_robots(
         if same and name != robot.name:
             found.append((_point_miss(other, poses, known), name))
     then, name = min(found, default=(np.inf, ""))
-    if then < MISTAKE_SHARE * now:
+    if then < _MISTAKE_SHARE * now:
         fields: dict[str, Any] = {"robot": robot.name, "other": name, "now": now, "then": then}
         raise Refused(rules.OTHER_ROBOT(path=poses.path, **fields))
 
@@ -171,7 +173,7 @@ def _check_other_robots(
 def _check_turns(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> None:
     assert poses.turns is not None
     now = _turn_miss(robot, poses, known)
-    if now < SUSPICIOUS_TURN:
+    if now < _SUSPICIOUS_TURN:
         return
     w_last = np.roll(poses.turns, 1, axis=1)
     others = [
@@ -184,7 +186,7 @@ def _check_turns(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> N
         other = replace(poses, turns=rotations.canonical(turns))
         tried.append((_turn_miss(robot, other, known), what, cure))
     then, what, cure = min(tried)
-    if then > MISTAKE_SHARE * now:
+    if then > _MISTAKE_SHARE * now:
         what, cure = "they are left out", "leave the columns out, or look at what is measured"
         then = 0.0
     told: dict[str, Any] = {"now": f"{now:.3g} degrees", "then": f"{then:.3g}"}
@@ -208,27 +210,27 @@ def _turn_miss(robot: Robot, poses: MeasuredPoses, known: KnownPlacement) -> flo
     return float(np.degrees(np.median(np.linalg.norm(turned, axis=1))))
 
 
-LEAST_MEASUREMENTS: Final = 1.5
+_LEAST_MEASUREMENTS: Final = 1.5
 """Numbers measured for each parameter, at least."""
-MOST_OUTLIERS: Final = 0.3
+_MOST_OUTLIERS: Final = 0.3
 """Largest share of rows that may not fit the others."""
-LARGE_CORRECTIONS: Final = {"mm": 10.0, "deg": 5.0}
+_LARGE_CORRECTIONS: Final = {"mm": 10.0, "deg": 5.0}
 """Corrections above these values exceed errors of assembly."""
-OVER_FIT_RATIO: Final = 2.0
+_OVER_FIT_RATIO: Final = 2.0
 """Ratio of the residual of held-out poses to that of the fit above which over-fitting is
 reported.
 """
-FREE_CHAIN_SHARE: Final = 0.75
+_FREE_CHAIN_SHARE: Final = 0.75
 """Largest share of the remaining error that a free chain may leave to be reported as better."""
-MOST_MISS: Final = 0.25
+_MOST_MISS: Final = 0.25
 """Largest share of the reach by which the nominal arm may miss the median point."""
-MOVED_STATISTIC: Final = 22.0
+_MOVED_STATISTIC: Final = 22.0
 """Two-sample statistic that chance reaches in about one of a thousand sets of poses."""
-LEAST_VARIANCE: Final = 1e-12
+_LEAST_VARIANCE: Final = 1e-12
 """mm², so that points without any noise have a covariance."""
-CORRELATED: Final = 0.9
+_CORRELATED: Final = 0.9
 """Correlation from which on the errors of two corrections are reported as coupled."""
-MOST_NOISE_RATIO: Final = 1.3
+_MOST_NOISE_RATIO: Final = 1.3
 """Times the stated noise that the residual may be."""
 
 
@@ -352,8 +354,8 @@ def calibrate(
     findings = [*measured.findings]
     problem = FitProblem(arm_model(robot, estimate), measured, *(() if noise is None else (noise,)))
     _check_measurements(problem, known)
-    findings += check_motion(robot, measured)
-    check_reading(robot, measured, known)
+    findings += _check_motion(robot, measured)
+    _check_reading(robot, measured, known)
     start, _ = align_placement(problem, known)
     _check_miss(problem, start)
     found, held = _fit_identified(problem, start, known, stated=noise is not None)
@@ -390,7 +392,7 @@ def _check_estimate(robot: Robot, estimate: EstimatedErrors) -> None:
 
 def _check_measurements(problem: FitProblem, known: KnownPlacement) -> None:
     count = int(problem.wanted(known).sum())
-    needed = int(np.ceil(LEAST_MEASUREMENTS * count / problem.parts))
+    needed = int(np.ceil(_LEAST_MEASUREMENTS * count / problem.parts))
     if len(problem.measured) < needed:
         fields: dict[str, Any] = {
             "count": len(problem.measured),
@@ -403,7 +405,7 @@ def _check_measurements(problem: FitProblem, known: KnownPlacement) -> None:
 def _check_miss(problem: FitProblem, start: FitState) -> None:
     """Raises Refused for poses that the nominal arm misses by more than any small error."""
     left, robot = float(np.median(norms(problem.errors(start)[0]))), problem.model.robot
-    if left > MOST_MISS * robot.reach:
+    if left > _MOST_MISS * robot.reach:
         raise Refused(
             rules.NO_SMALL_ERRORS(path=problem.measured.path, robot=robot.name, left=left)
         )
@@ -440,10 +442,10 @@ def _outlier_findings(found: ParameterFit, robot: Robot) -> list[Diagnostic]:
     points, turns = found.problem.errors(found.state)
     off = norms(points)
     left = float(np.median(off))
-    if left > SUSPICIOUS_MISS * robot.reach:
+    if left > _SUSPICIOUS_MISS * robot.reach:
         raise Refused(rules.NO_SMALL_ERRORS(path=poses.path, robot=robot.name, left=left))
     out = np.flatnonzero(~found.used)
-    if len(out) > MOST_OUTLIERS * len(poses):
+    if len(out) > _MOST_OUTLIERS * len(poses):
         raise Refused(rules.TOO_MANY_OUTLIERS(path=poses.path, count=len(out), total=len(poses)))
     findings = []
     for at in out:
@@ -461,10 +463,10 @@ def _calibration_findings(done: Calibration, noise: float | None) -> list[Diagno
         findings.append(rules.PARAMETER_HELD(path=path, value=one.parameter.nominal, **fields))
     for correction in done.corrections:
         unit, value = correction.parameter.unit, correction.value
-        if abs(value) > LARGE_CORRECTIONS[unit]:
+        if abs(value) > _LARGE_CORRECTIONS[unit]:
             name = correction.parameter.name
             findings.append(rules.LARGE_CORRECTION(path=path, name=name, value=value, unit=unit))
-    if done.out.point > OVER_FIT_RATIO * done.after.point:
+    if done.out.point > _OVER_FIT_RATIO * done.after.point:
         fields = {"out": done.out.point, "inside": done.after.point}
         findings.append(rules.OVER_FITTED(path=path, **fields))
     if done.out.point > done.out_before.point:
@@ -474,7 +476,7 @@ def _calibration_findings(done: Calibration, noise: float | None) -> list[Diagno
     if noise is not None:
         missing = done.fit.problem.missing(done.fit.state)[done.fit.used]
         ratio = float(np.sqrt((missing**2).sum() / max(done.fit.freedom, 1)))
-        if ratio > MOST_NOISE_RATIO:
+        if ratio > _MOST_NOISE_RATIO:
             findings.append(rules.RESIDUAL_ABOVE_NOISE(path=path, ratio=ratio))
     return [*findings, *_free_chain_findings(done)]
 
@@ -489,10 +491,10 @@ def _moved_findings(done: Calibration) -> list[Diagnostic]:
     early, total = np.cumsum(off, axis=0)[:-1], off.sum(axis=0)
     apart = early / count - (total - early) / (len(off) - count)
     weight = (count * (len(off) - count) / len(off))[:, 0]
-    inverse = np.linalg.inv(np.cov(off.T) + np.eye(3) * LEAST_VARIANCE)
+    inverse = np.linalg.inv(np.cov(off.T) + np.eye(3) * _LEAST_VARIANCE)
     square = weight * np.einsum("ni,ij,nj->n", apart, inverse, apart)
     at = int(np.argmax(square))
-    if square[at] < MOVED_STATISTIC:
+    if square[at] < _MOVED_STATISTIC:
         return []
     row, mm = int(done.measured.rows[used[at + 1]]), float(np.linalg.norm(apart[at]))
     return [rules.POINTS_MOVED(path=done.measured.path, row=row, mm=mm)]
@@ -507,7 +509,7 @@ def _free_chain_findings(done: Calibration) -> list[Diagnostic]:
     problem = replace(done.fit.problem, model=arm_model(done.robot, "chain"))
     rows = np.flatnonzero(done.fit.used)
     wanted = problem.wanted(done.known)
-    if done.robot.coupling or len(rows) * problem.parts < LEAST_MEASUREMENTS * wanted.sum():
+    if done.robot.coupling or len(rows) * problem.parts < _LEAST_MEASUREMENTS * wanted.sum():
         return []
     some = problem.of(rows)
     state = FitState(done.base, done.tool, np.zeros(len(problem.model.parameters)))
@@ -515,7 +517,7 @@ def _free_chain_findings(done: Calibration) -> list[Diagnostic]:
         _fit_rows(some.slope(state)), problem.parameters, wanted, loose=True
     )
     chained = held_out_residual(problem, state, free, rows)
-    if chained.point > FREE_CHAIN_SHARE * done.out.point:
+    if chained.point > _FREE_CHAIN_SHARE * done.out.point:
         return []
     path = done.measured.path
     return [rules.FREE_CHAIN_FITS_BETTER(path=path, left=done.out.point, free=chained.point)]

@@ -1,7 +1,7 @@
 """Error models of an arm: its correctable parameters, and the pose of its flange with corrections.
 
 `LengthsModel` corrects what a robot file states of an arm in closed form: lengths and zeros of the
-axes. `ChainModel` lets axes lie anywhere: between two axes that are not parallel there are the
+axes. `_ChainModel` lets axes lie anywhere: between two axes that are not parallel there are the
 corrections of the four parameters of Denavit and Hartenberg (1955), between parallel ones those of
 Hayati (1983), whose rotation about y replaces the shift along the axis: where axes are nearly
 parallel, that shift is unbounded.
@@ -82,7 +82,7 @@ def rotation_vectors(turns: Floats) -> Floats:
     return np.asarray(rotations.turns((1.0, 0.0, 0.0, 0.0), rotations.from_matrix(turns)))
 
 
-def slopes_of_zeros(found: ChainPoses, sliding: Truths) -> tuple[Floats, Floats]:
+def _slopes_of_zeros(found: ChainPoses, sliding: Truths) -> tuple[Floats, Floats]:
     """Change of the flange by the zero of each axis: (n, 3, a) mm and (n, 3, a) radians."""
     axes, lever = found.axes, found.origins[:, -1:] - found.origins[:, :-1]
     degree = np.where(sliding, 0.0, np.radians(1.0))[:, None]
@@ -126,7 +126,7 @@ class LengthsModel:
         moved, turned = np.zeros((n, 3, k)), np.zeros((n, 3, k))
         robot = replace(self.robot, zero=self.zero(values))
         found = self.chain(values).along(robot.chained(joints))
-        moved[:, :, :count], turned[:, :, :count] = slopes_of_zeros(found, self.robot.sliding)
+        moved[:, :, :count], turned[:, :, :count] = _slopes_of_zeros(found, self.robot.sliding)
         p = found.origins[:, -1]
         for i in range(count, k):  # the flange shifts as much as a length grows, and does not turn
             longer = values.copy()
@@ -153,7 +153,7 @@ class LengthsModel:
         return replace(arm, lengths=replace(arm.lengths, **changed))
 
 
-PARALLEL_SINE: Final = 0.1
+_PARALLEL_SINE: Final = 0.1
 """Sine of the angle between two axes below which they count as parallel."""
 
 
@@ -162,12 +162,12 @@ def arm_model(robot: Robot, estimate: EstimatedErrors) -> ArmModel:
     lengths.
     """
     if estimate == "chain":
-        return ChainModel(robot)
+        return _ChainModel(robot)
     return LengthsModel(robot, lengths=estimate == "lengths")
 
 
 @dataclass(frozen=True)
-class ChainModel:
+class _ChainModel:
     """Zeros of all axes, and of the links between them what moves the next axis."""
 
     robot: Robot
@@ -230,7 +230,7 @@ class ChainModel:
                     slides(frame[:, :, 0 if name == "a" else 2])
                 else:
                     turns(frame[:, :, 0] if name == "alpha" else y, at)
-        first, second = slopes_of_zeros(found, self.robot.sliding)
+        first, second = _slopes_of_zeros(found, self.robot.sliding)
         both = np.concatenate([first, np.stack(moved, axis=2)], axis=2)
         spun = np.concatenate([second, np.stack(turned, axis=2)], axis=2)
         return FlangeSlopes(found.origins[:, -1], found.turns, both, spun)
@@ -272,7 +272,7 @@ def _common_normal(
     """The frame at the foot of the common normal of two axes, on the first of them."""
     cross, between = np.cross(axis, direction), other - origin
     sine = float(np.linalg.norm(cross))
-    if sine < PARALLEL_SINE:
+    if sine < _PARALLEL_SINE:
         along = between - (between @ axis) * axis
         foot, names = origin + (between @ axis) * axis, ("a", "alpha", "beta")
         if np.linalg.norm(along) < 1e-6:

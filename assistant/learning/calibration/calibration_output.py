@@ -130,20 +130,21 @@ def _placement_sigmas(done: Calibration, first: int) -> dict[str, Any]:
     return {"sigma_mm": told[:3], "sigma_deg": told[3:]}
 
 
-FILE_DECIMALS: Final = 9
+_FILE_DECIMALS: Final = 9
 """Decimals of mm and degrees; the flange of the file is that of the fit within 1e-6 mm."""
 
 
 def corrected_files(done: Calibration, stem: str) -> dict[str, bytes]:
     """`STEM.toml`, and `STEM.urdf` if the axes of the arm lie otherwise than its kind has them."""
     model, values = done.fit.problem.model, done.fit.state.values
-    zero = [round(float(value), FILE_DECIMALS) + 0.0 for value in model.zero(values)]
+    zero = [round(float(value), _FILE_DECIMALS) + 0.0 for value in model.zero(values)]
     arm = model.arm(values) if isinstance(model, LengthsModel) else None
     head = _head_lines(done, stem)
     if isinstance(arm, SixAxis | FiveAxis | Scara):
         has = arm if isinstance(arm, Scara) else arm.lengths
         lengths = {
-            name: round(float(getattr(has, name)), FILE_DECIMALS) for name in LENGTH_NAMES[arm.kind]
+            name: round(float(getattr(has, name)), _FILE_DECIMALS)
+            for name in LENGTH_NAMES[arm.kind]
         }
         kind = [f"arm = {_quoted_text(arm.kind)}"]
         table = ["[lengths_mm]", *(f"{key} = {value}" for key, value in lengths.items()), ""]

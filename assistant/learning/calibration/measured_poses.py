@@ -28,15 +28,15 @@ from assistant.learning import rules
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import WORLD, Camera, triangulate
 
-LENGTH_UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+_LENGTH_UNITS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 """Units in mm."""
-ANGLE_UNITS: Final = {"deg": 1.0, "rad": 180.0 / math.pi}
+_ANGLE_UNITS: Final = {"deg": 1.0, "rad": 180.0 / math.pi}
 """Units in degrees."""
-QUATERNION_COLUMNS: Final = ("q_w", "q_x", "q_y", "q_z")
-PIXEL_COLUMN: Final = re.compile(r"(?P<camera>.+)_(?P<side>[uv])_px")
-QUATERNION_TOLERANCE: Final = 0.02
+_QUATERNION_COLUMNS: Final = ("q_w", "q_x", "q_y", "q_z")
+_PIXEL_COLUMN: Final = re.compile(r"(?P<camera>.+)_(?P<side>[uv])_px")
+_QUATERNION_TOLERANCE: Final = 0.02
 """By which the length of a quaternion may be off 1; files print few decimals."""
-MOST_PIXEL_RESIDUAL: Final = 3.0
+_MOST_PIXEL_RESIDUAL: Final = 3.0
 """Pixels, root mean square, up to which two cameras have seen the same point."""
 
 
@@ -134,13 +134,13 @@ def _left_out_findings(
         known |= which
     reasons = {**wrong, "a number is missing": ~whole & ~known}
     return tuple(
-        rules.ROW_LEFT_OUT(path=path, rows=row_numbers(rows[which]), reason=reason)
+        rules.ROW_LEFT_OUT(path=path, rows=_row_numbers(rows[which]), reason=reason)
         for reason, which in reasons.items()
         if which.any()
     )
 
 
-def row_numbers(rows: Rows, most: int = 8) -> str:
+def _row_numbers(rows: Rows, most: int = 8) -> str:
     """Numbers of rows in words."""
     told = ", ".join(str(int(row)) for row in rows[:most])
     return told if len(rows) <= most else f"{told} and {len(rows) - most} more"
@@ -168,11 +168,11 @@ def _triangulated(
     found = triangulate([cameras[name] for name in names], pixels)
     points = found.points.copy()
     blind: Truths = ~all_of(np.isfinite(points))
-    apart: Truths = ~blind & (found.residuals > MOST_PIXEL_RESIDUAL)
+    apart: Truths = ~blind & (found.residuals > _MOST_PIXEL_RESIDUAL)
     points[apart] = np.nan
     wrong = {
         "less than two cameras see the point": blind,
-        f"the cameras disagree by more than {MOST_PIXEL_RESIDUAL:g} pixels": apart,
+        f"the cameras disagree by more than {_MOST_PIXEL_RESIDUAL:g} pixels": apart,
     }
     return points, found.covariances, wrong
 
@@ -210,7 +210,7 @@ class _PoseTable:
         """(n, a) in the units of the robot."""
         columns, wanted = [], []
         for axis, slides in zip(robot.axes, robot.sliding, strict=True):
-            units = LENGTH_UNITS if slides else ANGLE_UNITS
+            units = _LENGTH_UNITS if slides else _ANGLE_UNITS
             wanted.append(f"{axis.lower()}_{'mm' if slides else 'deg'}")
             columns.append(self.found(axis.lower(), units))
         missing = [name for name, at in zip(wanted, columns, strict=True) if at is None]
@@ -223,7 +223,7 @@ class _PoseTable:
         return np.column_stack([self.column(*at) for at in columns if at is not None])
 
     def positions(self) -> Floats:
-        columns = [self.found(axis, LENGTH_UNITS) for axis in "xyz"]
+        columns = [self.found(axis, _LENGTH_UNITS) for axis in "xyz"]
         lost = [f"{axis}_mm" for axis, at in zip("xyz", columns, strict=True) if at is None]
         if lost:
             raise Unreadable(self.wrong(f"has no column `{lost[0]}`", ["j1_deg", "…"]))
@@ -231,15 +231,15 @@ class _PoseTable:
 
     def quaternions(self) -> Floats | None:
         """(n, 4) unit quaternions, None without their columns."""
-        there = [name for name in QUATERNION_COLUMNS if name in self.header]
+        there = [name for name in _QUATERNION_COLUMNS if name in self.header]
         if not there:
             return None
-        if len(there) < len(QUATERNION_COLUMNS):
-            lost = next(name for name in QUATERNION_COLUMNS if name not in there)
+        if len(there) < len(_QUATERNION_COLUMNS):
+            lost = next(name for name in _QUATERNION_COLUMNS if name not in there)
             raise Unreadable(self.wrong(f"has `{there[0]}` but no `{lost}`", ["j1_deg", "…"]))
-        q = np.column_stack([self.column(name, 1.0) for name in QUATERNION_COLUMNS])
+        q = np.column_stack([self.column(name, 1.0) for name in _QUATERNION_COLUMNS])
         lengths = np.linalg.norm(q, axis=1)
-        off = np.abs(lengths - 1.0) > QUATERNION_TOLERANCE
+        off = np.abs(lengths - 1.0) > _QUATERNION_TOLERANCE
         if off.any():
             row = int(np.argmax(off))
             value = f"a quaternion of length {lengths[row]:.3g}"
@@ -255,7 +255,7 @@ class _PoseTable:
         """The cameras that have columns, in their order."""
         found: dict[str, set[str]] = {}
         for name in self.header:
-            if match := PIXEL_COLUMN.fullmatch(name):
+            if match := _PIXEL_COLUMN.fullmatch(name):
                 found.setdefault(match["camera"], set()).add(match["side"])
         half = next((camera for camera, sides in found.items() if len(sides) < 2), None)
         if half is not None:

@@ -28,18 +28,18 @@ from assistant.learning.calibration.arm_models import ArmModel, Parameter, rotat
 from assistant.learning.calibration.measured_poses import MeasuredPoses
 from assistant.program.geometry import IDENTITY, Pose, Quaternion, Vector
 
-SHIFT_NAMES: Final = ("x", "y", "z")
-TURN_NAMES: Final = ("rx", "ry", "rz")
+_SHIFT_NAMES: Final = ("x", "y", "z")
+_TURN_NAMES: Final = ("rx", "ry", "rz")
 
 
 def _placement_parameters(what: str) -> tuple[Parameter, ...]:
-    shifts = (Parameter(f"{what}.{name}", "mm") for name in SHIFT_NAMES)
-    return (*shifts, *(Parameter(f"{what}.{name}", "deg") for name in TURN_NAMES))
+    shifts = (Parameter(f"{what}.{name}", "mm") for name in _SHIFT_NAMES)
+    return (*shifts, *(Parameter(f"{what}.{name}", "deg") for name in _TURN_NAMES))
 
 
 BASE_PARAMETERS: Final = _placement_parameters("base")
-TOOL_PARAMETERS: Final = _placement_parameters("tool")
-PLACEMENT_COUNT: Final = len(BASE_PARAMETERS) + len(TOOL_PARAMETERS)
+_TOOL_PARAMETERS: Final = _placement_parameters("tool")
+PLACEMENT_COUNT: Final = len(BASE_PARAMETERS) + len(_TOOL_PARAMETERS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class FitProblem:
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        return (*BASE_PARAMETERS, *TOOL_PARAMETERS, *self.model.parameters)
+        return (*BASE_PARAMETERS, *_TOOL_PARAMETERS, *self.model.parameters)
 
     @cached_property
     def whitening(self) -> Floats:
@@ -178,20 +178,20 @@ def _cross_matrices(vectors: Floats) -> Floats:
     return np.moveaxis(np.array(rows), 2, 0)
 
 
-FIT_ROUNDS: Final = 60
-CONVERGED_SHARE: Final = 1e-9
+_FIT_ROUNDS: Final = 60
+_CONVERGED_SHARE: Final = 1e-9
 """Share of the cost by which a step must reduce it for the fit to continue."""
-ROUGHLY_CONVERGED_SHARE: Final = 1e-4
+_ROUGHLY_CONVERGED_SHARE: Final = 1e-4
 """The same while rows are weighed anew, and for poses that are only predicted."""
-TUKEY_SIGMAS: Final = 6.0
+_TUKEY_SIGMAS: Final = 6.0
 """Robust sigmas of a row from which on it counts nothing while the others are fitted."""
-OUTLIER_SIGMAS: Final = {3: 4.6, 6: 5.3}
+_OUTLIER_SIGMAS: Final = {3: 4.6, 6: 5.3}
 """Sigmas of rows of so many numbers from which on one does not belong: 1 in 10,000 (chi-square)."""
-MEDIAN_LENGTH: Final = {3: 1.538, 6: 2.313}
+_MEDIAN_LENGTH: Final = {3: 1.538, 6: 2.313}
 """Median length of so many normal numbers (square root of the median of chi-square)."""
-LEAST_REDUNDANCY: Final = 0.1
+_LEAST_REDUNDANCY: Final = 0.1
 """Least share of redundancy that is assumed for a row beyond the other rows."""
-LEAST_NOISE: Final = 1e-9
+_LEAST_NOISE: Final = 1e-9
 """mm and degrees below which noise is rounding."""
 
 
@@ -225,7 +225,7 @@ def least_squares(
     start: FitState,
     free: Truths,
     weights: Floats,
-    done: float = CONVERGED_SHARE,
+    done: float = _CONVERGED_SHARE,
 ) -> FitState:
     """The state with the least squares of what is missing. weights: (n,) of the rows. done: part
     of the cost by which a step must make it less to go on.
@@ -233,7 +233,7 @@ def least_squares(
     state, root = start, np.sqrt(weights)[:, None]
     here = problem.missing(state) * root
     cost, damping = float((here**2).sum()), 1e-4
-    for _ in range(FIT_ROUNDS if free.any() else 0):
+    for _ in range(_FIT_ROUNDS if free.any() else 0):
         whole = problem.slope(state, arm=bool(free[PLACEMENT_COUNT:].any()))
         slope = (whole[:, :, free] * root[..., None]).reshape(-1, free.sum())
         sizes = np.linalg.norm(slope, axis=0)
@@ -257,7 +257,7 @@ def least_squares(
     return state
 
 
-def robust_least_squares(
+def _robust_least_squares(
     problem: FitProblem, start: FitState, free: Truths
 ) -> tuple[FitState, Truths]:
     """The state by the rows that belong together, and which (n,) those are."""
@@ -265,8 +265,8 @@ def robust_least_squares(
     weights = _robust_weights(problem.missing(state), problem.parts, np.inf)
     for _ in range(12):
         before = weights
-        state = least_squares(problem, state, free, weights, ROUGHLY_CONVERGED_SHARE)
-        weights = _robust_weights(problem.missing(state), problem.parts, TUKEY_SIGMAS)
+        state = least_squares(problem, state, free, weights, _ROUGHLY_CONVERGED_SHARE)
+        weights = _robust_weights(problem.missing(state), problem.parts, _TUKEY_SIGMAS)
         if np.abs(weights - before).max() < 1e-2:
             break
     used = weights > 0.0
@@ -284,7 +284,7 @@ def fit_parameters(
 ) -> ParameterFit:
     """The best state with the noise of its rows. known: whether that of the problem is stated."""
     for _ in range(4):
-        state, used = robust_least_squares(problem, start, free)
+        state, used = _robust_least_squares(problem, start, free)
         slope = problem.of(np.flatnonzero(used)).slope(state)[:, :, free]
         if known:
             break
@@ -301,7 +301,7 @@ def fit_parameters(
 def _robust_weights(missing: Floats, parts: int, beyond: float) -> Floats:
     """(n,) of Tukey; the scale is the median of the rows. Without an end, those of Cauchy."""
     length = np.linalg.norm(missing, axis=1)
-    scale = max(float(np.median(length)) / MEDIAN_LENGTH[parts], 1e-12)
+    scale = max(float(np.median(length)) / _MEDIAN_LENGTH[parts], 1e-12)
     if not np.isfinite(beyond):
         return np.asarray(1.0 / (1.0 + (length / (3.0 * scale)) ** 2))
     part = length / (beyond * scale)
@@ -315,13 +315,13 @@ def _inliers(problem: FitProblem, state: FitState, free: Truths, used: Truths) -
     _, triangle = np.linalg.qr(slope[used].reshape(-1, slope.shape[2]))
     share = ((slope @ np.linalg.pinv(triangle)) ** 2).sum(axis=2)
     # A row that takes part pulls the fit to itself; of another the fit is uncertain as well.
-    spread = np.where(used[:, None], np.maximum(1.0 - share, LEAST_REDUNDANCY), 1.0 + share)
+    spread = np.where(used[:, None], np.maximum(1.0 - share, _LEAST_REDUNDANCY), 1.0 + share)
     length = np.linalg.norm(missing / np.sqrt(spread), axis=1)
-    scale = max(float(np.median(length[used])) / MEDIAN_LENGTH[problem.parts], LEAST_NOISE)
-    return np.asarray(length < OUTLIER_SIGMAS[problem.parts] * scale)
+    scale = max(float(np.median(length[used])) / _MEDIAN_LENGTH[problem.parts], _LEAST_NOISE)
+    return np.asarray(length < _OUTLIER_SIGMAS[problem.parts] * scale)
 
 
-def leverage(slope: Floats) -> Floats:
+def _leverage(slope: Floats) -> Floats:
     """(m,) share of each measured number in what is fitted to it."""
     q, _ = np.linalg.qr(slope)
     return np.asarray((q * q).sum(axis=1))
@@ -332,23 +332,23 @@ def _with_residual_noise(
 ) -> FitProblem:
     """The problem with the noise that its residuals have, of points and turns apart."""
     missing = problem.missing(state)[used]
-    over = 1.0 - leverage(slope.reshape(-1, slope.shape[2])).reshape(missing.shape)
+    over = 1.0 - _leverage(slope.reshape(-1, slope.shape[2])).reshape(missing.shape)
     point = np.sqrt((missing[:, :3] ** 2).sum() / max(over[:, :3].sum(), 1e-9))
-    point_noise = max(problem.point_noise * float(point), LEAST_NOISE)
+    point_noise = max(problem.point_noise * float(point), _LEAST_NOISE)
     if problem.parts == 3:
         return replace(problem, point_noise=point_noise)
     turn = np.sqrt((missing[:, 3:] ** 2).sum() / max(over[:, 3:].sum(), 1e-9))
-    turn_noise = max(problem.turn_noise * float(turn), LEAST_NOISE)
+    turn_noise = max(problem.turn_noise * float(turn), _LEAST_NOISE)
     return replace(problem, point_noise=point_noise, turn_noise=turn_noise)
 
 
-DEPENDENT_SHARE: Final = 1e-5
+_DEPENDENT_SHARE: Final = 1e-5
 """Share of a column's length: if less remains beside the others, the column is a sum of them."""
 MOST_SIGMA: Final = {"mm": 2.0, "deg": 1.0}
 """Standard deviation from which on a correction is held: errors of assembly are smaller."""
-MOST_PARTS: Final = 6
+_MOST_PARTS: Final = 6
 """Largest number of parts of a sum in a report."""
-LEAST_PART: Final = 0.02
+_LEAST_PART: Final = 0.02
 """Share of a sum, by its effect on the points, from which on a part is reported."""
 
 
@@ -370,7 +370,7 @@ class HeldParameter:
             return f"these poses would tell it to {self.sigma:.2g} {unit} only"
         if not self.parts:
             return "it changes nothing that is measured"
-        few = self.parts[:MOST_PARTS]
+        few = self.parts[:_MOST_PARTS]
         said = " and ".join(f"{much:.3g} {unit} of {name}" for name, much, unit in few)
         more = len(self.parts) - len(few)
         rest = f" and a little of {more} more" if more else ""
@@ -396,7 +396,7 @@ def identify_parameters(
                 rest -= (rest @ one) * one
         left = float(np.linalg.norm(rest))
         parameter = parameters[i]
-        if left <= DEPENDENT_SHARE * size or size == 0.0:
+        if left <= _DEPENDENT_SHARE * size or size == 0.0:
             held.append(HeldParameter(parameter, _parts_of_sum(slope, parameters, free, i)))
             continue
         sigma = 1.0 / left
@@ -425,13 +425,13 @@ def _parts_of_sum(
         return ()
     much = np.linalg.lstsq(slope[:, columns], slope[:, at], rcond=None)[0]
     effect = np.abs(much) * np.linalg.norm(slope[:, columns], axis=0)
-    order = [i for i in np.argsort(-effect) if effect[i] > LEAST_PART * effect.max() > 0.0]
+    order = [i for i in np.argsort(-effect) if effect[i] > _LEAST_PART * effect.max() > 0.0]
     return tuple(
         (parameters[columns[i]].name, float(much[i]), parameters[columns[i]].unit) for i in order
     )
 
 
-ALIGNMENT_ROUNDS: Final = 8
+_ALIGNMENT_ROUNDS: Final = 8
 """Rounds of reweighting the linear equations, so that a few wild rows do not decide."""
 
 
@@ -442,7 +442,7 @@ def align_placement(problem: FitProblem, known: KnownPlacement) -> tuple[FitStat
     for start in _start_states(problem, known):
         slope = problem.slope(start, arm=False).reshape(-1, len(wanted))
         free, _ = identify_parameters(slope, problem.parameters, wanted, loose=False)
-        state, used = robust_least_squares(problem, start, free) if free.any() else (start, None)
+        state, used = _robust_least_squares(problem, start, free) if free.any() else (start, None)
         off = np.linalg.norm(problem.missing(state), axis=1)
         used = np.ones(len(off), dtype=bool) if used is None else used
         middle = float(np.median(off))
@@ -458,7 +458,7 @@ def rough_residual(problem: FitProblem, known: KnownPlacement) -> float:
     return min(float(np.median(norms(problem.errors(start)[0]))) for start in starts)
 
 
-def root_mean_square(problem: FitProblem, state: FitState, used: Truths | None = None) -> float:
+def _root_mean_square(problem: FitProblem, state: FitState, used: Truths | None = None) -> float:
     """The mm between said and measured points."""
     off, _ = problem.errors(state)
     rows = off if used is None else off[used]
@@ -512,7 +512,7 @@ def _linear_alignment(p: Floats, r: Floats, y: Floats) -> tuple[Floats, Floats]:
     rows[:, :, 9:12] = np.eye(3)
     rows[:, :, 12:] = -r / size
     weights = np.ones(n)
-    for _ in range(ALIGNMENT_ROUNDS):
+    for _ in range(_ALIGNMENT_ROUNDS):
         root = np.sqrt(weights)[:, None]
         found = np.linalg.lstsq(
             (rows * root[..., None]).reshape(-1, 15), (p * root).ravel(), rcond=1e-9
@@ -538,10 +538,10 @@ def _nearest_rotation(matrix: Floats) -> Floats:
     return np.asarray(u @ np.diag([1.0, 1.0, sign]) @ v)
 
 
-FOLDS: Final = 5
-SAME_POSE: Final = 0.5
+_FOLDS: Final = 5
+_SAME_POSE: Final = 0.5
 """Degrees or mm of joints within which a pose is the same."""
-FEW_POSES: Final = 15
+_FEW_POSES: Final = 15
 """Number of poses below which each pose is held out alone."""
 
 
@@ -567,12 +567,12 @@ def residual_of_rows(problem: FitProblem, state: FitState, rows: Rows) -> Residu
     return Residual.of(points, None if some.measured.turns is None else turns)
 
 
-def distinct_poses(joints: Floats) -> Rows:
+def _distinct_poses(joints: Floats) -> Rows:
     """(n,) numbers of joints (n, a): the same for a pose that was measured several times."""
     numbers = np.full(len(joints), -1, dtype=np.intp)
     count = 0
     while (new := np.flatnonzero(numbers < 0)).size:
-        near = np.abs(joints[new] - joints[new[0]]).max(axis=1) <= SAME_POSE
+        near = np.abs(joints[new] - joints[new[0]]).max(axis=1) <= _SAME_POSE
         numbers[new[near]] = count
         count += 1
     return numbers
@@ -580,15 +580,15 @@ def distinct_poses(joints: Floats) -> Rows:
 
 def held_out_residual(problem: FitProblem, state: FitState, free: Truths, rows: Rows) -> Residual:
     """Return the residual of some rows, each by a fit of the other poses that begins at a state."""
-    alike = distinct_poses(problem.measured.joints[rows])
+    alike = _distinct_poses(problem.measured.joints[rows])
     many = int(alike.max()) + 1
     order = np.random.default_rng(0).permutation(many)
     points, turns = [], []
-    for poses in np.array_split(order, FOLDS if many >= FEW_POSES else many):
+    for poses in np.array_split(order, _FOLDS if many >= _FEW_POSES else many):
         fold = rows[np.isin(alike, poses)]
         others = problem.of(np.setdiff1d(rows, fold))
         found = least_squares(
-            others, state, free, np.ones(len(others.measured)), ROUGHLY_CONVERGED_SHARE
+            others, state, free, np.ones(len(others.measured)), _ROUGHLY_CONVERGED_SHARE
         )
         off, turned = problem.of(fold).errors(found)
         points.append(off)

@@ -28,12 +28,12 @@ from assistant.program.geometry import Pose, Vector
 from assistant.robots import Robot
 from assistant.vision.cameras.camera import Camera
 
-CANDIDATES: Final = 800
-RANGE_SHARE: Final = 0.95
+_CANDIDATES: Final = 800
+_RANGE_SHARE: Final = 0.95
 """Share of the range of each axis that is used."""
-EXCHANGE_ROUNDS: Final = 3
+_EXCHANGE_ROUNDS: Final = 3
 """Times that each pose is exchanged for the best other one at most."""
-PICTURE_MARGIN: Final = 10.0
+_PICTURE_MARGIN: Final = 10.0
 """Pixels from the edge of a picture."""
 
 
@@ -100,11 +100,11 @@ def _random_candidates(
     robot: Robot, tool: Vector, box: Floats | None, cameras: Sequence[Camera], seed: int
 ) -> tuple[Floats, Floats]:
     """Random joints whose links stay above the floor, and the tool point where it may be."""
-    middle, half = robot.limits.mean(axis=1), np.ptp(robot.limits, axis=1) / 2.0 * RANGE_SHARE
+    middle, half = robot.limits.mean(axis=1), np.ptp(robot.limits, axis=1) / 2.0 * _RANGE_SHARE
     # Turns beyond half a circle tell nothing new and wind up cables.
     half = np.where(robot.sliding, half, np.minimum(half, 175.0))
     random = np.random.default_rng(seed)
-    joints = random.uniform(middle - half, middle + half, (8 * CANDIDATES, len(half)))
+    joints = random.uniform(middle - half, middle + half, (8 * _CANDIDATES, len(half)))
     joints = np.round(joints, 2)
     p, r = arm_model(robot, "zeros").flange(joints, np.zeros(len(robot.axes)))
     points = p + r @ np.array(tool)
@@ -112,9 +112,9 @@ def _random_candidates(
     if box is not None:
         good &= ((points >= box[:, 0]) & (points <= box[:, 1])).all(axis=1)
     if cameras:
-        views = [camera.within(camera.project(points), PICTURE_MARGIN) for camera in cameras]
+        views = [camera.within(camera.project(points), _PICTURE_MARGIN) for camera in cameras]
         good &= np.sum(views, axis=0) >= 2
-    some = np.flatnonzero(good)[:CANDIDATES]
+    some = np.flatnonzero(good)[:_CANDIDATES]
     return joints[some], points[some]
 
 
@@ -133,7 +133,7 @@ def _greedy_selection(rows: Floats, count: int) -> Rows:
 def _exchange(rows: Floats, chosen: Rows) -> Rows:
     chosen = chosen.copy()
     ridge = np.eye(rows.shape[2]) * 1e-9
-    for _ in range(EXCHANGE_ROUNDS):
+    for _ in range(_EXCHANGE_ROUNDS):
         changed = False
         for i in range(len(chosen)):
             others = np.delete(chosen, i)

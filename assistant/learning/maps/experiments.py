@@ -67,7 +67,7 @@ def three_joints() -> Experiment:
     box = np.array([[300.0, 450.0], [-200.0, 200.0], [200.0, 400.0]])
     robot = robots.get("rv-2aj")
     arm = observed_arm(
-        robot, pair_for(box_corners(box)), [TOOL_TIP], ("J1", "J2", "J3"), np.zeros(5)
+        robot, pair_for(_box_corners(box)), [TOOL_TIP], ("J1", "J2", "J3"), np.zeros(5)
     )
     ranges = np.array([[-60.0, 60.0], [-60.0, 120.0], [0.0, 120.0]])
     return Experiment(arm, InBox(box), ranges, 3)
@@ -98,7 +98,7 @@ def over_box(arm: ObservedArm, space: InBox) -> Experiment:
     if not arm.cameras:
         around = float(np.linalg.norm(arm.points - arm.points[0], axis=1).max())
         wider = space.box + np.array([-around, around])
-        seen = arm.watched(pair_for(box_corners(wider)))
+        seen = arm.watched(pair_for(_box_corners(wider)))
     turned = space.rule != "any" and space.turn[0] < space.turn[1]
     return Experiment(seen, space, ranges_for_box(seen, space), 4 if turned else 3)
 
@@ -119,7 +119,7 @@ def moved_aside(camera: Camera, by: float) -> Camera:
     return Camera(camera.name, camera.lens, place, camera.parent)
 
 
-def box_corners(box: Floats) -> Floats:
+def _box_corners(box: Floats) -> Floats:
     """(8, 3) of a box (3, 2)."""
     grid = np.meshgrid(*box, indexing="ij")
     return np.stack([one.ravel() for one in grid], axis=1)
@@ -236,15 +236,15 @@ def _task_text(task: MapTask) -> str:
     return f"{axes} of {task.robot} by {task.points} {points} in {cameras}"
 
 
-NEIGHBOUR_RATIO: Final = 3
+_NEIGHBOUR_RATIO: Final = 3
 """Times the numbers that a plane has: how many of the nearest pictures it is laid through."""
-DISTANCES_AT_ONCE: Final = 20_000_000
+_DISTANCES_AT_ONCE: Final = 20_000_000
 """Distances between targets and pictures that are computed together."""
-LEAST_SLOPE_SPREAD: Final = 0.2
+_LEAST_SLOPE_SPREAD: Final = 0.2
 """Pixels: a plane has no slope along directions in which pictures differ by less."""
-LEAST_PICTURE_SPREAD: Final = 1e-9
+_LEAST_PICTURE_SPREAD: Final = 1e-9
 """Pixels, where all pictures are alike."""
-PICTURE_SURPLUS: Final = 20
+_PICTURE_SURPLUS: Final = 20
 """Factor of the wanted pictures: among so many pictures, those near the targets are chosen."""
 
 
@@ -308,7 +308,7 @@ class NearestBaseline:
     scale: Floats = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "scale", self.pictures.std(axis=0) + LEAST_PICTURE_SPREAD)
+        object.__setattr__(self, "scale", self.pictures.std(axis=0) + _LEAST_PICTURE_SPREAD)
 
     def joints(self, pixels: Floats) -> Floats:
         out = [self._planes(pixels[rows])[0] for rows in self._parts(len(pixels))]
@@ -322,7 +322,7 @@ class NearestBaseline:
         return np.asarray(np.clip(np.concatenate(out), *self.ranges.T))
 
     def _parts(self, count: int) -> list[slice]:
-        size = max(DISTANCES_AT_ONCE // len(self.pictures), 1)
+        size = max(_DISTANCES_AT_ONCE // len(self.pictures), 1)
         return [slice(at, at + size) for at in range(0, count, size)]
 
     def _planes(self, pixels: Floats) -> tuple[Floats, Floats]:
@@ -332,14 +332,14 @@ class NearestBaseline:
         middle, mean = pictures.mean(axis=1), joints.mean(axis=1)
         offsets = pictures - middle[:, None]
         squares = np.einsum("mnd,mne->mde", offsets, offsets)
-        squares += offsets.shape[1] * LEAST_SLOPE_SPREAD**2 * np.eye(pixels.shape[1])
+        squares += offsets.shape[1] * _LEAST_SLOPE_SPREAD**2 * np.eye(pixels.shape[1])
         slopes = np.linalg.solve(squares, np.swapaxes(offsets, 1, 2) @ (joints - mean[:, None]))
         return mean + np.einsum("mda,md->ma", slopes, pixels - middle), slopes
 
     def _near(self, pixels: Floats) -> Rows:
         ours, theirs = self.pictures / self.scale, pixels / self.scale
         distances = 0.5 * (ours**2).sum(axis=1) - theirs @ ours.T
-        count = min(NEIGHBOUR_RATIO * (pixels.shape[1] + 1), len(ours))
+        count = min(_NEIGHBOUR_RATIO * (pixels.shape[1] + 1), len(ours))
         return np.asarray(np.argpartition(distances, count - 1, axis=1)[:, :count])
 
 
@@ -357,7 +357,7 @@ def nearest_baseline(
     near: list[tuple[Floats, Floats]] = []
     far: list[tuple[Floats, Floats]] = []
     found = 0
-    for _ in range(PICTURE_SURPLUS):
+    for _ in range(_PICTURE_SURPLUS):
         joints = draw.uniform(ranges[:, 0], ranges[:, 1], size)
         pixels = arm(joints)
         like = ((pixels >= low - more) & (pixels <= high + more)).all(axis=1)

@@ -33,7 +33,7 @@ from assistant.learning.rules import BAD_PICTURE_SHAPE
 
 LEAST_SHARE: Final = 2e-3
 """Shares of a Gaussian below which a unit learns nothing from its neighbour."""
-WIDEST_GAUSSIAN: Final = 1e3
+_WIDEST_GAUSSIAN: Final = 1e3
 """Units; a wider Gaussian is flat over every lattice."""
 
 LatticeBox = tuple[slice, ...]
@@ -53,7 +53,7 @@ class Neighbourhood:
     shares: Floats = field(init=False)
 
     def __post_init__(self) -> None:
-        width = min(self.width, WIDEST_GAUSSIAN)
+        width = min(self.width, _WIDEST_GAUSSIAN)
         reach = int(width * np.sqrt(-2.0 * np.log(LEAST_SHARE)))
         self.reaches = tuple(min(reach, count - 1) for count in self.shape)
         self.shares = np.ones(())
@@ -89,11 +89,11 @@ def neighbour_pairs(shape: tuple[int, ...]) -> Rows:
     return np.concatenate(found)
 
 
-RANDOM_SIGMA: Final = 0.1
+_RANDOM_SIGMA: Final = 0.1
 """Standard deviation of the numbers in A before anything is learnt, in spreads of both sides."""
 JOINTS_OF_POINTS: Final = {1: 3, 2: 5}
 """Number of joints that so many seen points determine; three points determine six."""
-LEAST_SPREAD: Final = 0.15
+_LEAST_SPREAD: Final = 0.15
 """Share of the largest spread: along axes with less, curvature of the pictures outweighs their
 information.
 """
@@ -284,9 +284,9 @@ def random_map(
     units, seen, axes = int(np.prod(shape)), pictures.shape[1], len(ranges)
     middle = pictures.mean(axis=0)
     squares, frame = np.linalg.eigh(np.cov((pictures - middle).T))
-    spreads = np.sqrt(np.maximum(squares, LEAST_SPREAD**2 * squares[-1]))
+    spreads = np.sqrt(np.maximum(squares, _LEAST_SPREAD**2 * squares[-1]))
     low, high = np.array(ranges, dtype=np.float64).T.copy()
-    answers = draw.normal(0.0, RANDOM_SIGMA, (units, axes + axes * seen))
+    answers = draw.normal(0.0, _RANDOM_SIGMA, (units, axes + axes * seen))
     answers[:, :axes] = draw.uniform(-1.0, 1.0, (units, axes))
     places = draw.uniform(-1.0, 1.0, (units, seen))
     scale = MapScale(middle, frame / spreads, low, high)
@@ -301,7 +301,7 @@ def _all_different(winners: Rows) -> bool:
 ArmFunction = Callable[[Floats], Floats]
 """Joints (n, a) to which an arm is moved one after the other → pixels (n, d) at which its tool is
 seen there; a row that some camera does not see holds NaN."""
-NEWEST_SHARE: Final = 0.1
+_NEWEST_SHARE: Final = 0.1
 """Share of the newest trial in what a unit misses by."""
 
 
@@ -350,7 +350,7 @@ def learn_trials(net: ExtendedMap, targets: Floats, done: Trials, pace: Learning
     angles = net.angles[winners] + apply_slopes(slopes, wanted - first)
     if net.task.free:
         pull = _null_motion(slopes, -net.angles[winners], net.task.determined)
-        angles += POSTURE_PULL * pace.answer_width * pull
+        angles += _POSTURE_PULL * pace.answer_width * pull
     missed = np.sqrt(((targets[there] - done.fine_seen[there]) ** 2).mean(axis=1))
     teach_units(net, winners, angles, turned, moved, missed, pace)
 
@@ -371,7 +371,7 @@ def teach_units(
     """
     slopes, axes = net.slopes[winners], net.axes
     size = np.einsum("md,md->m", moved, moved) + max(
-        (pace.noise * net.scale.pixel) ** 2, UNSEEN_MOVEMENT
+        (pace.noise * net.scale.pixel) ** 2, _UNSEEN_MOVEMENT
     )
     wrong = (turned - apply_slopes(slopes, moved)) / size[:, None]
     right = slopes + wrong[:, :, None] * moved[:, None, :]
@@ -379,12 +379,12 @@ def teach_units(
     better = np.concatenate([angles, corrected], axis=1)
     net.learn_answers(winners, better, pace)
     before = net.missed[winners]
-    lately = np.where(np.isfinite(before), before + NEWEST_SHARE * (missed - before), missed)
+    lately = np.where(np.isfinite(before), before + _NEWEST_SHARE * (missed - before), missed)
     net.missed[winners] = lately
     np.add.at(net.wins, winners, 1.0)
 
 
-POSTURE_PULL: Final = 0.1
+_POSTURE_PULL: Final = 0.1
 """Share of the way to its preferred posture, times the width of learning, that a free arm takes in
 each trial."""
 
@@ -400,7 +400,7 @@ def _null_motion(slopes: Floats, angles: Floats, count: int) -> Floats:
     return np.asarray(angles - seen)
 
 
-UNSEEN_MOVEMENT: Final = 1e-12
+_UNSEEN_MOVEMENT: Final = 1e-12
 """Squared spread below which a movement is not seen."""
 
 
@@ -448,26 +448,26 @@ class Cooling:
         )
 
 
-FIRST_RATES: Final = LearningRates(1.0, 1.5, 0.9, 1.2)
-LAST_RATES: Final = LearningRates(0.02, 0.15, 0.3, 0.15)
+_FIRST_RATES: Final = LearningRates(1.0, 1.5, 0.9, 1.2)
+_LAST_RATES: Final = LearningRates(0.02, 0.15, 0.3, 0.15)
 """By trial on three and five joints: other widths do as well, shares that stay large do not."""
-RELEARNING_RATES: Final = LearningRates(0.02, 0.15, 0.9, 0.5)
+_RELEARNING_RATES: Final = LearningRates(0.02, 0.15, 0.9, 0.5)
 """From which a map cools that goes on learning after something has changed."""
 
 
 def first_cooling(steps: int, noise: float = 0.0) -> Cooling:
     """Return the cooling of a new map. noise: pixels."""
-    return _cooling_with_noise(FIRST_RATES, LAST_RATES, steps, noise)
+    return _cooling_with_noise(_FIRST_RATES, _LAST_RATES, steps, noise)
 
 
 def relearning_cooling(steps: int, noise: float = 0.0) -> Cooling:
     """Return the cooling of a trained map whose arm or cameras have changed."""
-    return _cooling_with_noise(RELEARNING_RATES, LAST_RATES, steps, noise)
+    return _cooling_with_noise(_RELEARNING_RATES, _LAST_RATES, steps, noise)
 
 
 def rates_in_use(noise: float = 0.0) -> LearningRates:
     """Return the rates of a map that learns during use."""
-    return _cooling_with_noise(RELEARNING_RATES, LAST_RATES, 0, noise).last
+    return _cooling_with_noise(_RELEARNING_RATES, _LAST_RATES, 0, noise).last
 
 
 def _cooling_with_noise(

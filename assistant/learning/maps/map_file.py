@@ -25,19 +25,19 @@ from assistant.learning.maps.extended_map import ExtendedMap, MapScale, MapTask
 from assistant.learning.maps.map_training import MOST_UNITS
 from assistant.learning.rules import NO_MAP, OTHER_MAP_VERSION
 
-VERSION: Final = 1
-FILE_KIND: Final = "learned map"
+_VERSION: Final = 1
+_FILE_KIND: Final = "learned map"
 COLUMNS: Final = (
     *("shape", "middle", "frame", "low", "high", "places", "answers", "wins", "missed"),
     *("about", "kind", "robot", "axes", "cameras"),
 )
-LONGEST_TEXT: Final = 1000
+_LONGEST_TEXT: Final = 1000
 """Characters of a text."""
-MOST_NUMBERS: Final = 1000
+_MOST_NUMBERS: Final = 1000
 """Largest number of values of a picture."""
-LARGEST_NUMBER: Final = 1e9
+_LARGEST_NUMBER: Final = 1e9
 """No number of a map that learns comes near it."""
-READ_ERRORS: Final = (
+_READ_ERRORS: Final = (
     *(zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError),
     *(OSError, ValueError, SyntaxError, TypeError, MemoryError, RecursionError, TokenError),
 )
@@ -53,8 +53,8 @@ def save_map(
     """
     buffer, task, scale = io.BytesIO(), net.task, net.scale
     columns: dict[str, Any] = {
-        "kind": np.array(FILE_KIND),
-        "about": np.array([VERSION, net.steps, task.points], dtype=np.float64),
+        "kind": np.array(_FILE_KIND),
+        "about": np.array([_VERSION, net.steps, task.points], dtype=np.float64),
         "robot": np.array(task.robot),
         "axes": np.array("\n".join(task.axes)),
         "cameras": np.array("\n".join(task.cameras)),
@@ -74,12 +74,12 @@ def load_map(path: str | FilePath) -> ExtendedMap:
         columns = _read_columns(read_bytes(path))
     except Refused:
         raise
-    except READ_ERRORS as wrong:
+    except _READ_ERRORS as wrong:
         reason = " ".join(str(wrong).split())[:120] or type(wrong).__name__
         raise Unreadable(NO_MAP(path=str(path), reason=reason)) from None
     about = columns.get("about", np.zeros(0))
-    if str(columns.get("kind")) == FILE_KIND and about.shape == (3,) and about[0] != VERSION:
-        finding = OTHER_MAP_VERSION(path=str(path), version=float(about[0]), known=VERSION)
+    if str(columns.get("kind")) == _FILE_KIND and about.shape == (3,) and about[0] != _VERSION:
+        finding = OTHER_MAP_VERSION(path=str(path), version=float(about[0]), known=_VERSION)
         raise Refused(finding, exit_status=2)
     reason = _map_fault(columns)
     if reason:
@@ -112,8 +112,10 @@ def _read_array(data: bytes) -> Any:
     stream = io.BytesIO(data)
     if np.lib.format.read_magic(stream) != (1, 0):
         raise ValueError("a column has another format than numpy writes")
-    shape, fortran, kind = np.lib.format.read_array_header_1_0(stream, max_header_size=LONGEST_TEXT)
-    text = kind.kind == "U" and shape == () and kind.itemsize <= 4 * LONGEST_TEXT
+    shape, fortran, kind = np.lib.format.read_array_header_1_0(
+        stream, max_header_size=_LONGEST_TEXT
+    )
+    text = kind.kind == "U" and shape == () and kind.itemsize <= 4 * _LONGEST_TEXT
     if kind.hasobject or not (kind == np.float64 or text):
         raise ValueError(f"a column holds `{str(kind)[:40]}`, which no map has")
     if len(data) - stream.tell() != math.prod(shape) * kind.itemsize:
@@ -124,7 +126,7 @@ def _read_array(data: bytes) -> Any:
 
 def _map_fault(columns: dict[str, Any]) -> str:
     """Return the fault that makes columns unusable as a map, empty if they are a map."""
-    if str(columns.get("kind")) != FILE_KIND:
+    if str(columns.get("kind")) != _FILE_KIND:
         return "it says to be something else"
     missing = [name for name in COLUMNS if name not in columns]
     if missing:
@@ -133,11 +135,11 @@ def _map_fault(columns: dict[str, Any]) -> str:
     if {"robot", "axes", "cameras"} & numbers.keys() or len(numbers) < len(COLUMNS) - 4:
         return "texts and numbers are mixed up"
     if not all(
-        (np.abs(c) <= LARGEST_NUMBER).all() for name, c in numbers.items() if name != "missed"
+        (np.abs(c) <= _LARGEST_NUMBER).all() for name, c in numbers.items() if name != "missed"
     ):
         return "it holds numbers that are none"
     shape, about = columns["shape"], columns["about"]
-    if about.shape != (3,) or not (about[1] >= 0.0 and 1.0 <= about[2] <= MOST_NUMBERS):
+    if about.shape != (3,) or not (about[1] >= 0.0 and 1.0 <= about[2] <= _MOST_NUMBERS):
         return "its `about` is not version, steps and points"
     if shape.ndim != 1 or not 1 <= len(shape) <= 6 or (shape < 2.0).any():
         return "its lattice is none"

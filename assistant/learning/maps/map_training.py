@@ -35,22 +35,22 @@ from assistant.learning.maps.observed_arm import Goals, ObservedArm, Space, poin
 from assistant.learning.maps.proposals import RANGE_TOLERANCE
 from assistant.learning.rules import BAD_LATTICE, FEW_POINTS, FEW_ROWS, TOOL_RARELY_SEEN
 
-TARGETS_AT_ONCE: Final = 16
+_TARGETS_AT_ONCE: Final = 16
 """Targets that are tried before their results are learnt: a computed arm gets all of them in one
 call.
 """
-SCALE_SAMPLES: Final = 1000
+_SCALE_SAMPLES: Final = 1000
 """Pictures by which a map that begins is scaled."""
 TEST_GOALS: Final = 500
 """Goals by which errors are measured."""
-LEAST_SEEN_SHARE: Final = 0.5
+_LEAST_SEEN_SHARE: Final = 0.5
 """Share of them that the cameras must see."""
-CHECKED_POSTURES: Final = 50
+_CHECKED_POSTURES: Final = 50
 """Places at which it is asked whether the seen points tell the joints."""
-LEAST_MM_PER_DEGREE: Final = 0.01
+_LEAST_MM_PER_DEGREE: Final = 0.01
 """Mm a degree of what moves the seen points least."""
 MOST_UNITS: Final = 50_000
-USUAL_LATTICES: Final[dict[int, tuple[int, ...]]] = {
+_USUAL_LATTICES: Final[dict[int, tuple[int, ...]]] = {
     1: (30,),
     2: (16, 16),
     3: (7, 12, 4),
@@ -63,7 +63,7 @@ published experiment.
 """
 MEASURED_STEPS: Final = (300, 1_000, 3_000, 6_000, 10_000, 20_000, 30_000, 40_000)
 """Steps at which errors are measured."""
-RANDOM_MOVEMENT: Final = 0.3
+_RANDOM_MOVEMENT: Final = 0.3
 """One sigma of the random movements of a free arm, in half ranges of the joints and widths of
 learning: they show which joints move the picture."""
 
@@ -87,13 +87,13 @@ class MapErrors:
 
 @dataclass(frozen=True, slots=True)
 class TrainingPlan:
-    """steps: of the run. at_once: see `TARGETS_AT_ONCE`. marks: steps of the map at which `watch`
+    """steps: of the run. at_once: see `_TARGETS_AT_ONCE`. marks: steps of the map at which `watch`
     is called beside the last one. seed: of the targets.
     """
 
     steps: int
     cooling: Cooling
-    at_once: int = TARGETS_AT_ONCE
+    at_once: int = _TARGETS_AT_ONCE
     marks: tuple[int, ...] = MEASURED_STEPS
     seed: int = 0
 
@@ -102,7 +102,7 @@ def start_map(
     arm: ObservedArm, space: Space, ranges: Floats, dimensions: int, seed: int = 0
 ) -> ExtendedMap:
     """A map that has learnt nothing, of the usual size for targets of so many dimensions."""
-    return start_map_with_shape(USUAL_LATTICES.get(dimensions, ()), arm, space, ranges, seed)
+    return start_map_with_shape(_USUAL_LATTICES.get(dimensions, ()), arm, space, ranges, seed)
 
 
 def start_map_with_shape(
@@ -114,10 +114,10 @@ def start_map_with_shape(
         finding = BAD_LATTICE(units=units, dimensions=len(shape), most=MOST_UNITS)
         raise Refused(finding, exit_status=2)
     _check_determined(arm, ranges)
-    sample = space.draw(arm, SCALE_SAMPLES, np.random.default_rng(seed)).pixels
+    sample = space.draw(arm, _SCALE_SAMPLES, np.random.default_rng(seed)).pixels
     sample = sample[np.isfinite(sample).all(axis=1)]
-    if len(sample) < LEAST_SEEN_SHARE * SCALE_SAMPLES:
-        raise Refused(TOOL_RARELY_SEEN(seen=len(sample), total=SCALE_SAMPLES), exit_status=1)
+    if len(sample) < _LEAST_SEEN_SHARE * _SCALE_SAMPLES:
+        raise Refused(TOOL_RARELY_SEEN(seen=len(sample), total=_SCALE_SAMPLES), exit_status=1)
     return random_map(arm.task, shape, sample, ranges, seed)
 
 
@@ -125,12 +125,12 @@ def _check_determined(arm: ObservedArm, ranges: Floats) -> None:
     """Raises Refused where some joints move without any of the points that are seen."""
     count, needed = len(arm.points), len(arm.moves)
     joints = np.random.default_rng(0).uniform(
-        ranges[:, 0], ranges[:, 1], (CHECKED_POSTURES, needed)
+        ranges[:, 0], ranges[:, 1], (_CHECKED_POSTURES, needed)
     )
     slopes = point_slopes(arm, joints)
     wanted = arm.task.determined if arm.free else needed
     least = np.linalg.svd(slopes, compute_uv=False)[:, wanted - 1 : wanted]
-    if wanted > JOINTS_OF_POINTS.get(count, 6) or float(np.median(least)) < LEAST_MM_PER_DEGREE:
+    if wanted > JOINTS_OF_POINTS.get(count, 6) or float(np.median(least)) < _LEAST_MM_PER_DEGREE:
         points = f"{count} point" if count == 1 else f"{count} points"
         raise Refused(FEW_POINTS(points=points, needed=needed), exit_status=2)
 
@@ -158,7 +158,7 @@ def train_map(
         rows = np.arange(done, min(done + plan.at_once, plan.steps)) % len(there)
         pace, before = plan.cooling.at(done), net.steps
         more = (
-            draw.normal(0.0, RANDOM_MOVEMENT * pace.answer_width, (len(rows), net.axes))
+            draw.normal(0.0, _RANDOM_MOVEMENT * pace.answer_width, (len(rows), net.axes))
             if net.task.free
             else 0.0
         )
@@ -281,13 +281,13 @@ def usual_plan(
     return TrainingPlan(steps, first_cooling(steps, noise), marks=tuple(marks), seed=seed)
 
 
-FEWEST_RECORDED_ROWS: Final = 100
+_FEWEST_RECORDED_ROWS: Final = 100
 """Fewest rows to learn from."""
-MOST_RECORDED_ROWS: Final = 3000
+_MOST_RECORDED_ROWS: Final = 3000
 """Most rows that are used, evenly chosen."""
-TEST_STRIDE: Final = 5
+_TEST_STRIDE: Final = 5
 """Every fifth row is kept to measure by, and not learnt from."""
-NEAR_PICTURES: Final = 24
+_NEAR_PICTURES: Final = 24
 """Rows of the nearest pictures, one of which is the other movement of a row."""
 
 
@@ -299,10 +299,10 @@ def split_recording(arm: ObservedArm, joints: Floats) -> tuple[Floats, Goals]:
     """
     moved = np.append(True, (np.abs(np.diff(joints, axis=0)) > 0.0).any(axis=1))
     rows = joints[moved]
-    if len(rows) < FEWEST_RECORDED_ROWS:
-        raise Refused(FEW_ROWS(count=len(rows), least=FEWEST_RECORDED_ROWS), exit_status=1)
-    rows = rows[np.asarray(evenly_spaced(len(rows), min(MOST_RECORDED_ROWS, len(rows))))]
-    kept = np.arange(len(rows)) % TEST_STRIDE == 0
+    if len(rows) < _FEWEST_RECORDED_ROWS:
+        raise Refused(FEW_ROWS(count=len(rows), least=_FEWEST_RECORDED_ROWS), exit_status=1)
+    rows = rows[np.asarray(evenly_spaced(len(rows), min(_MOST_RECORDED_ROWS, len(rows))))]
+    kept = np.arange(len(rows)) % _TEST_STRIDE == 0
     points, turns = arm.tool(rows[kept])
     pixels = arm.noisy(0.0).seen(points)
     there = np.isfinite(pixels).all(axis=1)
@@ -368,5 +368,5 @@ def _nearest_pictures(pictures: Floats) -> Ints:
     squares = (pictures**2).sum(axis=1)
     away = squares[:, None] + squares - 2.0 * pictures @ pictures.T
     np.fill_diagonal(away, np.inf)
-    count = min(NEAR_PICTURES, len(pictures) - 1)
+    count = min(_NEAR_PICTURES, len(pictures) - 1)
     return np.asarray(np.argpartition(away, count - 1, axis=1)[:, :count])

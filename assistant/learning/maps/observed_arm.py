@@ -25,7 +25,7 @@ from assistant.robots import Robot
 from assistant.robots.arms.closed_form import FiveAxis, Lengths, SixAxis
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 
-LENGTH_NAMES: Final = ("d1", "a1", "a2", "a3", "d4", "d6")
+_LENGTH_NAMES: Final = ("d1", "a1", "a2", "a3", "d4", "d6")
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,63 +121,63 @@ def observed_arm(
 def with_length(robot: Robot, name: str, factor: float) -> Robot:
     """The robot with one length times a factor; raises Refused for a length that it has not."""
     lengths = getattr(robot.arm, "lengths", None)
-    known = [one for one in LENGTH_NAMES if getattr(lengths, one, 0.0)]
+    known = [one for one in _LENGTH_NAMES if getattr(lengths, one, 0.0)]
     if not isinstance(robot.arm, SixAxis | FiveAxis) or name not in known:
         finding = NO_LENGTH(robot=robot.title, name=name, known=", ".join(known) or "none")
         raise Refused(finding, exit_status=2)
-    values = {one: getattr(lengths, one) for one in LENGTH_NAMES}
+    values = {one: getattr(lengths, one) for one in _LENGTH_NAMES}
     values[name] *= factor
     return replace(robot, arm=replace(robot.arm, lengths=Lengths(**values)))
 
 
-PAIR_LENS: Final = Lens.ideal((640, 480), 800.0)
-PAIR_MARGIN: Final = 30.0
+_PAIR_LENS: Final = Lens.ideal((640, 480), 800.0)
+_PAIR_MARGIN: Final = 30.0
 """Pixels that are kept free at the edges by `pair_for`."""
-PAIR_ASIDE: Final = 0.3
+_PAIR_ASIDE: Final = 0.3
 """Sideways offset of each of the two cameras, as a share of the distance."""
-PAIR_HEIGHT: Final = 0.35
+_PAIR_HEIGHT: Final = 0.35
 """Height of the cameras above the observed points, as a share of the distance."""
 
 
-def pair_for(points: Floats, lens: Lens = PAIR_LENS) -> tuple[Camera, Camera]:
+def pair_for(points: Floats, lens: Lens = _PAIR_LENS) -> tuple[Camera, Camera]:
     """Two cameras in front of a robot that see points (n, 3) mm of its base, as near as can be."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     distance = max(float(np.linalg.norm(np.ptp(points, axis=0))), 1.0)
     while True:
         cameras = tuple(
-            Camera(name, lens, _pose_of_pair(middle, distance, side * PAIR_ASIDE))
+            Camera(name, lens, _pose_of_pair(middle, distance, side * _PAIR_ASIDE))
             for name, side in (("left", -1.0), ("right", 1.0))
         )
-        if all(one.within(one.project(points), PAIR_MARGIN).all() for one in cameras):
+        if all(one.within(one.project(points), _PAIR_MARGIN).all() for one in cameras):
             return cameras[0], cameras[1]
         distance *= 1.05
 
 
 def _pose_of_pair(middle: Floats, distance: float, aside: float) -> Pose:
-    ahead = np.array([1.0, aside, PAIR_HEIGHT])
+    ahead = np.array([1.0, aside, _PAIR_HEIGHT])
     eye = middle + distance * ahead / np.linalg.norm(ahead)
     return looking_at(eye, middle)
 
 
-SLOPE_STEP: Final = 1e-4
+_SLOPE_STEP: Final = 1e-4
 """Degrees (mm) by which slopes of forward kinematics are taken."""
-LONGEST_STEP: Final = 20.0
+_LONGEST_STEP: Final = 20.0
 """Degrees (mm) of one step."""
-SOLVER_ROUNDS: Final = 60
+_SOLVER_ROUNDS: Final = 60
 
 
 def solve_joints(arm: ObservedArm, points: Floats, begin: Floats, ranges: Floats) -> Floats:
     """Joints (m, a) within ranges (a, 2) for points (m, k, 3) mm; Gauss and Newton from (m, a)."""
     joints = np.clip(begin, ranges[:, 0], ranges[:, 1])
     even = np.eye(joints.shape[1])
-    for _ in range(SOLVER_ROUNDS):
+    for _ in range(_SOLVER_ROUNDS):
         off = (points - arm.tool(joints)[0]).reshape(len(points), -1)
         slope = point_slopes(arm, joints)
         square = np.einsum("mri,mrj->mij", slope, slope)
         square += 1e-9 * even * np.trace(square, axis1=1, axis2=2)[:, None, None]
         pull = np.einsum("mri,mr->mi", slope, off)
         step = np.linalg.solve(square, pull[..., None])[..., 0]
-        step = np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+        step = np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
         joints = np.clip(joints + step, ranges[:, 0], ranges[:, 1])
         if np.abs(step).max() < 1e-9:
             break
@@ -189,24 +189,24 @@ def point_slopes(arm: ObservedArm, joints: Floats) -> Floats:
     columns = []
     for axis in range(joints.shape[1]):
         more, less = joints.copy(), joints.copy()
-        more[:, axis] += SLOPE_STEP
-        less[:, axis] -= SLOPE_STEP
+        more[:, axis] += _SLOPE_STEP
+        less[:, axis] -= _SLOPE_STEP
         apart = arm.tool(more)[0] - arm.tool(less)[0]
-        columns.append(apart.reshape(len(joints), -1) / (2.0 * SLOPE_STEP))
+        columns.append(apart.reshape(len(joints), -1) / (2.0 * _SLOPE_STEP))
     return np.stack(columns, axis=-1)
 
 
 ToolRule = Literal["any", "down", "forward"]
 """Orientation of the tool: any, its z axis down, or along x of the base."""
-TOOL_ROTATIONS: Final[dict[ToolRule, tuple[float, float, float, float]]] = {
+_TOOL_ROTATIONS: Final[dict[ToolRule, tuple[float, float, float, float]]] = {
     "down": (0.0, 0.0, 1.0, 0.0),
     "forward": (0.7071067811865476, 0.0, 0.7071067811865476, 0.0),
 }
 """Rotations of a tool that is not turned about its own axis."""
-BOX_SAMPLES: Final = 2000
+_BOX_SAMPLES: Final = 2000
 """Poses by which it is asked how much of a box an arm reaches."""
-LEAST_REACHED: Final = 0.999
-REACHED_MM: Final = 0.01
+_LEAST_REACHED: Final = 0.999
+_REACHED_MM: Final = 0.01
 """Mm within which a place is reached."""
 
 
@@ -274,7 +274,7 @@ class InBox:
 
     def _turns(self, degrees: Floats) -> Floats:
         about = rotations.about((0.0, 0.0, 1.0) * np.ones((len(degrees), 1)), degrees)
-        return rotations.canonical(rotations.multiply(np.array(TOOL_ROTATIONS[self.rule]), about))
+        return rotations.canonical(rotations.multiply(np.array(_TOOL_ROTATIONS[self.rule]), about))
 
 
 Space = InRanges | InBox
@@ -330,14 +330,14 @@ def ranges_for_box(arm: ObservedArm, space: InBox, seed: int = 0) -> Floats:
     draw = np.random.default_rng(seed)
     limits = arm.robot.limits[arm.columns]
     if space.rule == "any":
-        points = _random_joints(draw, space.box, BOX_SAMPLES)[:, None]
-        home = np.tile(arm.robot.home[arm.columns], (BOX_SAMPLES, 1))
+        points = _random_joints(draw, space.box, _BOX_SAMPLES)[:, None]
+        home = np.tile(arm.robot.home[arm.columns], (_BOX_SAMPLES, 1))
         joints = solve_joints(arm, points, home, limits)
-        reached = norms(arm.tool(joints)[0][:, 0] - points[:, 0]) < REACHED_MM
+        reached = norms(arm.tool(joints)[0][:, 0] - points[:, 0]) < _REACHED_MM
     else:
-        joints, reached = space.joints(arm, BOX_SAMPLES, draw)
+        joints, reached = space.joints(arm, _BOX_SAMPLES, draw)
     share = float(reached.mean())
-    if share < LEAST_REACHED:
+    if share < _LEAST_REACHED:
         held = "anyhow" if space.rule == "any" else space.rule
         finding = BOX_NOT_REACHED(share=share, robot=arm.robot.title, rule=held)
         raise Refused(finding, exit_status=1)

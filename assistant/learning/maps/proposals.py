@@ -35,17 +35,17 @@ from assistant.learning.rules import (
     UNEXPLAINED_MISS,
 )
 
-FLAT_SURFACE: Final = 0.15
+_FLAT_SURFACE: Final = 0.15
 """Distances between neighbours by which a target may be beside a surface that is not bent."""
-NOISE_RATIO: Final = 3.0
+_NOISE_RATIO: Final = 3.0
 """Times what a unit misses by that it may be as well."""
-MOST_BESIDE: Final = 0.75
+_MOST_BESIDE: Final = 0.75
 """By trial no target of a map that has learnt is farther beside."""
-LEAST_GAP: Final = 1e-12
+_LEAST_GAP: Final = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class UnitSurroundings:
+class _UnitSurroundings:
     """Surroundings of m units, in spreads. gap: (m,) mean distance from their neighbours. planes:
     (m, d, k) orthogonal axes that span the surface there. bend: (m,) distance of neighbours from
     it.
@@ -61,7 +61,7 @@ class UnitSurroundings:
         return norms(offsets - np.einsum("mdk,mk->md", self.planes, along))
 
 
-def unit_surroundings(net: ExtendedMap, units: Rows) -> UnitSurroundings:
+def _unit_surroundings(net: ExtendedMap, units: Rows) -> _UnitSurroundings:
     at = np.stack(np.unravel_index(units, net.shape))
     total, count = np.zeros(len(units)), np.zeros(len(units))
     along: list[Floats] = []
@@ -78,21 +78,21 @@ def unit_surroundings(net: ExtendedMap, units: Rows) -> UnitSurroundings:
         )
         along.append(high - low)
         bent.append(high + low - 2.0 * _unit_places(net, inner) if size > 2 else np.zeros_like(low))
-    gap = np.maximum(total / count, LEAST_GAP)
-    found = UnitSurroundings(gap, np.linalg.qr(np.stack(along, axis=2))[0], np.zeros(len(units)))
+    gap = np.maximum(total / count, _LEAST_GAP)
+    found = _UnitSurroundings(gap, np.linalg.qr(np.stack(along, axis=2))[0], np.zeros(len(units)))
     bend = np.max([found.beside(one) for one in bent], axis=0)
-    return UnitSurroundings(gap, found.planes, bend)
+    return _UnitSurroundings(gap, found.planes, bend)
 
 
-def distance_beside(
-    net: ExtendedMap, units: Rows, offsets: Floats, about: UnitSurroundings
+def _distance_beside(
+    net: ExtendedMap, units: Rows, offsets: Floats, about: _UnitSurroundings
 ) -> Floats:
     """(m,) how far offsets from units lead away from what was learnt, above 1 too far; NaN of a
     unit that never won.
     """
     noise = net.missed[units] * net.scale.pixel
-    allowed = FLAT_SURFACE + (about.bend + NOISE_RATIO * noise) / about.gap
-    return np.asarray(about.beside(offsets) / about.gap / np.minimum(allowed, MOST_BESIDE))
+    allowed = _FLAT_SURFACE + (about.bend + _NOISE_RATIO * noise) / about.gap
+    return np.asarray(about.beside(offsets) / about.gap / np.minimum(allowed, _MOST_BESIDE))
 
 
 def _shift_along_axis(at: Rows, axis: int, step: int, size: int) -> Rows:
@@ -106,16 +106,16 @@ def _unit_places(net: ExtendedMap, at: Rows) -> Floats:
     return np.asarray(net.places[np.ravel_multi_index(tuple(at), net.shape)])
 
 
-NEAR_UNIT: Final = 1.4
+_NEAR_UNIT: Final = 1.4
 """Times the distance between neighbours up to which a target is like what was learnt."""
-WORSE_RATIO: Final = 2.0
+_WORSE_RATIO: Final = 2.0
 """Times what the movement before missed by above which an arm stops."""
-LEAST_REPORTED: Final = 1.0
+_LEAST_REPORTED: Final = 1.0
 """Pixels, root mean square, below which nothing is reported: the noise of what cameras measure.
 The usual residual of a map is no excuse: pixels that remain are an error of the tool."""
 RANGE_TOLERANCE: Final = 0.01
 """Part of the range of an axis by which an answer may leave it: rounding, and noise of pictures."""
-OVERSHOOT_RATIO: Final = 3.0
+_OVERSHOOT_RATIO: Final = 3.0
 """Times the disagreement of its neighbours by which a unit's first answer may leave the ranges too;
 the movement after it corrects that."""
 
@@ -128,7 +128,7 @@ class Proposal:
     answers left the ranges; above 0 beyond the upper end. winners: (m,) units that answer.
 
     Reliability: away: (m,) distance of the target from the winner, in distances between the winner
-    and its neighbours; above `NEAR_UNIT` the target is unlike all learnt ones. beside: (m,) its
+    and its neighbours; above `_NEAR_UNIT` the target is unlike all learnt ones. beside: (m,) its
     distance from all pictures of the tool there; above 1 the cameras see something else, or have
     moved. spread: (m,) degrees (mm of a sliding axis) by which the answers of the winner's
     neighbours differ, root mean square. expected: (m,) pixels of the winner's recent error after
@@ -151,7 +151,7 @@ class Proposal:
     @property
     def near(self) -> Truths:
         """(m,) whether it is not far from a unit that has learnt."""
-        return np.asarray((self.away <= NEAR_UNIT) & np.isfinite(self.expected))
+        return np.asarray((self.away <= _NEAR_UNIT) & np.isfinite(self.expected))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,14 +175,14 @@ class MapInUse:
     def proposed(self, targets: Floats) -> Proposal:
         """Targets (m, d) pixels; raises Refused for what is no picture. Nothing moves."""
         net, scale = self.net, self.net.scale
-        wanted = scale.pictures(check_targets(net, targets))
+        wanted = scale.pictures(_check_targets(net, targets))
         winners = net.winners(wanted)
         angles = _unit_answers(net, winners, wanted)
         joints = scale.joints(angles)
-        offsets, about = wanted - net.places[winners], unit_surroundings(net, winners)
+        offsets, about = wanted - net.places[winners], _unit_surroundings(net, winners)
         away = norms(offsets) / about.gap
         spread = self._spread(winners, wanted, joints)
-        off = distance_beside(net, winners, offsets, about)
+        off = _distance_beside(net, winners, offsets, about)
         clipped = scale.clipped(angles)
         return Proposal(joints, clipped, winners, away, off, spread, net.missed[winners])
 
@@ -206,7 +206,7 @@ class MapInUse:
         net, scale = self.net, self.net.scale
         proposal = self.proposed(target[None])
         _check_known(proposal)
-        self._check_inside(proposal.clipped, OVERSHOOT_RATIO * float(proposal.spread[0]))
+        self._check_inside(proposal.clipped, _OVERSHOOT_RATIO * float(proposal.spread[0]))
         if not asks(proposal.joints[0]):
             raise Refused(exit_status=1)
         wanted, slopes = scale.pictures(target[None]), net.slopes[proposal.winners]
@@ -229,7 +229,7 @@ class MapInUse:
             done = Trials(proposal.winners, joints[0], seen[0], joints[1], seen[1])
             learn_trials(net, target[None], done, pace)
         findings: tuple[Diagnostic, ...] = ()
-        if missed[-1] > LEAST_REPORTED:
+        if missed[-1] > _LEAST_REPORTED:
             findings = (TARGET_MISSED(seen=missed[-1], movements=1 + corrections, usual=usual),)
         return Reached(joints[-1][0], seen[-1][0], tuple(missed), findings)
 
@@ -257,11 +257,11 @@ class MapInUse:
         leads, or than the movement before it.
         """
         if len(missed) == 1:
-            gap = unit_surroundings(self.net, proposal.winners).gap
-            times = float((norms(wanted - self.net.scale.pictures(seen)) / gap)[0]) / NEAR_UNIT
+            gap = _unit_surroundings(self.net, proposal.winners).gap
+            times = float((norms(wanted - self.net.scale.pictures(seen)) / gap)[0]) / _NEAR_UNIT
             most = missed[0] / times if times else missed[0]
         else:
-            most = WORSE_RATIO * missed[-2] + LEAST_REPORTED
+            most = _WORSE_RATIO * missed[-2] + _LEAST_REPORTED
         if missed[-1] > most:
             raise Refused(
                 UNEXPLAINED_MISS(movement=len(missed), seen=missed[-1], most=most), exit_status=1
@@ -289,7 +289,7 @@ def _check_known(proposal: Proposal) -> None:
         raise Refused(TARGET_UNLIKE_TOOL(times=float(proposal.beside[0])), exit_status=1)
 
 
-def check_targets(net: ExtendedMap, targets: Floats) -> Floats:
+def _check_targets(net: ExtendedMap, targets: Floats) -> Floats:
     """Targets (m, d); raises Refused for another number of pixels, or any that is not seen."""
     reason = ""
     if targets.ndim != 2 or targets.shape[1] != net.task.seen:

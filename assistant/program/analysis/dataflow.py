@@ -171,7 +171,7 @@ class ControlFlowGraph:
                 bodies = [*(case.body for case in cases), otherwise]
                 return self._node((head(node),), *(self._body(body, after) for body in bodies))
             case p.While(condition, body):
-                loop = self._node((condition,), *(() if is_always_true(condition) else (after,)))
+                loop = self._node((condition,), *(() if _is_always_true(condition) else (after,)))
                 self.after[loop].append(self._body(body, loop))
                 return loop
             case p.For(body=body):
@@ -181,7 +181,7 @@ class ControlFlowGraph:
         return self._node((node,), after, *self._named(node))
 
 
-def is_always_true(condition: e.Expression) -> bool:
+def _is_always_true(condition: e.Expression) -> bool:
     """True if a condition always holds."""
     match condition:
         case e.Truth(value) | e.Number(value):

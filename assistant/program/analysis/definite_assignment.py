@@ -24,8 +24,8 @@ from assistant.program.statement_index import records_in_body
 from assistant.program.undeclared_names import interrupts
 from assistant.program.vendor_statements import effect_of
 
-Element = tuple[str, tuple[int, ...]]
-Known = frozenset[str | Element]
+_Element = tuple[str, tuple[int, ...]]
+Known = frozenset[str | _Element]
 State = Known | None
 """Data with a value on every path to a position: names in lower case; None if no path leads there.
 
@@ -114,9 +114,9 @@ class _ReadsFromTop:
         self.sizes = {name: n for name, n in assigning.sizes.items() if name not in self.own}
         self.sizes |= {n.lower(): v.size for n, v in procedure.variables.items() if v.size}
         self.graph = ControlFlowGraph(
-            procedure.body, lambda node: bool(filled_array(node, self.sizes))
+            procedure.body, lambda node: bool(_filled_array(node, self.sizes))
         )
-        flow = Dataflow(self.graph.after, self.behind, frozenset[str | Element].intersection)
+        flow = Dataflow(self.graph.after, self.behind, frozenset[str | _Element].intersection)
         flow.spread([(self.graph.start, frozenset())])
         given = flow.found.get(EXIT)
         self.run.given = None if given is None else self.others(given)
@@ -135,7 +135,7 @@ class _ReadsFromTop:
             case p.Assign(e.Index() | e.Member() as target, value):
                 return self.reads((indices_of(target), value), state) | self.element(target, state)
             case p.For(variable):
-                given = filled_array(node, self.sizes) or variable.lower()
+                given = _filled_array(node, self.sizes) or variable.lower()
                 return self.reads(head(node), state) | {given}
             case p.Call(name):
                 return self.called(name, self.reads(node, state))
@@ -147,9 +147,9 @@ class _ReadsFromTop:
                 return state
         return self.reads(node, state)
 
-    def element(self, target: e.Expression, state: Known) -> set[str | Element]:
+    def element(self, target: e.Expression, state: Known) -> set[str | _Element]:
         """Return the element that an assignment gives a value, and its array once all have one."""
-        place = assigned_element(target, self.sizes)
+        place = _assigned_element(target, self.sizes)
         if place is None:
             return set()
         name, _ = place
@@ -188,7 +188,9 @@ class _ReadsFromTop:
         return frozenset(x for x in state if (x if isinstance(x, str) else x[0]) not in self.own)
 
 
-def assigned_element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]]) -> Element | None:
+def _assigned_element(
+    target: e.Expression, sizes: Mapping[str, tuple[int, ...]]
+) -> _Element | None:
     """The element that an assignment changes: its array in lower case, and its known indices."""
     match target:
         case e.Index(e.Name(name), indices) if name.lower() in sizes:
@@ -197,7 +199,7 @@ def assigned_element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]])
     return None
 
 
-def filled_array(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str:
+def _filled_array(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str:
     """The array (lower case) all of whose elements loops give one value; empty for none."""
     counters: list[str] = []
     extents: list[float] = []

@@ -30,8 +30,8 @@ class NumberFact:
     positive: bool
 
 
-NOTHING_KNOWN: Final = NumberFact(whole=False, positive=False)
-ALL_KNOWN: Final = NumberFact(whole=True, positive=True)
+_NOTHING_KNOWN: Final = NumberFact(whole=False, positive=False)
+_ALL_KNOWN: Final = NumberFact(whole=True, positive=True)
 
 Key = tuple[str, str]
 """A variable: its procedure in lower case, "" if it is one of the program, and its own name."""
@@ -67,11 +67,11 @@ class NumberFacts:
                 self.found[owner, parameter.name.lower()] = NumberFact(whole, positive=False)
             for name in self._counted[owner]:  # one that is declared nowhere is the loop's own
                 if ("", name) not in self.found:
-                    self.found.setdefault((owner, name), ALL_KNOWN)
+                    self.found.setdefault((owner, name), _ALL_KNOWN)
         self._integers = frozenset(self._typed())
         given = list(self._given())
         for key in self._left_alone({key for key, _ in given}):
-            self._give(key, NOTHING_KNOWN)
+            self._give(key, _NOTHING_KNOWN)
         while True:
             before = dict(self.found)
             for key, value in given:
@@ -132,19 +132,19 @@ class NumberFacts:
                         texts.append(text)
                     case p.Call(called, arguments):
                         for name in self._changed(called, arguments):
-                            yield self._key(name, owner), NOTHING_KNOWN
+                            yield self._key(name, owner), _NOTHING_KNOWN
                 for part in records(head(statement)):
                     if isinstance(part, e.Apply) and part.function not in e.FUNCTIONS:
                         for name in self._changed(part.function, part.arguments):
-                            yield self._key(name, owner), NOTHING_KNOWN
+                            yield self._key(name, owner), _NOTHING_KNOWN
                     elif isinstance(part, e.Verbatim):
                         texts.append(part.text)
         told = {word.lower() for text in texts for word in _WORD.findall(text)}
-        yield from ((key, NOTHING_KNOWN) for key in list(self.found) if key[1] in told)
+        yield from ((key, _NOTHING_KNOWN) for key in list(self.found) if key[1] in told)
 
     def _count(self, loop: p.For, owner: str) -> NumberFact:
         first, last = self._of(loop.first, owner), self._of(loop.last, owner)
-        step = ALL_KNOWN if loop.step is None else self._of(loop.step, owner)
+        step = _ALL_KNOWN if loop.step is None else self._of(loop.step, owner)
         # without a stated step it goes down as well, but not below the last one
         positive = first.positive and (last.positive if loop.step is None else step.positive)
         return NumberFact(first.whole and step.whole, positive)
@@ -171,7 +171,7 @@ class NumberFacts:
                 signal = self._signals.get(name.lower())
                 if signal is not None and isinstance(x, e.Name):
                     return _signal_fact(signal)
-                return self.found.get(self._key(name, owner), NOTHING_KNOWN)
+                return self.found.get(self._key(name, owner), _NOTHING_KNOWN)
             case e.Unary("-", operand):
                 return NumberFact(self._of(operand, owner).whole, positive=False)
             case e.Binary(operator, left, right):
@@ -180,7 +180,7 @@ class NumberFacts:
                 return self._applied(function, [self._of(a, owner) for a in given])
             case e.Elapsed():
                 return NumberFact(whole=False, positive=True)
-        return NOTHING_KNOWN
+        return _NOTHING_KNOWN
 
     def _applied(self, function: str, given: list[NumberFact]) -> NumberFact:
         if function not in e.FUNCTIONS:
@@ -254,7 +254,7 @@ def _fact_of_operation(operator: str, left: NumberFact, right: NumberFact) -> Nu
             return NumberFact(whole=True, positive=positive)
         case "^":
             return NumberFact(whole=False, positive=left.positive)
-    return NOTHING_KNOWN
+    return _NOTHING_KNOWN
 
 
 def _written_variable(x: Any) -> str | None:

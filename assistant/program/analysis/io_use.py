@@ -151,10 +151,10 @@ def doubtful_pulses(program: Program) -> Iterator[p.SetSignal]:
     yield from (one for one in pulses if one.signal.lower() in on)
 
 
-OpenChannels = frozenset[str]
+_OpenChannels = frozenset[str]
 """Channels, in lower case, that may be open."""
-_NONE: OpenChannels = frozenset()
-_SaidOfChannel: TypeAlias = tuple[OpenChannels, tuple[str, ...]]
+_NONE: _OpenChannels = frozenset()
+_SaidOfChannel: TypeAlias = tuple[_OpenChannels, tuple[str, ...]]
 
 
 @dataclass(slots=True)
@@ -165,10 +165,10 @@ class _ChannelEffect:
     itself.
     """
 
-    left: OpenChannels
-    opened: OpenChannels = _NONE
+    left: _OpenChannels
+    opened: _OpenChannels = _NONE
 
-    def behind(self, before: OpenChannels) -> OpenChannels:
+    def behind(self, before: _OpenChannels) -> _OpenChannels:
         return (before & self.left) | self.opened
 
 
@@ -185,12 +185,12 @@ class _OpenTogether:
     """
 
     program: Program
-    every: OpenChannels = _NONE
+    every: _OpenChannels = _NONE
     procedures: dict[str, Procedure] = field(default_factory=dict)
     ways: dict[str, _ChannelEffect] = field(default_factory=dict)
-    begins: dict[str, OpenChannels] = field(default_factory=dict)
+    begins: dict[str, _OpenChannels] = field(default_factory=dict)
     found: set[frozenset[str]] = field(default_factory=set)
-    left: OpenChannels = _NONE
+    left: _OpenChannels = _NONE
     said: dict[int, _SaidOfChannel] = field(default_factory=dict)
 
     def pairs(self) -> frozenset[frozenset[str]]:
@@ -238,7 +238,7 @@ class _OpenTogether:
             self.through(procedure, self.begins[name])
         return before != self.begins
 
-    def through(self, procedure: Procedure, before: OpenChannels) -> OpenChannels:
+    def through(self, procedure: Procedure, before: _OpenChannels) -> _OpenChannels:
         """Return the channels that may be open after a procedure."""
         self.left = _NONE
         if any(isinstance(one, p.Goto) for one in walk(procedure.body)):
@@ -250,7 +250,7 @@ class _OpenTogether:
         behind = self.body(procedure.body, before)
         return (behind or _NONE) | self.left
 
-    def body(self, body: Body, before: OpenChannels | None) -> OpenChannels | None:
+    def body(self, body: Body, before: _OpenChannels | None) -> _OpenChannels | None:
         """Return the channels that may be open after statements; None if nothing follows."""
         for node in body:
             if before is None:
@@ -258,7 +258,7 @@ class _OpenTogether:
             before = self.statement(node, before)
         return before
 
-    def statement(self, node: p.Statement, before: OpenChannels) -> OpenChannels | None:
+    def statement(self, node: p.Statement, before: _OpenChannels) -> _OpenChannels | None:
         at = self.step(node, before)
         match node:
             case p.If(branches, otherwise):
@@ -281,7 +281,7 @@ class _OpenTogether:
                 return None
         return at
 
-    def step(self, node: p.Statement, before: OpenChannels) -> OpenChannels:
+    def step(self, node: p.Statement, before: _OpenChannels) -> _OpenChannels:
         """Return the channels that may be open after one statement, without those inside it."""
         names, calls = self.of(node)
         for name in names:
@@ -315,6 +315,6 @@ def _called_by_record(part: Any) -> str:
     return ""
 
 
-def _either_effect(ways: Iterator[OpenChannels | None]) -> OpenChannels | None:
+def _either_effect(ways: Iterator[_OpenChannels | None]) -> _OpenChannels | None:
     known = [one for one in ways if one is not None]
     return frozenset().union(*known) if known else None

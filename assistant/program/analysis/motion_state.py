@@ -29,21 +29,21 @@ Names of the active tool and frame; STOP if the last move ended at its target, e
 move, or UNKNOWN; WATCHED or OPEN for the configurations of straight moves.
 """
 
-ENTRY: Final = ""
+_ENTRY: Final = ""
 """Stands for what holds where the procedure is called."""
 UNKNOWN: Final = "?"
 """Stands for what the program does not tell."""
 START: Final = "<start>"
 """Stands for the tool and frame that are active before the first move."""
 STOP: Final = "stop"
-WATCHED: Final = "on"
+_WATCHED: Final = "on"
 """A straight move stops where its target states another configuration."""
 OPEN: Final = "off"
 """A straight move goes on in the configuration that it begins in."""
 _ANY: Final = (frozenset((UNKNOWN,)),) * 4
-_CALLED: Final = (frozenset((ENTRY,)),) * 4
+_CALLED: Final = (frozenset((_ENTRY,)),) * 4
 _FIRST: Final = frozenset((START,))
-_BEGUN: Final = (_FIRST, _FIRST, frozenset((STOP,)), frozenset((WATCHED,)))
+_BEGUN: Final = (_FIRST, _FIRST, frozenset((STOP,)), frozenset((_WATCHED,)))
 """At the start of a program."""
 _STARTED: Final = (*_BEGUN[:3], _ANY[3])
 """State at which a person starts a procedure that nothing calls."""
@@ -279,7 +279,7 @@ class MotionStates:
                     state = _with_part(state, CORNER, STOP)
                 case MotionStep.WATCHES | MotionStep.OPENS:
                     state = _with_part(
-                        state, LINES, WATCHED if step is MotionStep.WATCHES else OPEN
+                        state, LINES, _WATCHED if step is MotionStep.WATCHES else OPEN
                     )
         return state
 
@@ -287,7 +287,7 @@ class MotionStates:
         """Return the state after a possible motion of the robot, which has left its last corner."""
         corners = (state or _ANY)[CORNER]
         self.cut |= corners
-        if ENTRY in corners:
+        if _ENTRY in corners:
             self.cut_before.add(self.owner)
         return _ANY
 
@@ -314,10 +314,10 @@ def _union(sets: Iterable[frozenset[str]]) -> frozenset[str]:
 
 
 def _resolved(state: MotionState, given: MotionState) -> MotionState:
-    """A state with what held at the call in place of `ENTRY`; None if none leads there."""
+    """A state with what held at the call in place of `_ENTRY`; None if none leads there."""
     if state is None or given is None:
         return None
     return tuple(
-        (names - {ENTRY}) | outer if ENTRY in names else names
+        (names - {_ENTRY}) | outer if _ENTRY in names else names
         for names, outer in zip(state, given, strict=True)
     )

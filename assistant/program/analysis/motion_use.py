@@ -71,7 +71,7 @@ def branches_by_frame(
     return found
 
 
-KnownPosition = tuple[Vector, str, str] | None
+_KnownPosition = tuple[Vector, str, str] | None
 """A position in mm with the tool and frame, lower case, that it is of; None if it is not known."""
 
 
@@ -96,7 +96,7 @@ def _own_names(procedure: Procedure) -> set[str]:
 def _measure_body(
     body: tuple[p.Statement, ...], targets: Mapping[str, Target], found: dict[int, float]
 ) -> None:
-    here: KnownPosition = None
+    here: _KnownPosition = None
     for node in body:
         before, here = here, _position_after(node, here, targets)
         straight = isinstance(node, p.Move) and node.kind == "linear" and node.triggers
@@ -107,8 +107,8 @@ def _measure_body(
 
 
 def _position_after(
-    node: p.Statement, here: KnownPosition, targets: Mapping[str, Target]
-) -> KnownPosition:
+    node: p.Statement, here: _KnownPosition, targets: Mapping[str, Target]
+) -> _KnownPosition:
     if isinstance(node, p.MoveStatement) and node.until is not None:
         return None
     match node:
@@ -127,13 +127,13 @@ def _position_after(
 
 
 Setting = p.SetOverride | p.SetAcceleration
-USUAL_SETTINGS: Final[tuple[Setting, ...]] = (
+_USUAL_SETTINGS: Final[tuple[Setting, ...]] = (
     p.SetOverride(e.Number(100)),
     p.SetAcceleration(e.Number(100), e.Number(100)),
 )
 """Settings at the start of a controller: full speed and acceleration."""
 _BEGUN, _USUAL, _OTHER = "begun", "usual", "other"
-SettingValues = frozenset[str]
+_SettingValues = frozenset[str]
 """Possible values of a setting at a position: as the cycle began, as usual, or another."""
 
 
@@ -142,7 +142,7 @@ def left_settings(program: Program, entry: Procedure) -> tuple[Setting, ...]:
     set_ones = list(records_in_procedures(program, p.SetOverride, p.SetAcceleration))
     return tuple(
         usual
-        for usual in USUAL_SETTINGS
+        for usual in _USUAL_SETTINGS
         if any(
             isinstance(one, type(usual)) and not _is_same_setting(one, usual) for one in set_ones
         )
@@ -159,7 +159,7 @@ def _is_same_setting(one: Setting, other: Setting) -> bool:
     return False
 
 
-def _either_value(one: SettingValues, other: SettingValues) -> SettingValues:
+def _either_value(one: _SettingValues, other: _SettingValues) -> _SettingValues:
     return one | other
 
 
@@ -170,13 +170,13 @@ class _SettingAlongPaths:
     program: Program
     usual: Setting
     used: bool = False
-    _known: dict[tuple[str, SettingValues], SettingValues] = field(default_factory=dict)
+    _known: dict[tuple[str, _SettingValues], _SettingValues] = field(default_factory=dict)
 
     def is_left(self, entry: Procedure) -> bool:
         ends = self.behind(entry, frozenset((_BEGUN,)))
         return self.used and _OTHER in ends
 
-    def behind(self, procedure: Procedure, values: SettingValues) -> SettingValues:
+    def behind(self, procedure: Procedure, values: _SettingValues) -> _SettingValues:
         """Return the values possible at the end of a procedure; empty if it never ends.
 
         values: those possible at its start.
@@ -186,17 +186,17 @@ class _SettingAlongPaths:
             self._known[key] = values  # for one that calls itself
             graph = ControlFlowGraph(procedure.body)
 
-            def effect(node: int, held: SettingValues) -> SettingValues | None:
+            def effect(node: int, held: _SettingValues) -> _SettingValues | None:
                 for part in graph.runs[node]:
                     held = self._ran(part, held)
                 return held or None
 
-            flow: Dataflow[int, SettingValues] = Dataflow(graph.after, effect, _either_value)
+            flow: Dataflow[int, _SettingValues] = Dataflow(graph.after, effect, _either_value)
             flow.spread([(graph.start, values)])
             self._known[key] = flow.found.get(EXIT, frozenset())
         return self._known[key]
 
-    def _ran(self, part: Any, held: SettingValues) -> SettingValues:
+    def _ran(self, part: Any, held: _SettingValues) -> _SettingValues:
         match part:
             case p.SetOverride() | p.SetAcceleration():
                 if isinstance(part, type(self.usual)):

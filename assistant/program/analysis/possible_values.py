@@ -30,7 +30,7 @@ Numbers = frozenset[float] | None
 _Place = tuple[str, str]
 """The procedure that owns a variable, empty for the program's, and its name: lower case."""
 _NONE: Final[frozenset[float]] = frozenset()
-NO_MORE: Final[Mapping[str, Numbers]] = {}
+_NO_MORE: Final[Mapping[str, Numbers]] = {}
 _WORKED_OUT: Final[Mapping[str, Callable[[float, float], float]]] = {
     "+": lambda a, b: a + b,
     "-": lambda a, b: a - b,
@@ -124,7 +124,7 @@ class PossibleValues:
                 yield self._place(record.name.lower(), owner)
 
     def _of(
-        self, value: e.Expression, owner: str, known: Mapping[str, Numbers] = NO_MORE
+        self, value: e.Expression, owner: str, known: Mapping[str, Numbers] = _NO_MORE
     ) -> Numbers:
         match value:
             case e.Number(number):

@@ -18,7 +18,7 @@ from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import head, map_bodies, records
 from assistant.program.statement_index import records_in_body
 
-OPPOSITE: Final[dict[str, Any]] = {
+_OPPOSITE: Final[dict[str, Any]] = {
     "=": "<>", "<>": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">", "and": "or", "or": "and",
 }  # fmt: skip
 
@@ -42,9 +42,9 @@ def opposite(value: e.Expression) -> e.Expression:
     """Return the negation of a truth value."""
     match value:
         case e.Binary("and" | "or" as operator, left, right):
-            return e.Binary(OPPOSITE[operator], opposite(left), opposite(right))
-        case e.Binary(operator, left, right) if operator in OPPOSITE:
-            return e.Binary(OPPOSITE[operator], left, right)
+            return e.Binary(_OPPOSITE[operator], opposite(left), opposite(right))
+        case e.Binary(operator, left, right) if operator in _OPPOSITE:
+            return e.Binary(_OPPOSITE[operator], left, right)
         case e.Number(number):
             return e.Number(int(number == 0))
     return e.Binary("=", value, e.Number(0))
@@ -61,7 +61,7 @@ def floor(x: e.Expression) -> e.Expression:
     return e.Binary("-", e.Binary("+", whole, e.Apply("trunc", (rest,))), e.Number(1))
 
 
-MOST_DECIMALS: Final = 15
+_MOST_DECIMALS: Final = 15
 """A float has no more digits than these for sure."""
 
 
@@ -69,7 +69,7 @@ def fixed_text(value: e.Expression, places: float) -> e.Expression:
     """A number as text with so many decimals at most, and no more than a float has."""
     if places <= 0:
         return e.Apply("text", (e.Apply("round", (value,)),))
-    power = e.Number(10 ** int(min(places, MOST_DECIMALS)))
+    power = e.Number(10 ** int(min(places, _MOST_DECIMALS)))
     whole = e.Apply("round", (e.Binary("*", value, power),))
     return e.Apply("text", (e.Binary("/", whole, power),))
 

@@ -23,7 +23,7 @@ from assistant.program.statement_index import (
     statements_with,
 )
 
-POLL: Final = 0.01
+_POLL: Final = 0.01
 """Seconds between two looks at a condition that takes statements to work out."""
 
 
@@ -63,7 +63,7 @@ def _one(node: p.Statement, take: Take) -> Iterator[p.Statement]:
         case p.While() if before:
             inside = replace(inside, body=(*inside.body, *before))
         case p.WaitUntil(condition, None) if before:
-            again = (p.Wait(e.Number(POLL)), *before)
+            again = (p.Wait(e.Number(_POLL)), *before)
             inside = p.While(e.Unary("not", condition), again)
     yield from before
     yield inside

@@ -380,7 +380,7 @@ def pure(change: Callable[[Program], Program]) -> Pass:
 def legalise(job: Legalisation, passes: Sequence[Pass]) -> Program:
     """The program after all passes, each shown under its name to whoever watches."""
     for one in passes:
-        name = getattr(one, "__name__", "").replace("_", "-")
+        name = getattr(one, "__name__", "").strip("_").replace("_", "-")
         job = replace(job, program=traced(name, one(job)))
     return job.program
 

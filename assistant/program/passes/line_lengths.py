@@ -29,7 +29,7 @@ from assistant.program.statement_index import records_in_body
 
 HEAD: Final = 24
 """Characters of the words around the parameters, and around a call."""
-DECLARED: Final = 10
+_DECLARED: Final = 10
 """Characters of the words around the name of one parameter."""
 
 
@@ -58,7 +58,7 @@ class LineWidths:
         return 6
 
     def head(self, procedure: Procedure) -> int:
-        names = (min(len(q.name), self.names) + DECLARED for q in procedure.parameters)
+        names = (min(len(q.name), self.names) + _DECLARED for q in procedure.parameters)
         return HEAD + self.names + sum(names)
 
     def call(self, arguments: tuple[e.Expression, ...]) -> int:

@@ -364,13 +364,13 @@ def _countable(name: str, procedure: Procedure, program: Program) -> bool:
     variable = _variable(name, procedure, program)
     return (
         variable is not None
-        and variable.type in COUNTABLE
+        and variable.type in _COUNTABLE
         and variable.storage != "constant"
         and not variable.size
     )
 
 
-COUNTABLE: Final = ("number", "integer")
+_COUNTABLE: Final = ("number", "integer")
 
 
 def ascends(first: e.Expression, last: e.Expression) -> bool | None:

@@ -25,7 +25,7 @@ from assistant.program.statements import ComputedBlend, ComputedSpeed, Motion
 
 T = TypeVar("T")
 
-OF_AXES: Final = {
+_OF_AXES: Final = {
     "rotation": "deg/s of reorientation",
     "external_linear": "mm/s of external axes",
     "external_rotary": "deg/s of external axes",
@@ -56,10 +56,12 @@ def with_stated_motions(program: Program) -> Program:
     return replace(rewrite(program, stated), speeds={}, blends={})
 
 
-def without_axes(speed: Speed) -> tuple[Speed, list[str]]:
+def _without_axes(speed: Speed) -> tuple[Speed, list[str]]:
     """The speed's tcp and joint parts, and what the others state that is not usual."""
     usual = MAXIMUM_SPEED
-    parts = [text for name, text in OF_AXES.items() if getattr(speed, name) != getattr(usual, name)]
+    parts = [
+        text for name, text in _OF_AXES.items() if getattr(speed, name) != getattr(usual, name)
+    ]
     return Speed(speed.tcp, joint=speed.joint), parts
 
 
@@ -166,7 +168,7 @@ class ByValue:
     def computed(self, speed: ComputedSpeed, joint_move: bool) -> ComputedSpeed:
         """The same of a speed that is worked out."""
         usual = ComputedSpeed(None)
-        parts = [x for name, x in OF_AXES.items() if getattr(speed, name) != getattr(usual, name)]
+        parts = [x for name, x in _OF_AXES.items() if getattr(speed, name) != getattr(usual, name)]
         self.job.findings.extend(self.can.speed_part(part=part) for part in parts)
         if not joint_move:
             return ComputedSpeed(speed.tcp)
@@ -210,7 +212,7 @@ class ByValue:
         known = self._meant(speed, self.program.speeds, "the speed")
         if known is None:
             return Speed(math.inf, joint=1.0) if joint_move else Speed(100.0)
-        known, parts = without_axes(known)
+        known, parts = _without_axes(known)
         self.job.findings.extend(self.can.speed_part(part=part) for part in parts)
         if not joint_move:
             return replace(known, joint=None)

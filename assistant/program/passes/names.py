@@ -16,7 +16,7 @@ from assistant.program.program import Procedure, Program, identifier
 from assistant.program.rewriting import rewrite
 from assistant.program.statement_index import records_in_body
 
-FIELDS: Final[dict[type, tuple[str, ...]]] = {
+_FIELDS: Final[dict[type, tuple[str, ...]]] = {
     Program: ("name", "entry"),
     Procedure: ("name",),
     p.Motion: ("tool", "frame"),
@@ -27,7 +27,7 @@ FIELDS: Final[dict[type, tuple[str, ...]]] = {
     e.Name: ("name",),
 }
 """Kind of record → its fields that are names."""
-TABLES: Final = ("tools", "frames", "signals", "targets", "joint_targets", "variables")
+_TABLES: Final = ("tools", "frames", "signals", "targets", "joint_targets", "variables")
 """Tables of the program that declare names."""
 
 
@@ -98,7 +98,7 @@ def with_legal_names(job: Legalisation) -> Program:
         return program
     names, legal = Names(can.longest, can.reserved, can.legal), dict[str, str]()
     given = [FLANGE, BASE, *(q.name for q in program.procedures)]
-    given += [name for table in TABLES for name in getattr(program, table)]
+    given += [name for table in _TABLES for name in getattr(program, table)]
     given += [name for name in (program.name, program.entry) if name]
     kept = [name for name in given if names.free(name) == name]
     for name in (*kept, *given):
@@ -112,11 +112,11 @@ def with_legal_names(job: Legalisation) -> Program:
         return legal.get(name.lower(), name)
 
     def renamed(part: Any) -> Any:
-        fields = FIELDS.get(type(part), ())
+        fields = _FIELDS.get(type(part), ())
         return replace(part, **{f: of(getattr(part, f)) for f in fields if getattr(part, f)})
 
     rows: dict[str, Any] = {
-        t: {of(n): part for n, part in getattr(program, t).items()} for t in TABLES
+        t: {of(n): part for n, part in getattr(program, t).items()} for t in _TABLES
     }
     return rewrite(replace(program, **rows), renamed)
 

@@ -29,14 +29,14 @@ from assistant.program.passes.legalisation import Changes, Legalisation, Rewordi
 from assistant.program.program import Procedure, Program, Signal, bodies
 from assistant.program.rewriting import Body, map_bodies, records
 
-VALUE_LENGTH: Final = 10
+_VALUE_LENGTH: Final = 10
 """Assumed number of characters of a value."""
 
 
 def message_parts(x: p.Message, known: KnownTypes) -> tuple[e.Expression, ...]:
     """Return the parts of a message in display order: values as they are, texts as they are."""
     found: list[e.Expression] = []
-    for part in summands(x.parts, lambda one: not is_value(one, known)):
+    for part in _summands(x.parts, lambda one: not is_value(one, known)):
         match part:
             case e.Apply("text", (value,)) if is_value(value, known):
                 found.append(value)
@@ -45,7 +45,7 @@ def message_parts(x: p.Message, known: KnownTypes) -> tuple[e.Expression, ...]:
     return tuple(found)
 
 
-def summands(
+def _summands(
     values: Iterable[e.Expression], joins: Callable[[e.Expression], bool]
 ) -> Iterator[e.Expression]:
     """The values with the operands of each sum that joins instead of it, inner ones too."""
@@ -69,7 +69,7 @@ def lines_of_parts(parts: Iterable[e.Expression], longest: int) -> list[list[e.E
             cut = [e.Text(text[i : i + longest]) for i in range(0, len(text), longest)]
             pieces = [*cut] or [part]
         for piece in pieces:
-            length = len(piece.value) if isinstance(piece, e.Text) else VALUE_LENGTH
+            length = len(piece.value) if isinstance(piece, e.Text) else _VALUE_LENGTH
             if rows[-1] and length > room:
                 rows.append([])
                 room = longest
@@ -118,15 +118,15 @@ KEY: Final = "operator_key_{}"
 NUMBER: Final = "operator_number"
 ENTERED: Final = "operator_entered"
 """The input that tells that the number is there."""
-PREFIX: Final = "operator_"
-BITS: Final = 15
+_PREFIX: Final = "operator_"
+_BITS: Final = 15
 """Bits of a number: with one more, controllers may read it as a negative one."""
-MOST: Final = 2**BITS - 1
+_MOST: Final = 2**_BITS - 1
 
 
 def is_operators(name: str) -> bool:
     """True if a signal is one for an operator's answer."""
-    return name.lower().startswith(PREFIX)
+    return name.lower().startswith(_PREFIX)
 
 
 def asked_for_key(
@@ -154,7 +154,7 @@ def asked_for_key(
         yield from () if answer is None else (p.Assign(answer, values[0]),)
         return
     # whoever lets a key go before it is looked at has to press again
-    none = e.Number(NO_KEY)
+    none = e.Number(_NO_KEY)
     yield p.Assign(answer, none)
     chosen = (
         p.Branch(one, (p.Assign(answer, value),)) for one, value in zip(each, values, strict=True)
@@ -162,7 +162,7 @@ def asked_for_key(
     yield p.While(e.Binary("=", answer, none), (pressed, p.If(tuple(chosen))))
 
 
-NO_KEY: Final = -1
+_NO_KEY: Final = -1
 """Value that no key has."""
 
 
@@ -190,7 +190,7 @@ def with_answers(program: Program) -> Program:
     for one in records(program.procedures):
         if isinstance(one, e.Name) and is_operators(one.name) and one.name not in known:
             number = one.name == NUMBER
-            kind, bits = ("group", BITS) if number else ("digital", 1)
+            kind, bits = ("group", _BITS) if number else ("digital", 1)
             found[one.name] = Signal(kind, "input", bits=bits)  # type: ignore[arg-type]
     ordered = {name: found[name] for name in sorted(found)}
     return replace(program, signals={**program.signals, **ordered}) if found else program

@@ -46,7 +46,7 @@ from assistant.program.program import (
 from assistant.program.rewriting import Body, head, map_head, records, rewrite
 
 
-def refuse_kept_texts(job: Legalisation, procedure: Procedure) -> None:
+def _refuse_kept_texts(job: Legalisation, procedure: Procedure) -> None:
     """Report an error for each vendor text that names a parameter: it would name another variable
     then.
     """
@@ -61,7 +61,7 @@ def refuse_kept_texts(job: Legalisation, procedure: Procedure) -> None:
                         job.cannot(what, "say it in plain statements")
 
 
-def refuse_other_order(
+def _refuse_other_order(
     job: Legalisation,
     body: Body,
     called: Mapping[str, Procedure],
@@ -96,7 +96,7 @@ def _refuse_once(job: Legalisation, node: p.WaitUntil, called: Mapping[str, Proc
                 )
 
 
-MOST_COPIES: Final = 200
+_MOST_COPIES: Final = 200
 """Procedures that are made of one with parameters; more is no program that anybody reads."""
 
 
@@ -104,7 +104,7 @@ def with_sayable_procedures(job: Legalisation) -> Program:
     """The program with procedures that the language has; in one with functions all of them are."""
     can = job.can.procedures
     if can is not None and not can.functions:
-        return without_parameters(job, can.as_variables)
+        return _without_parameters(job, can.as_variables)
     program = job.program
     long = (
         procedures_too_long(program, LineWidths(can.longest, can.longest_name))
@@ -112,12 +112,12 @@ def with_sayable_procedures(job: Legalisation) -> Program:
         else ()
     )
     if can is not None and long:
-        program = without_parameters(job, can.as_variables, long)
+        program = _without_parameters(job, can.as_variables, long)
     job.findings.extend(unordered(program, job.can.cannot_say))
     return program
 
 
-def without_parameters(
+def _without_parameters(
     job: Legalisation, told: Rule, only: Container[str] | None = None
 ) -> Program:
     """The program with variables for the parameters and results of its procedures.
@@ -136,7 +136,7 @@ def without_parameters(
         about = Declared(procedure.name, "procedures")
         with job.findings.at(procedure.span):
             job.findings.append(told(name=procedure.name, about=about))
-        refuse_kept_texts(job, procedure)
+        _refuse_kept_texts(job, procedure)
     return _Forms(job, formed).program() if formed else program
 
 
@@ -242,7 +242,7 @@ class _Forms:
         places: of each parameter, None for one that is a copy; none at all if all are copies.
         """
         key = procedure.name.lower(), places if any(places) else ()
-        if key not in self.made and len(self.made) >= MOST_COPIES:
+        if key not in self.made and len(self.made) >= _MOST_COPIES:
             key = key[0], ()
             with self.job.findings.at(procedure.span):
                 self.job.cannot(
@@ -275,7 +275,7 @@ class _Forms:
         kept = {n: v for n, v in procedure.variables.items() if n.lower() not in moved}
         own = frozenset(name.lower() for name in kept)
         alters = {key: names - own for key, names in self.alters.items()}
-        refuse_other_order(self.job, body, self.called, alters)
+        _refuse_other_order(self.job, body, self.called, alters)
         take = _Calls(self, own, self.result(procedure) if has and procedure.result else "")
         body = hoisted(body, take)
         return replace(

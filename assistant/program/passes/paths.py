@@ -110,7 +110,7 @@ class _Gatherer:
             return held
         span = span_over(held[0].span, held[-1].span)
         paths = [self.path(statement) for statement in held]
-        joined = joined_paths(paths[0].name, paths)
+        joined = _joined_paths(paths[0].name, paths)
         places = None if span is None else _row_spans(held, paths, span.start)
         return [p.Follow(replace(joined, places=places), span=span)]
 
@@ -158,7 +158,7 @@ def _row_spans(held: Sequence[p.Statement], paths: Sequence[Path], start: int) -
     return np.concatenate(parts)
 
 
-def joined_paths(name: str, paths: list[Path]) -> Path:
+def _joined_paths(name: str, paths: list[Path]) -> Path:
     """Paths one after the other as one, without the places of their rows."""
     tables: dict[str, tuple[Any, ...]] = {}
     columns: dict[str, Any] = {}
@@ -177,7 +177,7 @@ def joined_paths(name: str, paths: list[Path]) -> Path:
     return replace(paths[0], name=name, places=None, **columns)
 
 
-def motion_at(path: Path, row: int) -> p.Motion:
+def _motion_at(path: Path, row: int) -> p.Motion:
     """The speed, blend, tool and frame of one row; for the few, never for all of a long path."""
     speed, blend = path.speeds[path.speed[row]], path.blends[path.blend[row]]
     return p.Motion(speed, blend, path.tools[path.tool[row]], path.frames[path.frame[row]])
@@ -186,7 +186,7 @@ def motion_at(path: Path, row: int) -> p.Motion:
 def move_at(path: Path, row: int, target: e.Expression) -> p.Move:
     """Return the move to a row of a path that is not part of an arc."""
     kind = path.kinds[row]
-    return p.Move("joint" if kind == Kind.JOINT else "linear", target, motion_at(path, row))
+    return p.Move("joint" if kind == Kind.JOINT else "linear", target, _motion_at(path, row))
 
 
 def with_points(program: Program) -> Program:
@@ -247,7 +247,7 @@ def with_whole_arcs(path: Path) -> Path:
     return replace(path, **made)
 
 
-def with_used_entries(path: Path) -> Path:
+def _with_used_entries(path: Path) -> Path:
     """The path with only those table rows that it uses, in the order of their first use."""
     made: dict[str, Any] = {}
     for column in COLUMNS:
@@ -338,7 +338,7 @@ class _Splitter:
 
     def follow(self, node: p.Follow, owner: Procedure) -> Iterator[p.Statement]:
         """A path, or calls of a new procedure, in a new unit, for each piece of it."""
-        pieces = unit_ranges(node.path, self.units, self.most)
+        pieces = _unit_ranges(node.path, self.units, self.most)
         if len(pieces) < 2 and self.stays(len(node.path), owner):
             yield node
             return
@@ -356,7 +356,7 @@ class _Splitter:
                 unit = identifier(self.units.unit.format(name, number), self.taken)
                 self.taken.add(unit)
             rows = node.path.rows(start, stop, self.units.path.format(procedure))
-            self.new.append(Procedure(procedure, (p.Follow(with_used_entries(rows)),), unit=unit))
+            self.new.append(Procedure(procedure, (p.Follow(_with_used_entries(rows)),), unit=unit))
             yield p.Call(procedure, unit=unit, span=node.span)
 
     def stays(self, size: int, owner: Procedure) -> bool:
@@ -376,7 +376,7 @@ def _path_sizes(procedure: Procedure) -> list[int]:
     return [len(node.path) for node in walk(procedure.body) if isinstance(node, p.Follow)]
 
 
-def unit_ranges(path: Path, units: Units, most: int) -> list[tuple[int, int]]:
+def _unit_ranges(path: Path, units: Units, most: int) -> list[tuple[int, int]]:
     """Ranges of rows that fit one unit each; an arc's two rows stay together."""
     n = len(path)
     costs, most_steps = _row_steps(path, units), units.most_steps or np.iinfo(np.int64).max

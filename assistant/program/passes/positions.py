@@ -46,7 +46,7 @@ from assistant.program.rewriting import (
 )
 from assistant.program.statement_index import records_in_procedures
 
-POSITION_STEM = "here"
+_POSITION_STEM = "here"
 
 
 def with_named_places(job: Legalisation) -> Program:
@@ -83,7 +83,7 @@ def with_named_positions(procedure: Procedure, taken: set[str]) -> Procedure:
     def place(number: int) -> e.Name:
         """The same variables serve every statement."""
         if number not in known:
-            names = (f"{POSITION_STEM}_{k}" for k in itertools.count(1))
+            names = (f"{_POSITION_STEM}_{k}" for k in itertools.count(1))
             name = next(n for n in names if n not in taken)
             taken.add(name)
             known[number] = e.Name(name)
@@ -114,9 +114,9 @@ def with_named_positions(procedure: Procedure, taken: set[str]) -> Procedure:
     return replace(procedure, body=body, variables={**procedure.variables, **new})
 
 
-STEEPEST: Final = 90.0
+_STEEPEST: Final = 90.0
 """Degrees about y: beyond them the same orientation is read back as other angles."""
-ANGLE_DECIMALS: Final = 9
+_ANGLE_DECIMALS: Final = 9
 """Decimals of angles that are worked out."""
 
 
@@ -170,7 +170,7 @@ def _one_assignment(group: list[p.Assign], job: Legalisation) -> Iterator[p.Stat
     about_y = e.plain_number(known["about_y"])
     same = known["about_y"] == e.Member(place, "about_y")
     whole = all(known[name] != e.Member(place, name) for name in e.ANGLES)
-    if not (whole or same or (about_y is not None and abs(about_y) <= STEEPEST)):
+    if not (whole or same or (about_y is not None and abs(about_y) <= _STEEPEST)):
         with job.findings.at(group[0].span):
             job.changed(
                 what="an angle about y that is set without the other two",
@@ -264,7 +264,8 @@ def _read_back(angles: Sequence[float]) -> list[float]:
     """Angles about x, y and z as they are read from the orientation that they make."""
     turn = rotations.from_euler(np.array(angles[::-1]), "ZYX")
     return [
-        round(float(angle), ANGLE_DECIMALS) + 0.0 for angle in rotations.to_euler(turn, "ZYX")[::-1]
+        round(float(angle), _ANGLE_DECIMALS) + 0.0
+        for angle in rotations.to_euler(turn, "ZYX")[::-1]
     ]
 
 

@@ -168,7 +168,7 @@ def recursive_procedures(program: Program) -> Iterator[Procedure]:
             yield procedure
 
 
-UNUSED: Final = "unused"
+_UNUSED: Final = "unused"
 """Name of the variable; for another type, the type follows it."""
 
 
@@ -191,7 +191,7 @@ def with_results_taken(program: Program) -> Program:
             match node:
                 case p.Call(name, given) if (kind := results.get(name.lower())) is not None:
                     if kind not in names:
-                        names[kind] = identifier(f"{UNUSED}_{kind}" if names else UNUSED, taken)
+                        names[kind] = identifier(f"{_UNUSED}_{kind}" if names else _UNUSED, taken)
                         taken.add(names[kind])
                     own[names[kind]] = Variable(kind)
                     value = e.Apply(name, given)

@@ -23,7 +23,7 @@ from assistant.program.program import Procedure, Program, Signal, ValueType, Var
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statement_index import records_in_procedures
 
-FOR_GOOD: Final = p.While(e.Number(1), (p.Stop(),))
+_FOR_GOOD: Final = p.While(e.Number(1), (p.Stop(),))
 """A permanent stop, also after a restart: the program would continue after a single stop."""
 
 
@@ -31,13 +31,13 @@ def end_for_good(r: Rewording, node: p.Stop) -> Iterator[p.Statement]:
     """A stop in a loop for an end that is one for good."""
     if node.end and r.job.can.ended is not None:
         r.job.findings.append(r.job.can.ended())
-        yield replace(FOR_GOOD, body=(p.Stop(span=node.span),), span=node.span)
+        yield replace(_FOR_GOOD, body=(p.Stop(span=node.span),), span=node.span)
     else:
         yield node
 
 
 _TRUTHS: Final = (*e.RELATIONS, "and", "or")
-ZERO: Final = e.Number(0)
+_ZERO: Final = e.Number(0)
 
 
 def with_checked_outputs(job: Legalisation) -> Program:
@@ -120,7 +120,7 @@ class _OutputChecks:
             yield node
         elif signal.kind == "digital":
             one, zero = (replace(node, value=e.Number(n)) for n in (1, 0))
-            is_set = p.Branch(e.Binary("<>", node.value, ZERO), (one,))
+            is_set = p.Branch(e.Binary("<>", node.value, _ZERO), (one,))
             yield p.If((is_set,), (zero,))
         else:
             value = node.value
@@ -128,9 +128,9 @@ class _OutputChecks:
                 value = self.keep()
                 yield p.Assign(value, node.value)
             most = e.Number((1 << signal.bits) - 1)
-            outside = e.Binary("or", e.Binary("<", value, ZERO), e.Binary(">", value, most))
+            outside = e.Binary("or", e.Binary("<", value, _ZERO), e.Binary(">", value, most))
             if not (above and _is_guarded(above[-1], outside)):
-                yield p.If((p.Branch(outside, (FOR_GOOD,)),))
+                yield p.If((p.Branch(outside, (_FOR_GOOD,)),))
             yield replace(node, value=value)
 
     def fits(self, value: e.Expression, signal: Signal) -> bool:
@@ -165,7 +165,7 @@ def _is_guarded(node: p.Statement, outside: e.Expression) -> bool:
     """True if a statement stops the program for a condition: the value is checked already."""
     match node:
         case p.If((p.Branch(condition, (stop,)),), ()):
-            return condition == outside and stop == FOR_GOOD
+            return condition == outside and stop == _FOR_GOOD
     return False
 
 

@@ -167,7 +167,7 @@ def with_floors_read_once(job: Legalisation) -> Program:
             def once(x: e.Expression) -> e.Expression:
                 match x:
                     case e.Apply("floor", (inner,)) if not is_steady(inner, changing):
-                        name = identifier(READ, taken)
+                        name = identifier(_READ, taken)
                         taken.add(name)
                         own[name] = Variable("number")
                         read.append(p.Assign(e.Name(name), inner, span=node.span))
@@ -190,7 +190,7 @@ def with_floors_read_once(job: Legalisation) -> Program:
     return replace(program, procedures=tuple(map(within, program.procedures)))
 
 
-READ: Final = "value_read"
+_READ: Final = "value_read"
 """Name of a variable that holds a value read once."""
 _ONCE: Final = (
     p.Assign | p.Call | p.SetSignal | p.Wait | p.Move | p.MoveCircular | p.MoveJoints | p.Switch

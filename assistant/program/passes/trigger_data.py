@@ -102,7 +102,7 @@ def _opaque(program: Program) -> Iterator[p.Opaque]:
     return (node for node in program.statements() if isinstance(node, p.Opaque))
 
 
-MOST_CHOICES: Final = 16
+_MOST_CHOICES: Final = 16
 """Ways in which the data that one move takes may be set up."""
 State = Mapping[str, TriggerSetUp]
 """By name of data, what set them up on every way to a place."""
@@ -268,7 +268,7 @@ class _SetUpsAlongPaths:
         if taking.move is None:
             return self.reasons.move
         found = [self._may_be(name, state, node) for name in taking.names]
-        if not all(found) or math.prod(map(len, found)) > MOST_CHOICES:
+        if not all(found) or math.prod(map(len, found)) > _MOST_CHOICES:
             return self.reasons.uncertain
         move = replace(taking.move, span=node.span)
         return self._chosen(move, list(zip(taking.names, found, strict=True)))
@@ -307,7 +307,7 @@ class _SetUpsAlongPaths:
         cases = tuple(p.Case((e.Number(n),), (one,)) for n, one in made.items())
         return p.Switch(e.Name(self.numbers[name]), cases, (p.Stop(end=True),))
 
-    def _gone(self, declared: set[str], said: list[Said]) -> set[str]:
+    def _gone(self, declared: set[str], said: list[_Said]) -> set[str]:
         """Names of the data that nothing needs once moves say what they mean."""
         used = {name for _, taking, _ in said for name in taking.names}  # others may be another's
         if self.chosen and self.program.entry is not None:
@@ -359,7 +359,7 @@ class _SetUpsAlongPaths:
         return names
 
 
-Said = tuple[p.Opaque, TriggeredMove, p.MoveStatement | p.Switch | e.Reason]
+_Said = tuple[p.Opaque, TriggeredMove, p.MoveStatement | p.Switch | e.Reason]
 
 
 def _merged_set_ups(one: State, other: State) -> State:

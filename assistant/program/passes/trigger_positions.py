@@ -17,9 +17,9 @@ from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statement_index import once_per_program
 
-DECIMALS: Final = 3
+_DECIMALS: Final = 3
 """Decimals of computed mm."""
-SHORTEST: Final = 0.01
+_SHORTEST: Final = 0.01
 """Shortest path, mm, on which positions are measured in mm; a move that only turns the tool has
 length 0.
 """
@@ -179,7 +179,7 @@ def by_speed(job: Legalisation, x: p.Trigger, speed: Speed | None) -> p.Trigger:
         return x
     when = f"{abs(seconds):g} s {'before' if seconds > 0 else 'behind'}"
     job.findings.append(can.timed(name=x.signal, when=when, speed=f"{speed.tcp:g}"))
-    return replace(x, measure="end", amount=e.Number(round(length, DECIMALS)), ahead=None)
+    return replace(x, measure="end", amount=e.Number(round(length, _DECIMALS)), ahead=None)
 
 
 def _is_at_end(x: p.Trigger) -> bool:
@@ -199,14 +199,14 @@ def _measured(
         return replace(x, measure="start" if amount.value == 0 else "end", amount=ZERO)
     if x.measure == "time" and amount.value == 0:
         return replace(x, measure="end", amount=ZERO)
-    if x.measure in measures or x.measure == "time" or length is None or length < SHORTEST:
+    if x.measure in measures or x.measure == "time" or length is None or length < _SHORTEST:
         return x
     if amount == ZERO and x.measure == "start":
         return x
     done = amount.value if x.measure == "start" else length * amount.value / 100.0
     if not 0.0 <= done <= length:
         return x
-    return replace(x, measure="end", amount=e.Number(round(length - done, DECIMALS)))
+    return replace(x, measure="end", amount=e.Number(round(length - done, _DECIMALS)))
 
 
 # -------------------------------------------------------------------- what may be another place

@@ -96,10 +96,10 @@ def _by_dependency(variables: dict[str, Variable]) -> dict[str, Variable]:
     return ordered
 
 
-CYCLE: Final = "cycle"
+_CYCLE: Final = "cycle"
 """Name of the procedure that becomes of the one that a program begins with."""
-FOR_EVER: Final = e.Number(1)
-MOST_NAMES_REPORTED: Final = 5
+_FOR_EVER: Final = e.Number(1)
+_MOST_NAMES_REPORTED: Final = 5
 """Names that a finding tells."""
 _SETTING_WORDS: Final[Mapping[type[Setting], str]] = {
     p.SetOverride: "the override of speeds",
@@ -138,8 +138,8 @@ def with_kept_values(job: Legalisation) -> Program:
         about = Declared(entry.name, "procedures")
         job.findings.append(can.repeated(names=_names_in_words(left, told), about=about))
     taken = {*(q.name for q in program.procedures), *program.variables, *program.targets}
-    cycle = replace(entry, name=identifier(CYCLE, taken))
-    loop = Procedure(entry.name, (p.While(FOR_EVER, (p.Call(cycle.name),)),), span=entry.span)
+    cycle = replace(entry, name=identifier(_CYCLE, taken))
+    loop = Procedure(entry.name, (p.While(_FOR_EVER, (p.Call(cycle.name),)),), span=entry.span)
     others = tuple(q for q in program.procedures if q is not entry)
     return replace(program, procedures=(loop, cycle, *others))
 
@@ -149,7 +149,7 @@ def repeats_cycle(program: Program) -> bool:
     entry = program.procedure(program.entry) if program.entry else None
     match entry.body if entry is not None else ():
         case (*_, p.While(condition, (p.Call(arguments=()),))):
-            return condition == FOR_EVER
+            return condition == _FOR_EVER
     return False
 
 
@@ -164,12 +164,12 @@ def _is_called(program: Program, entry: Procedure) -> bool:
 
 
 def _names_in_words(names: Sequence[str], more: Sequence[str]) -> str:
-    told = [f"`{name}`" for name in names[:MOST_NAMES_REPORTED]] + list(more)
-    others = len(names) - MOST_NAMES_REPORTED
+    told = [f"`{name}`" for name in names[:_MOST_NAMES_REPORTED]] + list(more)
+    others = len(names) - _MOST_NAMES_REPORTED
     return ", ".join(told) if others <= 0 else f"{', '.join(told)} and {others} more"
 
 
-MOST_ALIKE: Final = 4
+_MOST_ALIKE: Final = 4
 """Elements that are given the same value one by one: a loop takes no more steps."""
 
 
@@ -423,7 +423,7 @@ def _for_each_element(
     """Yield the statement for every element, with loops if there are many. give: returns it from
     its indices.
     """
-    if math.prod(size) <= MOST_ALIKE:
+    if math.prod(size) <= _MOST_ALIKE:
         for place in itertools.product(*(range(1, n + 1) for n in size)):
             yield give(tuple(map(e.Number, place)))
         return

@@ -93,7 +93,7 @@ def pose_text(pose: Pose) -> str:
     return position if turn == _NO_TURN else f"{position} {turn}"
 
 
-def read_pose(tree: Node | None) -> Pose:
+def _read_pose(tree: Node | None) -> Pose:
     if tree is None:
         return Pose()
     position, turn = tree.children
@@ -106,7 +106,7 @@ def target_text(target: Target) -> str:
     parts = [numbers_text(target.pose.position), numbers_text(target.pose.quaternion)]
     if target.configuration is not None:
         parts.append(configuration_text(target.configuration))
-    return " ".join(parts + external_text(target.external))
+    return " ".join(parts + _external_text(target.external))
 
 
 def read_target(tree: Node) -> Target:
@@ -117,7 +117,7 @@ def read_target(tree: Node) -> Target:
 
 
 def joints_text(target: JointTarget) -> str:
-    return " ".join([numbers_text(target.joints), *external_text(target.external)])
+    return " ".join([numbers_text(target.joints), *_external_text(target.external)])
 
 
 def read_joints(tree: Node) -> JointTarget:
@@ -146,7 +146,7 @@ def read_configuration(tree: object) -> Configuration:
     return Configuration(arm == "back", elbow == "down", wrist == "flip", (one, four, six))
 
 
-def external_text(external: tuple[float, ...]) -> list[str]:
+def _external_text(external: tuple[float, ...]) -> list[str]:
     """Nothing if no axis is used; else the axes up to the last that is."""
     used = [i for i, value in enumerate(external) if value == value]
     return [f"external {numbers_text(external[: used[-1] + 1])}"] if used else []
@@ -292,7 +292,7 @@ def tool_text(tool: Tool) -> str:
 
 def read_tool(tip: object, load: object, stationary: object, free: object) -> Tool:
     return Tool(
-        read_pose(None if tip is None else _tree(tip)),
+        _read_pose(None if tip is None else _tree(tip)),
         None if load is None else _read_load(_tree(load)),
         held=stationary is None,
         free_turn=free is not None,
@@ -312,8 +312,8 @@ def read_frame(
     user: object, object_: object, held: object, mechanism: object, seen: object
 ) -> Frame:
     return Frame(
-        read_pose(None if user is None else _tree(user)),
-        read_pose(None if object_ is None else _tree(object_)),
+        _read_pose(None if user is None else _tree(user)),
+        _read_pose(None if object_ is None else _tree(object_)),
         held is not None,
         "" if mechanism is None else read_name(_tree(mechanism)),
         "" if seen is None else read_name(_tree(seen)),
@@ -349,13 +349,13 @@ def _token(part: object) -> Token:
     return part
 
 
-COMPARISON, MINUS, POWER, LITERAL, ATOM = 5, 8, 9, 10, 11
+COMPARISON, MINUS, _POWER, _LITERAL, ATOM = 5, 8, 9, 10, 11
 
-PRIORITIES: Final[dict[str, int]] = {
+_PRIORITIES: Final[dict[str, int]] = {
     "or": 1, "xor": 2, "and": 3, "not": 4,
     "=": COMPARISON, "<>": COMPARISON, "<": COMPARISON, "<=": COMPARISON,
     ">": COMPARISON, ">=": COMPARISON,
-    "+": 6, "-": 6, "*": 7, "/": 7, "@": 7, "div": 7, "mod": 7, "^": POWER,
+    "+": 6, "-": 6, "*": 7, "/": 7, "@": 7, "div": 7, "mod": 7, "^": _POWER,
 }  # fmt: skip
 """Operators, the loosest first. `^` groups from the right, comparisons not at all, the rest
 from the left. A sign binds looser than `^`."""
@@ -405,7 +405,7 @@ def _text_and_priority(expression: Expression) -> tuple[str, int]:
     match expression:
         case Number(value):
             text = _number_text(value)
-            return text, MINUS if text.startswith("-") else LITERAL
+            return text, MINUS if text.startswith("-") else _LITERAL
         case Truth(value):
             return "true" if value else "false", ATOM
         case Text(value):
@@ -413,11 +413,11 @@ def _text_and_priority(expression: Expression) -> tuple[str, int]:
         case Name(name):
             return name_text(name), ATOM
         case TargetValue(target):
-            return f"target {target_text(target)}", LITERAL
+            return f"target {target_text(target)}", _LITERAL
         case JointValue(joints):
-            return f"joints {joints_text(joints)}", LITERAL
+            return f"joints {joints_text(joints)}", _LITERAL
         case PoseValue(pose):
-            return f"pose {pose_text(pose)}", LITERAL
+            return f"pose {pose_text(pose)}", _LITERAL
         case Aggregate(items):
             return f"[{_list(items)}]", ATOM
         case Member(value, field):
@@ -475,16 +475,16 @@ def _number_text(value: float) -> str:
 
 def _unary_text(operator: UnaryOperator, operand: Expression) -> tuple[str, int]:
     if operator == "not":
-        return f"not {_text(operand, PRIORITIES['not'])}", PRIORITIES["not"]
+        return f"not {_text(operand, _PRIORITIES['not'])}", _PRIORITIES["not"]
     text = _text(operand, MINUS)
     bare = isinstance(operand, Number) and not text.startswith("-")
     return (f"-({text})" if bare else f"-{text}"), MINUS  # `-5` is the number, `-(5)` its sign
 
 
 def _binary_text(operator: BinaryOperator, left: Expression, right: Expression) -> tuple[str, int]:
-    priority = PRIORITIES[operator]
+    priority = _PRIORITIES[operator]
     if operator == "^":
-        first, second = LITERAL, MINUS
+        first, second = _LITERAL, MINUS
     else:
         first, second = priority + (priority == COMPARISON), priority + 1
     return f"{_text(left, first)} {operator} {_text(right, second)}", priority
@@ -537,7 +537,7 @@ _READERS: Final[dict[str, Callable[[Node], Expression]]] = {
     "variable_value": lambda tree: Name(read_name(_child(tree))),
     "target_value": lambda tree: TargetValue(read_target(_child(tree))),
     "joint_value": lambda tree: JointValue(read_joints(_child(tree))),
-    "pose_value": lambda tree: PoseValue(read_pose(_child(tree))),
+    "pose_value": lambda tree: PoseValue(_read_pose(_child(tree))),
     "aggregate": lambda tree: Aggregate(read_arguments(_child(tree))),
     "group": lambda tree: read_expression(_child(tree)),
     "member": lambda tree: Member(read_expression(_child(tree)), read_name(_child(tree, 1))),

@@ -112,7 +112,7 @@ class Block:
             self._else_line = line
 
 
-class Ignored(Block):
+class _Ignored(Block):
     """A block whose first line was wrong: its `end` is still its own."""
 
     def __init__(self, word: str, span: Span, line: int) -> None:
@@ -123,7 +123,7 @@ class Ignored(Block):
         """Ignore the division; its content is checked for errors, and dropped."""
 
 
-class ProcedureBlock(Block):
+class _ProcedureBlock(Block):
     word = "procedure"
 
     def __init__(self, tree: Node, span: Span, line: int) -> None:
@@ -151,7 +151,7 @@ class ProcedureBlock(Block):
         )
 
 
-class IfBlock(Block):
+class _IfBlock(Block):
     word = "if"
 
     def __init__(self, tree: Node, span: Span, line: int) -> None:
@@ -178,7 +178,7 @@ class IfBlock(Block):
         self._branches.append((read_expression(tree.children[0]), self.body))
 
 
-class WhileBlock(Block):
+class _WhileBlock(Block):
     word = "while"
 
     def __init__(self, tree: Node, span: Span, line: int) -> None:
@@ -189,7 +189,7 @@ class WhileBlock(Block):
         return While(self._condition, tuple(self.body or ()), span=span)
 
 
-class ForBlock(Block):
+class _ForBlock(Block):
     word = "for"
 
     def __init__(self, tree: Node, span: Span, line: int) -> None:
@@ -208,7 +208,7 @@ class ForBlock(Block):
         return For(self._variable, self._first, self._last, body, self._step, span=span)
 
 
-class SwitchBlock(Block):
+class _SwitchBlock(Block):
     word = "switch"
 
     def __init__(self, tree: Node, span: Span, line: int) -> None:
@@ -233,7 +233,7 @@ class SwitchBlock(Block):
         return Switch(self._subject, cases, tuple(self._otherwise), span=span)
 
 
-class PathBlock(Block):
+class _PathBlock(Block):
     """`follow`: rows, or the tables of a path whose columns are in a file."""
 
     word = "follow"
@@ -266,7 +266,7 @@ class PathBlock(Block):
             self.table.frames.append(read_name(cast(Node, entry)))
 
 
-class OpaqueBlock(Block):
+class _OpaqueBlock(Block):
     """A text of several lines in a vendor language."""
 
     word = "opaque"
@@ -284,19 +284,19 @@ class OpaqueBlock(Block):
         return Opaque(self._language, "\n".join(self.lines), span=span)
 
 
-OPENING: Final[dict[str, Callable[[Node, Span, int], Block]]] = {
-    "if_": IfBlock,
-    "while_": WhileBlock,
-    "for_": ForBlock,
-    "switch": SwitchBlock,
-    "follow": PathBlock,
+_OPENING: Final[dict[str, Callable[[Node, Span, int], Block]]] = {
+    "if_": _IfBlock,
+    "while_": _WhileBlock,
+    "for_": _ForBlock,
+    "switch": _SwitchBlock,
+    "follow": _PathBlock,
 }
 """Rule of the first line → block."""
 
-DIVIDING: Final[dict[str, Division]] = {"elseif": "elseif", "else_": "else", "case": "case"}
+_DIVIDING: Final[dict[str, Division]] = {"elseif": "elseif", "else_": "else", "case": "case"}
 
 
-MOST_FINDINGS: Final = 100
+_MOST_FINDINGS: Final = 100
 """After so many the rest is not read: the text is of another kind."""
 
 
@@ -339,7 +339,7 @@ class _Reader:
 
     def program(self) -> Program:
         odd = self._source.odd_characters()
-        self._findings += islice((one for one in odd if has_errors([one])), MOST_FINDINGS)
+        self._findings += islice((one for one in odd if has_errors([one])), _MOST_FINDINGS)
         for line in code_lines(self._source.text):
             self._guarded(self._line, line)
         for block in reversed(self._stack):
@@ -365,9 +365,9 @@ class _Reader:
 
     def _line(self, line: CodeLine) -> None:
         block = self._stack[-1] if self._stack else None
-        if isinstance(block, PathBlock):
+        if isinstance(block, _PathBlock):
             self._path_line(block, line)
-        elif isinstance(block, OpaqueBlock):
+        elif isinstance(block, _OpaqueBlock):
             self._opaque_line(block, line)
         elif not line.text:
             self._comment(line)
@@ -391,8 +391,8 @@ class _Reader:
 
     def _find(self, rule: Rule, span: Span, **fields: Any) -> None:
         self._findings.append(self._source.finding(rule, span, **fields))
-        if len(self._findings) >= MOST_FINDINGS:
-            last = self._source.finding(TOO_MANY, span, most=MOST_FINDINGS)
+        if len(self._findings) >= _MOST_FINDINGS:
+            last = self._source.finding(TOO_MANY, span, most=_MOST_FINDINGS)
             raise Refused(*self._findings, last)
 
     def _number(self, line: CodeLine) -> int:
@@ -427,7 +427,7 @@ class _Reader:
         if word in FIRST_WORDS["statement"] and word not in FIRST_WORDS["declaration"]:
             self._find(OUTSIDE, line.span, word=word)
             if word in BLOCK_WORDS:
-                self._stack.append(Ignored(word, line.span, self._number(line)))
+                self._stack.append(_Ignored(word, line.span, self._number(line)))
             return
         if word != "procedure":
             self._keep_pending()
@@ -439,7 +439,7 @@ class _Reader:
                 return
         except Wrong:
             if word == "procedure" and not self._stack:
-                self._stack.append(Ignored(word, line.span, self._number(line)))
+                self._stack.append(_Ignored(word, line.span, self._number(line)))
             raise
         if tree.data == "program":
             self._program(tree, line)
@@ -470,7 +470,7 @@ class _Reader:
         self._first[f"{scope}{kind}", name.lower()] = number
 
     def _procedure(self, tree: Node, line: CodeLine) -> None:
-        block = ProcedureBlock(tree, line.span, self._number(line))
+        block = _ProcedureBlock(tree, line.span, self._number(line))
         self._stack.append(block)
         assert block.body is not None
         for above in (*self._pending, line):
@@ -498,7 +498,7 @@ class _Reader:
             self._read(tree, block, line)
         except Wrong:
             if word in BLOCK_WORDS and self._stack[-1] is block:
-                self._stack.append(Ignored(word, line.span, self._number(line)))
+                self._stack.append(_Ignored(word, line.span, self._number(line)))
             raise
 
     def _read(self, tree: Node, block: Block, line: CodeLine) -> None:
@@ -506,15 +506,15 @@ class _Reader:
         if rule == "end":
             self._end(line)
             self._comment(line)
-        elif rule in DIVIDING:
-            block.divide(DIVIDING[rule], tree, self._number(line))
+        elif rule in _DIVIDING:
+            block.divide(_DIVIDING[rule], tree, self._number(line))
             self._comment(line)
         elif block.body is None:
             raise Wrong(NO_CASE)
-        elif rule in OPENING:
+        elif rule in _OPENING:
             if len(self._stack) > MOST_BLOCKS:
                 raise Wrong(TOO_DEEP, what="block", cure="move the inner ones to procedures")
-            opened = OPENING[rule](tree, line.span, self._number(line))
+            opened = _OPENING[rule](tree, line.span, self._number(line))
             self._comment(line)
             self._stack.append(opened)
         else:
@@ -530,9 +530,9 @@ class _Reader:
 
     def _variable(self, tree: Node, block: Block, line: CodeLine) -> None:
         name, variable = read_variable(tree)
-        if isinstance(block, Ignored):
+        if isinstance(block, _Ignored):
             return
-        if not isinstance(block, ProcedureBlock) or any(
+        if not isinstance(block, _ProcedureBlock) or any(
             not isinstance(statement, Comment) for statement in block.body or ()
         ):
             raise Wrong(LATE_VARIABLE)
@@ -542,11 +542,11 @@ class _Reader:
     def _end(self, line: CodeLine) -> None:
         block = self._stack.pop()
         span = Span(block.span.start, line.span.end)
-        if isinstance(block, ProcedureBlock):
+        if isinstance(block, _ProcedureBlock):
             self._procedures.append(block.procedure())
-        elif isinstance(block, OpaqueBlock) and not self._stack:
+        elif isinstance(block, _OpaqueBlock) and not self._stack:
             self._declarations.append(block.declaration())
-        elif isinstance(block, PathBlock):
+        elif isinstance(block, _PathBlock):
             self._follow(block, span)
         else:
             self._put(block.close(span))
@@ -563,13 +563,13 @@ class _Reader:
     def _opaque(self, tree: Node, line: CodeLine) -> None:
         language, text = cast("list[Any]", tree.children)
         if text is None:
-            self._stack.append(OpaqueBlock(tree, line.span, self._number(line)))
+            self._stack.append(_OpaqueBlock(tree, line.span, self._number(line)))
         elif self._stack:
             self._put(Opaque(read_word(language), read_raw(text), span=line.span))
         else:
             self._declarations.append(Declaration(read_word(language), read_raw(text)))
 
-    def _opaque_line(self, block: OpaqueBlock, line: CodeLine) -> None:
+    def _opaque_line(self, block: _OpaqueBlock, line: CodeLine) -> None:
         self._comment(line)
         if line.text == "end":
             self._end(line)
@@ -581,7 +581,7 @@ class _Reader:
 
     # ------------------------------------------------------------------------------ paths
 
-    def _path_line(self, block: PathBlock, line: CodeLine) -> None:
+    def _path_line(self, block: _PathBlock, line: CodeLine) -> None:
         if line.comment is not None:
             self._comment(line)
         if line.text == "end":
@@ -593,7 +593,7 @@ class _Reader:
                 block.sound = False
                 raise
 
-    def _row(self, block: PathBlock, line: CodeLine) -> None:
+    def _row(self, block: _PathBlock, line: CodeLine) -> None:
         if block.table is not None:
             block.read_column(parse_line("column", line.text))
             return
@@ -606,7 +606,7 @@ class _Reader:
         block.rows.read(line.text)
         block.starts.append(line.start)
 
-    def _follow(self, block: PathBlock, span: Span) -> None:
+    def _follow(self, block: _PathBlock, span: Span) -> None:
         if not block.sound:
             return
         if block.table is not None:

@@ -73,13 +73,13 @@ from assistant.program.pseudo.words import (
     read_name,
 )
 
-WORDS: Final = {
+_WORDS: Final = {
     Kind.JOINT: "joint",
     Kind.LINEAR: "linear",
     Kind.VIA: "via",
     Kind.END: "to",
 }
-KINDS: Final = {word: int(kind) for kind, word in WORDS.items()}
+_KINDS: Final = {word: int(kind) for kind, word in _WORDS.items()}
 
 _UNSTATED_ROW: Final = (UNSTATED, 0, 0, 0, 0, 0)
 _CHUNK: Final = 16384
@@ -90,7 +90,7 @@ _CHUNK: Final = 16384
 
 def row_lines(path: Path) -> Iterator[str]:
     """One line a row."""
-    words = [WORDS[kind] for kind in Kind]
+    words = [_WORDS[kind] for kind in Kind]
     turns = _changes(path.quaternions, (UNUSED_AXIS,) * 4)
     said = _attribute_texts(path)
     for start in range(0, len(path), _CHUNK):
@@ -286,7 +286,7 @@ class RowReader:
         missing = None
         if row == 0:
             missing = self._start(turn, speed, blend)
-        self._kinds.append(KINDS[kind])
+        self._kinds.append(_KINDS[kind])
         self._positions.extend(position)
         self._turns.hold(row, turn)
         self._branches.hold(row, branch)

@@ -67,7 +67,7 @@ from assistant.program.statements import (
     While,
 )
 
-INDENT: Final = "  "
+_INDENT: Final = "  "
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +129,7 @@ class _Printer:
     def _statement(self, statement: Statement) -> Iterator[str]:
         line = statement_text(statement)
         if line is not None:
-            yield INDENT + line
+            yield _INDENT + line
             return
         self._blocks += 1
         if self._blocks > MOST_BLOCKS:
@@ -212,7 +212,7 @@ def _words(first: str, others: str) -> Iterator[str]:
 
 def _indented(lines: Iterator[str] | list[str]) -> Iterator[str]:
     for line in lines:
-        yield INDENT + line
+        yield _INDENT + line
 
 
 def part_text(part: object) -> str:

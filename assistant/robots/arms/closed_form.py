@@ -32,20 +32,20 @@ from assistant.base.arrays import Floats, Rows, Truths
 from assistant.robots.arms.arm import BOUNDARY, CLOSING, MISS_TOLERANCE, Arm, Link, turn_between
 
 
-def zyz(first: Floats, second: Floats, third: Floats) -> Floats:
+def _zyz(first: Floats, second: Floats, third: Floats) -> Floats:
     """(..., 4) quaternions of Rz(first)·Ry(second)·Rz(third), radians."""
     plus, minus, half = (first + third) / 2.0, (first - third) / 2.0, second / 2.0
     c, s = np.cos(half), np.sin(half)
     return np.stack([c * np.cos(plus), -s * np.sin(minus), s * np.cos(minus), c * np.sin(plus)], -1)
 
 
-def axis_z(quaternions: Floats) -> tuple[Floats, Floats, Floats]:
+def _axis_z(quaternions: Floats) -> tuple[Floats, Floats, Floats]:
     """The flange's own z axis, (n,) a component."""
     w, x, y, z = quaternions.T
     return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
-def two_links(upper: float, fore: float, distance: Floats) -> tuple[Floats, Floats]:
+def _two_links(upper: float, fore: float, distance: Floats) -> tuple[Floats, Floats]:
     """Angles at the elbow and between upper link and line to the wrist, radians, both >= 0.
 
     Out of reach the arm is stretched or folded towards the wrist.
@@ -55,7 +55,7 @@ def two_links(upper: float, fore: float, distance: Floats) -> tuple[Floats, Floa
     return elbow, np.arctan2(fore * np.sin(elbow), upper + fore * np.cos(elbow))
 
 
-def reach_excess(upper: float, fore: float, distance: Floats) -> Floats:
+def _reach_excess(upper: float, fore: float, distance: Floats) -> Floats:
     """Return by how many mm a wrist at that distance from axis 2 is too far or too near, else 0."""
     far, near = distance - (upper + fore), abs(upper - fore) - distance
     return np.maximum(np.maximum(far, near), 0.0)
@@ -116,13 +116,13 @@ class Lengths:
 
     def too_far(self, positions: Floats, quaternions: Floats) -> Truths:
         """(n,) whether the wrist is beyond the stretched arm, by the shorter way round axis 1."""
-        wrist = positions - self.d6 * np.stack(axis_z(quaternions), axis=-1)
+        wrist = positions - self.d6 * np.stack(_axis_z(quaternions), axis=-1)
         r = np.hypot(wrist[:, 0], wrist[:, 1]) - self.a1
         span = np.hypot(r, wrist[:, 2] - self.d1)
         return np.asarray(span > np.hypot(self.a3, self.d4) + self.a2)
 
 
-def wrist_words(shape: NDArray[np.integer]) -> str:
+def _wrist_words(shape: NDArray[np.integer]) -> str:
     """Columns (3,) back, down, flip of a vertical arm in words."""
     back, down, flip = (int(v) == 1 for v in shape)
     words = ("back" if back else "front", "elbow down" if down else "elbow up")
@@ -152,12 +152,12 @@ class SixAxis(Arm):
         return self.lengths.reach
 
     def fk(self, joints: Floats) -> tuple[Floats, Floats]:
-        return six_axis_fk(self.lengths, joints)
+        return _six_axis_fk(self.lengths, joints)
 
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
     ) -> tuple[Floats, Floats]:
-        return six_axis_ik(self.lengths, positions, quaternions, branches)
+        return _six_axis_ik(self.lengths, positions, quaternions, branches)
 
     def shape(self, joints: Floats) -> NDArray[np.int8]:
         back, lower = self.lengths.sides(joints)
@@ -170,7 +170,7 @@ class SixAxis(Arm):
         return np.asarray(4 * back + 2 * lower + (shape[:, 2] == 1), dtype=np.intp)
 
     def words(self, shape: NDArray[np.integer]) -> str:
-        return wrist_words(shape)
+        return _wrist_words(shape)
 
     def points(self, joints: Floats) -> Floats:
         return self.lengths.points(joints, self.fk(joints)[0])
@@ -196,16 +196,16 @@ class SixAxis(Arm):
         )
 
 
-def six_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
+def _six_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     """Chain angles (n, 6) in radians → flange positions (n, 3) mm, quaternions (n, 4)."""
     j1, j2, j3, j4, j5, j6 = joints.T
     fore = j2 + j3
     s, c = np.sin(fore), np.cos(fore)
     r = lengths.a1 + lengths.a2 * np.sin(j2) + lengths.a3 * c + lengths.d4 * s
     z = lengths.d1 + lengths.a2 * np.cos(j2) - lengths.a3 * s + lengths.d4 * c
-    arm = zyz(j1, fore, np.zeros_like(j1))
-    quaternions = rotations.canonical(rotations.multiply(arm, zyz(j4, j5, j6)))
-    x, y, up = axis_z(quaternions)
+    arm = _zyz(j1, fore, np.zeros_like(j1))
+    quaternions = rotations.canonical(rotations.multiply(arm, _zyz(j4, j5, j6)))
+    x, y, up = _axis_z(quaternions)
     positions = np.stack(
         [
             r * np.cos(j1) + lengths.d6 * x,
@@ -217,7 +217,7 @@ def six_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     return positions, quaternions
 
 
-def six_axis_ik(
+def _six_axis_ik(
     lengths: Lengths, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
 ) -> tuple[Floats, Floats]:
     """Flange poses → chain angles (6, b, n) in radians and what keeps each from closing (b, n) mm.
@@ -249,8 +249,8 @@ def six_axis_ik(
         r = sign * distance - lengths.a1
         span = np.hypot(r, z)
         line = np.arctan2(r, z)
-        elbow, shoulder = two_links(lengths.a2, fore_length, span)
-        outside = reach_excess(lengths.a2, fore_length, span)
+        elbow, shoulder = _two_links(lengths.a2, fore_length, span)
+        outside = _reach_excess(lengths.a2, fore_length, span)
         # The flange's axes in the plane of the arm: u forward, v sideways.
         plane = [
             (sign * (c1 * a[0] + s1 * a[1]), sign * (c1 * a[1] - s1 * a[0]), a[2])
@@ -307,12 +307,12 @@ class FiveAxis(Arm):
         return self.lengths.reach
 
     def fk(self, joints: Floats) -> tuple[Floats, Floats]:
-        return five_axis_fk(self.lengths, joints)
+        return _five_axis_fk(self.lengths, joints)
 
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
     ) -> tuple[Floats, Floats]:
-        return five_axis_ik(self.lengths, positions, quaternions, branches)
+        return _five_axis_ik(self.lengths, positions, quaternions, branches)
 
     def shape(self, joints: Floats) -> NDArray[np.int8]:
         """Flip is 1, which is FLG1 6 for the front, upper branch."""
@@ -324,7 +324,7 @@ class FiveAxis(Arm):
         return np.asarray(2 * back + ((shape[:, 1] == 1) ^ back), dtype=np.intp)
 
     def words(self, shape: NDArray[np.integer]) -> str:
-        return wrist_words(shape)
+        return _wrist_words(shape)
 
     def points(self, joints: Floats) -> Floats:
         return self.lengths.points(joints, self.fk(joints)[0])
@@ -369,7 +369,7 @@ def from_ab(positions: ArrayLike, ab: ArrayLike) -> Floats:
     """(n, 3) mm and (n, 2) A and B in degrees → (n, 4) canonical quaternions."""
     azimuth = _azimuth(positions)
     a, b = np.radians(np.asarray(ab, dtype=np.float64).reshape(-1, 2)).T
-    return rotations.canonical(zyz(azimuth, b, a - azimuth * np.cos(b)))
+    return rotations.canonical(_zyz(azimuth, b, a - azimuth * np.cos(b)))
 
 
 def plane_miss(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
@@ -381,7 +381,7 @@ def plane_miss(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
     return np.asarray(np.degrees(np.abs(np.arcsin(np.clip(m[:, 1, 2], -1.0, 1.0)))))
 
 
-def five_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
+def _five_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     """Chain angles (n, 5) in radians → flange positions (n, 3) mm, quaternions (n, 4)."""
     j1, j2, j3, j5, j6 = joints.T
     upper, fore, tilt = j2, j2 + j3, j2 + j3 + j5
@@ -393,10 +393,10 @@ def five_axis_fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
         + lengths.d6 * np.cos(tilt)
     )
     positions = np.stack([r * np.cos(j1), r * np.sin(j1), z], axis=-1)
-    return positions, rotations.canonical(zyz(j1, tilt, j6))
+    return positions, rotations.canonical(_zyz(j1, tilt, j6))
 
 
-def five_axis_ik(
+def _five_axis_ik(
     lengths: Lengths, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
 ) -> tuple[Floats, Floats]:
     """Flange poses → chain angles (5, b, n) in radians and what keeps each from closing (b, n) mm.
@@ -417,7 +417,7 @@ def five_axis_ik(
     for turned in (0, 1):
         sign = 1.0 - 2.0 * turned
         line = np.arctan2(sign * r, z)
-        elbow, shoulder = two_links(lengths.a2, lengths.d4, np.hypot(r, z))
+        elbow, shoulder = _two_links(lengths.a2, lengths.d4, np.hypot(r, z))
         behind = (r < 0.0) ^ bool(turned)
         for lower in (0, 1):
             bend = -1.0 if lower else 1.0
@@ -428,7 +428,7 @@ def five_axis_ik(
             found = np.stack([j1, j2, j3, sign * tilt - j2 - j3, j6])
             joints[:, 2 + lower, behind] = found[:, behind]
             joints[:, lower, ~behind] = found[:, ~behind]
-    outside = reach_excess(lengths.a2, lengths.d4, np.hypot(r, z))
+    outside = _reach_excess(lengths.a2, lengths.d4, np.hypot(r, z))
     return joints[:, list(branches)], np.broadcast_to(outside, (len(branches), len(positions)))
 
 
@@ -440,7 +440,7 @@ def _azimuth(positions: ArrayLike) -> Floats:
 
 def _arm_plane(positions: Floats, quaternions: Floats) -> Floats:
     """Azimuth of the arm's plane: that of the position, on axis 1 that of the tool axis."""
-    x, y, _ = axis_z(quaternions)
+    x, y, _ = _axis_z(quaternions)
     upright = np.hypot(x, y) < 1e-9
     on_axis = np.hypot(positions[:, 0], positions[:, 1]) < ON_AXIS_1
     return np.where(on_axis & ~upright, np.arctan2(y, x), _azimuth(positions))
@@ -499,13 +499,13 @@ class Scara(Arm):
         x, y, z = positions.T
         span, line = np.hypot(x, y), np.arctan2(y, x)
         yaw = 2.0 * np.arctan2(quaternions[:, 3], quaternions[:, 0])
-        elbow, shoulder = two_links(self.l1, self.l2, span)
+        elbow, shoulder = _two_links(self.l1, self.l2, span)
         joints = np.empty((4, len(branches), len(positions)))
         for at, branch in enumerate(branches):
             sign = 1.0 if branch else -1.0
             j1, j2 = line - sign * shoulder, sign * elbow
             joints[:, at] = j1, j2, z, yaw - j1 - j2
-        excess = reach_excess(self.l1, self.l2, span)
+        excess = _reach_excess(self.l1, self.l2, span)
         return joints, np.broadcast_to(excess, (len(branches), len(positions)))
 
     def shape(self, joints: Floats) -> NDArray[np.int8]:

@@ -25,7 +25,7 @@ Residuals = Callable[[Floats, Rows], Floats]
 """Joints (m, s, a) of s tries for each of m searches, and which ones (m,) → what is missing
 (m, s, 6) to what is wanted."""
 
-DIFFERENCE_STEP: Final = 1e-4
+_DIFFERENCE_STEP: Final = 1e-4
 """degrees of an axis over which the change of a pose is taken."""
 
 
@@ -46,8 +46,8 @@ def least_squares_joints(
             break
         j, r, l, h = joints[active], here[active], low[active], high[active]  # noqa: E741
         slope = (
-            missing(j[:, None] + DIFFERENCE_STEP * np.eye(count), active) - r[:, None]
-        ) / DIFFERENCE_STEP
+            missing(j[:, None] + _DIFFERENCE_STEP * np.eye(count), active) - r[:, None]
+        ) / _DIFFERENCE_STEP
         pull = -np.einsum("kai,ki->ka", slope, r)
         fixed = ((j <= l) & (pull < 0.0)) | ((j >= h) & (pull > 0.0))
         slope[fixed] = 0.0
@@ -78,19 +78,19 @@ def _cost(missing: Floats) -> Floats:
     return np.asarray((missing * missing).sum(axis=-1))
 
 
-POSITION_FIRST: Final = ((1.0, 60), (0.03, 20))
+_POSITION_FIRST: Final = ((1.0, 60), (0.03, 20))
 """mm that a turn by one radian counts as, and how many steps are made at most: a first search,
 then the last steps, where the position comes first, then the orientation."""
-ORIENTATION_FIRST: Final = ((1e3, 30), (1e5, 30))
+_ORIENTATION_FIRST: Final = ((1e3, 30), (1e5, 30))
 """The same for an orientation that is kept, the position going where that can be taken."""
-ORIENTATION_KEPT: Final = 0.01
+_ORIENTATION_KEPT: Final = 0.01
 """degrees within which an orientation counts as kept."""
 STARTS: Final = (4000, 8)
 """Joint angles that are tried as further starts, the same for every pose, and how many are kept."""
-RINGS: Final = (100, 30)
+_RINGS: Final = (100, 30)
 """Directions, the same for every pose, and distances in which the wanted orientation is tried."""
 
-ROUNDING_GRIDS: Final = (0.0, 0.01, 0.05, 0.2)
+_ROUNDING_GRIDS: Final = (0.0, 0.01, 0.05, 0.2)
 """mm around the rounded position in which to search for one that is not just out of reach."""
 
 
@@ -127,7 +127,7 @@ def _reachable_position(robot: Robot, pose: Pose, tip: Pose, orientation: Floats
     if not robot.arm.named:  # without a closed form: too slow to try
         return rounded
     steps = np.array(list(itertools.product((0, -1, 1, -2, 2), repeat=3)))
-    for grid in ROUNDING_GRIDS:
+    for grid in _ROUNDING_GRIDS:
         tried = np.round(rounded + grid * steps[: len(steps) if grid else 1], 2)
         if len(orientation) == 4:
             q = np.tile(orientation / np.linalg.norm(orientation), (len(tried), 1))
@@ -154,11 +154,11 @@ def find_nearest_pose(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool = Fal
     and from the best of many others.
     """
     if keep and len(robot.axes) >= 6:
-        pose = _find_nearest_pose(robot, wanted, tip, ORIENTATION_FIRST)
+        pose = _find_nearest_pose(robot, wanted, tip, _ORIENTATION_FIRST)
         turned = rotations.angle_between(np.array(pose.quaternion), np.array(wanted.quaternion))
-        if float(turned) < ORIENTATION_KEPT:
+        if float(turned) < _ORIENTATION_KEPT:
             return Pose(pose.position, wanted.quaternion)
-    return _find_nearest_pose(robot, wanted, tip, POSITION_FIRST)
+    return _find_nearest_pose(robot, wanted, tip, _POSITION_FIRST)
 
 
 def _find_nearest_pose(
@@ -172,7 +172,7 @@ def _find_nearest_pose(
     starts = np.clip(found[:, :, 0].T, low, high)
     search = _Search(robot, wanted, tip, lever)
     starts = np.vstack([starts, np.clip(robot.home, low, high), _near(search)])
-    if stages is ORIENTATION_FIRST and robot.arm.named:
+    if stages is _ORIENTATION_FIRST and robot.arm.named:
         starts = np.vstack([starts, _around(search)])
     last = _Search(robot, wanted, tip, last_lever)
     joints = last.best(_refined(last, _refined(search, starts, rounds), last_rounds))
@@ -213,9 +213,9 @@ def _near(search: _Search) -> Floats:
 def _around(search: _Search) -> Floats:
     """(k, a) deg of a few poses of the wanted orientation, as near as some directions show."""
     robot, tip = search.robot, search.tip.inverse()
-    ways = np.random.default_rng(0).normal(size=(RINGS[0], 3))
+    ways = np.random.default_rng(0).normal(size=(_RINGS[0], 3))
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    away = np.geomspace(0.5, 2.0 * robot.reach, RINGS[1])
+    away = np.geomspace(0.5, 2.0 * robot.reach, _RINGS[1])
     tried = (away[:, None, None] * ways).reshape(-1, 3) + np.array(search.wanted.position)
     q = np.tile(rotations.multiply(search.wanted.quaternion, tip.quaternion), (len(tried), 1))
     flange = tried + rotations.rotate(search.wanted.quaternion, tip.position)

@@ -36,17 +36,17 @@ from assistant.robots.arms.arm import (
     turn_between,
 )
 
-SIGNS: Final = 3
+_SIGNS: Final = 3
 STARTS: Final = (16384, 5)
 """Random joints out of which the starts for a pose are taken, and how many for each branch."""
 STEPS: Final = 40
 """Steps of the solver from one start."""
-RESIDUAL: Final = 1e-21
+_RESIDUAL: Final = 1e-21
 """Half the square of what is left over in metres and radians when the solver ends."""
 PARALLEL: Final = 1e-9
 FAR: Final = np.radians(10.0)
 """From one pose of a column to the next, radians or mm."""
-SAME: Final = 1e-6
+_SAME: Final = 1e-6
 """Between joints that are one solution, radians or mm."""
 
 
@@ -80,7 +80,7 @@ class Serial(Arm):
 
     @property
     def branches(self) -> int:
-        return 2**SIGNS
+        return 2**_SIGNS
 
     @property
     def compared(self) -> tuple[int, ...]:
@@ -214,9 +214,9 @@ class Serial(Arm):
 
     def _signs(self, origins: Floats, axes: Floats) -> Floats:
         """(n, SIGNS) numbers, each of which changes its sign where two branches meet."""
-        out = np.zeros((len(origins), SIGNS))
+        out = np.zeros((len(origins), _SIGNS))
         turning = self._turning
-        if len(turning) < SIGNS:
+        if len(turning) < _SIGNS:
             return out
         *_, c, b, a = turning
         out[:, 2] = _dot(np.cross(axes[:, c], axes[:, b]), axes[:, a])
@@ -292,7 +292,7 @@ class Serial(Arm):
                 continue
             one = slice(row, row + 1)
             found = self._solved(poses[one], best[beside : beside + 1])
-            if np.abs(self._wound(found[0] - best[row])).max() < SAME:
+            if np.abs(self._wound(found[0] - best[row])).max() < _SAME:
                 continue
             mine, fits = self._ranked(found, positions[one], quaternions[one])
             if mine[0] == branch and fits[0] <= min(rank[row], _Rank.OUTSIDE):
@@ -329,7 +329,7 @@ class Serial(Arm):
         solve, found = self._transforms.ik_LM, np.empty_like(starts)
         for row, (pose, start) in enumerate(zip(poses, starts * scale, strict=True)):
             found[row] = solve(
-                pose, q0=start, ilimit=STEPS, slimit=1, tol=RESIDUAL, joint_limits=False
+                pose, q0=start, ilimit=STEPS, slimit=1, tol=_RESIDUAL, joint_limits=False
             ).q
         found = np.where(np.isfinite(found), found / scale, starts)
         return starts + self._wound(found - starts)

@@ -127,13 +127,13 @@ def _taken(positions: Floats, quaternions: Floats, part: Pose) -> tuple[Floats, 
     return p, rotations.multiply(quaternions, part.quaternion)
 
 
-AXES_MEET: Final = 1e-6
+_AXES_MEET: Final = 1e-6
 """mm between the axes of a wrist, and what a cosine may be off."""
-QUATERNION_ROUNDING: Final = 1e-12
+_QUATERNION_ROUNDING: Final = 1e-12
 """Rounding of the components of a quaternion; smaller values result from arithmetic."""
-KINEMATICS_AGREE: Final = 1e-9
+_KINEMATICS_AGREE: Final = 1e-9
 """By which forward kinematics of both may differ: in part of the reach, and radians."""
-TRIAL_JOINTS: Final = 50
+_TRIAL_JOINTS: Final = 50
 
 
 def recognise_six_axis(chain: Serial) -> Placed | None:
@@ -171,12 +171,12 @@ def _read_arm(chain: Serial, side: int) -> Placed | None:
         five @ six,
         np.linalg.norm(np.cross(two, three)),
     ]
-    if wrist is None or np.abs(across).max() > AXES_MEET:
+    if wrist is None or np.abs(across).max() > _AXES_MEET:
         return None
-    up = one if one[2] > -AXES_MEET else -one
+    up = one if one[2] > -_AXES_MEET else -one
     normal = two * side
     plane = _Plane(_foot(origins[0], up), np.cross(normal, up), normal, up)
-    if abs((wrist - plane.origin) @ normal) > AXES_MEET:
+    if abs((wrist - plane.origin) @ normal) > _AXES_MEET:
         return None
     a1, d1 = plane.of(origins[1] - plane.origin)
     r3, z3 = plane.of(origins[2] - origins[1])
@@ -187,16 +187,16 @@ def _read_arm(chain: Serial, side: int) -> Placed | None:
     d4 = rw * np.sin(fore) + zw * np.cos(fore)
     a3 = rw * np.cos(fore) - zw * np.sin(fore)
     a2 = float(np.hypot(r3, z3))
-    if min(a2, d4) < AXES_MEET:
+    if min(a2, d4) < _AXES_MEET:
         return None
     along = plane.forward * np.sin(fore) + up * np.cos(fore)
     ahead = plane.forward * np.cos(fore) - up * np.sin(fore)
-    bend = 1 if five @ normal >= -AXES_MEET else -1
+    bend = 1 if five @ normal >= -_AXES_MEET else -1
     roll = float(np.arctan2(-bend * (five @ ahead), bend * (five @ normal)))
     hand = 1 if six @ along > 0.0 else -1
     d6 = float((flange.position - wrist) @ six) * hand
     # The closed form has axes 4 and 6 in line at 0 of axis 5, and both turn the same way.
-    if np.linalg.norm(np.cross(six, along)) > AXES_MEET or hand != sense:
+    if np.linalg.norm(np.cross(six, along)) > _AXES_MEET or hand != sense:
         return None
     arm = SixAxis(Lengths(d1, a1, a2, float(a3), float(d4), d6))
     turn = _between(plane)
@@ -212,7 +212,7 @@ def _turned_to_base(
 ) -> Placed:
     """With the base's axes those of the file where only a turn about axis 1 is between them."""
     w, x, y, z = base.quaternion
-    if abs(x) < QUATERNION_ROUNDING and abs(y) < QUATERNION_ROUNDING:
+    if abs(x) < _QUATERNION_ROUNDING and abs(y) < _QUATERNION_ROUNDING:
         zeros = (2.0 * float(np.arctan2(z, w)), *zeros[1:])
         base = Pose(base.position)
     return Placed(arm, senses, zeros, base, IDENTITY, chain)
@@ -225,8 +225,8 @@ def _flanged(arm: Placed, flange: Pose) -> Placed:
     rest = Pose.of(p[0], q[0]).inverse() @ flange
     w, x, y, z = rest.quaternion
     if (
-        max(abs(x), abs(y)) < QUATERNION_ROUNDING
-        and np.abs(rest.position).max() < 1000.0 * QUATERNION_ROUNDING
+        max(abs(x), abs(y)) < _QUATERNION_ROUNDING
+        and np.abs(rest.position).max() < 1000.0 * _QUATERNION_ROUNDING
     ):
         last = 2.0 * float(np.arctan2(z, w))
         return Placed(arm.arm, arm.senses, (*arm.zeros[:5], last), arm.base, IDENTITY, arm.chain)
@@ -234,16 +234,16 @@ def _flanged(arm: Placed, flange: Pose) -> Placed:
 
 
 def _agree(arm: Placed, chain: Serial) -> bool:
-    joints = np.random.default_rng(0).uniform(-np.pi, np.pi, (TRIAL_JOINTS, len(chain.joints)))
+    joints = np.random.default_rng(0).uniform(-np.pi, np.pi, (_TRIAL_JOINTS, len(chain.joints)))
     (p, q), (there, turned) = arm.fk(joints), chain.fk(joints)
-    near = np.abs(p - there).max() < KINEMATICS_AGREE * max(chain.reach, 1.0)
+    near = np.abs(p - there).max() < _KINEMATICS_AGREE * max(chain.reach, 1.0)
     return bool(near and _close(q, turned))
 
 
 def _close(left: Floats, right: Floats) -> bool:
-    """True if quaternions are the same within `KINEMATICS_AGREE`, regardless of sign."""
+    """True if quaternions are the same within `_KINEMATICS_AGREE`, regardless of sign."""
     same = np.where(np.einsum("ij,ij->i", left, right)[:, None] < 0.0, -right, right)
-    return bool(np.abs(left - same).max() < KINEMATICS_AGREE)
+    return bool(np.abs(left - same).max() < _KINEMATICS_AGREE)
 
 
 def _meeting(origins: Floats, axes: Floats) -> Floats | None:
@@ -251,11 +251,11 @@ def _meeting(origins: Floats, axes: Floats) -> Floats | None:
     # Least squares of the distances: (1 - z zᵀ) (x - o) = 0 for each axis.
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     total = across.sum(axis=0)
-    if np.linalg.cond(total) > 1.0 / AXES_MEET:
+    if np.linalg.cond(total) > 1.0 / _AXES_MEET:
         return None
     point = np.linalg.solve(total, np.einsum("kij,kj->i", across, origins))
     off = np.einsum("kij,kj->ki", across, point - origins)
-    return point if np.abs(off).max() < AXES_MEET else None
+    return point if np.abs(off).max() < _AXES_MEET else None
 
 
 def _foot(origin: Floats, up: Floats) -> Floats:

@@ -27,17 +27,17 @@ if TYPE_CHECKING:
     from roboticstoolbox import Robot as ToolboxRobot
 
 
-NEEDS_TOOLBOX: Final = error(
+_NEEDS_TOOLBOX: Final = error(
     "RB003",
     "{purpose} needs roboticstoolbox, which is not installed",
     "install it with `pip install 'robot-assistant[toolbox]'`",
 )
-COUPLED: Final = error(
+_COUPLED: Final = error(
     "RB009",
     "a robot of roboticstoolbox has no joint that turns with another, as J3 of {robot} does",
     "take the robot without `coupling`, and add its share of J2 to J3",
 )
-TOOLBOX_METRE: Final = 1000.0
+_TOOLBOX_METRE: Final = 1000.0
 """mm."""
 
 
@@ -48,17 +48,17 @@ def toolbox_library(purpose: str) -> Any:
             warnings.simplefilter("ignore")
             import roboticstoolbox
     except ImportError:
-        raise Refused(NEEDS_TOOLBOX(purpose=purpose), exit_status=2) from None
+        raise Refused(_NEEDS_TOOLBOX(purpose=purpose), exit_status=2) from None
     return roboticstoolbox
 
 
 def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
     """See `Robot.to_rtb`."""
     if robot.coupling:
-        raise Refused(COUPLED(robot=robot.name))
+        raise Refused(_COUPLED(robot=robot.name))
     toolbox = toolbox_library("a robot of roboticstoolbox")
-    zero = np.where(robot.sliding, robot.zero / TOOLBOX_METRE, np.radians(robot.zero))
-    limits = robot.limits * np.where(robot.sliding, 1.0 / TOOLBOX_METRE, np.radians(1.0))[:, None]
+    zero = np.where(robot.sliding, robot.zero / _TOOLBOX_METRE, np.radians(robot.zero))
+    limits = robot.limits * np.where(robot.sliding, 1.0 / _TOOLBOX_METRE, np.radians(1.0))[:, None]
     links = robot.arm.links()
     if not links:
         arm = robot.arm.chain if isinstance(robot.arm, Placed) else robot.arm
@@ -67,7 +67,7 @@ def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
         return toolbox.Robot(arm.chain.elementary(zero, limits), **name)
     rows = []
     for link, at, qlim in zip(links, zero, limits, strict=True):
-        a, d = link.a / TOOLBOX_METRE, link.d / TOOLBOX_METRE
+        a, d = link.a / _TOOLBOX_METRE, link.d / _TOOLBOX_METRE
         if link.sliding:
             row = toolbox.PrismaticDH(
                 theta=link.theta, a=a, alpha=link.alpha, offset=d + at, qlim=qlim
@@ -78,22 +78,22 @@ def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
     return toolbox.DHRobot(rows, name=robot.title, manufacturer=robot.maker)
 
 
-NO_CHAIN: Final = error(
+_NO_CHAIN: Final = error(
     "RB010",
     "`{name}` of roboticstoolbox cannot be taken over: {reason}",
     "give a DHRobot or a Robot with one chain of joints, each with limits, and a speed for each",
 )
-ASSUMED: Final = info(
+_ASSUMED: Final = info(
     "RB011",
     "`{name}` of roboticstoolbox does not say everything: maker's counting, languages and payload "
     "are assumed{rest}",
     "write a robot file with what you know better",
 )
-NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
+_NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_.-]+")
 AXES: Final = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-FLANGES_AGREE: Final = 1e-9
+_FLANGES_AGREE: Final = 1e-9
 """m, and of a cosine, by which forward kinematics of both may differ."""
-MOST_AXES: Final = 32
+_MOST_AXES: Final = 32
 
 
 def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
@@ -106,7 +106,7 @@ def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
     name = _robot_name(getattr(arm, "name", ""))
 
     def refused(reason: str) -> Refused:
-        return Refused(NO_CHAIN(name=name, reason=reason), exit_status=2)
+        return Refused(_NO_CHAIN(name=name, reason=reason), exit_status=2)
 
     try:
         ets, qlim = arm.ets(), np.asarray(arm.qlim, dtype=np.float64)
@@ -114,7 +114,7 @@ def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
     except (AttributeError, TypeError, ValueError) as problem:
         raise refused(str(problem) or "it has no single chain") from None
     count = sum(1 for part in parts if part.isjoint)
-    if not 1 <= count <= MOST_AXES or qlim.shape != (2, count) or not np.isfinite(qlim).all():
+    if not 1 <= count <= _MOST_AXES or qlim.shape != (2, count) or not np.isfinite(qlim).all():
         raise refused(f"it has {count} joints, with limits of shape {qlim.shape}")
     fast = np.asarray(speeds, dtype=np.float64)
     if fast.shape != (count,) or not (fast > 0.0).all() or not np.isfinite(fast).all():
@@ -129,7 +129,7 @@ def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
 def _ends(arm: Any, ets: Any, qlim: Floats) -> tuple[Floats, Floats]:
     """Base and tool as matrices, where the transforms do not have them: those of a DHRobot do."""
     middle = qlim.mean(axis=0)
-    if np.allclose(arm.fkine(middle).A, ets.fkine(middle).A, rtol=0.0, atol=FLANGES_AGREE):
+    if np.allclose(arm.fkine(middle).A, ets.fkine(middle).A, rtol=0.0, atol=_FLANGES_AGREE):
         return np.eye(4), np.eye(4)
     base, tool = (np.asarray(one.A, dtype=np.float64) for one in (arm.base, arm.tool))
     return base, tool
@@ -175,7 +175,7 @@ def _robot(arm: Any, name: str, known: Any, qlim: Floats, speeds: Floats) -> Rob
         source="roboticstoolbox",
         unconfirmed=("maker", "controller", "languages", "configuration", "home"),
         radii=usual_radii(count, known.reach),
-        findings=(ASSUMED(name=name, rest=rest),),
+        findings=(_ASSUMED(name=name, rest=rest),),
     )
 
 
@@ -187,7 +187,7 @@ def _refuse_unlike(arm: Any, made: Robot, qlim: Floats, refused: Any) -> None:
     p, q = made.fk(values * np.where(made.sliding, METRE, np.degrees(1.0)))
     off = np.abs(theirs[:, :3, 3] - p / METRE).max()
     turned = np.abs(theirs[:, :3, :3] - rotations.to_matrix(q)).max()
-    if not max(off, turned) < FLANGES_AGREE:
+    if not max(off, turned) < _FLANGES_AGREE:
         raise refused("its forward kinematics is not that of its chain")
 
 
@@ -197,4 +197,4 @@ def _pose(matrix: Floats) -> Pose:
 
 def _robot_name(given: object) -> str:
     """Return a valid robot name, see `robot_file`."""
-    return NOT_IN_NAMES.sub("-", " ".join(str(given).split())).strip("-_.").lower()[:64] or "robot"
+    return _NOT_IN_NAMES.sub("-", " ".join(str(given).split())).strip("-_.").lower()[:64] or "robot"

@@ -37,7 +37,7 @@ from assistant.robots.motion.singularities import (
 )
 from assistant.robots.robot import CHUNK, Robot
 
-BETWEEN_TOLERANCE: Final = 1e-3
+_BETWEEN_TOLERANCE: Final = 1e-3
 """degrees or mm by which an axis may pass its limit between rows: what is printed of them is no
 better."""
 
@@ -76,7 +76,9 @@ class MotionBetweenTargets:
         over = np.where(self.above > 0.0, here + self.above - high, -np.inf)
         beyond = np.maximum(under, over)
         bad = list(self.jumps)
-        for i in np.flatnonzero((self.short >= CLOSING) | (beyond > BETWEEN_TOLERANCE).any(axis=1)):
+        for i in np.flatnonzero(
+            (self.short >= CLOSING) | (beyond > _BETWEEN_TOLERANCE).any(axis=1)
+        ):
             row = int(self.rows[i])
             if self.short[i] >= CLOSING:
                 bad.append((row, f"is up to {distance_text(self.short[i])} mm out of reach"))
@@ -104,7 +106,7 @@ class MotionBetweenTargets:
         return np.array([row for row, _ in bad], dtype=np.intp), findings
 
 
-JUMP: Final = 1.0
+_JUMP: Final = 1.0
 """degrees or mm between joints that are not the same solution."""
 
 
@@ -345,7 +347,7 @@ def _jumps(
     led, _ = robot.follow(last, p[:, None], q[:, None])
     off = np.abs(robot.wound(joints - led[:, 0]))
     out = []
-    for i in np.flatnonzero(off.max(axis=1) > JUMP):
+    for i in np.flatnonzero(off.max(axis=1) > _JUMP):
         axis = int(off[i].argmax())
         name, unit = robot.axes[axis], robot.units[axis]
         out.append((int(rows[i]), f"would have {name} jump by {off[i, axis]:.1f} {unit}"))

@@ -31,33 +31,33 @@ from assistant.robots.motion.run import Run, continued
 from assistant.robots.motion.singularities import connected_branches, crossings, least_bends
 from assistant.robots.robot import CHUNK, Robot
 
-NEAR_SINGULARITY: Final = 10.0
+_NEAR_SINGULARITY: Final = 10.0
 """degrees of axis 5, or of the elbow from stretched or folded, within which a linear or circular
 move is near the singularity there. (The singularity over axis 1 is the same in all branches.)"""
-SINGULARITY_COST: Final = 20.0
+_SINGULARITY_COST: Final = 20.0
 """Seconds of joint travel that a chain may make instead of touching a singularity; less with the
-square of the distance: a quarter at half of `NEAR_SINGULARITY`."""
-WRIST_SINGULARITY_COST: Final = 1e3
+square of the distance: a quarter at half of `_NEAR_SINGULARITY`."""
+_WRIST_SINGULARITY_COST: Final = 1e3
 """Seconds instead of going straight through the wrist singularity, where a controller may stop."""
-WINDING_COST: Final = 1e5
+_WINDING_COST: Final = 1e5
 """Seconds instead of winding an axis back within a linear or circular move, which is no way."""
-BARRED_COST: Final = 10.0 * WINDING_COST
+_BARRED_COST: Final = 10.0 * _WINDING_COST
 """Seconds instead of a way that a closer look has ruled out: of what winds back by its ends alone
 the way may still be one."""
-WRIST_STRAIGHT: Final = 1e-4
+_WRIST_STRAIGHT: Final = 1e-4
 """degrees of axis 5 below which axis 4 stays where it was before."""
-SINGLE_PRECISION: Final = 1e-3
+_SINGLE_PRECISION: Final = 1e-3
 """degrees; the columns are of single precision."""
-JOINT_MOVES_AT_ONCE: Final = 512
+_JOINT_MOVES_AT_ONCE: Final = 512
 """Chains whose joint moves are computed at once: 64 pairs of branches stay in the cache."""
-BRANCHES_ALIKE: Final = (4, 2, 2, 1, 1, 1)
+_BRANCHES_ALIKE: Final = (4, 2, 2, 1, 1, 1)
 """Number of consecutive branches with the same angle of each axis, of an arm with a spherical
 wrist.
 """
-FREE_RANGE: Final = 540.0
+_FREE_RANGE: Final = 540.0
 """degrees between the limits of an axis from which on it can go the short way round between any
 two angles within half a turn of its middle: one of the two can be wound towards the other."""
-TURNS_PER_DEGREE: Final = np.float32(1.0 / 360.0)
+_TURNS_PER_DEGREE: Final = np.float32(1.0 / 360.0)
 
 _Windings = tuple[NDArray[np.int8], NDArray[np.int8]]
 StatedTurns = tuple[Rows, Rows, Ints]
@@ -95,20 +95,20 @@ class JointTravel:
         moved[0] |= bool(self.run.kinds[0] != Kind.JOINT)
         if self.bent is not None and moved.any():
             least = np.minimum.reduceat(self.bent, starts, axis=1)
-            near = np.repeat(np.clip(1.0 - least / NEAR_SINGULARITY, 0.0, 1.0), 2, axis=0)
-            chains += np.where(moved, SINGULARITY_COST * near * near, 0.0)
+            near = np.repeat(np.clip(1.0 - least / _NEAR_SINGULARITY, 0.0, 1.0), 2, axis=0)
+            chains += np.where(moved, _SINGULARITY_COST * near * near, 0.0)
         if self.crossed is not None:
             often = np.add.reduceat(self.crossed, starts, axis=1, dtype=np.float64)
-            chains += np.repeat(WRIST_SINGULARITY_COST * often, 2, axis=0)
+            chains += np.repeat(_WRIST_SINGULARITY_COST * often, 2, axis=0)
         windings: dict[int, _Windings | None] = {}
         for axis in self.robot.winding():
             span = np.ptp(self.robot.limits[axis])
-            if len(starts) == count and span >= FREE_RANGE:
+            if len(starts) == count and span >= _FREE_RANGE:
                 windings[axis] = None
             elif len(starts) < count or span >= 360.0:
                 least_turns, most = self._windings(axis, starts)
                 stuck = most < least_turns
-                chains += np.where(stuck, WINDING_COST, 0.0)
+                chains += np.where(stuck, _WINDING_COST, 0.0)
                 if span >= 360.0:
                     windings[axis] = np.where(stuck, 0, least_turns), np.where(stuck, 0, most)
         ways = _ChainMoves(self, starts, np.append(starts[1:], count) - 1, windings)
@@ -139,7 +139,7 @@ class JointTravel:
         opened = np.stack(least), np.stack(most)
         return BranchChains(self.run, self.robot, firsts, lasts, *opened, within)
 
-    def _windings(self, axis: int, starts: Rows, inside: float = -SINGLE_PRECISION) -> _Windings:
+    def _windings(self, axis: int, starts: Rows, inside: float = -_SINGLE_PRECISION) -> _Windings:
         """(b, c) the least and the greatest turns that all rows of a chain may be wound by, so
         many degrees inside the limits.
         """
@@ -175,7 +175,7 @@ class _ChainMoves:
             angles = self.travel.joints[axis, :, self.firsts[0]]
             off = angles - before[axis]
             if axis in self.windings:
-                low, high = robot.limits[axis] + (-SINGLE_PRECISION, SINGLE_PRECISION)
+                low, high = robot.limits[axis] + (-_SINGLE_PRECISION, _SINGLE_PRECISION)
                 shifts = self.windings[axis] or _shifts(
                     (low, high), angles[:, None], angles[:, None]
                 )
@@ -191,8 +191,8 @@ class _ChainMoves:
         """(b, b, m) seconds from the chain before to each of m chains."""
         branches = self.travel.robot.branches
         out = np.zeros((branches, branches, len(chains)), dtype=np.float32)
-        for start in range(0, len(chains), JOINT_MOVES_AT_ONCE):
-            part = slice(start, start + JOINT_MOVES_AT_ONCE)
+        for start in range(0, len(chains), _JOINT_MOVES_AT_ONCE):
+            part = slice(start, start + _JOINT_MOVES_AT_ONCE)
             for axis in range(len(self.travel.robot.axes)):
                 self._axis(axis, chains[part], out[:, :, part])
         return out
@@ -200,7 +200,7 @@ class _ChainMoves:
     def _axis(self, axis: int, chains: Rows, out: Singles) -> None:
         """Raises what `between` gives to the seconds of one axis."""
         joints, speed = self.travel.joints[axis], self.travel.robot.speeds[axis]
-        alike = BRANCHES_ALIKE[axis] if self.travel.robot.arm.spherical else 1
+        alike = _BRANCHES_ALIKE[axis] if self.travel.robot.arm.spherical else 1
         unit = np.float32(360.0 if axis in self.windings else speed)
         last = joints[::alike, self.lasts[chains - 1]] / unit
         first = joints[::alike, self.firsts[chains]] / unit
@@ -223,8 +223,8 @@ class _ChainMoves:
 def _shifts(limits: tuple[float, float], lows: Singles, highs: Singles) -> tuple[Singles, Singles]:
     """The least and the greatest whole turns by which lows to highs are within limits, degrees."""
     low, high = limits
-    least = np.ceil(np.float32(low / 360.0) - lows * TURNS_PER_DEGREE)
-    most = np.floor(np.float32(high / 360.0) - highs * TURNS_PER_DEGREE)
+    least = np.ceil(np.float32(low / 360.0) - lows * _TURNS_PER_DEGREE)
+    most = np.floor(np.float32(high / 360.0) - highs * _TURNS_PER_DEGREE)
     return np.clip(least, -100.0, 100.0), np.clip(most, -100.0, 100.0)
 
 
@@ -233,7 +233,7 @@ def _apart(of: NDArray[np.int8], to: NDArray[np.int8]) -> Singles:
     return np.asarray(of.astype(np.float32)[:, None] - to.astype(np.float32)[None])
 
 
-def joint_travel(
+def _joint_travel(
     run: Run,
     robot: Robot,
     joints: Singles,
@@ -322,7 +322,7 @@ def _straighten(joints: Singles, before: Singles, rolls: np.float32) -> None:
 
     joints: (6, b, m). before: (6, b, 1), the row before these.
     """
-    in_line = np.abs(joints[4]) < WRIST_STRAIGHT
+    in_line = np.abs(joints[4]) < _WRIST_STRAIGHT
     for branch in np.flatnonzero(in_line.any(axis=1)):
         rows = in_line[branch]
         last = np.maximum.accumulate(np.where(rows, -1, np.arange(len(rows))))[rows]
@@ -343,7 +343,7 @@ def _elbow(robot: Robot, joints: Singles) -> Singles | None:
     # So much for each degree of a joint, whatever its zero, its sense and the coupling.
     slopes = np.degrees(tried[1:] - tried[0])
     bend = np.full_like(joints[0, ::2], np.degrees(tried[0]))
-    for axis in np.flatnonzero(np.abs(slopes) > SINGLE_PRECISION):
+    for axis in np.flatnonzero(np.abs(slopes) > _SINGLE_PRECISION):
         bend += np.float32(slopes[axis]) * joints[axis, ::2]
     return np.asarray(np.abs(bend - 180.0 * np.rint(bend / 180.0)), dtype=np.float32)
 
@@ -434,7 +434,7 @@ class Choices:
     def _costs(self, starts: Rows) -> BranchCosts:
         costs = self.travel.costs(starts)
         for way, row in self.barred:
-            costs.chains[way, np.searchsorted(starts, row, side="right") - 1] += BARRED_COST
+            costs.chains[way, np.searchsorted(starts, row, side="right") - 1] += _BARRED_COST
         return costs
 
 
@@ -458,7 +458,7 @@ def choices(run: Run, robot: Robot, survey: RowSurvey, every: Singles, own: Rows
         bound[:, 0] &= same
     starts = chain_starts(run)
     solved = np.asarray(survey.allowed.any(axis=0))
-    travel = joint_travel(run, robot, every, solved, starts, sheet, clear, crossed)
+    travel = _joint_travel(run, robot, every, solved, starts, sheet, clear, crossed)
     return Choices(starts, bound, same, travel, sheet, crossed)
 
 

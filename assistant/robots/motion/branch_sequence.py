@@ -30,11 +30,11 @@ BRANCH_CHANGE_COST: Final = 0.5
 """Seconds of joint travel that a change of branch at a joint move must save to be worth it."""
 BROKEN_CHAIN_COST: Final = 1e6
 """Cost of a change of branch where no joint move allows it: more than any path takes."""
-CHAINS_AT_ONCE: Final = 16384
+_CHAINS_AT_ONCE: Final = 16384
 """Chains that are processed together."""
-FEW_CHAINS: Final = 64
+_FEW_CHAINS: Final = 64
 """Chains up to which one after the other is faster than side by side."""
-MANY_BRANCHES: Final = 12
+_MANY_BRANCHES: Final = 12
 """Branches from which on it is so for any number of chains."""
 
 
@@ -128,7 +128,7 @@ def cheapest_branches(possible: Truths, costs: BranchCosts, change: Floats | Non
 
 def _blocks(branches: int, count: int) -> Iterator[Rows]:
     """The chains but the first, which nothing leads to within the path."""
-    size = max(CHAINS_AT_ONCE // max(branches // 8, 1) ** 2, 1)
+    size = max(_CHAINS_AT_ONCE // max(branches // 8, 1) ** 2, 1)
     for start in range(1, count, size):
         yield np.arange(start, min(start + size, count))
 
@@ -140,7 +140,7 @@ def _chain_steps(
     nothing and leads nowhere else.
     """
     branches, m = len(possible), len(block)
-    sections = 1 if m <= FEW_CHAINS or branches > MANY_BRANCHES else int(np.sqrt(m))
+    sections = 1 if m <= _FEW_CHAINS or branches > _MANY_BRANCHES else int(np.sqrt(m))
     length = -(-m // sections)
     order = np.arange(sections * length).reshape(sections, length).T
     filled = order >= m
@@ -291,7 +291,7 @@ def open_turns(
 LIMIT_CLEARANCE: Final = 1.0
 """degrees that an axis keeps from its limits where another count of turns can: a controller
 reads a target rounded, and near a singularity that turns the wrist."""
-LIMIT_ROUNDING: Final = 1e-6
+_LIMIT_ROUNDING: Final = 1e-6
 """degrees by which an angle may pass a limit."""
 TURNS_NOT_STATED: Final = np.iinfo(np.int64).min
 """Value in `stated` for a row that does not state its turns."""
@@ -423,8 +423,8 @@ def _by_chain(
     clear = False
     for bottom, top, inside in (
         (least_on_way, most_on_way, LIMIT_CLEARANCE),
-        (least_on_way, most_on_way, -LIMIT_ROUNDING),
-        (lows, highs, -LIMIT_ROUNDING),
+        (least_on_way, most_on_way, -_LIMIT_ROUNDING),
+        (lows, highs, -_LIMIT_ROUNDING),
     ):
         # A chain without any solution (NaN) allows everything.
         first = np.fmax(np.ceil((low + inside - bottom) / 360.0), fewest).astype(np.int64)
@@ -438,14 +438,14 @@ def _by_chain(
 
 TurnCounts = NDArray[np.int64]
 
-OTHER_AXES_SHARE: Final = 1e-4
+_OTHER_AXES_SHARE: Final = 1e-4
 """Share of the time of every axis that counts beside that of the slowest: of ways that take the
 same time the one on which the others turn the least."""
-LEAST_SAVING: Final = 1e-6
+_LEAST_SAVING: Final = 1e-6
 """Seconds by which a joint move is quicker that is worth a look: no rounding."""
-MOST_STATES: Final = 256
+_MOST_STATES: Final = 256
 """Largest number of states of a chain that are examined one by one."""
-STATE_PAIRS_AT_ONCE: Final = 32768
+_STATE_PAIRS_AT_ONCE: Final = 32768
 """Pairs of states whose joint moves are computed at once: they stay in the cache."""
 
 
@@ -465,7 +465,7 @@ def may_be_quicker(run: Run, robot: Robot, joints: Floats, starts: Rows) -> bool
     turning &= np.ptp(robot.limits, axis=1) >= 360.0
     short = np.where(turning, robot.wound(step), step)
     seconds, least = ((np.abs(each) / robot.speeds).max(axis=1) for each in (step, short))
-    return bool((seconds > least + LEAST_SAVING).any())
+    return bool((seconds > least + _LEAST_SAVING).any())
 
 
 def quickest_turns(
@@ -537,7 +537,7 @@ def _states_of(chains: BranchChains) -> _States | None:
     widths = chains.most - chains.least + 1
     widths[:, ~np.isfinite(chains.within)] = 0
     slots = widths.max(axis=(1, 2))
-    if slots.prod() * len(chains.within) > MOST_STATES**2:
+    if slots.prod() * len(chains.within) > _MOST_STATES**2:
         return None
     every = np.array([*itertools.product(*(range(slot) for slot in slots))], dtype=np.int64)
     found = []
@@ -549,7 +549,7 @@ def _states_of(chains: BranchChains) -> _States | None:
         least = chains.least[:, :, part][:, branch, np.arange(order.shape[1])]
         found.append((branch, least + every.T[:, slot], np.take_along_axis(there, order, axis=0)))
     count = max(len(branch) for branch, _, _ in found)
-    if count > MOST_STATES:
+    if count > _MOST_STATES:
         return None
     branches, turns, there = (
         np.concatenate([_padded_states(each, count) for each in column], axis=-1)
@@ -583,7 +583,7 @@ class _States:
         run, robot = self.chains.run, self.chains.robot
         step = np.abs(self._joints(self.chains.firsts, np.arange(1))[:, :, 0].T - run.before)
         each = step / robot.speeds
-        seconds = np.asarray(each.max(axis=1) + OTHER_AXES_SHARE * each.sum(axis=1))
+        seconds = np.asarray(each.max(axis=1) + _OTHER_AXES_SHARE * each.sum(axis=1))
         if self._branched:
             own = robot.branch_of(robot.configuration(run.before))
             seconds += np.where(self.branches[:, 0] == own, 0.0, BRANCH_CHANGE_COST)
@@ -596,7 +596,7 @@ class _States:
         states = len(self.branches)
         out = np.empty((states, states, len(chains)), dtype=np.float32)
         unit = (1.0 / self.chains.robot.speeds).astype(np.float32)[:, None, None]
-        for part in _parts(len(chains), max(STATE_PAIRS_AT_ONCE // states**2, 1)):
+        for part in _parts(len(chains), max(_STATE_PAIRS_AT_ONCE // states**2, 1)):
             here = chains[part]
             slowest = np.zeros((states, states, len(here)), dtype=np.float32)
             every = np.zeros_like(slowest)
@@ -607,7 +607,7 @@ class _States:
                 np.abs(step, out=step)
                 np.maximum(slowest, step, out=slowest)
                 every += step
-            every *= np.float32(OTHER_AXES_SHARE)
+            every *= np.float32(_OTHER_AXES_SHARE)
             slowest += every
             if self._branched:
                 other = self.branches[:, None, here - 1] != self.branches[None, :, here]

@@ -20,7 +20,7 @@ from assistant.program.motion import Kind
 from assistant.robots.motion.run import Mounting
 from assistant.robots.robot import Robot
 
-COLLINEAR: Final = 1e-6
+_COLLINEAR: Final = 1e-6
 """Sine of the angle at the start between via point and end up to which the three lie on a line."""
 
 
@@ -68,7 +68,7 @@ def circles(starts: Floats, vias: Floats, ends: Floats) -> Circles:
     normal = np.cross(a, b)
     square = np.einsum("ij,ij->i", normal, normal)
     aa, bb = np.einsum("ij,ij->i", a, a), np.einsum("ij,ij->i", b, b)
-    round_ = square > COLLINEAR * COLLINEAR * aa * bb
+    round_ = square > _COLLINEAR * _COLLINEAR * aa * bb
     safe = np.where(round_, square, 1.0)[:, None]
     centre = starts + np.cross(aa[:, None] * b - bb[:, None] * a, normal) / (2.0 * safe)
     across = starts - centre

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from assistant.robots.robot import Robot
 
 
-POSITION_DECIMALS: Final = (2, 3, 4)
+_POSITION_DECIMALS: Final = (2, 3, 4)
 """Decimals of positions. A position of fewer is no coarser one: 300 is written for 300.00."""
-QUATERNION_DECIMALS: Final = (4, 5, 6, 7)
+_QUATERNION_DECIMALS: Final = (4, 5, 6, 7)
 """Decimals of quaternions."""
-TYPED_QUATERNION_UNIT: Final = 1e-6
+_TYPED_QUATERNION_UNIT: Final = 1e-6
 """Unit of a quaternion of fewer decimals, which is typed (0.5, 0.7071) and no less meant."""
-ANGLE_DECIMALS: Final = (2, 3, 4)
-SAME_DECIMAL: Final = 1e-3
+_ANGLE_DECIMALS: Final = (2, 3, 4)
+_SAME_DECIMAL: Final = 1e-3
 """Tolerance, as a share of the last decimal, within which a number counts as printed with so many
 decimals.
 """
@@ -47,17 +47,17 @@ def roundings(robot: Robot, positions: Floats, quaternions: Floats) -> Floats:
     `CLOSING`, which is all for numbers of more decimals.
     """
     out = np.empty((len(positions), 2))
-    out[:, 0] = 0.5 * np.sqrt(3.0) * _unit(POSITION_DECIMALS, positions)
+    out[:, 0] = 0.5 * np.sqrt(3.0) * _unit(_POSITION_DECIMALS, positions)
     if robot.counts == "quadrants":
         # Half a unit of four parts, and a turn moves the unit quaternion by half its angle.
         unit = np.minimum(
-            _unit(QUATERNION_DECIMALS, quaternions, scaled=True), TYPED_QUATERNION_UNIT
+            _unit(_QUATERNION_DECIMALS, quaternions, scaled=True), _TYPED_QUATERNION_UNIT
         )
         out[:, 1] = np.degrees(2.0) * unit
     else:
         angles = to_ab(positions, quaternions) if robot.five_axis else to_euler(quaternions)
         # Two of the three axes may lie in line, where their rounding adds up.
-        out[:, 1] = 0.5 * np.sqrt(5.0) * _unit(ANGLE_DECIMALS, angles)
+        out[:, 1] = 0.5 * np.sqrt(5.0) * _unit(_ANGLE_DECIMALS, angles)
     if robot.five_axis:  # whose tool lies in the plane from axis 1 through the position
         away = np.maximum(np.hypot(positions[:, 0], positions[:, 1]), CLOSING)
         out[:, 1] += np.degrees(np.minimum(out[:, 0] / away, 1.0))
@@ -82,11 +82,11 @@ def _unit(decimals: tuple[int, ...], values: Floats, *, scaled: bool = False) ->
                 with np.errstate(invalid="ignore", divide="ignore"):
                     stretched = units * ((np.round(longest) + other) / longest)
                 off = np.fmin(off, max_abs(stretched - np.round(stretched)))
-        out[rows[off < SAME_DECIMAL]] = 10.0**-places
+        out[rows[off < _SAME_DECIMAL]] = 10.0**-places
     return out
 
 
-MET_COST: Final = 2.0
+_MET_COST: Final = 2.0
 """Cost of joints that meet a target: the squares of what is missing of the position and of the
 orientation, each as a share of its rounding. What was meant costs no more, and what is missed by
 more than one and a half times its rounding costs more."""
@@ -96,15 +96,15 @@ MOST_SHIFT: Final = 3.0
 wrist, whose axis 5 is within so many degrees of it."""
 MOST_REGULAR_SHIFT: Final = 0.2
 """degrees or mm that rounding moves an axis by at most away from every singularity."""
-REGULAR_LEVER: Final = 200.0
+_REGULAR_LEVER: Final = 200.0
 """mm of the wrist from axis 1 from which on it counts as away from that singularity."""
-BRANCHES_MEET: Final = 1e-3
-"""Sine of axis 5 or of the elbow, or of the wrist from axis 1 in `REGULAR_LEVER`, up to which it is
-open in which of two branches an arm is.
+_BRANCHES_MEET: Final = 1e-3
+"""Sine of axis 5 or of the elbow, or of the wrist from axis 1 in `_REGULAR_LEVER`, up to which it
+is open in which of two branches an arm is.
 """
-OVER_AXIS: Final = 1.0
+_OVER_AXIS: Final = 1.0
 """mm of the wrist from axis 1 within which rounding may turn axis 1 by any angle."""
-DIRECTIONS_AROUND: Final = 2.0 * np.pi * np.arange(48) / 48.0
+_DIRECTIONS_AROUND: Final = 2.0 * np.pi * np.arange(48) / 48.0
 """Directions in which poses beside a printed one are tried there, at half and at all of its
 rounding by turns."""
 
@@ -131,7 +131,7 @@ class RoundedPoses:
         """(k,) degrees or mm that rounding moves an axis by at most away from singularities."""
         place, turn = self.rounding.T
         place = place + np.radians(turn) * norms(self.arms)
-        return np.asarray(5.0 * (turn + np.degrees(place / REGULAR_LEVER)))
+        return np.asarray(5.0 * (turn + np.degrees(place / _REGULAR_LEVER)))
 
     def missing(self, robot: Robot, joints: Floats, which: Rows) -> Floats:
         """(m, s, 6) of joints (m, s, a) deg: what is missing in shares of the rounding."""
@@ -191,7 +191,7 @@ def _store_found(
     """
     joints, low, high = given
     low, high = low[rows], high[rows]
-    start = placed_within(robot, joints, low, high)
+    start = _placed_within(robot, joints, low, high)
     near = _near(robot, wanted.of(rows), start, joints)
     rows, start, low, high = rows[near], start[near], low[near], high[near]
     here = wanted.of(rows)
@@ -199,8 +199,8 @@ def _store_found(
     def missing(tried: Floats, which: Rows) -> Floats:
         return here.missing(robot, tried, which)
 
-    found, cost = least_squares_joints(missing, start, low, high, MOST_STEPS, MET_COST / 4.0)
-    good = cost <= MET_COST
+    found, cost = least_squares_joints(missing, start, low, high, MOST_STEPS, _MET_COST / 4.0)
+    good = cost <= _MET_COST
     into[0][rows[good]] = found[good]
     into[1][rows[good]] = True
 
@@ -244,11 +244,11 @@ def _same_branch(robot: Robot, joints: Floats, branches: Rows) -> Truths:
         elbow, ahead = robot.arm.elbow(chain), robot.arm.wrist(chain)
         meet = np.zeros(len(rest), dtype=bool)
         if robot.arm.spherical:
-            meet |= np.abs(np.sin(chain[:, 4])) < BRANCHES_MEET
+            meet |= np.abs(np.sin(chain[:, 4])) < _BRANCHES_MEET
         if elbow is not None:
-            meet |= np.abs(np.sin(elbow)) < BRANCHES_MEET
+            meet |= np.abs(np.sin(elbow)) < _BRANCHES_MEET
         if ahead is not None:
-            meet |= np.abs(ahead) < BRANCHES_MEET * REGULAR_LEVER
+            meet |= np.abs(ahead) < _BRANCHES_MEET * _REGULAR_LEVER
         same[rest] = meet
     return same
 
@@ -265,7 +265,7 @@ def looseness(robot: Robot, joints: Floats) -> Floats:
     if elbow is not None:
         firm *= np.abs(np.sin(elbow))
     if ahead is not None:
-        firm *= np.minimum(np.abs(ahead) / REGULAR_LEVER, 1.0)
+        firm *= np.minimum(np.abs(ahead) / _REGULAR_LEVER, 1.0)
     return np.asarray(1.0 / np.maximum(firm, 1e-9))
 
 
@@ -274,10 +274,10 @@ def _over_axis(robot: Robot, joints: Floats) -> Truths:
     ahead = robot.arm.wrist(robot.chained(joints))
     if ahead is None:
         return np.zeros(len(joints), dtype=bool)
-    return np.asarray(np.abs(ahead) < OVER_AXIS)
+    return np.asarray(np.abs(ahead) < _OVER_AXIS)
 
 
-def placed_within(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
+def _placed_within(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
     """Return joints (k, a) moved between low and high (k, a): by whole turns, then axes 4 and 6 of
     a straight wrist together, then each axis alone.
     """
@@ -328,16 +328,16 @@ def _beside(
     """(k, a) the joints of a pose beside each of k whose wrist is over axis 1, those of several
     that meet it best between the limits.
     """
-    k, many = len(branches), len(DIRECTIONS_AROUND)
+    k, many = len(branches), len(_DIRECTIONS_AROUND)
     far = wanted.rounding[:, :1] * np.where(np.arange(many) % 2, 0.5, 1.0)
     off = np.stack(
-        [far * np.cos(DIRECTIONS_AROUND), far * np.sin(DIRECTIONS_AROUND), 0.0 * far], axis=-1
+        [far * np.cos(_DIRECTIONS_AROUND), far * np.sin(_DIRECTIONS_AROUND), 0.0 * far], axis=-1
     )
     p = wanted.positions[:, None] + off
     found, _ = robot.solve(p.reshape(-1, 3), np.repeat(wanted.quaternions, many, axis=0))
     each = np.repeat(branches, many)
     joints = found[:, each, np.arange(k * many)].T
     low, high = (np.repeat(limit, many, axis=0) for limit in limits)
-    tried = placed_within(robot, joints, low, high).reshape(k, many, -1)
+    tried = _placed_within(robot, joints, low, high).reshape(k, many, -1)
     costs = (wanted.missing(robot, tried, np.arange(k)) ** 2).sum(axis=2)
     return np.asarray(tried[np.arange(k), costs.argmin(axis=1)])

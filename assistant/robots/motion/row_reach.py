@@ -31,15 +31,15 @@ from assistant.robots.motion.run import Run
 from assistant.robots.motion.singularities import WRIST_PAIRS, directions
 from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
 
-MOST_BEYOND_REACH: Final = 0.2
+_MOST_BEYOND_REACH: Final = 0.2
 """mm that a pose may be out of reach by rounding at most."""
-AT_LIMIT_TOLERANCE: Final = 0.01
+_AT_LIMIT_TOLERANCE: Final = 0.01
 """degrees or mm beyond a limit up to which a target is accepted at the limit, with a warning: its
 printed decimals are no finer than that.
 """
-COARSE_ROUNDINGS: Final = 20.0
+_COARSE_ROUNDINGS: Final = 20.0
 """Roundings by which a target that is accepted at a limit may be missed."""
-STRAIGHT_WRIST_REST: Final = 2e-6
+_STRAIGHT_WRIST_REST: Final = 2e-6
 """degrees of axis 5 that remain in a straight wrist, so that its branch can be determined."""
 
 
@@ -78,7 +78,7 @@ def straighten_wrists(run: Run, robot: Robot, joints: Floats, start: int) -> Tru
     if not len(rows):
         return line
     p, q = run.flange(start + rows)
-    wanted = rounded_poses(run, robot, p, q, start + rows)
+    wanted = _rounded_poses(run, robot, p, q, start + rows)
     place, turn = wanted.rounding.T
     lengths = robot.lengths
     lever = norms(wanted.arms) + abs(lengths.d6)
@@ -87,7 +87,7 @@ def straighten_wrists(run: Run, robot: Robot, joints: Floats, start: int) -> Tru
     branch, row = np.nonzero(line)
     four, five, six = joints[3:, branch, row]
     joints[4, branch, row] = np.where(
-        np.abs(five) > STRAIGHT_WRIST_REST, np.copysign(STRAIGHT_WRIST_REST, five), five
+        np.abs(five) > _STRAIGHT_WRIST_REST, np.copysign(_STRAIGHT_WRIST_REST, five), five
     )
     low, high = robot.limits.T
     off = (four < low[3]) | (four > high[3]) | (six < low[5]) | (six > high[5])
@@ -99,14 +99,14 @@ def straighten_wrists(run: Run, robot: Robot, joints: Floats, start: int) -> Tru
     return line
 
 
-def rounded_poses(run: Run, robot: Robot, p: Floats, q: Floats, rows: Rows) -> RoundedPoses:
+def _rounded_poses(run: Run, robot: Robot, p: Floats, q: Floats, rows: Rows) -> RoundedPoses:
     """Return the poses, with rounding, of some rows (k,) of a run, whose poses of the flange are
     (k, 3), (k, 4).
     """
     return RoundedPoses(p, q, run.mounting.arms(p, q, rows), roundings(robot, *run.targets(rows)))
 
 
-def take_rounded_rows(
+def _take_rounded_rows(
     run: Run,
     robot: Robot,
     slack: RoundingTolerance,
@@ -120,13 +120,13 @@ def take_rounded_rows(
 
     own: (m,) the branch that a row states, or -1. given: poses of the flange (m, 3), (m, 4) and
     joints (a, b, m), changed in place as well. reached: (b, m) within reach but for
-    `MOST_BEYOND_REACH`.
+    `_MOST_BEYOND_REACH`.
     """
     p, q, joints = given
     low, high = robot.limits.T
 
     def settle(row: Rows, branch: Rows, box: tuple[Floats, Floats], coarser: float = 1.0) -> Rows:
-        wanted = rounded_poses(run, robot, p[row], q[row], start + row)
+        wanted = _rounded_poses(run, robot, p[row], q[row], start + row)
         wanted = replace(wanted, rounding=wanted.rounding * coarser)
         found, met = joints_within_rounding(robot, wanted, branch, joints[:, branch, row].T, box)
         joints[:, branch[met], row[met]] = found[met].T
@@ -159,7 +159,7 @@ def take_rounded_rows(
     whole = branch, row, beyond
     some = worst <= np.minimum(MOST_REGULAR_SHIFT * loose, MOST_SHIFT)
     branch, row, worst, loose = (each[some] for each in (branch, row, worst, loose))
-    wanted = rounded_poses(run, robot, p[row], q[row], start + row)
+    wanted = _rounded_poses(run, robot, p[row], q[row], start + row)
     some = worst <= wanted.play * loose
     branch, row = branch[some], row[some]
     if len(row):
@@ -167,7 +167,7 @@ def take_rounded_rows(
     branch, row, beyond = whole
     meant = np.where(own[row] >= 0, own[row] == branch, ~np.asarray(allowed.any(axis=0))[row])
     some = np.flatnonzero(
-        (beyond.max(axis=1) <= AT_LIMIT_TOLERANCE) & meant & ~allowed[branch, row]
+        (beyond.max(axis=1) <= _AT_LIMIT_TOLERANCE) & meant & ~allowed[branch, row]
     )
     branch, row, beyond = branch[some], row[some], beyond[some]
     if len(row):
@@ -175,7 +175,7 @@ def take_rounded_rows(
         printed = np.flatnonzero(off > CLOSING)
         branch, row, beyond = branch[printed], row[printed], beyond[printed]
     if len(row):
-        met = settle(row, branch, _box(robot, row), COARSE_ROUNDINGS)
+        met = settle(row, branch, _box(robot, row), _COARSE_ROUNDINGS)
         axis = beyond[met].argmax(axis=1)
         slack.beyond.append((start + row[met], axis, beyond[met, axis]))
 
@@ -185,7 +185,7 @@ def _box(robot: Robot, rows: Rows) -> tuple[Floats, Floats]:
     return np.tile(low, (len(rows), 1)), np.tile(high, (len(rows), 1))
 
 
-MOST_NEAREST: Final = 3
+_MOST_NEAREST: Final = 3
 """Findings of a program that state the nearest pose that the robot can take instead."""
 
 
@@ -220,7 +220,7 @@ class NearestPoseCures:
     """
 
     robot: Robot
-    left: int = MOST_NEAREST
+    left: int = _MOST_NEAREST
     told: dict[tuple[Pose, Pose, bool], str] = field(default_factory=dict)
 
     def nearest(self, run: Run, row: int, *, keep: bool = False) -> str:
@@ -353,8 +353,8 @@ def survey_rows(run: Run, robot: Robot, own: Rows) -> tuple[RowSurvey, Singles]:
         missed = robot.arm.miss(robot.chained(joints[:, 0].T), q)
         allowed &= missed <= MISS_TOLERANCE
         if robot.arm.named:
-            able = (excess < MOST_BEYOND_REACH) & finite & (missed <= MISS_TOLERANCE)
-            take_rounded_rows(
+            able = (excess < _MOST_BEYOND_REACH) & finite & (missed <= MISS_TOLERANCE)
+            _take_rounded_rows(
                 run, robot, survey.slack, own[rows], start, (p, q, joints), able, allowed
             )
         survey.allowed[:, rows] = allowed

@@ -24,9 +24,9 @@ from assistant.program.statements import Motion
 from assistant.robots.configurations import BACK
 from assistant.robots.program_values import Place
 
-MOST_NAMED_ROWS: Final = 3
+_MOST_NAMED_ROWS: Final = 3
 """Largest number of rows, or ranges of rows, that a finding names before it counts the rest."""
-LEAST_NAMED_RANGE: Final = 4
+_LEAST_NAMED_RANGE: Final = 4
 """Neighbouring rows from which on a finding names the first and the last alone."""
 
 
@@ -149,7 +149,7 @@ class Run:
         ends = np.searchsorted(rows, self.starts)
         said = [
             self._of_part(part, rows[ends[part] : ends[part + 1]])
-            for part in np.flatnonzero(np.diff(ends))[:MOST_NAMED_ROWS]
+            for part in np.flatnonzero(np.diff(ends))[:_MOST_NAMED_ROWS]
         ]
         more = int(np.count_nonzero(np.diff(ends))) - len(said)
         return said[0] if len(said) == 1 and not more else Several(tuple(said), more)
@@ -161,15 +161,15 @@ class Run:
         cuts = np.flatnonzero(np.diff(rows) > 1) + 1
         said: list[Goal | Neighbours] = []
         count = 0
-        for group in np.split(rows, cuts[:MOST_NAMED_ROWS])[:MOST_NAMED_ROWS]:
+        for group in np.split(rows, cuts[:_MOST_NAMED_ROWS])[:_MOST_NAMED_ROWS]:
             first, last = self.label(int(group[0])), self.label(int(group[-1]))
-            if len(group) < LEAST_NAMED_RANGE:
-                group = group[: MOST_NAMED_ROWS - len(said)]
+            if len(group) < _LEAST_NAMED_RANGE:
+                group = group[: _MOST_NAMED_ROWS - len(said)]
                 said += [self.label(int(row)) for row in group]
             else:
                 said.append(Neighbours(first, last))
             count += len(group)
-            if len(said) >= MOST_NAMED_ROWS:
+            if len(said) >= _MOST_NAMED_ROWS:
                 break
         return SomeTargets(self.names[part], len(rows), whole, tuple(said), len(rows) - count)
 

@@ -39,7 +39,7 @@ from assistant.robots.motion.row_reach import (
 from assistant.robots.motion.run import Run, continued
 from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
 
-MOST_ROWS_RETRIED: Final = 20_000
+_MOST_ROWS_RETRIED: Final = 20_000
 """Rows of a run up to which other branches are tried, where one fails between the rows or turns
 have to be longer than they could be."""
 
@@ -70,7 +70,7 @@ def solve_run(
     kept = stated & survey.allowed[own, np.arange(len(run))]
     plan = choices(run, robot, survey, every, np.where(kept, own, -1))
     first, slack = plan.best(), survey.slack
-    others = plan if len(run) <= MOST_ROWS_RETRIED else None
+    others = plan if len(run) <= _MOST_ROWS_RETRIED else None
     del every, plan  # of long runs the largest columns
     report = survey.findings(run, robot, cures)
     said = np.where(kept[:, None], run.configurations, UNSTATED)

@@ -24,10 +24,10 @@ WRIST_PAIRS: Final = SIX_AXIS_BRANCHES // 2
 THROUGH: Final = np.float32(np.sin(np.radians(0.1)))
 """Sine of the least angle of axis 5 on the way that still counts as through the point: a
 robot cannot turn axis 4 by half a turn on so short a way."""
-IN_LINE: Final = np.float32(1e-5)
+_IN_LINE: Final = np.float32(1e-5)
 """Sine of axis 5 below which axis 4 has no defined angle."""
 
-SMALL: Final = 0.01
+_SMALL: Final = 0.01
 """Largest change of the wrist's bend (see `directions`) in one step that counts as straight, beyond
 the least angle of axis 5 that counts.
 """
@@ -58,7 +58,7 @@ def crossings(bends: Singles, kinds: NDArray[np.uint8]) -> Truths:
     chain = np.cumsum(kinds == Kind.JOINT)
     for pair in range(WRIST_PAIRS):
         bend = bends[pair]
-        bent = np.hypot(*bend) > IN_LINE
+        bent = np.hypot(*bend) > _IN_LINE
         last = np.maximum.accumulate(np.where(bent, np.arange(n), -1))
         before = np.append(-1, last[:-1])
         opposite = _opposite(bend, bend[:, before])
@@ -78,7 +78,7 @@ def may_pass_through(bends: Singles) -> Truths:
     """(k, p - 1) where ways go through the singularity by poses so far apart that they may as
     well go past it, of their bends (2, k, p).
     """
-    return np.asarray(passes_through(bends) & (np.hypot(*np.diff(bends)) > SMALL))
+    return np.asarray(passes_through(bends) & (np.hypot(*np.diff(bends)) > _SMALL))
 
 
 def steps_without_singularity(steps: Floats, bends: Singles) -> Floats:
@@ -91,7 +91,7 @@ def steps_without_singularity(steps: Floats, bends: Singles) -> Floats:
     crossed = passes_through(bends)
     for axis in (3, 5):
         out[..., axis] -= np.where(crossed, 180.0 * np.round(steps[..., axis] / 180.0), 0.0)
-    bent = np.hypot(*bends) > IN_LINE
+    bent = np.hypot(*bends) > _IN_LINE
     in_line = ~(bent[..., :-1] & bent[..., 1:])
     both = steps[..., 3] + steps[..., 5]
     out[..., 3] = np.where(in_line, 0.0, out[..., 3])
@@ -141,7 +141,7 @@ def connected_branches(crossed: Truths) -> Rows:
     return np.asarray((branch & ~1)[:, None] + ((branch & 1)[:, None] ^ parity[branch // 2]))
 
 
-ROWS_AT_ONCE: Final = 16384
+_ROWS_AT_ONCE: Final = 16384
 """Rows that are computed at once."""
 
 
@@ -177,8 +177,8 @@ def distance_from_singularity(robot: Robot, joints: Floats, tip: Pose = IDENTITY
     """
     out = np.full(len(joints), np.nan)
     known = np.flatnonzero(np.isfinite(joints).all(axis=1))
-    for start in range(0, len(known), ROWS_AT_ONCE):
-        rows = known[start : start + ROWS_AT_ONCE]
+    for start in range(0, len(known), _ROWS_AT_ONCE):
+        rows = known[start : start + _ROWS_AT_ONCE]
         matrix = jacobian(robot, joints[rows], tip)
         out[rows] = np.linalg.svd(matrix, compute_uv=False).min(axis=1)
     return out

@@ -45,7 +45,7 @@ from assistant.robots.motion.interpolation import (
 from assistant.robots.motion.run import SpeedsAndBlends, from_flange, to_flange
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
 
-UNKNOWN_SPEED: Final = Speed(np.nan)
+_UNKNOWN_SPEED: Final = Speed(np.nan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +191,7 @@ def targets_out_of_frames(
 
 
 def _speed(speed: Speed | Name, table: Mapping[str, Speed]) -> Speed:
-    return table.get(speed.name.lower(), UNKNOWN_SPEED) if isinstance(speed, Name) else speed
+    return table.get(speed.name.lower(), _UNKNOWN_SPEED) if isinstance(speed, Name) else speed
 
 
 def _blend(blend: Blend | Name, table: Mapping[str, Blend]) -> Blend:
@@ -202,9 +202,9 @@ def _leaving(blend: Blend) -> float:
     return blend.radius or 0.0 if blend.exit is None else blend.exit
 
 
-SAME_TIP: Final = 1e-6
+_SAME_TIP: Final = 1e-6
 """mm and degrees up to which tips of two tools are at one place."""
-MOST_TURN_BETWEEN_KNOTS: Final = 60.0
+_MOST_TURN_BETWEEN_KNOTS: Final = 60.0
 """degrees that no axis turns between two knots: the arm would change its branch there."""
 
 
@@ -296,8 +296,8 @@ class MoveEnds:
         for index in np.unique(moves.mount[self.remounted]):
             rows = np.flatnonzero(self.remounted & (moves.mount == index))
             p, q = moves.mounts[index].tip(robot, self.j0[rows])
-            moved = max_abs(p - self.p0[rows]) > SAME_TIP
-            turned = rotations.angle_between(q, self.q0[rows]) > SAME_TIP
+            moved = max_abs(p - self.p0[rows]) > _SAME_TIP
+            turned = rotations.angle_between(q, self.q0[rows]) > _SAME_TIP
             self.remounted[rows] = moved | turned
             self.p0[rows], self.q0[rows] = p, q
         self.lengths = norms(moves.positions - self.p0)
@@ -363,16 +363,16 @@ def _fill_inner_knots(
         some = np.flatnonzero(here & ~free)
         flange = tool.to_flange(p[some], q[some])
         if robot.arm.named:
-            joints[some] = solved_joints(robot, branches[some], *flange)
+            joints[some] = _solved_joints(robot, branches[some], *flange)
         else:
-            joints[some] = followed_joints(robot, ends.j0[each[some]], each[some], *flange)
+            joints[some] = _followed_joints(robot, ends.j0[each[some]], each[some], *flange)
     straight = ~free
     guessed = _unwind(joints, between, straight, each, rows, inner, moves, ends, robot)
     knots.positions[at], knots.quaternions[at], knots.joints[at] = p, q, joints
     return guessed
 
 
-def solved_joints(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
+def _solved_joints(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
     """(m, a) joints at flange poses in branches (m,), whole turns left open; NaN where those do
     not reach.
     """
@@ -381,7 +381,7 @@ def solved_joints(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
     return joints[:, 0]
 
 
-def followed_joints(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
+def _followed_joints(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
     """(m, a) joints of an arm without named branches, followed along the flange poses of moves.
 
     before: (m, a) where the move of a pose starts. each: (m,) which move that is. NaN where the
@@ -432,17 +432,17 @@ def _unwind(
     off = np.nan_to_num(robot.wound(moves.joints[rows] - joints[final]))
     missed = max_abs(smooth[final] + off - moves.joints[rows]) > 1.0
     widest = np.maximum(np.maximum.reduceat(max_abs(steps), first), max_abs(off))
-    bad = (missed | (widest > MOST_TURN_BETWEEN_KNOTS) | lost) & solved[first]
+    bad = (missed | (widest > _MOST_TURN_BETWEEN_KNOTS) | lost) & solved[first]
     good = np.repeat(~bad, inner)
     joints[:] = np.where(good[:, None] & solved[:, None], smooth, between)
     return np.asarray(rows[bad])
 
 
-CornerPoses = tuple[Floats, Floats, Floats]
+_CornerPoses = tuple[Floats, Floats, Floats]
 """Joints (m, a), positions (m, 3) and quaternions (m, 4) at m places of a way."""
 
 
-class Corners:
+class _Corners:
     """c corners.
 
     step: (s,) rows of the knots that move. d: (s,) their lengths. at: (c,) the step before each
@@ -519,7 +519,7 @@ class Corners:
         kept[self.step[np.flatnonzero(np.cumsum(change)[: len(self.step)] > 0)]] = False
         return kept
 
-    def _blossoms(self, robot: Robot, each: Rows, count: Rows) -> CornerPoses:
+    def _blossoms(self, robot: Robot, each: Rows, count: Rows) -> _CornerPoses:
         """The knots of the spans; each: (m,) their corners, count: (m,) which span it is."""
         u0, u1 = count / self.spans[each], (count + 1) / self.spans[each]
         reach, zone = self.gone[self.at + 1][each], self.zone[each]
@@ -539,9 +539,9 @@ class Corners:
             some = np.flatnonzero(here & ~free[each])
             flange = tool.to_flange(p[some], q[some])
             if robot.arm.named:
-                found = solved_joints(robot, branch[some], *flange)
+                found = _solved_joints(robot, branch[some], *flange)
             else:
-                found = followed_joints(robot, joints[some], np.arange(len(some)), *flange)
+                found = _followed_joints(robot, joints[some], np.arange(len(some)), *flange)
             off = robot.wound(found - joints[some])
             good = max_abs(off) <= self.swept[each[some]] / 2.0
             joints[some[good]] += off[good]
@@ -549,7 +549,7 @@ class Corners:
             p[some], q[some] = tool.tip(robot, joints[some])
         return joints, p, q
 
-    def _at(self, place: Floats, first: Rows, last: Rows) -> CornerPoses:
+    def _at(self, place: Floats, first: Rows, last: Rows) -> _CornerPoses:
         """Between knots, at places (m,) along the way in steps from first (m,) to last (m,)."""
         ordinal = np.clip(np.searchsorted(self.gone, place, side="right") - 1, first, last)
         part = np.clip((place - self.gone[ordinal]) / self.d[ordinal], 0.0, 1.0)
@@ -568,7 +568,7 @@ ON_THE_SPOT: Final = 1e-3
 """mm of way for a degree of turn below which a move is a turn on the spot."""
 TURN_OF_ZONE: Final = 0.15
 """Degrees of turn for a mm of a zone, as RAPID's predefined zones have it (z10: 1.5)."""
-MOST_PARABOLA_CUT: Final = 0.05
+_MOST_PARABOLA_CUT: Final = 0.05
 """mm or degrees that a corner is cut by at most to be one parabola of the joints and the tool."""
 
 
@@ -646,12 +646,12 @@ def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
         small = np.minimum(zone, np.minimum(d[at], d[at + 1]) / 2.0)
         for knot in (step[at] + 1, step[at + 1]):
             room[knot], corner[knot] = small, np.where(small > 0.0, at, -1)
-        wide = (_corner_cuts(axes, at, zone) > MOST_PARABOLA_CUT) | (
-            _corner_cuts(tool, at, zone) > MOST_PARABOLA_CUT
+        wide = (_corner_cuts(axes, at, zone) > _MOST_PARABOLA_CUT) | (
+            _corner_cuts(tool, at, zone) > _MOST_PARABOLA_CUT
         )
         wide &= step[at + 1] == step[at] + 1  # the tool is the same
         if wide.any():
-            corners = Corners(moves, knots, step, d, at[wide], zone[wide])
+            corners = _Corners(moves, knots, step, d, at[wide], zone[wide])
             knots, distance, room, corner = corners.inserted(robot, distance, room, corner)
             step = np.flatnonzero(distance > NO_STEP)
             d = distance[step]
@@ -708,7 +708,7 @@ def _zones(moves: Moves, row: Rows, scale: Floats, kind: NDArray[np.uint8]) -> t
 def _corner_cuts(rates: Floats, at: Rows, zone: Floats) -> Floats:
     """(c,) how far from corners behind steps one parabola goes past; 0 where it cannot be far."""
     cut = np.zeros(len(at))
-    far = np.flatnonzero(zone * np.abs(rates).max() > 2.0 * MOST_PARABOLA_CUT)
+    far = np.flatnonzero(zone * np.abs(rates).max() > 2.0 * _MOST_PARABOLA_CUT)
     bend = np.abs(rates[:, at[far] + 1] - rates[:, at[far]]).max(axis=0)
     cut[far] = bend * zone[far] / 4.0
     return cut

@@ -67,21 +67,21 @@ def drive_of(
     )
 
 
-UNBOUNDED_ACCELERATION: Final = 1e6
+_UNBOUNDED_ACCELERATION: Final = 1e6
 """Acceleration (mm/s²) that stands for none that binds; keeps sums exact enough."""
-LEAST_MOTION: Final = 1e-6
+_LEAST_MOTION: Final = 1e-6
 """mm/s and mm/s² of any motion."""
-LITTLE_CUT: Final = 1e-7
+_LITTLE_CUT: Final = 1e-7
 """mm by which a corner shortens a way at least to count."""
 
-FIRST_PATH_ROW, AXIS_ROW = 1, 4
+_FIRST_PATH_ROW, _AXIS_ROW = 1, 4
 """Rows of `Bounds.limits`: what it is bound by, from 1 on as in `profile`; the last is an axis."""
 
-SpeedLimits = tuple[Floats, NDArray[np.uint8]]
+_SpeedLimits = tuple[Floats, NDArray[np.uint8]]
 """(p,) the highest speeds and what makes them so, see `profile`."""
 
 
-class Bounds:
+class _Bounds:
     """Speed and acceleration bounds of s steps of a course.
 
     length, turn: (s,) mm and degrees of the tool for each mm of it. caps: (s,) the highest speeds
@@ -107,7 +107,7 @@ class Bounds:
             self.bends.append(self._bend(turned.max(axis=0)))
             if np.isfinite(drive.tcp_acceleration):
                 self.straight.append(self.tcp / self.length)
-                bent = column_norms(np.diff(self.tool)) / drive.tcp_acceleration
+                bent = _column_norms(np.diff(self.tool)) / drive.tcp_acceleration
                 bent[course.loose[:-1] | course.loose[1:]] = 0.0
                 self.bends.append(self._bend(bent))
         self.bend = np.max(self.bends, axis=0)
@@ -116,7 +116,7 @@ class Bounds:
         """(s,) to more and to less speed, with what bends leave at speeds of squares near (s + 1,)
         at the knots; None for nothing that bends take.
         """
-        most = np.full(len(self.row), UNBOUNDED_ACCELERATION)
+        most = np.full(len(self.row), _UNBOUNDED_ACCELERATION)
         for straight, bend in zip(self.straight, self.bends, strict=True):
             if near is None:
                 most = np.minimum(most, straight)
@@ -124,7 +124,9 @@ class Bounds:
                 taken = bend * near
                 left = 1.0 - np.maximum(taken[:-1], taken[1:])
                 most = np.minimum(most, straight * left)
-        return np.maximum(most * self.up, LEAST_MOTION), np.maximum(most * self.down, LEAST_MOTION)
+        return np.maximum(most * self.up, _LEAST_MOTION), np.maximum(
+            most * self.down, _LEAST_MOTION
+        )
 
     def limits(self, at: Any, axes: Floats, length: Floats, turn: Floats) -> Floats:
         """Return (5, p) the highest speeds, by the tool, its turn, the robot, percent and axes.
@@ -145,11 +147,11 @@ class Bounds:
         ways[np.isnan(ways)] = np.inf
         return ways
 
-    def least(self, ways: Floats, axes: Floats) -> SpeedLimits:
+    def least(self, ways: Floats, axes: Floats) -> _SpeedLimits:
         """The lowest of each column of `limits`."""
         why = ways.argmin(axis=0)
-        caps = np.maximum(ways[why, np.arange(len(why))], LEAST_MOTION)
-        by_axis = np.flatnonzero(why == AXIS_ROW)
+        caps = np.maximum(ways[why, np.arange(len(why))], _LEAST_MOTION)
+        by_axis = np.flatnonzero(why == _AXIS_ROW)
         why += 1
         why[by_axis] += (axes[:, by_axis] / self.drive.speeds[:, None]).argmax(axis=0)
         return caps, why.astype(np.uint8)
@@ -159,7 +161,7 @@ class Bounds:
         course = self.course
         bends, rooms = np.diff(self.tool), course.room[1:-1]
         bent = np.einsum("ij,ij->j", bends, bends)
-        sharp = course.corner[1:-1] & (np.diff(course.step) == 1) & (rooms * bent > LITTLE_CUT)
+        sharp = course.corner[1:-1] & (np.diff(course.step) == 1) & (rooms * bent > _LITTLE_CUT)
         at = np.flatnonzero(sharp)  # steps before corners
         room, squared, rate, bend = rooms[at], bent[at], self.tool[:, at], bends[:, at]
         along = np.einsum("ij,ij->j", rate, bend)
@@ -178,7 +180,7 @@ class Bounds:
             saved += np.bincount(self.row[step], cut, len(saved))
         return saved
 
-    def _caps(self) -> SpeedLimits:
+    def _caps(self) -> _SpeedLimits:
         axes = np.abs(self.axes)
         ways = self.limits(slice(None), axes, self.length, self.turn)
         line = self.free & ~self.course.inside
@@ -200,25 +202,25 @@ class Bounds:
         return bends
 
 
-def column_norms(vectors: Floats) -> Floats:
+def _column_norms(vectors: Floats) -> Floats:
     """(c, n) → (n,)."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->j", vectors, vectors)))
 
 
-LITTLE_BEND: Final = 0.02
+_LITTLE_BEND: Final = 0.02
 """Largest part of an acceleration that a bend may take without a separate section."""
-MOST_BEND: Final = 0.999
+_MOST_BEND: Final = 0.999
 """Part of an acceleration that a bend takes at most; the rest changes the speed."""
-SPEED_PASSES: Final = 3
+_SPEED_PASSES: Final = 3
 """Times that the speeds are computed where there are bends."""
 
 EndSpeeds = tuple[float, float]
 """Speeds at the start and the end of a course."""
-AT_REST: Final[EndSpeeds] = (0.0, 0.0)
+_AT_REST: Final[EndSpeeds] = (0.0, 0.0)
 
 
 @dataclass(slots=True, eq=False)
-class Sections:
+class _Sections:
     """p sections of s steps.
 
     step, offset, distance: (p,) see `Profile`. caps, why: (p,) the highest speeds and what makes
@@ -234,43 +236,43 @@ class Sections:
     most: Floats
     rise: Floats
     fall: Floats
-    bends: Bends | None = None
+    bends: _Bends | None = None
 
     def fastest(self) -> tuple[Floats, Floats]:
         """(p + 1,) the largest w between the sections, and (p,) its peaks in them."""
         ceiling, bends = self.caps**2, self.bends
         if bends is None:
-            return section_speeds(self.most, ceiling, self.rise, self.fall, self.distance)
-        for _ in range(SPEED_PASSES):
+            return _section_speeds(self.most, ceiling, self.rise, self.fall, self.distance)
+        for _ in range(_SPEED_PASSES):
             at = bends.at
             ceiling[at] = bends.highest
             self.rise[at], self.fall[at] = bends.accelerations()
-            w, peak = section_speeds(self.most, ceiling, self.rise, self.fall, self.distance)
+            w, peak = _section_speeds(self.most, ceiling, self.rise, self.fall, self.distance)
             bends.highest = (bends.highest + peak[at]) / 2.0
         return w, peak
 
 
-def sections_of(bounds: Bounds, ends: EndSpeeds = AT_REST) -> Sections:
+def _sections_of(bounds: _Bounds, ends: EndSpeeds = _AT_REST) -> _Sections:
     """The sections of a course, with the speeds and accelerations that they allow."""
     room, d, bend = bounds.course.room, bounds.course.distance, bounds.bend
     caps, why = bounds.caps
     with np.errstate(divide="ignore", over="ignore"):
-        knots = np.where(room > 0.0, MOST_BEND / bend, 0.0)
+        knots = np.where(room > 0.0, _MOST_BEND / bend, 0.0)
     if len(d):
         knots[0], knots[-1] = ends[0] ** 2, ends[1] ** 2
     # Nothing is faster than this: as if bends took nothing of an acceleration.
     rise, fall = bounds.accelerations()
-    w, peak = section_speeds(knots, caps**2, rise, fall, d)
+    w, peak = _section_speeds(knots, caps**2, rise, fall, d)
     near, quickest = _more(peak, peak), _more(rise, fall)
     near = np.minimum(near, w + 2.0 * room * quickest)
-    split = bend * near > LITTLE_BEND
+    split = bend * near > _LITTLE_BEND
     knots[split] = np.inf
     whole = ~split[1:-1] & (room[1:-1] > 0.0)
     accelerations = bounds.accelerations(np.where(split, 0.0, near))
     caps, rise, fall = (_beside(one, whole) for one in (caps, *accelerations))
     if not split.any():
         step = np.arange(len(d))
-        return Sections(step, np.zeros(len(d)), d, caps, why, knots, rise, fall)
+        return _Sections(step, np.zeros(len(d)), d, caps, why, knots, rise, fall)
     own = np.where(split, room, 0.0)
     middle = d - own[:-1] - own[1:]
     parts = np.stack([own[:-1], np.where(middle > 1e-9 * d, middle, 0.0), own[1:]], axis=1)
@@ -279,12 +281,12 @@ def sections_of(bounds: Bounds, ends: EndSpeeds = AT_REST) -> Sections:
     first = np.diff(step, prepend=-1) > 0
     most = np.append(np.where(first, knots[step], np.inf), knots[-1])
     at = np.flatnonzero(which != 1)
-    bends = Bends(bounds, at, step[at], which[at] == 2, near)
+    bends = _Bends(bounds, at, step[at], which[at] == 2, near)
     caps, why = caps[step], why[step]
     caps[at], why[at] = bends.limits
     bends.highest = np.minimum(bends.highest, caps[at] ** 2)
     offset, distance = begin[step, which], parts[step, which]
-    return Sections(step, offset, distance, caps, why, most, rise[step], fall[step], bends)
+    return _Sections(step, offset, distance, caps, why, most, rise[step], fall[step], bends)
 
 
 def _more(after: Floats, before: Floats) -> Floats:
@@ -307,13 +309,13 @@ def _beside(most: Floats, whole: Truths) -> Floats:
     return np.asarray(1.0 / asked)
 
 
-class Bends:
+class _Bends:
     """b halves of bends.
 
     at: (b,) sections. highest: (b,) the highest w in them. limits: their highest speeds.
     """
 
-    def __init__(self, bounds: Bounds, at: Rows, step: Rows, ends: Truths, near: Floats) -> None:
+    def __init__(self, bounds: _Bounds, at: Rows, step: Rows, ends: Truths, near: Floats) -> None:
         """step: (b,) that each is in; ends: (b,) whether at its end. near: (s + 1,) highest w."""
         self.bounds, self.at, self.step = bounds, at, step
         knot = step + ends
@@ -328,11 +330,11 @@ class Bends:
         steepest = np.maximum(np.abs(axes[0]), np.abs(axes[1]))
         longest = bounds.length[step]
         longest = np.maximum(
-            longest, longest * column_norms(tool[0]) / np.maximum(column_norms(tool[1]), 1e-300)
+            longest, longest * _column_norms(tool[0]) / np.maximum(_column_norms(tool[1]), 1e-300)
         )
         turn = np.maximum(bounds.turn[knot - 1], bounds.turn[knot])
         self.limits = bounds.least(bounds.limits(step, steepest, longest, turn), steepest)
-        self.highest = np.minimum(near[knot], MOST_BEND / bounds.bend[knot])
+        self.highest = np.minimum(near[knot], _MOST_BEND / bounds.bend[knot])
 
     def accelerations(self) -> tuple[Floats, Floats]:
         """Return (b,) the acceleration and the deceleration that hold for every w up to the
@@ -356,8 +358,8 @@ class Bends:
         if np.isfinite(bounds.drive.tcp_acceleration):
             more, less = self._of_tool(up, down)
             rise, fall = np.minimum(rise, more), np.minimum(fall, less)
-        return np.clip(rise, LEAST_MOTION, UNBOUNDED_ACCELERATION), np.clip(
-            fall, LEAST_MOTION, UNBOUNDED_ACCELERATION
+        return np.clip(rise, _LEAST_MOTION, _UNBOUNDED_ACCELERATION), np.clip(
+            fall, _LEAST_MOTION, _UNBOUNDED_ACCELERATION
         )
 
     def _of_tool(self, up: Floats, down: Floats) -> tuple[Floats, Floats]:
@@ -367,9 +369,9 @@ class Bends:
         rise = fall = np.full(len(w), np.inf)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             for rate in (middle, border):
-                size = column_norms(rate)
+                size = _column_norms(rate)
                 along = np.einsum("ij,ij->j", rate, bend) * w / size
-                across = (column_norms(bend) * w) ** 2 - along**2
+                across = (_column_norms(bend) * w) ** 2 - along**2
                 for sign, factor in ((1.0, up), (-1.0, down)):
                     left = np.sqrt(np.maximum((most * factor) ** 2 - across, 0.0))
                     least = np.minimum(left - sign * along, most * factor) / size
@@ -381,7 +383,7 @@ class Bends:
         return rise, fall
 
 
-def section_speeds(
+def _section_speeds(
     most: Floats, ceiling: Floats, rise: Floats, fall: Floats, d: Floats
 ) -> tuple[Floats, Floats]:
     """(p + 1,) the largest w between sections and (p,) its peaks, below most and ceiling."""
@@ -403,7 +405,7 @@ def _largest(most: Floats, rises: Floats, falls: Floats) -> Floats:
     return np.asarray(np.maximum(w, 0.0))
 
 
-ACCELERATION, SPEED, ROTATION, ROBOT_SPEED, PERCENT, FIRST_AXIS = range(6)
+_ACCELERATION, SPEED, _ROTATION, _ROBOT_SPEED, PERCENT, FIRST_AXIS = range(6)
 """Limits that bind a move; from FIRST_AXIS on the axes."""
 BINDING_WORDS: Final = ("acceleration", "speed", "reorientation", "speed of the robot", "percent")
 
@@ -432,10 +434,10 @@ class Profile:
     binds: NDArray[np.uint8]
 
 
-def profile_of(moves: Moves, course: Course, drive: Drive, ends: EndSpeeds = AT_REST) -> Profile:
+def _profile_of(moves: Moves, course: Course, drive: Drive, ends: EndSpeeds = _AT_REST) -> Profile:
     """The fastest motion along a course, with the speeds at its ends at most."""
-    bounds = Bounds(moves, course, drive)
-    sections = sections_of(bounds, ends)
+    bounds = _Bounds(moves, course, drive)
+    sections = _sections_of(bounds, ends)
     v, peak = (np.sqrt(w) for w in sections.fastest())
     rise, fall, d = sections.rise, sections.fall, sections.distance
     up, down = (peak - v[:-1]) / rise, (peak - v[1:]) / fall
@@ -553,7 +555,7 @@ class Moment:
 
 
 def plan_of(
-    moves: Moves, start: Floats, robot: Robot, drive: Drive, ends: EndSpeeds = AT_REST
+    moves: Moves, start: Floats, robot: Robot, drive: Drive, ends: EndSpeeds = _AT_REST
 ) -> Plan:
     """The motion from joints (a,) through at least one move.
 
@@ -561,7 +563,7 @@ def plan_of(
     for as fast as the rest allows.
     """
     course = course_of(moves, knots_of(moves, start, robot), robot)
-    return Plan(course, profile_of(moves, course, drive, ends))
+    return Plan(course, _profile_of(moves, course, drive, ends))
 
 
 class CoursePlaces:

@@ -80,11 +80,11 @@ from assistant.robots.timing.segments import (
 from assistant.robots.timing.simulation import Ledger
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop
 
-MOST_ROUNDS: Final = 8
+_MOST_ROUNDS: Final = 8
 """Largest number of rounds of a loop that may begin in different states."""
 
 
-def time_one_round(walker: Walker, body: Body, state: State, *, ever: bool) -> State | None:
+def _time_one_round(walker: Walker, body: Body, state: State, *, ever: bool) -> State | None:
     """The state behind a loop that is entered in a state, after the time of one round.
 
     ever: it has no end, so that it is not left out either.
@@ -108,7 +108,7 @@ def _further_rounds(
     """
     begun, ends, mark = [begin], list[State](), len(walker.returned)
     with _uncounted(walker):
-        for _ in range(MOST_ROUNDS):
+        for _ in range(_MOST_ROUNDS):
             later = end.without(assigned).known
             changed = {name for name in later if later[name] != begin.known.get(name)}
             begin = end.without(assigned | changed)
@@ -147,7 +147,7 @@ def _uncounted(walker: Walker) -> Iterator[None]:
     walker.statements, walker.called = counts
 
 
-class VendorMotion:
+class _VendorMotion:
     """Motion in a program's vendor statements, as far as the program holds the routines that they
     call.
     """
@@ -201,11 +201,11 @@ class VendorMotion:
         return moves, calls
 
 
-MOST_STATEMENTS: Final = 50_000
+_MOST_STATEMENTS: Final = 50_000
 """Statements that are walked through; then each loop is walked once and multiplied. Calls, too,
 that are followed: some programs have more calls than anybody could wait for.
 """
-STOPPING_TRAITS: Final = ("waits", "calls", "jumps", "ends", "holds", "kept")
+_STOPPING_TRAITS: Final = ("waits", "calls", "jumps", "ends", "holds", "kept")
 """Traits of statements that the moves before them have to end for."""
 
 
@@ -220,7 +220,7 @@ class Walker:
         self.names = Names(solution.program)
         self.values = Values(solution.program, self.names)
         self.pieces = Segments(solution, self.names, self.values)
-        self.kept_motion = VendorMotion(solution.program)
+        self.kept_motion = _VendorMotion(solution.program)
         self.ledger = Ledger()
         self.procedures: dict[str, Duration] = {}
         self.plans: dict[tuple[object, ...], Plan] = {}
@@ -381,7 +381,7 @@ class Walker:
                 return replace(state, known={**state.known, name.lower(): self.values.value(value)})
             case Assign(target=target):
                 return state.without({root_variable(target)})
-        standing = trait(statement) in STOPPING_TRAITS or isinstance(statement, Travel)
+        standing = trait(statement) in _STOPPING_TRAITS or isinstance(statement, Travel)
         return None if standing else state
 
     def acting(self, statement: Statement, state: State) -> State | None:
@@ -440,7 +440,7 @@ class Walker:
             self.note(f"`{procedure.name}` calls itself; that is not followed")
             return replace(state, places=())
         self.called += 1
-        if self.called > MOST_STATEMENTS:
+        if self.called > _MOST_STATEMENTS:
             self.note("there are too many calls; the last of them are not followed")
             return replace(state, places=())
         given = self.values.given(procedure, statement.arguments)
@@ -506,7 +506,7 @@ class Walker:
             if end is not None:
                 self.returned.append(end)
             return None
-        while holds and self.statements < MOST_STATEMENTS:
+        while holds and self.statements < _MOST_STATEMENTS:
             end = self.inner(statement.body, state)
             if end is None:
                 return None
@@ -523,7 +523,7 @@ class Walker:
 
     def once(self, statement: For | While, state: State, *, ever: bool = False) -> State | None:
         """A round of a loop whose rounds are not known, and what is not known after it."""
-        return time_one_round(self, statement.body, state, ever=ever)
+        return _time_one_round(self, statement.body, state, ever=ever)
 
     def repeats(self, start: State, end: State, alike: bool) -> bool:
         """True if the remaining rounds equal this one; also if there have been too many.
@@ -532,7 +532,7 @@ class Walker:
         """
         if alike and start.same_state(end):
             return True
-        if self.statements < MOST_STATEMENTS:
+        if self.statements < _MOST_STATEMENTS:
             return False
         self.note("a long loop; its last rounds are taken as the one before them")
         return True
@@ -563,20 +563,20 @@ class Doubt:
     cure: str
 
 
-JUMPED: Final = Doubt("a jump leads around it", "say it by loops and branches, without jumps")
-INTERRUPTED: Final = Doubt(
+_JUMPED: Final = Doubt("a jump leads around it", "say it by loops and branches, without jumps")
+_INTERRUPTED: Final = Doubt(
     "an interrupt may have come before",
     "let interrupts neither move the arm nor end a cycle, nor come where bodies are carried",
 )
-TOO_LONG: Final = Doubt(
+_TOO_LONG: Final = Doubt(
     "a loop goes round too often to be followed", "let each round begin at the same place"
 )
-RECURSIVE: Final = Doubt("a procedure before it calls itself", "call no procedure out of itself")
-CARRIED_UNKNOWN: Final = Doubt(
+_RECURSIVE: Final = Doubt("a procedure before it calls itself", "call no procedure out of itself")
+_CARRIED_UNKNOWN: Final = Doubt(
     "what the arm carries may have been changed by what only its controller knows",
     "say it by statements of the pseudo-program",
 )
-MOVING_FUNCTION: Final = Doubt(
+_MOVING_FUNCTION: Final = Doubt(
     "what works a value out before it moves the arm", "move by a procedure that is called"
 )
 
@@ -629,8 +629,8 @@ def _anywhere(program: Program) -> dict[str, Doubt]:
 
     coming = {s.call.procedure.lower() for s in program.statements() if isinstance(s, Interrupt)}
     circles = {name for name in calls if name in reachable(after(name), after)}
-    found = dict.fromkeys(reachable(circles, after), RECURSIVE)
-    return found | dict.fromkeys(reachable(coming, after), INTERRUPTED)
+    found = dict.fromkeys(reachable(circles, after), _RECURSIVE)
+    return found | dict.fromkeys(reachable(coming, after), _INTERRUPTED)
 
 
 class _OtherArrival(Exception):
@@ -699,11 +699,11 @@ class _ArrivalWalker(Walker):
         self.functions(statement)
         match statement:
             case Label():
-                self.doubt = JUMPED
+                self.doubt = _JUMPED
             case Interrupt(call=call, ends=ends):
                 moves = call.procedure.lower() in self.movers or ends is not None
                 if moves or state.carried is not None:
-                    self.doubt = INTERRUPTED
+                    self.doubt = _INTERRUPTED
         return super().setting(statement, state)
 
     def functions(self, statement: Statement) -> None:
@@ -711,7 +711,7 @@ class _ArrivalWalker(Walker):
         for part in records(head(statement)) if self.moving_functions else ():
             match part:
                 case Apply(name) if name.lower() in self.moving_functions:
-                    self.doubt = MOVING_FUNCTION
+                    self.doubt = _MOVING_FUNCTION
 
     def acting(self, statement: Statement, state: State) -> State | None:
         match statement:
@@ -719,17 +719,17 @@ class _ArrivalWalker(Walker):
                 self.names.own = dict(state.known)
                 return self.travel(statement, state)
             case Goto():
-                self.doubt = JUMPED
+                self.doubt = _JUMPED
             case Opaque() if state.carried is not None:
-                self.doubt = CARRIED_UNKNOWN
+                self.doubt = _CARRIED_UNKNOWN
         return super().acting(statement, state)
 
     def call(self, statement: Call, state: State) -> State:
         procedure = self.solution.program.procedure(statement.procedure)
         if procedure is None and state.carried is not None:
-            self.doubt = CARRIED_UNKNOWN
+            self.doubt = _CARRIED_UNKNOWN
         elif procedure is not None and procedure.name in self.calls:
-            self.doubt = RECURSIVE
+            self.doubt = _RECURSIVE
         return super().call(statement, state)
 
     # ------------------------------------------------------------------------------- loops
@@ -758,8 +758,8 @@ class _ArrivalWalker(Walker):
         begin = state.without(assigned)
         ways, begun = [] if ever else [begin], list[State]()
         while not any(one.same_state(begin) for one in begun):
-            if len(begun) == MOST_ROUNDS:
-                self.doubt = TOO_LONG
+            if len(begun) == _MOST_ROUNDS:
+                self.doubt = _TOO_LONG
                 break
             begun.append(begin)
             end = self.inner(statement.body, begin)
@@ -774,5 +774,5 @@ class _ArrivalWalker(Walker):
     def repeats(self, start: State, end: State, alike: bool) -> bool:
         done = super().repeats(start, end, alike)
         if done and not (alike and start.same_state(end)):
-            self.doubt = TOO_LONG
+            self.doubt = _TOO_LONG
         return done

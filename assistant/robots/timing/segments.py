@@ -39,7 +39,7 @@ from assistant.robots.timing.plan import Plan
 
 JointValues = tuple[float, ...]
 
-MOST_PLACES: Final = 4
+_MOST_PLACES: Final = 4
 """Places where the arm may be, each timed, before it counts as not known."""
 
 
@@ -153,7 +153,7 @@ def merged_state(states: Sequence[State]) -> State | None:
         return states[0] if states else None
     longest = max(states, key=lambda state: state.most)
     places = tuple(dict.fromkeys(place for state in states for place in state.places))
-    if len(places) > MOST_PLACES or not all(state.places for state in states):
+    if len(places) > _MOST_PLACES or not all(state.places for state in states):
         places = ()
     names = {name for state in states for name in state.known}
     known = {

@@ -26,7 +26,7 @@ from assistant.robots.timing.plan import BINDING_WORDS, FIRST_AXIS, Moment, Plan
 from assistant.robots.timing.segments import Duration, History, Segment
 from assistant.robots.timing.uninterrupted_moves import MovesWithoutStop
 
-Columns = dict[str, Floats]
+_Columns = dict[str, Floats]
 """The columns of `Moment` by name."""
 
 
@@ -79,14 +79,14 @@ def samples_of(
     )
 
 
-def _rest_at(robot: Robot, start: Floats, count: int) -> Columns:
+def _rest_at(robot: Robot, start: Floats, count: int) -> _Columns:
     """The columns of `Moment` for an arm that stands still."""
     p, q = robot.fk(start[None])
     rest = Moment(p, q, start[None], np.zeros(1), np.zeros((1, len(start))))
     return {name: np.repeat(getattr(rest, name), count, axis=0) for name in Moment.__slots__}
 
 
-def _fill(columns: Columns, history: History, rows: Rows, t: Floats, last: Plan | None) -> None:
+def _fill(columns: _Columns, history: History, rows: Rows, t: Floats, last: Plan | None) -> None:
     """Fills rows (m,) with a history at times (m,) from its start; last: the plan before it.
 
     The rounds of a loop are filled together, so that it does not matter how many there are.
@@ -116,12 +116,12 @@ def _fill(columns: Columns, history: History, rows: Rows, t: Floats, last: Plan 
                     _fill(columns, inner, rows[some[mine]], inside[mine], came)
 
 
-def _put(columns: Columns, rows: Rows, moment: Moment) -> None:
+def _put(columns: _Columns, rows: Rows, moment: Moment) -> None:
     for name, column in columns.items():
         column[rows] = getattr(moment, name)
 
 
-TIME_PARTS: Final = 400
+_TIME_PARTS: Final = 400
 """Parts of the time of a move between which its way is measured."""
 
 
@@ -140,7 +140,7 @@ class OutputTime:
     seconds: float
 
 
-def output_times(
+def _output_times(
     plan: Plan, rows: slice, triggers: tuple[Trigger, ...], procedure: str, number: int
 ) -> Iterator[OutputTime]:
     """Yield the output times of the move that spans some rows of a plan; computed positions are
@@ -148,7 +148,7 @@ def output_times(
     """
     times = np.concatenate([[0.0], np.cumsum(plan.profile.seconds)])
     begin, end = float(times[rows.start]), float(times[rows.stop])
-    at = np.linspace(begin, end, TIME_PARTS + 1)
+    at = np.linspace(begin, end, _TIME_PARTS + 1)
     steps = norms(np.diff(plan.at(at).positions, axis=0))
     done: Floats = np.concatenate([[0.0], np.cumsum(steps)])
     for one in triggers:
@@ -172,12 +172,12 @@ def _number_value(value: Expression) -> float | None:
     return float(value.value) if isinstance(value, Number) else None
 
 
-MOST_SAMPLES: Final = 1_000_000
+_MOST_SAMPLES: Final = 1_000_000
 """Rows of samples that are computed; about 250 bytes each."""
 SAMPLE_PERIOD: Final = 0.01
 """seconds between samples, unless that would be too many."""
 
-TOO_MANY_SAMPLES = error(
+_TOO_MANY_SAMPLES = error(
     "RB301",
     "{seconds:.0f} s at {period:g} s make {count} samples, more than {most}",
     "take a period of {least:g} s or longer, or none for one that fits",
@@ -260,7 +260,7 @@ class Simulation:
         if self.wanted_period is not None:
             return self.wanted_period
         period = SAMPLE_PERIOD
-        while self.seconds / period >= MOST_SAMPLES:
+        while self.seconds / period >= _MOST_SAMPLES:
             period *= 2.5 if f"{period:e}".startswith("2") else 2.0
         return period
 
@@ -268,14 +268,14 @@ class Simulation:
     def samples(self) -> Samples:
         """The motion over time; raises Refused if a wanted period gives too many samples."""
         count = int(self.seconds / self.period) + 1
-        if count > MOST_SAMPLES:
+        if count > _MOST_SAMPLES:
             raise Refused(
-                TOO_MANY_SAMPLES(
+                _TOO_MANY_SAMPLES(
                     seconds=self.seconds,
                     period=self.period,
                     count=count,
-                    most=MOST_SAMPLES,
-                    least=self.seconds / (MOST_SAMPLES - 1),
+                    most=_MOST_SAMPLES,
+                    least=self.seconds / (_MOST_SAMPLES - 1),
                 ),
                 exit_status=2,
             )
@@ -327,7 +327,7 @@ class Ledger:
             before = self.entries.get((piece.procedure, piece.number))
             if before is not None and before.total >= total:
                 continue
-            times = output_times(plan, rows, piece.triggers, piece.procedure, piece.number)
+            times = _output_times(plan, rows, piece.triggers, piece.procedure, piece.number)
             self.outputs[piece.procedure, piece.number] = tuple(times) if piece.triggers else ()
             left = len(piece.moves) - (last - first)
             self.entries[piece.procedure, piece.number] = _LedgerEntry(

@@ -26,7 +26,7 @@ from assistant.robots.timing.course import Course, MoveEnds
 from assistant.robots.timing.plan import CoursePlaces, Plan
 from assistant.robots.timing.segments import Segment
 
-OTHER_BRANCH: Final = 20.0
+_OTHER_BRANCH: Final = 20.0
 """degrees (mm) from the joints between knots beyond which a solution is in another branch."""
 
 SolvedJoints = tuple[Floats, Truths]
@@ -130,7 +130,7 @@ class CourseJoints:
                 joints[some], good = self._on_move(row[some], place[some], middle[some])
                 solved[some] &= good
             out += joints
-        solved &= max_abs(out - near) <= OTHER_BRANCH
+        solved &= max_abs(out - near) <= _OTHER_BRANCH
         out[~solved] = near[~solved]
         return out, solved
 
@@ -169,13 +169,13 @@ class CourseJoints:
             line = np.abs(joints[:, 4]) < IN_LINE
             joints[line, 5] += joints[line, 3] - near[line, 3]
             joints[line, 3] = near[line, 3]
-        good &= max_abs(joints - near) <= OTHER_BRANCH
+        good &= max_abs(joints - near) <= _OTHER_BRANCH
         return np.where(good[:, None], joints, near), good
 
 
-BEND_PARTS: Final = 4
+_BEND_PARTS: Final = 4
 """Parts in which each half of a bend is examined."""
-LINE_SAFETY: Final = 1.5
+_LINE_SAFETY: Final = 1.5
 """By how much more than its second difference tells a joint may be off the line between knots."""
 
 
@@ -270,7 +270,7 @@ def stretches_of(plan: Plan) -> Stretches:
 
 def _cuts(distance: Floats, room: Floats) -> tuple[Rows, Floats]:
     """Steps (s,) with their rooms (s + 1,) → step (n,) and place in it (n,) of each cut."""
-    part = np.arange(BEND_PARTS) / BEND_PARTS
+    part = np.arange(_BEND_PARTS) / _BEND_PARTS
     behind, before = room[:-1, None] * part, distance[:, None] - room[1:, None] * (1.0 - part)
     between = room[:-1, None]
     places = np.concatenate([behind, between, before], axis=1)
@@ -291,7 +291,7 @@ def _between_knots(plan: Plan) -> Floats:
     step = np.diff(knots.joints, axis=0)
     off = np.zeros_like(step)
     same = np.diff(knots.row) == 0
-    second = np.abs(np.diff(step, axis=0)) * same[:, None] * LINE_SAFETY / 8.0
+    second = np.abs(np.diff(step, axis=0)) * same[:, None] * _LINE_SAFETY / 8.0
     off[1:] = second
     off[:-1] = np.maximum(off[:-1], second)
     return off

@@ -21,33 +21,33 @@ from numpy.typing import NDArray
 
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, vector
 
-INTERVAL_SAMPLES: Final = 33
+_INTERVAL_SAMPLES: Final = 33
 """Points of the curve that an interval is checked at, its ends included."""
-MOST_ROUNDS: Final = 26
+_MOST_ROUNDS: Final = 26
 """Halvings of an interval before it is given up."""
-MOST_PIECES: Final = 20_000
+_MOST_PIECES: Final = 20_000
 """Intervals that do not fit, over which the curve is given up: it is noise, not a shape."""
-WIDEST_BIARC: Final = np.radians(100.0)
+_WIDEST_BIARC: Final = np.radians(100.0)
 """Sweep of one arc of a biarc."""
-SHARPEST_TURN: Final = np.radians(20.0)
+_SHARPEST_TURN: Final = np.radians(20.0)
 """Turn between two samples, over which the curve is not known well enough."""
-STRAIGHT_PART: Final = 1e-3
+_STRAIGHT_PART: Final = 1e-3
 """Part of the tolerance within which a part counts as straight, and circles as one."""
-CONTROLLER_SWEEP: Final = 240.0
+_CONTROLLER_SWEEP: Final = 240.0
 """Degrees up to which arcs of one circle are joined."""
 
-_EVEN: Final = np.arange(INTERVAL_SAMPLES) / (INTERVAL_SAMPLES - 1)
-_ASIDE: Final = (0.618034 * np.arange(INTERVAL_SAMPLES) % 1.0 - 0.5) * (
-    0.6 / (INTERVAL_SAMPLES - 1)
+_EVEN: Final = np.arange(_INTERVAL_SAMPLES) / (_INTERVAL_SAMPLES - 1)
+_ASIDE: Final = (0.618034 * np.arange(_INTERVAL_SAMPLES) % 1.0 - 0.5) * (
+    0.6 / (_INTERVAL_SAMPLES - 1)
 )
-SAMPLE_PARTS: Final = np.where((_EVEN > 0) & (_EVEN < 1), _EVEN + _ASIDE, _EVEN)
+_SAMPLE_PARTS: Final = np.where((_EVEN > 0) & (_EVEN < 1), _EVEN + _ASIDE, _EVEN)
 """Positions of the samples in an interval: uneven, so that a curve that repeats does not look
 straight.
 """
-END_DIRECTION_PARTS: Final = np.array([1e-4, 2e-4, 1 - 1e-4, 1 - 2e-4])
+_END_DIRECTION_PARTS: Final = np.array([1e-4, 2e-4, 1 - 1e-4, 1 - 2e-4])
 """Positions in an interval at which the directions at the ends are computed."""
 
-Flags = NDArray[np.bool_]
+_Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class Fit:
     within: bool = True
 
 
-NO_FIT: Final = Fit((), math.inf, False)
+_NO_FIT: Final = Fit((), math.inf, False)
 
 
 def fit_curve(curve: FreeCurve, tolerance: float) -> Fit:
@@ -75,26 +75,26 @@ def fit_curve(curve: FreeCurve, tolerance: float) -> Fit:
 def _fit_intervals(curve: FreeCurve, tolerance: float) -> Fit:
     todo = _first_intervals(curve.breaks)
     done: list[_Biarcs] = []
-    for _ in range(MOST_ROUNDS):
+    for _ in range(_MOST_ROUNDS):
         tried = _Biarcs.of(curve, todo, tolerance)
         if not tried.finite:
-            return NO_FIT
+            return _NO_FIT
         done.append(tried.where(tried.fits))
         rest = todo[~tried.fits]
         if not len(rest):
             break
-        if len(rest) > MOST_PIECES:
-            return NO_FIT
+        if len(rest) > _MOST_PIECES:
+            return _NO_FIT
         middle = rest.mean(axis=1)
         todo = np.stack([np.c_[rest[:, 0], middle], np.c_[middle, rest[:, 1]]], 1).reshape(-1, 2)
     else:
-        return NO_FIT
+        return _NO_FIT
     fitted = _joined_neighbours(curve, _Biarcs.concatenated(done), tolerance)
     deviation = float(fitted.deviation.max(initial=0.0))
     pieces = [replace(p, layer=curve.layer, handle=curve.handle) for p in fitted.pieces()]
     if pieces and curve.closed:
         pieces[-1] = replace(pieces[-1], end=pieces[0].start)
-    return Fit(tuple(_joined_arcs(pieces, tolerance * STRAIGHT_PART * 10)), deviation)
+    return Fit(tuple(_joined_arcs(pieces, tolerance * _STRAIGHT_PART * 10)), deviation)
 
 
 def _first_intervals(breaks: tuple[float, ...]) -> Points:
@@ -121,18 +121,18 @@ class _Biarcs:
     last: Points
     joint: Points
     via: Points
-    flat: Flags
-    line: Flags
-    fits: Flags
+    flat: _Flags
+    line: _Flags
+    fits: _Flags
     deviation: Points
 
     @staticmethod
     def of(curve: FreeCurve, intervals: Points, tolerance: float) -> _Biarcs:
         k = len(intervals)
         span = np.diff(intervals, axis=1)
-        steps = np.concatenate([SAMPLE_PARTS, END_DIRECTION_PARTS])
+        steps = np.concatenate([_SAMPLE_PARTS, _END_DIRECTION_PARTS])
         points = curve.at(intervals[:, :1] + span * steps).reshape(k, -1, 3)
-        points, near = points[:, :INTERVAL_SAMPLES], points[:, INTERVAL_SAMPLES:]
+        points, near = points[:, :_INTERVAL_SAMPLES], points[:, _INTERVAL_SAMPLES:]
         p, q = points[:, 0], points[:, -1]
         v = q - p
         # One-sided differences of second order: a corner may stand right behind the end.
@@ -152,10 +152,10 @@ class _Biarcs:
         distance = np.minimum(*(a.distance(points) for a in arcs)).max(axis=1)
         straight = _distances_to_segments(points, p, q).max(axis=1)
         spread = np.linalg.norm(points - points[:, :1], axis=2).max(axis=1)
-        line = (straight <= tolerance * STRAIGHT_PART) | (spread <= 0.5 * tolerance)
-        narrow = np.maximum(arcs[0].sweep, arcs[1].sweep) <= WIDEST_BIARC
+        line = (straight <= tolerance * _STRAIGHT_PART) | (spread <= 0.5 * tolerance)
+        narrow = np.maximum(arcs[0].sweep, arcs[1].sweep) <= _WIDEST_BIARC
         round_ = (
-            known & narrow & (distance <= tolerance) & (_sharpest_turn(points) <= SHARPEST_TURN)
+            known & narrow & (distance <= tolerance) & (_sharpest_turn(points) <= _SHARPEST_TURN)
         )
         return _Biarcs(
             intervals,
@@ -173,7 +173,7 @@ class _Biarcs:
     def finite(self) -> bool:
         return bool(np.isfinite(self.first).all() and np.isfinite(self.deviation).all())
 
-    def where(self, chosen: Flags) -> _Biarcs:
+    def where(self, chosen: _Flags) -> _Biarcs:
         return _Biarcs(*(column[chosen] for column in self._columns()))
 
     @staticmethod
@@ -224,7 +224,7 @@ class _Arcs:
     inward: Points
     radius: Points
     sweep: Points
-    flat: Flags
+    flat: _Flags
 
     @staticmethod
     def of(start: Points, tangent: Points, end: Points) -> _Arcs:
@@ -310,7 +310,7 @@ def _are_on_one_circle(a: Arc, b: Arc, near: float) -> bool:
         math.dist(a.centre, b.centre) <= near
         and abs(a.radius - b.radius) <= near
         and math.dist(a.normal, b.normal) <= 1e-4
-        and a.sweep + b.sweep <= CONTROLLER_SWEEP
+        and a.sweep + b.sweep <= _CONTROLLER_SWEEP
     )
 
 

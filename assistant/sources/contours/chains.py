@@ -5,7 +5,7 @@ other loose end within the tolerance. Exact meetings go first, so that a contour
 are shorter than the tolerance keeps all of them.
 
 `without_overlaps` cuts curves that lie in part on others, so that each stretch is followed once.
-`pairs_within` finds near points with a grid in O(n log n), without looking at pairs in Python.
+`_pairs_within` finds near points with a grid in O(n log n), without looking at pairs in Python.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ from assistant.sources.contours.curves import (
 
 Indices = NDArray[np.intp]
 
-MOST_CELL_NEIGHBOURS: Final = 64
+_MOST_CELL_NEIGHBOURS: Final = 64
 """Neighbours a point is compared with in one grid cell; keeps crowds of points linear."""
 
-CELL_KEY_PRIMES: Final = np.array([73856093, 19349663, 83492791], dtype=np.int64)
+_CELL_KEY_PRIMES: Final = np.array([73856093, 19349663, 83492791], dtype=np.int64)
 """Weights of a cell's three indices in its key; a collision only costs a comparison."""
 
-HALF_NEIGHBOURS: Final = np.array(
+_HALF_NEIGHBOURS: Final = np.array(
     [
         *[(0, 0, 1), (0, 1, -1), (0, 1, 0), (0, 1, 1)],
         *[(1, y, z) for y in (-1, 0, 1) for z in (-1, 0, 1)],
@@ -53,19 +53,19 @@ HALF_NEIGHBOURS: Final = np.array(
 """One of each pair of opposite neighbours of a cell."""
 
 
-def pairs_within(points: Points, distance: float) -> tuple[Indices, Indices, Points]:
+def _pairs_within(points: Points, distance: float) -> tuple[Indices, Indices, Points]:
     """Pairs i < j of points (n, 3) at most `distance` apart, and how far apart they are.
 
     Sorted by distance, then i, then j. Of more than `MOST_IN_CELL` points in one cube of
     that size not all pairs come, yet enough to reach each of the points from any other.
     """
     cells = np.floor(points / distance).astype(np.int64)
-    keys = (cells * CELL_KEY_PRIMES).sum(axis=1)
+    keys = (cells * _CELL_KEY_PRIMES).sum(axis=1)
     order = np.argsort(keys, kind="stable")
     ranked = keys[order]
     here = np.arange(len(points))
     found = [_expand(order, order, here + 1, np.searchsorted(ranked, ranked, "right"))]
-    for offset in (HALF_NEIGHBOURS * CELL_KEY_PRIMES).sum(axis=1):
+    for offset in (_HALF_NEIGHBOURS * _CELL_KEY_PRIMES).sum(axis=1):
         wanted = ranked + offset
         first, last = (np.searchsorted(ranked, wanted, side) for side in ("left", "right"))
         found.append(_expand(order, order, first, last))
@@ -77,7 +77,7 @@ def pairs_within(points: Points, distance: float) -> tuple[Indices, Indices, Poi
     return low[ranks], high[ranks], apart[ranks]
 
 
-def clusters(count: int, one: Indices, two: Indices) -> Indices:
+def _clusters(count: int, one: Indices, two: Indices) -> Indices:
     """For each of `count` things the smallest one that pairs (one, two) connect it to."""
     root = list(range(count))
 
@@ -97,7 +97,7 @@ def _expand(
     order: Indices, candidates: Indices, first: Indices, last: Indices
 ) -> tuple[Indices, Indices]:
     """Pairs of order[k] with each of candidates[first[k] : last[k]], the count bounded."""
-    counts = np.clip(last - first, 0, MOST_CELL_NEIGHBOURS)
+    counts = np.clip(last - first, 0, _MOST_CELL_NEIGHBOURS)
     starts = np.repeat(np.cumsum(counts) - counts, counts)
     within = np.arange(counts.sum()) - starts + np.repeat(first, counts)
     return np.repeat(order, counts), candidates[within]
@@ -106,52 +106,52 @@ def _expand(
 EXACT_MEETING: Final = 1e-4
 """mm within which two ends are one point, and below which a curve has no length."""
 
-CHORD_PART: Final = 0.1
+_CHORD_PART: Final = 0.1
 """Part of a distance that chords may be off where curves are compared with it."""
 
-FARTHEST: Final = 1e7
+_FARTHEST: Final = 1e7
 """mm from the origin; a coordinate beyond 10 km is no work piece but a broken file."""
 
-LONGEST_SPUR: Final = 0.4
+_LONGEST_SPUR: Final = 0.4
 """Tolerances that a curve is long at most to be left out where it sticks out of a contour."""
 
-CIRCLE_QUADRANTS: Final = (0.0, 0.25, 0.5, 0.75)
+_CIRCLE_QUADRANTS: Final = (0.0, 0.25, 0.5, 0.75)
 
-NOT_A_PLACE = error(
+_NOT_A_PLACE = error(
     "CT101",
     "a curve on layer {layer!r} has a coordinate that is no number, or is beyond 10 km",
     "delete or redraw it near the origin",
 )
-NO_LENGTH = info(
+_NO_LENGTH = info(
     "CT102",
     "{count} curves without length on layer {layer!r} are left out",
     "delete them in the drawing",
 )
-DUPLICATE = warning(
+_DUPLICATE = warning(
     "CT103",
     "{count} curves on layer {layer!r} are drawn again over others and are followed once only",
     "delete the copies (OVERKILL in most CAD programs); move one that is meant to be run twice",
 )
-JUNCTION = info(
+_JUNCTION = info(
     "CT104",
     "more than two curves on layer {layer!r} meet at {count} points; contours are split there",
     "move the branches to a layer of their own if one contour should run through",
 )
-GAP = info(
+_GAP = info(
     "CT105",
     "{count} gaps of up to {largest:.4f} mm on layer {layer!r} are closed",
     "draw with object snap, or give a smaller `tolerance` to keep the ends apart",
 )
 
 
-WIDE_GAP = warning(
+_WIDE_GAP = warning(
     "CT107",
     "{count} gaps on layer {layer!r} of {smallest:.4f} to {largest:.4f} mm are wider than the"
     " tolerance of {tolerance:g} mm: the contours are open there",
     "close them in the drawing, or give a larger `tolerance` in the process file",
 )
 
-WIDEST_GAP: Final = 10.0
+_WIDEST_GAP: Final = 10.0
 """Tolerances of a gap at most that is hardly meant."""
 
 
@@ -193,7 +193,7 @@ class Contour:
             return np.concatenate([self.curves[i].at([part]) for i, part in self.starts])
         only = self.curves[0]
         if len(self.curves) == 1 and isinstance(only, Arc):
-            return only.at(CIRCLE_QUADRANTS)
+            return only.at(_CIRCLE_QUADRANTS)
         return np.array([c.start for c in self.curves])
 
     def starting_at(self, vertex: int) -> Contour:
@@ -247,7 +247,7 @@ def wide_gaps(contours: Sequence[Contour], tolerance: float) -> list[Diagnostic]
     used: set[int] = set()
     found: list[float] = []
     pairs = zip(
-        *(column.tolist() for column in pairs_within(ends, WIDEST_GAP * tolerance)), strict=True
+        *(column.tolist() for column in _pairs_within(ends, _WIDEST_GAP * tolerance)), strict=True
     )
     for a, b, gap in pairs:
         long = min(lengths[a // 2], lengths[b // 2]) > 4.0 * gap
@@ -257,40 +257,40 @@ def wide_gaps(contours: Sequence[Contour], tolerance: float) -> list[Diagnostic]
     if not found:
         return []
     sizes: dict[str, Any] = {"smallest": min(found), "largest": max(found)}
-    return [WIDE_GAP(layer=open_[0].layer, count=len(found), tolerance=tolerance, **sizes)]
+    return [_WIDE_GAP(layer=open_[0].layer, count=len(found), tolerance=tolerance, **sizes)]
 
 
-COMPARED_PARTS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
+_COMPARED_PARTS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
 def _chain_layer(curves: list[Curve], tolerance: float) -> tuple[list[Contour], list[Diagnostic]]:
     layer, findings = curves[0].layer, []
     with np.errstate(invalid="ignore", over="ignore"):
-        points = sample(curves, COMPARED_PARTS)  # what is no number comes out as none
-    placed = np.all(np.abs(points) < FARTHEST, axis=(1, 2)).astype(bool)
+        points = sample(curves, _COMPARED_PARTS)  # what is no number comes out as none
+    placed = np.all(np.abs(points) < _FARTHEST, axis=(1, 2)).astype(bool)
     lengths = np.array([c.length if ok else 0.0 for c, ok in zip(curves, placed, strict=True)])
     placed &= np.isfinite(lengths)
     findings += [
-        NOT_A_PLACE(layer=layer, place=_curve_position(curves[i])) for i in np.flatnonzero(~placed)
+        _NOT_A_PLACE(layer=layer, place=_curve_position(curves[i])) for i in np.flatnonzero(~placed)
     ]
     long = lengths > EXACT_MEETING
     kept = np.flatnonzero(placed & long)
     again = kept[_duplicates([curves[i] for i in kept], points[kept], lengths[kept], tolerance)]
     if again.size:
-        findings.append(_count_finding(DUPLICATE, layer, [curves[i] for i in again]))
+        findings.append(_count_finding(_DUPLICATE, layer, [curves[i] for i in again]))
     kept = np.setdiff1d(kept, again)
     spurs = kept[_spurs([curves[i] for i in kept], points[kept], lengths[kept], tolerance)]
     empty = np.concatenate([np.flatnonzero(placed & ~long), spurs])
     if empty.size:
-        findings.append(_count_finding(NO_LENGTH, layer, [curves[i] for i in empty]))
+        findings.append(_count_finding(_NO_LENGTH, layer, [curves[i] for i in empty]))
     kept = np.setdiff1d(kept, spurs)
     if not kept.size:
         return [], findings
     graph = _Graph.of([curves[i] for i in kept], points[kept], lengths[kept], tolerance)
     if graph.gaps:
-        findings.append(GAP(layer=layer, count=len(graph.gaps), largest=max(graph.gaps)))
+        findings.append(_GAP(layer=layer, count=len(graph.gaps), largest=max(graph.gaps)))
     if graph.junctions:
-        findings.append(JUNCTION(layer=layer, count=graph.junctions))
+        findings.append(_JUNCTION(layer=layer, count=graph.junctions))
     return list(graph.contours(layer)), findings
 
 
@@ -321,7 +321,7 @@ def _duplicates(curves: list[Curve], points: Points, lengths: Points, tolerance:
         (np.flatnonzero(near >= tolerance), tolerance),
         (np.flatnonzero(near < tolerance), min(EXACT_MEETING, tolerance)),
     ):
-        one, two, _ = pairs_within(compared[chosen, 2], radius)
+        one, two, _ = _pairs_within(compared[chosen, 2], radius)
         one, two = chosen[one], chosen[two]
         apart = np.minimum(
             np.linalg.norm(compared[one] - compared[two], axis=2).max(axis=1, initial=0.0),
@@ -346,7 +346,7 @@ def _run_alike(one: Curve, two: Curve, near: float) -> bool:
     """
     if not isinstance(one, FreeCurve) and not isinstance(two, FreeCurve):
         return True
-    a, b = (chorded(curve, CHORD_PART * near) for curve in (one, two))
+    a, b = (chorded(curve, _CHORD_PART * near) for curve in (one, two))
     return min(_farthest(a, b), _farthest(a, b[::-1])) <= near
 
 
@@ -379,7 +379,7 @@ def _five_of_circles(circles: list[Arc]) -> Points:
 
 def _spurs(curves: list[Curve], points: Points, lengths: Points, tolerance: float) -> Indices:
     """Indices of curves that are next to nothing and stick out of where others meet."""
-    short = np.flatnonzero(lengths < LONGEST_SPUR * tolerance)
+    short = np.flatnonzero(lengths < _LONGEST_SPUR * tolerance)
     if not short.size:
         return short
     nodes = _nodes(curves, points, tolerance)
@@ -390,8 +390,8 @@ def _spurs(curves: list[Curve], points: Points, lengths: Points, tolerance: floa
 def _nodes(curves: list[Curve], points: Points, tolerance: float) -> Rows:
     """Return the nodes (n, 2) where curves start and end: ends that meet exactly share one."""
     ends = points[:, [0, -1]].reshape(-1, 3)
-    one, two, _ = pairs_within(ends, min(EXACT_MEETING, tolerance))
-    nodes = clusters(len(ends), one, two).reshape(-1, 2)
+    one, two, _ = _pairs_within(ends, min(EXACT_MEETING, tolerance))
+    nodes = _clusters(len(ends), one, two).reshape(-1, 2)
     for i, curve in enumerate(curves):
         if curve.closed:
             nodes[i, 1] = nodes[i, 0]
@@ -473,7 +473,7 @@ def _join_loose_ends(
     are near each other anyway.
     """
     loose = np.flatnonzero(_degrees(nodes) == 1)
-    one, two, apart = pairs_within(ends[loose], tolerance)
+    one, two, apart = _pairs_within(ends[loose], tolerance)
     chains = _Chains(nodes, lengths)
     long = (lengths > 2.0 * tolerance).tolist()
     used: set[int] = set()
@@ -488,14 +488,14 @@ def _join_loose_ends(
             joined.append((a, b))
             gaps.append(gap)
     low, high = np.array(joined, dtype=np.intp).reshape(-1, 2).T
-    return clusters(nodes.size, low, high)[nodes], gaps
+    return _clusters(nodes.size, low, high)[nodes], gaps
 
 
 class _Chains:
     """Which curves hang together, and how long the whole is."""
 
     def __init__(self, nodes: Rows, lengths: Points) -> None:
-        root = clusters(nodes.size, nodes[:, 0], nodes[:, 1])
+        root = _clusters(nodes.size, nodes[:, 0], nodes[:, 1])
         self._root = root.tolist()
         self._length = np.bincount(root[nodes[:, 0]], lengths, nodes.size).tolist()
 
@@ -515,25 +515,25 @@ class _Chains:
         return i
 
 
-SHORTEST_PART: Final = 1e-4
-LEAST_OVERLAP: Final = 2.0
+_SHORTEST_PART: Final = 1e-4
+_LEAST_OVERLAP: Final = 2.0
 """Tolerances of a stretch that counts as an overlap: ends that run a little over are no more."""
 
-OVERLAP = warning(
+_OVERLAP = warning(
     "CT106",
     "{count} curves on layer {layer!r} lie in part on others, over {length:.2f} mm, which is"
     " followed once only",
     "trim them in the drawing; move one that is meant to be run twice to a layer of its own",
 )
-MOST_NEIGHBOURS: Final = 64
+_MOST_NEIGHBOURS: Final = 64
 """Largest mean number of neighbours of a curve that are examined: crowds of them are not an
 outline.
 """
-OVERLAP_BATCH: Final = 256
+_OVERLAP_BATCH: Final = 256
 """Curves whose neighbours are searched together."""
 
-LineOrArc = Line | Arc
-CoveredStretch = tuple[float, float, Vector, Vector]
+_LineOrArc = Line | Arc
+_CoveredStretch = tuple[float, float, Vector, Vector]
 """From and to which part of a curve another one covers it, and the points there."""
 
 
@@ -546,7 +546,7 @@ def without_overlaps(
     near = _near_pairs(curves, tolerance)
     if not near:
         return [*curves], []
-    covers: dict[int, list[CoveredStretch]] = {}
+    covers: dict[int, list[_CoveredStretch]] = {}
     lengths = [curve.length for curve in curves]
     for one, two in near:
         if abs(lengths[one] - lengths[two]) <= tolerance and _are_copies(
@@ -570,7 +570,7 @@ def without_overlaps(
         made += parts
     if not count:
         return made, []
-    return made, [OVERLAP(layer=curves[0].layer, count=count, length=length)]
+    return made, [_OVERLAP(layer=curves[0].layer, count=count, length=length)]
 
 
 def _are_copies(one: Curve, two: Curve, tolerance: float) -> bool:
@@ -587,7 +587,7 @@ def _near_pairs(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, in
         return []
     import shapely
 
-    pieces: list[LineOrArc] = [curves[i] for i in rows]  # type: ignore[misc]
+    pieces: list[_LineOrArc] = [curves[i] for i in rows]  # type: ignore[misc]
     counts = chord_counts(pieces, 0.5 * tolerance) + 1
     owner = np.repeat(np.arange(len(rows)), counts)
     begins = np.cumsum(counts) - counts
@@ -597,13 +597,13 @@ def _near_pairs(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, in
     lines = shapely.linestrings(points[:, axes], indices=owner)
     tree = shapely.STRtree(lines)
     found, seen = [np.empty((2, 0), dtype=np.intp)], 0
-    for first in range(0, len(lines), OVERLAP_BATCH):
-        some = lines[first : first + OVERLAP_BATCH]
+    for first in range(0, len(lines), _OVERLAP_BATCH):
+        some = lines[first : first + _OVERLAP_BATCH]
         near = tree.query(some, predicate="dwithin", distance=tolerance)
         near[0] += first
         found.append(near[:, near[0] < near[1]])
         seen += near.shape[1]
-        if seen > MOST_NEIGHBOURS * len(lines):
+        if seen > _MOST_NEIGHBOURS * len(lines):
             break
     one, two = np.concatenate(found, axis=1)
     arcs = np.array([isinstance(curves[i], Arc) for i in rows])
@@ -620,7 +620,7 @@ def _is_measurable(curve: Curve) -> bool:
     if not isinstance(curve, Line | Arc):
         return False
     size = max(map(abs, (*curve.start, *curve.end)))
-    return size < FARTHEST and curve.length > SHORTEST_PART
+    return size < _FARTHEST and curve.length > _SHORTEST_PART
 
 
 def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:
@@ -637,12 +637,12 @@ def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:
     across = arms - places[..., None] * along[:, None]
     off = across[:, :1] + share[..., None] * (across[:, 1:] - across[:, :1])
     beside = np.linalg.norm(off, axis=2).max(axis=1) <= tolerance
-    return np.asarray(beside & (high - low > LEAST_OVERLAP * tolerance))
+    return np.asarray(beside & (high - low > _LEAST_OVERLAP * tolerance))
 
 
 def _covered_stretches(
-    piece: LineOrArc, other: LineOrArc, tolerance: float
-) -> list[CoveredStretch]:
+    piece: _LineOrArc, other: _LineOrArc, tolerance: float
+) -> list[_CoveredStretch]:
     """Return the stretches of a piece that lie on another one of its kind."""
     if isinstance(piece, Line):
         way = np.subtract(piece.end, piece.start)
@@ -658,7 +658,7 @@ def _covered_stretches(
     forward = float(np.dot(piece.normal, other.normal)) > 0.0
     first, last = _piece_ends(other) if forward else reversed(_piece_ends(other))
     begin, sweep = _degrees_to(piece, first), piece.sweep
-    found: list[CoveredStretch] = []
+    found: list[_CoveredStretch] = []
     for low in (begin, begin - 360.0):
         found += _covered_stretch(
             low / sweep, (low + other.sweep) / sweep, first, last, piece, tolerance
@@ -667,18 +667,18 @@ def _covered_stretches(
 
 
 def _covered_stretch(
-    low: float, high: float, first: Vector, last: Vector, piece: LineOrArc, tolerance: float
-) -> list[CoveredStretch]:
+    low: float, high: float, first: Vector, last: Vector, piece: _LineOrArc, tolerance: float
+) -> list[_CoveredStretch]:
     if low <= 0.0:
         low, first = 0.0, piece.start
     if high >= 1.0:
         high, last = 1.0, piece.end
-    if (high - low) * piece.length <= LEAST_OVERLAP * tolerance:
+    if (high - low) * piece.length <= _LEAST_OVERLAP * tolerance:
         return []
     return [(low, high, first, last)]
 
 
-def _piece_ends(piece: LineOrArc) -> tuple[Vector, Vector]:
+def _piece_ends(piece: _LineOrArc) -> tuple[Vector, Vector]:
     return piece.start, piece.end
 
 
@@ -695,10 +695,10 @@ def _degrees_to(arc: Arc, point: Vector) -> float:
 
 
 def _uncovered_parts(
-    piece: LineOrArc, stretches: Sequence[CoveredStretch], tolerance: float
-) -> list[LineOrArc]:
+    piece: _LineOrArc, stretches: Sequence[_CoveredStretch], tolerance: float
+) -> list[_LineOrArc]:
     """Return the parts of a piece between stretches that are longer than the tolerance."""
-    made: list[LineOrArc] = []
+    made: list[_LineOrArc] = []
     at, point = 0.0, piece.start
     for low, high, first, last in [*sorted(stretches), (1.0, 1.0, piece.end, piece.end)]:
         if (low - at) * piece.length > tolerance:
@@ -709,8 +709,8 @@ def _uncovered_parts(
 
 
 def _piece_part(
-    piece: LineOrArc, parts: tuple[float, float], ends: tuple[Vector, Vector]
-) -> LineOrArc:
+    piece: _LineOrArc, parts: tuple[float, float], ends: tuple[Vector, Vector]
+) -> _LineOrArc:
     start, end = ends
     if isinstance(piece, Line):
         return replace(piece, start=start, end=end)

@@ -43,14 +43,14 @@ from assistant.sources.contours.curves import (
 )
 from assistant.sources.contours.moves import level_x_axis
 
-MORTON_BITS: Final = 20
+_MORTON_BITS: Final = 20
 """Bits of each coordinate in a Morton key; three make 60."""
-MORTON_SHIFTS: Final = (0.0, 0.236, 0.618)
+_MORTON_SHIFTS: Final = (0.0, 0.236, 0.618)
 """Parts of the extent that the curve is moved by, so that no border is one in all of them."""
-CANDIDATES_EACH_WAY: Final = 5
+_CANDIDATES_EACH_WAY: Final = 5
 """Points before and after on the curve that count as candidates."""
 
-BIT_SPREAD: Final = (
+_BIT_SPREAD: Final = (
     (32, 0x001F00000000FFFF),
     (16, 0x001F0000FF0000FF),
     (8, 0x100F00F00F00F00F),
@@ -60,16 +60,16 @@ BIT_SPREAD: Final = (
 """Shifts and masks that put two zero bits after each of 21 bits."""
 
 
-def near_owners(points: Points, owners: Rows, most: int) -> list[list[int]]:
+def _near_owners(points: Points, owners: Rows, most: int) -> list[list[int]]:
     """For each owner of points (m, 3) up to `most` others, the nearest first.
 
     owners: (m,), 0 to n - 1 and each of them there. Candidates are the neighbours along
     Morton curves (G. M. Morton, 1966) through the points.
     """
     pairs = []
-    for shift in MORTON_SHIFTS:
-        order = along_morton_curve(points, shift)
-        pairs += [np.stack([order[:-n], order[n:]]) for n in range(1, CANDIDATES_EACH_WAY + 1)]
+    for shift in _MORTON_SHIFTS:
+        order = _along_morton_curve(points, shift)
+        pairs += [np.stack([order[:-n], order[n:]]) for n in range(1, _CANDIDATES_EACH_WAY + 1)]
     one, two = np.concatenate(pairs, axis=1)
     apart = np.linalg.norm(points[one] - points[two], axis=1)
     a, b = owners[np.r_[one, two]], owners[np.r_[two, one]]
@@ -82,31 +82,31 @@ def near_owners(points: Points, owners: Rows, most: int) -> list[list[int]]:
     return lists
 
 
-def along_morton_curve(points: Points, shift: float = 0.0) -> Rows:
+def _along_morton_curve(points: Points, shift: float = 0.0) -> Rows:
     """The points (m, 3) in the order of a Morton curve."""
     if not len(points):
         return np.empty(0, dtype=np.intp)
     low = points.min(axis=0)
     extent = max(float((points.max(axis=0) - low).max()), 1e-9)
-    cells = ((points - low) / extent + shift) / (1.0 + max(MORTON_SHIFTS)) * (2**MORTON_BITS - 1)
+    cells = ((points - low) / extent + shift) / (1.0 + max(_MORTON_SHIFTS)) * (2**_MORTON_BITS - 1)
     bits = cells.astype(np.uint64)
-    for by, mask in BIT_SPREAD:
+    for by, mask in _BIT_SPREAD:
         bits = (bits | (bits << np.uint64(by))) & np.uint64(mask)
     x, y, z = bits.T
     return np.argsort(x | (y << np.uint64(1)) | (z << np.uint64(2)), kind="stable")
 
 
-TRIED_NEIGHBOURS: Final = 8
+_TRIED_NEIGHBOURS: Final = 8
 """Other contours that a contour is tried beside."""
-LOOKS_PER_CONTOUR: Final = 12
+_LOOKS_PER_CONTOUR: Final = 12
 """Looks at each contour, on the average, while improving a tour."""
-MANY_CONTOURS: Final = 2000
+_MANY_CONTOURS: Final = 2000
 """Contours over which the effort for all of them grows no further, but one look at each."""
-MOST_STARTS_TRIED: Final = 24
+_MOST_STARTS_TRIED: Final = 24
 """Vertices of a closed contour that are tried as its start."""
-LONGEST_MOVED_RUN: Final = 3
-LEAST_GAIN: Final = 1e-6
-FREE_CONTOUR: Final = -1
+_LONGEST_MOVED_RUN: Final = 3
+_LEAST_GAIN: Final = 1e-6
+_FREE_CONTOUR: Final = -1
 """Holder of a contour that none holds."""
 
 TourPoint = tuple[float, ...]
@@ -124,7 +124,7 @@ class TravelMeasure:
     apart: Callable[[TourPoint, TourPoint], float]
 
 
-BY_TRAVEL_LENGTH: Final = TravelMeasure(lambda points: points, math.dist)
+_BY_TRAVEL_LENGTH: Final = TravelMeasure(lambda points: points, math.dist)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,10 +152,10 @@ def order_contours(
         return ContourOrder(given, 0.0, 0.0)
     stops = [_Stop.of(c) for c in given]
     before, after, tour, timed = _improved_tour(
-        stops, list(holders) or [FREE_CONTOUR] * len(given), measure
+        stops, list(holders) or [_FREE_CONTOUR] * len(given), measure
     )
     made = tuple(tour.stops[c].contour() for c in tour.order)
-    allowed = all(holder == FREE_CONTOUR or i < holder for i, holder in enumerate(tour.holders))
+    allowed = all(holder == _FREE_CONTOUR or i < holder for i, holder in enumerate(tour.holders))
     if allowed and before <= after:
         return ContourOrder(given, before, before, timed)
     return ContourOrder(made, before, after, timed)
@@ -177,7 +177,7 @@ def order_points(points: Points, measure: TravelMeasure) -> PointOrder:
     if len(points) < 2:
         return PointOrder(given, 0.0, 0.0, measured=False)
     stops = [_Stop(None, points[i : i + 1], [0]) for i in given]
-    before, after, tour, timed = _improved_tour(stops, [FREE_CONTOUR] * len(stops), measure)
+    before, after, tour, timed = _improved_tour(stops, [_FREE_CONTOUR] * len(stops), measure)
     if before <= after:
         return PointOrder(given, before, before, timed)
     return PointOrder(tuple(tour.order), before, after, timed)
@@ -196,7 +196,7 @@ def _improved_tour(
     """A tour of stops, the travel before and after, and whether the measure could be taken."""
     points = np.concatenate([stop.points for stop in stops])
     places = None if measure is None else measure.places(points)
-    used = BY_TRAVEL_LENGTH if measure is None or places is None else measure
+    used = _BY_TRAVEL_LENGTH if measure is None or places is None else measure
     rest = iter(map(tuple, (points if places is None else places).tolist()))
     for stop in stops:
         stop.stand([next(rest) for _ in range(len(stop.points))])
@@ -235,7 +235,7 @@ class _Stop:
             return _Stop(contour, ends, [], fixed=contour.fixed)
         vertices = contour.vertices
         count = len(vertices)
-        tried = min(count, MOST_STARTS_TRIED)
+        tried = min(count, _MOST_STARTS_TRIED)
         rows = [i * count // tried for i in range(tried)]
         return _Stop(contour, vertices[rows], rows)
 
@@ -275,15 +275,15 @@ class _Tour:
         self.stops, self.holders, self.apart = stops, holders, measure.apart
         self.held: list[list[int]] = [[] for _ in stops]
         for stop, holder in enumerate(holders):
-            if holder != FREE_CONTOUR:
+            if holder != _FREE_CONTOUR:
                 self.held[holder].append(stop)
-        self.free = all(holder == FREE_CONTOUR for holder in holders)
+        self.free = all(holder == _FREE_CONTOUR for holder in holders)
         self.any_fixed = any(stop.fixed for stop in stops)
         ends = [stop.ends() for stop in stops]
         points = np.concatenate(ends)
         owners = np.repeat(np.arange(len(stops)), [len(e) for e in ends])
-        self.near = near_owners(points, owners, TRIED_NEIGHBOURS)
-        self.order = self._nearest_first(owners[along_morton_curve(points)].tolist())
+        self.near = _near_owners(points, owners, _TRIED_NEIGHBOURS)
+        self.order = self._nearest_first(owners[_along_morton_curve(points)].tolist())
         self.place = [0] * len(stops)
         for place, stop in enumerate(self.order):
             self.place[stop] = place
@@ -305,7 +305,7 @@ class _Tour:
             order.append(stop)
             here = self.stops[stop].exit
             open_ = [s for s in self.near[stop] if not done[s] and not waits[s]]
-            if (holder := self.holders[stop]) != FREE_CONTOUR:
+            if (holder := self.holders[stop]) != _FREE_CONTOUR:
                 waits[holder] -= 1
                 if not waits[holder]:
                     freed.append(holder)
@@ -345,7 +345,7 @@ class _Tour:
         """Looks at each stop until none gains any more, or the effort is spent."""
         n = len(self.order)
         waiting, queued = deque(self.order), [True] * n
-        effort = max(LOOKS_PER_CONTOUR * min(n, MANY_CONTOURS), n)
+        effort = max(_LOOKS_PER_CONTOUR * min(n, _MANY_CONTOURS), n)
         while waiting and effort > 0:
             effort -= 1
             stop = waiting.popleft()
@@ -358,7 +358,7 @@ class _Tour:
     def _look(self, stop: int) -> list[int]:
         """Makes the best change found near a stop; the stops whose links it changed."""
         changed = self._start_elsewhere(stop)
-        best = (LEAST_GAIN, 0, 0, -1, False)
+        best = (_LEAST_GAIN, 0, 0, -1, False)
         for change in self._changes(stop):
             gain = self._gain(*change)
             if gain > best[0] and self._allowed(*change):
@@ -392,7 +392,7 @@ class _Tour:
             a, b = (i, j) if i < j else (j, i)
             yield a + 1, b + 1, -1, True
             yield a, b, -1, True
-            for size in range(1, LONGEST_MOVED_RUN + 1):
+            for size in range(1, _LONGEST_MOVED_RUN + 1):
                 for low in {i, i - size + 1}:
                     high = low + size
                     if low < 0 or high > n or low <= j < high:
@@ -411,7 +411,7 @@ class _Tour:
         """True if after a change each stop still comes before its holder."""
         place, holders = self.place, self.holders
         moved = self.order[low:high]
-        later = [place[holders[s]] if holders[s] != FREE_CONTOUR else math.inf for s in moved]
+        later = [place[holders[s]] if holders[s] != _FREE_CONTOUR else math.inf for s in moved]
         if backwards and any(low <= p < high for p in later):
             return False
         if to > high:
@@ -460,7 +460,7 @@ class _Tour:
         before, after = self._exit(i - 1), self._entry(i + 1)
         costs = [self._link(before, p) + self._link(p, after) for p in it.choices]
         best = min(range(len(costs)), key=costs.__getitem__)
-        if costs[best] >= costs[it.chosen] - LEAST_GAIN:
+        if costs[best] >= costs[it.chosen] - _LEAST_GAIN:
             return []
         it.enter(best)
         return self.order[max(i - 1, 0) : i + 2]
@@ -473,11 +473,11 @@ class _Tour:
 
 
 NO_HOLDER: Final = -1
-HOLDER_BATCH: Final = 256
+_HOLDER_BATCH: Final = 256
 """Contours whose holders are searched together."""
-MOST_CROSSINGS: Final = 1 << 20
+_MOST_CROSSINGS: Final = 1 << 20
 """Sides of polygons times points that are processed together; bounds memory."""
-PROBED_PARTS: Final = (0.17, 0.5, 0.83)
+_PROBED_PARTS: Final = (0.17, 0.5, 0.83)
 """Parts of a contour's way that have to be inside, most of them: ends may touch the outline."""
 
 
@@ -501,9 +501,9 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
     outer = outer[np.argsort(areas[outer], kind="stable")]
     found = np.full(len(contours), NO_HOLDER, dtype=np.intp)
     middle = np.pad((low + high) / 2.0, ((0, 0), (0, 1)))
-    order = along_morton_curve(middle)
-    for first in range(0, len(order), HOLDER_BATCH):
-        inner = order[first : first + HOLDER_BATCH]
+    order = _along_morton_curve(middle)
+    for first in range(0, len(order), _HOLDER_BATCH):
+        inner = order[first : first + _HOLDER_BATCH]
         near = (low[outer] <= high[inner].max(axis=0)) & (high[outer] >= low[inner].min(axis=0))
         may = outer[near.all(axis=1)]
         held = (
@@ -569,7 +569,7 @@ def _polygon_area(outline: Points) -> float:
 
 def _probe_points(outline: Points) -> Points:
     """Points (k, 2) between corners of an outline."""
-    place = np.array(PROBED_PARTS) * (len(outline) - 1)
+    place = np.array(_PROBED_PARTS) * (len(outline) - 1)
     row = np.minimum(place.astype(np.intp), max(len(outline) - 2, 0))
     after = np.minimum(row + 1, len(outline) - 1)
     part = (place - row)[:, None]
@@ -579,7 +579,7 @@ def _probe_points(outline: Points) -> Points:
 def _are_inside(points: Points, outline: Points) -> Truths:
     """Which points (n, 2) a closed polygon (m, 2) is around, by the parity of crossings."""
     (x0, y0), (x1, y1) = outline.T, np.roll(outline, -1, axis=0).T
-    together = max(1, MOST_CROSSINGS // len(outline))
+    together = max(1, _MOST_CROSSINGS // len(outline))
     found = np.empty(len(points), dtype=bool)
     for first in range(0, len(points), together):
         x, y = points[first : first + together, :, None].transpose(1, 0, 2)
@@ -589,39 +589,39 @@ def _are_inside(points: Points, outline: Points) -> Truths:
     return found
 
 
-HOLDER_FIRST = warning(
+_HOLDER_FIRST = warning(
     "CT224",
     "{count} contours of layer {layer!r} come before others that lie inside them; what is cut out"
     " falls before its holes are done",
     "number or draw the inner ones first, or say inside_first = false",
 )
-NO_NUMBER = warning(
+_NO_NUMBER = warning(
     "CT225",
     "{count} of {all} contours of layer {layer!r} have no number beside them and come last, in the"
     " order of drawing",
     "write a text with a whole number beside each, on that layer",
 )
-TWO_NUMBERS = error(
+_TWO_NUMBERS = error(
     "CT226",
     "the numbers {one} and {other} on layer {layer!r} stand beside the same contour",
     "move each text to its own contour: the nearest one to its insertion point",
 )
-SAME_NUMBER = error(
+_SAME_NUMBER = error(
     "CT227",
     "the number {one} stands beside two contours of layer {layer!r}",
     "give each contour a number of its own",
 )
-NUMBER_BETWEEN_CONTOURS = error(
+_NUMBER_BETWEEN_CONTOURS = error(
     "CT228",
     "the number {one} on layer {layer!r} stands as near to one contour as to another",
     "move it nearer to its own one",
 )
 
-NUMBER_TEXT: Final = re.compile(r"[#(\s]*(\d{1,9})[.):\s]*")
+_NUMBER_TEXT: Final = re.compile(r"[#(\s]*(\d{1,9})[.):\s]*")
 """A text that numbers a contour: `3`, `3.`, `(3)`, `#3`."""
-LEAST_DISTANCE_GAP: Final = 0.1
+_LEAST_DISTANCE_GAP: Final = 0.1
 """mm by which the nearest contour has to be nearer than the next one."""
-OUTLINE_CHORDS: Final = 64
+_OUTLINE_CHORDS: Final = 64
 """Chords of each curve that is not a line, to which a text's distance is measured."""
 
 
@@ -637,7 +637,7 @@ class LayerText:
     @property
     def number(self) -> int | None:
         """Number that the text gives to a contour, None for a text that is not a number."""
-        found = NUMBER_TEXT.fullmatch(self.text)
+        found = _NUMBER_TEXT.fullmatch(self.text)
         return None if found is None else int(found[1])
 
 
@@ -662,9 +662,9 @@ def stated_order(
         numbers, findings = _numbers_of_contours(drawn, texts)
         rows.sort(key=lambda i: (numbers.get(i, math.inf), i))
     place = {row: at for at, row in enumerate(rows)}
-    early = {h for i, h in enumerate(holders) if h != FREE_CONTOUR and place[h] < place[i]}
+    early = {h for i, h in enumerate(holders) if h != _FREE_CONTOUR and place[h] < place[i]}
     if early:
-        findings.append(HOLDER_FIRST(count=len(early), layer=shown(contours[0].layer)))
+        findings.append(_HOLDER_FIRST(count=len(early), layer=shown(contours[0].layer)))
     made = tuple(contours[row] for row in rows)
     return ContourOrder(made, travel_length(contours), travel_length(made)), tuple(findings)
 
@@ -684,21 +684,21 @@ def _numbers_of_contours(
         apart = np.array([_distance_to_outline(one.at, outline) for outline in outlines])
         nearest = int(apart.argmin())
         if (
-            np.partition(apart, 1)[1] - apart[nearest] < LEAST_DISTANCE_GAP
+            np.partition(apart, 1)[1] - apart[nearest] < _LEAST_DISTANCE_GAP
             if len(apart) > 1
             else False
         ):
-            findings.append(NUMBER_BETWEEN_CONTOURS(place=place, layer=layer, one=number))
+            findings.append(_NUMBER_BETWEEN_CONTOURS(place=place, layer=layer, one=number))
         elif nearest in numbers:
             findings.append(
-                TWO_NUMBERS(place=place, layer=layer, one=numbers[nearest], other=number)
+                _TWO_NUMBERS(place=place, layer=layer, one=numbers[nearest], other=number)
             )
         elif number in numbers.values():
-            findings.append(SAME_NUMBER(place=place, layer=layer, one=number))
+            findings.append(_SAME_NUMBER(place=place, layer=layer, one=number))
         else:
             numbers[nearest] = number
     if without := len(contours) - len(numbers):
-        findings.append(NO_NUMBER(layer=layer, count=without, all=len(contours)))
+        findings.append(_NO_NUMBER(layer=layer, count=without, all=len(contours)))
     return numbers, findings
 
 
@@ -706,7 +706,7 @@ def _sampled_outline(contour: Contour) -> Floats:
     """Points (n, 3) of a line along it."""
     points = []
     for curve in contour.curves:
-        count = 2 if isinstance(curve, Line) else OUTLINE_CHORDS + 1
+        count = 2 if isinstance(curve, Line) else _OUTLINE_CHORDS + 1
         points.append(sample([curve], np.linspace(0.0, 1.0, count))[0])
     return np.concatenate(points)
 

@@ -1,7 +1,7 @@
 """Statements of one contour: approach, switch on, follow, switch off, retract.
 
 The start and the end of a contour are named targets. The targets above them are given relative to
-those, so that teaching one of them again moves all of it. `contour_outputs` sets outputs at other
+those, so that teaching one of them again moves all of it. `_contour_outputs` sets outputs at other
 positions on the contour than its ends; `FramedSurroundings` asks the surroundings of the process
 for a motion in its frame with its tool.
 """
@@ -66,25 +66,25 @@ from assistant.sources.process import (
     travel_seconds,
 )
 
-CONTOUR_TOO_SHORT = error(
+_CONTOUR_TOO_SHORT = error(
     "CT220",
     "a contour of layer {layer!r} is {length:.2f} mm long, too short for {what}",
     "give less of it, or put the contour on a layer of its own",
 )
-SWITCHED_OFF_TOO_LATE = error(
+_SWITCHED_OFF_TOO_LATE = error(
     "CT221",
     "the seconds of `off_before` are {wanted:.2f} mm of a contour of layer {layer!r}, of whose last"
     " move {length:.2f} mm lie before that place",
     "give `mm` alone, or fewer seconds",
 )
 
-SAME_POSITION: Final = 1e-6
+_SAME_POSITION: Final = 1e-6
 """mm that make no other place."""
-TRIGGER_DECIMALS: Final = 3
+_TRIGGER_DECIMALS: Final = 3
 """Decimals of mm along a move."""
 
 
-class NoRoomForOutputs(ValueError):
+class _NoRoomForOutputs(ValueError):
     """A contour has no room for an output: the rule, and the fields of its finding except the
     layer.
     """
@@ -96,7 +96,7 @@ class NoRoomForOutputs(ValueError):
 
 
 @dataclass(slots=True)
-class ContourOutputs:
+class _ContourOutputs:
     """Outputs of one contour.
 
     first, last: outputs that the moves to the start and up from the end set during the motion.
@@ -111,12 +111,12 @@ class ContourOutputs:
     after: list[Statement] = field(default_factory=list)
 
 
-def number_literal(value: float) -> Number:
+def _number_literal(value: float) -> Number:
     """A whole number where it is one."""
     return Number(int(value) if value == int(value) else value)
 
 
-def divided_at(layer: Layer, total: float) -> tuple[float, ...]:
+def _divided_at(layer: Layer, total: float) -> tuple[float, ...]:
     """Mm from the start at which a move is divided, as one move sets at one place only.
 
     total: of the contour.
@@ -127,20 +127,20 @@ def divided_at(layer: Layer, total: float) -> tuple[float, ...]:
     return ((on.mm + total - off.mm) / 2.0,)
 
 
-def contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -> ContourOutputs:
+def _contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -> _ContourOutputs:
     """Return the outputs along a contour.
 
     lengths, speeds: mm and mm/s of the rows of its path, (n,). up: mm of the retract from its end.
     Raises NoRoomForOutputs for an output that has no room on it.
     """
-    made, said = ContourOutputs(), layer.switching
+    made, said = _ContourOutputs(), layer.switching
     total = float(lengths.sum())
     on = said.on_after.mm if said.on_after is not None else 0.0
     off = said.off_before.mm if said.off_before is not None else 0.0
     if on + off >= total and (on or off):
         parts = (("on_after", on), ("off_before", off))
-        raise NoRoomForOutputs(
-            CONTOUR_TOO_SHORT,
+        raise _NoRoomForOutputs(
+            _CONTOUR_TOO_SHORT,
             length=total,
             what=" and ".join(f"{k} of {v:g} mm" for k, v in parts if v),
         )
@@ -151,33 +151,33 @@ def contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) ->
     else:
         made.before += _signal_statements(layer.on)
     if layer.delay > 0.0:
-        made.before.append(Wait(number_literal(layer.delay)))
+        made.before.append(Wait(_number_literal(layer.delay)))
     if said.off_before is not None:
         row = _note_triggers(made, lengths, total - off, _triggers_at(layer.off, said.off_before))
         ahead = said.off_before.seconds * float(speeds[row])
         room = total - off - float(lengths[:row].sum())
         if ahead > room:
-            raise NoRoomForOutputs(SWITCHED_OFF_TOO_LATE, wanted=ahead, length=room)
+            raise _NoRoomForOutputs(_SWITCHED_OFF_TOO_LATE, wanted=ahead, length=room)
     elif said.off_after is not None and said.off_after.mm:
         up_to = SwitchPoint(up - said.off_after.mm)
         made.last = tuple(_triggers_at(layer.off, up_to))
     else:
         if said.off_after is not None:
-            made.after.append(Wait(number_literal(said.off_after.seconds)))
+            made.after.append(Wait(_number_literal(said.off_after.seconds)))
         made.after += _signal_statements(layer.off)
     return made
 
 
 def _note_triggers(
-    made: ContourOutputs, lengths: Floats, place: float, triggers: Iterable[Trigger]
+    made: _ContourOutputs, lengths: Floats, place: float, triggers: Iterable[Trigger]
 ) -> int:
     """Notes what is set at mm from the start at the row whose move leads there, and gives it.
 
     A place between two moves is the beginning of the second one, which a corner does not move.
     """
     ends = np.cumsum(lengths)
-    row = min(int(np.searchsorted(ends, place + SAME_POSITION, "right")), len(ends) - 1)
-    left = number_literal(round(float(ends[row]) - place, TRIGGER_DECIMALS))
+    row = min(int(np.searchsorted(ends, place + _SAME_POSITION, "right")), len(ends) - 1)
+    left = _number_literal(round(float(ends[row]) - place, _TRIGGER_DECIMALS))
     found = tuple(
         Trigger(one.signal, one.value, left, one.measure, ahead=one.ahead) for one in triggers
     )
@@ -186,19 +186,19 @@ def _note_triggers(
 
 
 def _triggers_at(values: Iterable[tuple[str, float]], at: SwitchPoint) -> Iterator[Trigger]:
-    ahead = number_literal(at.seconds) if at.seconds else None
+    ahead = _number_literal(at.seconds) if at.seconds else None
     for signal, value in values:
         yield Trigger(
             signal,
-            number_literal(value),
-            number_literal(round(at.mm, TRIGGER_DECIMALS)),
+            _number_literal(value),
+            _number_literal(round(at.mm, _TRIGGER_DECIMALS)),
             "end",
             ahead=ahead,
         )
 
 
 def _signal_statements(values: Iterable[tuple[str, float]]) -> Iterator[SetSignal]:
-    return (SetSignal(signal, number_literal(value)) for signal, value in values)
+    return (SetSignal(signal, _number_literal(value)) for signal, value in values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,7 +247,7 @@ def approach_of(
 def backed_off_target(target: str, distance: float, way: WayIn) -> Expression:
     """Mm away from a named target, in the direction of a way."""
     numbers = (
-        _number_expression(round(part * distance, BACKED_OFF_DECIMALS)) for part in way.direction
+        _number_expression(round(part * distance, _BACKED_OFF_DECIMALS)) for part in way.direction
     )
     return Apply("relative", (Name(target), *numbers))
 
@@ -262,29 +262,29 @@ def _number_expression(value: float) -> Number:
     return Number(int(value) if value == int(value) else value)
 
 
-BACKED_OFF_DECIMALS: Final = 3
+_BACKED_OFF_DECIMALS: Final = 3
 """Decimals of mm that a place is backed off by."""
 
 
-MOVING_FRAME = error(
+_MOVING_FRAME = error(
     "CT207",
     "contours of layer {layer!r} cannot be put from frame `{drawing}` into `{frame}`: "
     "one of them moves",
     "use a frame that stands still",
 )
-UNKNOWN_FRAME = error(
+_UNKNOWN_FRAME = error(
     "CT208",
     "there is no frame `{frame}` for layer {layer!r}",
     "define it under [frames] in the process file",
 )
 
-HALF_TURN: Final = 180.0 + 1e-6
+_HALF_TURN: Final = 180.0 + 1e-6
 """Degrees that a tool is wound up by over which the way back is another one."""
 
-PEAK_CHORD: Final = 1e-3
+_PEAK_CHORD: Final = 1e-3
 """Largest deviation in mm of chords of a free curve in the search for its highest point."""
 
-SAME_POSE: Final = 1e-6
+_SAME_POSE: Final = 1e-6
 """mm, degrees and parts of a quaternion that tell no two places apart."""
 
 
@@ -307,9 +307,9 @@ class PlacedLayer:
             frames = {BASE: Frame(), **process.frames}
             for frame in (drawing, wanted):
                 if frame not in frames:
-                    return UNKNOWN_FRAME(frame=shown(frame), layer=shown(name))
+                    return _UNKNOWN_FRAME(frame=shown(frame), layer=shown(name))
             if any(frames[f].held or frames[f].mechanism for f in (drawing, wanted)):
-                return MOVING_FRAME(layer=shown(name), drawing=drawing, frame=wanted)
+                return _MOVING_FRAME(layer=shown(name), drawing=drawing, frame=wanted)
             pose = frames[wanted].pose.inverse() @ frames[drawing].pose
         x, y, z = rotations.rotate(pose.quaternion, direction).tolist()
         return PlacedLayer(pose, (x, y, z))
@@ -367,13 +367,13 @@ def follow_contour(
     moved = placed.rows(drawn)
     flat = FLATTENING_PART * process.tolerance
     total = float(move_lengths(moved.start, moved.positions, moved.kinds).sum())
-    made = with_speeds(moved, layer.pace, divided_at(layer, total), flat)
+    made = with_speeds(moved, layer.pace, _divided_at(layer, total), flat)
     pose, path = _contour_path(name, made, layer, placed.direction, process.tolerance - flat)
     wound = degrees_turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
     start, end = (identifier(f"{name}_{k}", taken) for k in ("start", "end"))
     targets = {start: Target(pose)}
     last = path.target(len(path) - 1)
-    if abs(wound) < SAME_POSE and _are_same_poses(pose, last.pose):
+    if abs(wound) < _SAME_POSE and _are_same_poses(pose, last.pose):
         end = start
     else:
         targets[end] = last
@@ -382,7 +382,7 @@ def follow_contour(
     travel = replace(motion, speed=layer.travel, blend=above.blend)
     plunge = replace(motion, speed=_slower_motion(motion, layer.travel), blend=FINE)
     standing = FramedSurroundings.of(process, motion)
-    high = TravelHeights.of(layer, placed, top, pose, last.pose)
+    high = _TravelHeights.of(layer, placed, top, pose, last.pose)
     into = approach_of(standing, pose, high.before, start)
     out = into
     if (end, high.after) != (start, high.before):
@@ -390,8 +390,8 @@ def follow_contour(
     way = move_lengths(np.array(pose.position), path.positions, path.kinds)
     speeds = np.array([one.tcp if isinstance(one, Speed) else 0.0 for one in path.speeds])
     try:
-        switched = contour_outputs(layer, way, high.after, speeds[path.speed])
-    except NoRoomForOutputs as unfit:
+        switched = _contour_outputs(layer, way, high.after, speeds[path.speed])
+    except _NoRoomForOutputs as unfit:
         return FollowedContour((), {}, None, (unfit.rule(layer=shown(drawn_on), **unfit.fields),))
     statements: list[Statement] = []
     if high.before > 0.0:
@@ -454,20 +454,20 @@ def _path_statements(
 
 
 @dataclass(frozen=True, slots=True)
-class TravelHeights:
+class _TravelHeights:
     """Mm above the start and the end of a contour at which travel goes, 0 for on the work."""
 
     before: float
     after: float
 
     @staticmethod
-    def of(layer: Layer, placed: PlacedLayer, top: float, start: Pose, end: Pose) -> TravelHeights:
+    def of(layer: Layer, placed: PlacedLayer, top: float, start: Pose, end: Pose) -> _TravelHeights:
         """top: of the layer, see `highest`."""
         if layer.above.height is None:
-            return TravelHeights(layer.approach, layer.retract)
+            return _TravelHeights(layer.approach, layer.retract)
         above = top + layer.above.height
         up, down = (above + float(np.dot(p.position, placed.direction)) for p in (start, end))
-        return TravelHeights(round(up, 3), round(down, 3))
+        return _TravelHeights(round(up, 3), round(down, 3))
 
 
 def highest_point(contours: Sequence[Contour], placed: PlacedLayer) -> float:
@@ -484,7 +484,7 @@ def highest_point(contours: Sequence[Contour], placed: PlacedLayer) -> float:
 def _ends_and_peaks(curves: Sequence[Curve], turn: Floats, up: Points) -> Points:
     """Points (n, 3) of curves, the highest ones among them. up: seen from where `turn` leads."""
     found = [np.array([[curve.start, curve.end] for curve in curves]).reshape(-1, 3)]
-    found += [chorded(curve, PEAK_CHORD) for curve in curves if isinstance(curve, FreeCurve)]
+    found += [chorded(curve, _PEAK_CHORD) for curve in curves if isinstance(curve, FreeCurve)]
     arcs = [curve for curve in curves if isinstance(curve, Arc)]
     if arcs:
         above = rotations.to_matrix(turn).T @ up
@@ -494,10 +494,10 @@ def _ends_and_peaks(curves: Sequence[Curve], turn: Floats, up: Points) -> Points
         way = above - (normal @ above)[:, None] * normal
         size = np.linalg.norm(way, axis=1, keepdims=True)
         arm = np.linalg.norm(start - centre, axis=1, keepdims=True)
-        peak = arm * way / np.where(size > SAME_POSE, size, np.inf)
+        peak = arm * way / np.where(size > _SAME_POSE, size, np.inf)
         ahead = (cross(start - centre, peak) * normal).sum(axis=1)
         angle = np.degrees(np.arctan2(ahead, ((start - centre) * peak).sum(axis=1))) % 360.0
-        on = (size[:, 0] > SAME_POSE) & (angle <= arc_sweeps(arcs))
+        on = (size[:, 0] > _SAME_POSE) & (angle <= arc_sweeps(arcs))
         found.append((centre + peak)[on])
     return np.concatenate(found)
 
@@ -524,7 +524,7 @@ def travel_measure(
 def _are_same_poses(one: Pose, other: Pose) -> bool:
     """True if poses are the same except for rounding errors."""
     numbers = (*one.position, *one.quaternion), (*other.position, *other.quaternion)
-    return bool(np.allclose(*numbers, rtol=0.0, atol=SAME_POSE))
+    return bool(np.allclose(*numbers, rtol=0.0, atol=_SAME_POSE))
 
 
 def _travel_kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
@@ -540,7 +540,7 @@ def _travel_kind(wound: float | None, layer: Layer) -> Literal["joint", "linear"
         return layer.above.kind
     if not layer.tangential or not (layer.approach > 0.0 and layer.retract > 0.0):
         return "linear"
-    return "joint" if abs(wound) > HALF_TURN else "linear"
+    return "joint" if abs(wound) > _HALF_TURN else "linear"
 
 
 def _slower_motion(motion: Motion, travel: Speed) -> Speed:

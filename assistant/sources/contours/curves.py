@@ -26,14 +26,14 @@ Points = NDArray[np.float64]
 Evaluate = Callable[[NDArray[np.float64]], Points]
 """Parameters (m,) from 0 to 1 → points (m, 3) mm."""
 
-LENGTH_CHORDS: Final = 64
+_LENGTH_CHORDS: Final = 64
 """Chords a piece of a free curve is measured by; ample for sorting out empty ones."""
 
 
-MOST_CHORDS: Final = 20_000
-FEWEST_CHORDS: Final = 16
-MOST_HALVINGS: Final = 20
-CHORD_PARTS: Final = np.array([0.23, 0.52, 0.79])
+_MOST_CHORDS: Final = 20_000
+_FEWEST_CHORDS: Final = 16
+_MOST_HALVINGS: Final = 20
+_CHORD_PARTS: Final = np.array([0.23, 0.52, 0.79])
 """Positions in a chord at which a free curve is sampled: uneven, as many curves repeat."""
 
 
@@ -117,7 +117,7 @@ class Arc:
         if circle is None:
             return None
         centre, normal = circle
-        half = math.radians(0.5 * sweep_between(centre, normal, a, c))
+        half = math.radians(0.5 * _sweep_between(centre, normal, a, c))
         arm = _difference(a, centre)
         ahead = cross_product(normal, arm)
         cos, sin = math.cos(half), math.sin(half)
@@ -132,7 +132,7 @@ class Arc:
             return 360.0
         # Twice the way to via: exact where start and end are nearly one point.
         if self._sweep is None:
-            half = sweep_between(self.centre, self.normal, self.start, self.via)
+            half = _sweep_between(self.centre, self.normal, self.start, self.via)
             object.__setattr__(self, "_sweep", 2.0 * half)
             return 2.0 * half
         return self._sweep
@@ -144,7 +144,7 @@ class Arc:
     def at(self, parameters: ArrayLike) -> Points:
         t = np.asarray(parameters, dtype=np.float64).reshape(-1)
         centre, normal = np.asarray(self.centre), np.asarray(self.normal)
-        return turned_about(centre, normal, np.asarray(self.start), t * self.sweep)
+        return _turned_about(centre, normal, np.asarray(self.start), t * self.sweep)
 
     def reversed(self) -> Arc:
         x, y, z = self.normal
@@ -178,7 +178,7 @@ class FreeCurve:
     def length(self) -> float:
         """Sum of chords, which is a little short of the true length."""
         pieces = [
-            np.linspace(a, b, LENGTH_CHORDS, endpoint=False)
+            np.linspace(a, b, _LENGTH_CHORDS, endpoint=False)
             for a, b in zip(self.breaks, self.breaks[1:], strict=False)
         ]
         points = self.at(np.concatenate([*pieces, [1.0]]))
@@ -216,14 +216,14 @@ def sample(curves: Sequence[Curve], parameters: ArrayLike) -> Points:
             for name in ("start", "centre", "normal")
         )
         degrees = arc_sweeps([c for _, c in arcs])[:, None] * t
-        points[[i for i, _ in arcs]] = turned_about(centre, normal, start, degrees)
+        points[[i for i, _ in arcs]] = _turned_about(centre, normal, start, degrees)
     for i, curve in enumerate(curves):
         if isinstance(curve, FreeCurve):
             points[i] = curve.at(t)
     return points
 
 
-def chorded(curve: Curve, off: float, most: int = MOST_CHORDS) -> Points:
+def chorded(curve: Curve, off: float, most: int = _MOST_CHORDS) -> Points:
     """Points (m, 3) along a curve whose chords are at most `off` mm off, not many more than
     `most` of them. A free curve is divided until its inner points are that near to their chords.
     """
@@ -234,11 +234,11 @@ def chorded(curve: Curve, off: float, most: int = MOST_CHORDS) -> Points:
         count = min(max(math.ceil(math.radians(curve.sweep) / step), 4), most)
         return curve.at(np.linspace(0.0, 1.0, count + 1))
     breaks = np.asarray(curve.breaks)
-    each = max(2, math.ceil(FEWEST_CHORDS / (len(breaks) - 1)))
+    each = max(2, math.ceil(_FEWEST_CHORDS / (len(breaks) - 1)))
     parts = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(each) / each
     marks = np.append(parts.ravel(), breaks[-1])
-    for _ in range(MOST_HALVINGS):
-        inner = marks[:-1, None] + np.diff(marks)[:, None] * CHORD_PARTS
+    for _ in range(_MOST_HALVINGS):
+        inner = marks[:-1, None] + np.diff(marks)[:, None] * _CHORD_PARTS
         points, ends = curve.at(inner).reshape(len(inner), -1, 3), curve.at(marks)
         way = np.diff(ends, axis=0)
         size = np.maximum((way**2).sum(axis=1), 1e-300)
@@ -282,7 +282,7 @@ def circle_through(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector] | N
     return centre, (w[0] / length, w[1] / length, w[2] / length)
 
 
-def sweep_between(centre: Vector, normal: Vector, first: Vector, second: Vector) -> float:
+def _sweep_between(centre: Vector, normal: Vector, first: Vector, second: Vector) -> float:
     """Degrees from first to second about a unit normal, in [0, 360)."""
     u, v = _difference(first, centre), _difference(second, centre)
     angle = math.degrees(math.atan2(dot_product(cross_product(u, v), normal), dot_product(u, v)))
@@ -311,7 +311,7 @@ def cross_product(a: Vector, b: Vector) -> Vector:
     )
 
 
-def turned_about(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
+def _turned_about(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
     """`start` turned about the axis through centre by each of the degrees (..., m): (..., m, 3).
 
     Rodrigues' formula.
@@ -350,7 +350,7 @@ def points_at_parts(curves: Sequence[Line | Arc], rows: NDArray[np.intp], parts:
             np.array(list(map(attrgetter(name), arcs))) for name in ("centre", "normal")
         )
         degrees = arc_sweeps(arcs)[which] * parts[on]
-        points[on] = turned_about(centre[which], normal[which], start[rows[on]], degrees)
+        points[on] = _turned_about(centre[which], normal[which], start[rows[on]], degrees)
     return np.asarray(points)
 
 
@@ -367,7 +367,7 @@ Piece = Line | Arc
 PlanePoints = NDArray[np.float64]
 """(n, 2) mm."""
 
-HEIGHT_PARTS: Final = np.linspace(0.0, 1.0, 5)
+_HEIGHT_PARTS: Final = np.linspace(0.0, 1.0, 5)
 """Positions in a piece at which its height is sampled."""
 CHORD_TOLERANCE: Final = 0.05
 """Part of the tolerance that chords of an arc may be off where polygons stand for contours."""
@@ -375,8 +375,8 @@ CHORD_TOLERANCE: Final = 0.05
 
 def height_range(pieces: Sequence[Piece]) -> tuple[float, float]:
     """The lowest and the highest place of the pieces, mm against the tool."""
-    rows = np.repeat(np.arange(len(pieces)), len(HEIGHT_PARTS))
-    found = points_at_parts(pieces, rows, np.tile(HEIGHT_PARTS, len(pieces)))[:, 2]
+    rows = np.repeat(np.arange(len(pieces)), len(_HEIGHT_PARTS))
+    found = points_at_parts(pieces, rows, np.tile(_HEIGHT_PARTS, len(pieces)))[:, 2]
     return float(found.min()), float(found.max())
 
 
@@ -422,7 +422,7 @@ def chord_counts(pieces: Sequence[Piece], off: float) -> NDArray[np.intp]:
     return counts
 
 
-def chord_count(piece: Piece, off: float) -> int:
+def _chord_count(piece: Piece, off: float) -> int:
     """Return the number of chords that replace a piece, at most `off` mm off."""
     if isinstance(piece, Line):
         return 1
@@ -449,12 +449,12 @@ def tangent(piece: Piece, part: float) -> tuple[float, float]:
     return (x / size, y / size) if size > 0.0 else (0.0, 0.0)
 
 
-def cut_at(piece: Piece, part: float) -> tuple[Piece, Piece]:
+def _cut_at(piece: Piece, part: float) -> tuple[Piece, Piece]:
     """The piece in two, at a part of its length between 0 and 1."""
-    return piece_between_parts(piece, 0.0, part), piece_between_parts(piece, part, 1.0)
+    return _piece_between_parts(piece, 0.0, part), _piece_between_parts(piece, part, 1.0)
 
 
-def piece_between_parts(piece: Piece, first: float, last: float) -> Piece:
+def _piece_between_parts(piece: Piece, first: float, last: float) -> Piece:
     """From one part of a piece to another, its own ends kept as they are."""
     start, via, end = (vector(p) for p in piece.at([first, 0.5 * (first + last), last]))
     start = piece.start if first == 0.0 else start
@@ -473,7 +473,7 @@ def started_at(pieces: Sequence[Piece], at: int, part: float) -> tuple[Piece, ..
         start = piece.at([part])[0]
         sweep = (360.0, piece.layer, piece.handle)
         return (Arc.about(piece.centre, piece.normal, start, *sweep),)
-    before, after = cut_at(piece, part)
+    before, after = _cut_at(piece, part)
     return (after, *pieces[at + 1 :], *pieces[:at], before)
 
 
@@ -505,7 +505,7 @@ def first_stretch(pieces: Sequence[Piece], length: float) -> tuple[Piece, ...]:
             part = min(length / own, 1.0)
             whole = part > 1.0 - 1e-9
             made.append(
-                piece if whole and not piece.closed else piece_between_parts(piece, 0.0, part)
+                piece if whole and not piece.closed else _piece_between_parts(piece, 0.0, part)
             )
             break
         made.append(piece)

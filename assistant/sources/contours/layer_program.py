@@ -38,65 +38,65 @@ from assistant.sources.contours.moves import WIDEST_ARC, contour_moves
 from assistant.sources.contours.tool_paths import PathShaper, ShapedContour
 from assistant.sources.process import Layer, Process
 
-NOT_USED_ON_LAYER = warning(
+_NOT_USED_ON_LAYER = warning(
     "CT201",
     "not used on layer {layer!r}, which the process file does not have: {what}",
     "add [layers.{key}] to the process file, or leave_out = [{key}] at its top",
 )
-NO_CONTOURS = info(
+_NO_CONTOURS = info(
     "CT202", "the process file's layer {layer!r} has no contours in the drawing", "{cure}"
 )
-TOO_SMALL = warning(
+_TOO_SMALL = warning(
     "CT203",
     "a contour on layer {layer!r} is smaller than the tolerance of {tolerance:g} mm and left out",
     "give a smaller `tolerance`",
 )
-CURVE_NOT_FITTED = error(
+_CURVE_NOT_FITTED = error(
     "CT204",
     "a curve on layer {layer!r} cannot be followed within {tolerance:g} mm",
     "redraw it without jumps, or give a larger `tolerance`",
 )
-CURVES_FITTED = info(
+_CURVES_FITTED = info(
     "CT205",
     "{count} ellipses and splines on layer {layer!r} are followed by arcs and lines, "
     "at most {deviation:.4f} mm off",
     "give a smaller `tolerance` for more and shorter pieces",
 )
-TRAVEL_LENGTH_SAVED = info(
+_TRAVEL_LENGTH_SAVED = info(
     "CT206",
     "travel between the {count} contours of layer {layer!r} is {after:.0f} mm{inside}; "
     "it was {before:.0f} mm in the order of drawing",
     "",
 )
-TRAVEL_TIME_SAVED = info(
+_TRAVEL_TIME_SAVED = info(
     "CT209",
     "travel between the {count} contours of layer {layer!r} takes {after:.2f} s of joint moves at"
     " full speed{inside}; it was {before:.2f} s in the order of drawing",
     "",
 )
-SLOW_CORNERS = info(
+_SLOW_CORNERS = info(
     "CT222",
     "{count} corners of layer {layer!r} are gone round at {speed:g} mm/s: turns of {angle:g}"
     " degrees and more, arcs of up to {radius:g} mm",
     "",
 )
-NO_SLOW_CORNER = warning(
+_NO_SLOW_CORNER = warning(
     "CT223",
     "layer {layer!r} has no corner for `corner_speed`: no turn of {angle:g} degrees, no arc of up"
     " to {radius:g} mm",
     "give a smaller `corner_angle`, or a `corner_radius` as large as the rounded corners",
 )
-POINTS_LEFT_OUT = info(
+_POINTS_LEFT_OUT = info(
     "CT108",
     "{count} points on layer {layer!r} are left out, as the way without them is at most"
     " {deviation:.4f} mm off",
     "give a smaller `tolerance` to keep them",
 )
-WIDEST_TURN: Final = 120.0
+_WIDEST_TURN: Final = 120.0
 """Degrees of an arc over which the tool turns with the contour: a controller turns it the
 shorter way from start to end, which has to stay the way of the arc."""
 
-LONGEST_NAME_STEM: Final = 20
+_LONGEST_NAME_STEM: Final = 20
 """Letters of a layer's name that go into the names of its paths."""
 
 
@@ -138,7 +138,7 @@ def contour_program(
                 given = group[0].layer
                 key_shown = json.dumps(shown(given), ensure_ascii=False)
                 findings.append(
-                    NOT_USED_ON_LAYER(
+                    _NOT_USED_ON_LAYER(
                         what=_curves_in_words(group), layer=shown(given), key=key_shown
                     )
                 )
@@ -198,7 +198,7 @@ def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Dia
         if name.casefold() not in there:
             near = nearest(name, drawn)
             cure = f"did you mean {shown(near)}?" if near else "draw some, or delete its table"
-            findings.append(NO_CONTOURS(layer=shown(name), cure=cure))
+            findings.append(_NO_CONTOURS(layer=shown(name), cure=cure))
     return findings
 
 
@@ -239,7 +239,7 @@ def _layer_procedure(
     if len(contours) > 1 and layer.order == "travel":
         inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
         findings.append(
-            (TRAVEL_TIME_SAVED if order.measured else TRAVEL_LENGTH_SAVED)(
+            (_TRAVEL_TIME_SAVED if order.measured else _TRAVEL_LENGTH_SAVED)(
                 layer=shown(name),
                 count=len(contours),
                 before=order.before,
@@ -252,7 +252,7 @@ def _layer_procedure(
     stem = _path_name_stem(name, taken)
     targets: dict[str, Target] = {}
     body: list[Statement] = [Comment(_printable_line(f"{layer.process}: layer {name}"))]
-    widest = WIDEST_TURN if layer.tangential else WIDEST_ARC
+    widest = _WIDEST_TURN if layer.tangential else WIDEST_ARC
     deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
     thinned, dropped = 0.0, sum(one.dropped for one in kept)
     wound = 0.0 if before is not None and _is_reached_by_lines(before, layer) else None
@@ -271,10 +271,10 @@ def _layer_procedure(
         place = f"entity {handle}" if handle else None
         if not rows.within:
             findings.append(
-                CURVE_NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance)
+                _CURVE_NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance)
             )
         elif not len(rows):
-            findings.append(TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
+            findings.append(_TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
         else:
             count += 1
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
@@ -294,9 +294,9 @@ def _layer_procedure(
             taken.update(made.targets)
             wound = made.wound
     if fitted:
-        findings.append(CURVES_FITTED(layer=shown(name), count=fitted, deviation=deviation))
+        findings.append(_CURVES_FITTED(layer=shown(name), count=fitted, deviation=deviation))
     if dropped:
-        findings.append(POINTS_LEFT_OUT(layer=shown(name), count=dropped, deviation=thinned))
+        findings.append(_POINTS_LEFT_OUT(layer=shown(name), count=dropped, deviation=thinned))
     if count and (slow := layer.pace.corner) is not None:
         about: dict[str, Any] = {
             "layer": shown(name),
@@ -304,9 +304,9 @@ def _layer_procedure(
             "radius": layer.pace.radius,
         }
         findings.append(
-            SLOW_CORNERS(count=corners, speed=slow.tcp, **about)
+            _SLOW_CORNERS(count=corners, speed=slow.tcp, **about)
             if corners
-            else NO_SLOW_CORNER(**about)
+            else _NO_SLOW_CORNER(**about)
         )
     return ([Procedure(named, tuple(body))] if count else []), targets, findings
 
@@ -339,7 +339,7 @@ def _path_name_stem(layer: str, taken: TakenNames) -> str:
 
     Row k of path n is called stem_n_k, so `glue` and `glue_1` must not both be stems.
     """
-    base = identifier(layer.lower())[:LONGEST_NAME_STEM].rstrip("_")
+    base = identifier(layer.lower())[:_LONGEST_NAME_STEM].rstrip("_")
     candidate, counted = base, ("stem", base)
     if candidate in taken.stems:
         count = taken.counts.get(counted, 2)

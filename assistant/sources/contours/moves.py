@@ -39,14 +39,14 @@ from assistant.sources.contours.path_tolerance import (
 )
 from assistant.sources.process import SpeedProfile
 
-LEAST_CHORD: Final = 0.1
+_LEAST_CHORD: Final = 0.1
 """mm that start, via and end of a circular move have to be apart (RAPID MoveC)."""
-LEAST_SWEEP: Final = 4.04
+_LEAST_SWEEP: Final = 4.04
 """Degrees of one circular move, whose via and end are seen a quarter of it apart from its start;
 RAPID's MoveC asks for 1 degree."""
 WIDEST_ARC: Final = 240.0
 """Degrees of one circular move; ABB advises no more, and 360 cannot be expressed."""
-FITTING_PART: Final = 0.5
+_FITTING_PART: Final = 0.5
 """Part of the tolerance that fitting a free curve may use."""
 FLATTENING_PART: Final = 0.4
 """Part of the tolerance that writing a flat arc as a line may use."""
@@ -88,11 +88,11 @@ def contour_moves(
     given = as_pieces(contour, tolerance, spent)
     made: list[Line | Arc] = []
     for piece in given.pieces:
-        made += possible_moves(piece, tolerance * FLATTENING_PART, widest)
+        made += _possible_moves(piece, tolerance * FLATTENING_PART, widest)
     made = merge_short_pieces(made, tolerance, closed=contour.closed)
     start = made[0].start if made else contour.start
     found = (given.deviation + spent, given.fitted, given.within, given.dropped)
-    return Moves(np.array(start), *move_columns(made), *found)
+    return Moves(np.array(start), *_move_columns(made), *found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Contour
     deviation, fitted, within = 0.0, 0, True
     for curve in contour.curves:
         if isinstance(curve, FreeCurve):
-            result = fit_curve(curve, tolerance * FITTING_PART)
+            result = fit_curve(curve, tolerance * _FITTING_PART)
             pieces += result.pieces
             drawn += [False] * len(result.pieces)
             deviation, fitted = max(deviation, result.deviation), fitted + 1
@@ -131,7 +131,7 @@ def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Contour
     return ContourPieces(tidy.pieces, max(deviation, tidy.deviation), fitted, within, tidy.dropped)
 
 
-def close_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
+def _close_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
     """Every piece begins where the one before it ends, and the last one ends at the start.
 
     A gap is closed in its middle. Pieces that are left without length are dropped.
@@ -140,7 +140,7 @@ def close_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
 
 
 def _closed_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line | Arc]]:
-    """Return the parts that replace each of the pieces in `close_gaps`."""
+    """Return the parts that replace each of the pieces in `_close_gaps`."""
     if not pieces:
         return []
     joints = [_joint_of(one, two) for one, two in pairwise(pieces)]
@@ -160,7 +160,7 @@ def _joint_of(one: Line | Arc, two: Line | Arc) -> Vector:
     return midpoint(one.end, two.start)
 
 
-def possible_moves(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
+def _possible_moves(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
     """The piece itself, an arc in parts of at most `widest` degrees, or lines for it.
 
     Flat arcs, and arcs whose points are too near each other or to a line for a controller to
@@ -173,7 +173,7 @@ def possible_moves(piece: Line | Arc, flat: float, widest: float) -> list[Line |
     part = math.radians(sweep / count)
     nearest = 2.0 * radius * min(math.sin(part / 4.0), math.sin(part / 2.0))
     sagitta = 2.0 * radius * math.sin(part / 4.0) ** 2
-    narrow = math.degrees(part) < LEAST_SWEEP or nearest < LEAST_CHORD
+    narrow = math.degrees(part) < _LEAST_SWEEP or nearest < _LEAST_CHORD
     if sagitta > flat and not narrow and _is_distinct(piece, count):
         return _arc_parts(piece, count) if count > 1 else [piece]
     step = 2.0 * math.acos(max(1.0 - flat / radius, -1.0)) if radius > 0 else math.tau
@@ -191,7 +191,7 @@ def _is_distinct(arc: Arc, count: int) -> bool:
         return True
     start, via, end = arc.start, arc.via, arc.end
     apart = min(math.dist(start, via), math.dist(via, end), math.dist(end, start))
-    return apart >= LEAST_CHORD and circle_through(start, via, end) is not None
+    return apart >= _LEAST_CHORD and circle_through(start, via, end) is not None
 
 
 def _arc_parts(arc: Arc, count: int) -> list[Line | Arc]:
@@ -209,7 +209,7 @@ def _arc_parts(arc: Arc, count: int) -> list[Line | Arc]:
     ]
 
 
-def move_columns(
+def _move_columns(
     pieces: Sequence[Line | Arc],
 ) -> tuple[NDArray[np.uint8], Points, Points, Points]:
     """Kinds, positions, and the directions in which each row's move begins and ends."""
@@ -243,9 +243,9 @@ def _unit_vector(v: Points) -> Points:
     return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))
 
 
-SMOOTH_CORNER: Final = 15.0
+_SMOOTH_CORNER: Final = 15.0
 """Degrees of a corner up to which the tool turns on while it moves; over it, it stops."""
-LEAST_PROJECTION: Final = 1e-6
+_LEAST_PROJECTION: Final = 1e-6
 """Length of a projected unit vector below which it has no direction."""
 
 
@@ -258,7 +258,7 @@ def level_x_axis(direction: Vector) -> Points:
     for axis in (np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
         x = axis - (axis @ z) * z
         length = float(np.linalg.norm(x))
-        if length > LEAST_PROJECTION:
+        if length > _LEAST_PROJECTION:
             return np.asarray(x / length)
     raise ValueError(f"{direction} is no direction")
 
@@ -301,7 +301,7 @@ def x_axes_along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]
             np.linalg.norm(np.cross(arriving, after), axis=1), (arriving * after).sum(axis=1)
         )
     )
-    corner = (turn > SMOOTH_CORNER) & (moves.kinds != Kind.VIA)
+    corner = (turn > _SMOOTH_CORNER) & (moves.kinds != Kind.VIA)
     mean = _unit_normals(np.where(corner[:, None], arriving, arriving + after))
     rows = np.repeat(np.arange(n), np.where(corner, 2, 1))
     second = np.flatnonzero(rows[1:] == rows[:-1]) + 1
@@ -314,7 +314,7 @@ def _projected_units(v: Points, z: Points) -> Points:
     """Unit vectors of v (n, 3) seen along z; NaN where v runs along it."""
     flat = v - (v @ z)[:, None] * z
     size = np.linalg.norm(flat, axis=1, keepdims=True)
-    known = size > LEAST_PROJECTION
+    known = size > _LEAST_PROJECTION
     return np.asarray(np.where(known, flat / np.where(known, size, 1.0), np.nan))
 
 
@@ -331,17 +331,17 @@ def _unit_normals(v: Points) -> Points:
     return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))
 
 
-SHORTEST_SPEED_PART: Final = 0.5
+_SHORTEST_SPEED_PART: Final = 0.5
 """mm of a part of a move; a place that is nearer to the end of one is that end."""
-SMALLEST_DIVIDED_RADIUS: Final = 1.0
+_SMALLEST_DIVIDED_RADIUS: Final = 1.0
 """mm of radius of an arc that is divided."""
-CLOSED_DISTANCE: Final = 1e-6
+_CLOSED_DISTANCE: Final = 1e-6
 """mm between the ends of a contour that is closed."""
-STRAIGHT_ARC: Final = 1e-10
+_STRAIGHT_ARC: Final = 1e-10
 """Largest product of two chords of an arc and the sine of their turn, in squares of the longer
 chord, of three points on a line."""
 
-LineOrArc = Line | Arc
+_LineOrArc = Line | Arc
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,11 +368,11 @@ def with_speeds(
     n = len(rows)
     if pace.even and not places:
         return MovesWithSpeeds(rows, np.zeros(n, np.int32), (None,), np.zeros(n, np.bool_))
-    pieces = pieces_of_moves(rows)
+    pieces = _pieces_of_moves(rows)
     ends = np.cumsum([0.0, *(piece.length for piece in pieces)])
     spans, corners = _speed_spans(rows, pieces, ends, pace)
     cuts = [*places, *(place for low, high, _ in spans for place in (low, high))]
-    made: list[LineOrArc] = []
+    made: list[_LineOrArc] = []
     joints: list[bool] = []
     speeds: list[Speed | None] = []
     for piece, (low, high) in zip(pieces, pairwise(ends.tolist()), strict=True):
@@ -387,15 +387,15 @@ def with_speeds(
     table = tuple(dict.fromkeys(speeds))
     count = [2 if isinstance(part, Arc) else 1 for part in made]
     of = np.repeat([table.index(speed) for speed in speeds], count).astype(np.int32)
-    kinds, positions, leaving, arriving = move_columns(made)
+    kinds, positions, leaving, arriving = _move_columns(made)
     divided = np.repeat(joints, count) & (kinds != Kind.VIA)
     moved = replace(rows, kinds=kinds, positions=positions, leaving=leaving, arriving=arriving)
     return MovesWithSpeeds(moved, of, table, divided, corners)
 
 
-def pieces_of_moves(rows: Moves) -> list[LineOrArc]:
+def _pieces_of_moves(rows: Moves) -> list[_LineOrArc]:
     """The lines and arcs that rows are; an arc through points on one line is two lines."""
-    pieces: list[LineOrArc] = []
+    pieces: list[_LineOrArc] = []
     here = vector(rows.start)
     places = [vector(p) for p in rows.positions]
     for i, (place, kind) in enumerate(zip(places, rows.kinds.tolist(), strict=True)):
@@ -425,7 +425,7 @@ def move_lengths(start: Points, positions: Points, kinds: NDArray[np.uint8]) -> 
     sine, cosine = np.linalg.norm(cross(one, two), axis=1), (one * two).sum(axis=1)
     half, chord = np.arctan2(sine, cosine), np.linalg.norm(one + two, axis=1)
     longest = np.maximum(steps[end - 1], steps[end])
-    bent = sine > STRAIGHT_ARC * longest**2
+    bent = sine > _STRAIGHT_ARC * longest**2
     around = chord * half / np.sin(np.where(bent, half, 1.0))
     steps[end] = np.where(bent, around, steps[end - 1] + steps[end])
     steps[end - 1] = 0.0
@@ -433,7 +433,7 @@ def move_lengths(start: Points, positions: Points, kinds: NDArray[np.uint8]) -> 
 
 
 def _speed_spans(
-    rows: Moves, pieces: Sequence[LineOrArc], ends: Floats, pace: SpeedProfile
+    rows: Moves, pieces: Sequence[_LineOrArc], ends: Floats, pace: SpeedProfile
 ) -> tuple[list[tuple[float, float, Speed]], int]:
     """From where to where, in mm, which speed holds at most; and how many corners there are."""
     total = float(ends[-1])
@@ -466,11 +466,11 @@ def _spans_on_path(
 
 
 def _is_closed(rows: Moves) -> bool:
-    return bool(np.linalg.norm(rows.positions[-1] - rows.start) < CLOSED_DISTANCE)
+    return bool(np.linalg.norm(rows.positions[-1] - rows.start) < _CLOSED_DISTANCE)
 
 
 def _corner_spans(
-    rows: Moves, pieces: Sequence[LineOrArc], ends: Floats, pace: SpeedProfile
+    rows: Moves, pieces: Sequence[_LineOrArc], ends: Floats, pace: SpeedProfile
 ) -> Iterator[tuple[float, float]]:
     """Yield the spans of corners; a corner at the start of a closed contour is at 0."""
     if not pieces:
@@ -496,14 +496,14 @@ def _slowest_at(spans: Sequence[tuple[float, float, Speed]], place: float) -> Sp
 
 
 def _divided_piece(
-    piece: LineOrArc, low: float, high: float, cuts: Sequence[float], flat: float
-) -> list[LineOrArc]:
+    piece: _LineOrArc, low: float, high: float, cuts: Sequence[float], flat: float
+) -> list[_LineOrArc]:
     """The parts of a piece between places that are inside it."""
-    if isinstance(piece, Arc) and piece.radius < SMALLEST_DIVIDED_RADIUS:
+    if isinstance(piece, Arc) and piece.radius < _SMALLEST_DIVIDED_RADIUS:
         return [piece]
     inside = [low]
     for place in sorted(cuts):
-        if inside[-1] + SHORTEST_SPEED_PART <= place <= high - SHORTEST_SPEED_PART:
+        if inside[-1] + _SHORTEST_SPEED_PART <= place <= high - _SHORTEST_SPEED_PART:
             inside.append(place)
     if len(inside) == 1:
         return [piece]
@@ -518,4 +518,4 @@ def _divided_piece(
         replace(piece, start=a, via=via, end=b, closed=False)
         for (a, b), via in zip(pairwise(points), vias, strict=True)
     ]
-    return [part for arc in arcs for part in possible_moves(arc, flat, 360.0)]
+    return [part for arc in arcs for part in _possible_moves(arc, flat, 360.0)]

@@ -136,9 +136,9 @@ class OffsetSource:
         if self.closed:
             joint = joint % self.count
         labels = np.where(within[best], chosen, self.count + joint)
-        line_side = plane_cross(way[best], points - self.start[chosen])
+        line_side = _plane_cross(way[best], points - self.start[chosen])
         arc_side = (self.radius[chosen] - far_off[best]) * self.about[chosen]
-        joint_side = plane_cross(self._along_joint(joint), points - self._corner(joint))
+        joint_side = _plane_cross(self._along_joint(joint), points - self._corner(joint))
         sides = np.where(within[best], np.where(arc[best], arc_side, line_side), joint_side)
         return labels.astype(np.intp), sides
 
@@ -309,7 +309,7 @@ class OffsetCurve:
         return min((one, two), key=lambda p: (p[0] - near[0]) ** 2 + (p[1] - near[1]) ** 2)
 
 
-def plane_cross(a: PlanePoints, b: PlanePoints) -> Any:
+def _plane_cross(a: PlanePoints, b: PlanePoints) -> Any:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
@@ -322,19 +322,19 @@ def _unit_vectors(v: PlanePoints) -> PlanePoints:
     return np.asarray(v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300))
 
 
-MOST_CHUNK_SIDES: Final = 12
+_MOST_CHUNK_SIDES: Final = 12
 """Most sides whose band is one polygon: bands of many that overlap take long."""
-UNION_GROUP: Final = 16
+_UNION_GROUP: Final = 16
 """Polygons that are united at once."""
-LEAST_BAND_TURN: Final = math.radians(4.0)
+_LEAST_BAND_TURN: Final = math.radians(4.0)
 """Least turn between two sides of one polygon: GEOS leaves out the rounds of smaller turns."""
-LEAST_CORNER_DEPTH: Final = 0.012
+_LEAST_CORNER_DEPTH: Final = 0.012
 """Least distance, in offsets, of the corner of two such sides from the line past it."""
-POLYGON_OVERLAP: Final = 0.25
+_POLYGON_OVERLAP: Final = 0.25
 """Overlap of neighbouring polygons, as a part of their tolerance."""
-SLIGHT_TURN: Final = 1e-9
+_SLIGHT_TURN: Final = 1e-9
 """Radians of a turn that leaves no gap."""
-SHARP_TURN: Final = math.radians(150.0)
+_SHARP_TURN: Final = math.radians(150.0)
 """Turn at a joint, or gap of an almost full circle, above which it gets a complete round."""
 
 
@@ -366,8 +366,8 @@ def _union_area(parts: NDArray[Any]) -> Any:
     import shapely
 
     owner = np.arange(len(parts))
-    while owner.size and owner[-1] >= UNION_GROUP:
-        owner = np.unique(owner // UNION_GROUP, return_inverse=True)[1]
+    while owner.size and owner[-1] >= _UNION_GROUP:
+        owner = np.unique(owner // _UNION_GROUP, return_inverse=True)[1]
         groups = shapely.multipolygons(parts, indices=owner)
         # A buffer of 0 unites polygons in one sweep; `union_all` does it in pairs.
         parts, owner = shapely.get_parts(shapely.buffer(groups, 0.0), return_index=True)
@@ -380,9 +380,9 @@ def _wedged_joints(source: OffsetSource) -> NDArray[np.bool_]:
     """
     before = np.roll(source.arcs, 1)
     met = (np.roll(source.end, 1, axis=0) == source.start).all(axis=1)
-    full = source.sweep > math.tau - SHARP_TURN
+    full = source.sweep > math.tau - _SHARP_TURN
     plain = before & source.arcs & met & ~full & ~np.roll(full, 1)
-    plain &= np.abs(_joint_turns(source)) < SHARP_TURN
+    plain &= np.abs(_joint_turns(source)) < _SHARP_TURN
     plain[0] &= source.closed
     return np.asarray(plain)
 
@@ -390,7 +390,7 @@ def _wedged_joints(source: OffsetSource) -> NDArray[np.bool_]:
 def _joint_turns(source: OffsetSource) -> NDArray[np.float64]:
     """Turn (n,) in radians, positive to the left, from the piece before to each."""
     one, two = np.roll(source.arriving, 1, axis=0), source.leaving
-    return np.asarray(np.arctan2(plane_cross(one, two), (one * two).sum(axis=1)))
+    return np.asarray(np.arctan2(_plane_cross(one, two), (one * two).sum(axis=1)))
 
 
 def _bare_ends(source: OffsetSource, wedged: NDArray[np.bool_]) -> PlanePoints:
@@ -409,16 +409,16 @@ def _wedges(
 ) -> list[Any]:
     """Regions outside joints, between the normals of both sides; `side` as of `bands`."""
     turns = _joint_turns(source)
-    rows = np.flatnonzero(wedged & (np.abs(turns) > SLIGHT_TURN) & (side * turns <= 0.0))
+    rows = np.flatnonzero(wedged & (np.abs(turns) > _SLIGHT_TURN) & (side * turns <= 0.0))
     turn, arriving = turns[rows], np.roll(source.arriving, 1, axis=0)[rows]
     out = -np.sign(turn)
-    pad = np.copysign(POLYGON_OVERLAP * off / offset, turn)
+    pad = np.copysign(_POLYGON_OVERLAP * off / offset, turn)
     first = np.arctan2(arriving[:, 0] * out, -arriving[:, 1] * out) - pad
     turn = turn + 2.0 * pad
     chords = np.ceil(np.abs(turn) / (2.0 * step)).astype(np.intp)
     owner, places = _rows_and_numbers(chords + 2)
     share = np.where(places == 0, 0.5, (places - 1) / chords[owner])
-    size = np.where(places == 0, -POLYGON_OVERLAP * off, offset)
+    size = np.where(places == 0, -_POLYGON_OVERLAP * off, offset)
     points = source.start[rows][owner] + _polar_points(first[owner] + share * turn[owner], size)
     return _polygons_of_points(points, owner)
 
@@ -430,7 +430,7 @@ def _sectors(source: OffsetSource, offset: float, off: float) -> list[Any]:
     rows = np.flatnonzero(source.arcs)
     whole = np.array([source.pieces[i].closed for i in rows.tolist()], dtype=np.bool_)
     radius, sweep, centre = source.radius[rows], source.sweep[rows], source.centre[rows]
-    more = np.where(whole, 0.0, np.minimum(POLYGON_OVERLAP * off / radius, POLYGON_OVERLAP))
+    more = np.where(whole, 0.0, np.minimum(_POLYGON_OVERLAP * off / radius, _POLYGON_OVERLAP))
     more = np.minimum(more, np.maximum(math.tau - sweep, 0.0) / 4.0)
     step = 2.0 * np.arccos(np.maximum(1.0 - off / (radius + offset), 0.5))
     chords = np.maximum(np.ceil((sweep + 2.0 * more) / step).astype(np.intp), 2)
@@ -490,9 +490,9 @@ def _line_chunks(source: OffsetSource, offset: float) -> Any:
     turns = np.arctan2(np.abs(sine), (one * two).sum(axis=1))
     across = np.maximum(np.linalg.norm(one + two, axis=1), 1e-300)
     plain = (np.diff(rows) == 1) & (start[1:] == end[:-1]).all(axis=1)
-    plain &= (turns > LEAST_BAND_TURN) & (np.abs(sine) / across > LEAST_CORNER_DEPTH * offset)
-    plain &= np.minimum(size[:-1], size[1:]) > LEAST_CORNER_DEPTH * offset
-    plain[MOST_CHUNK_SIDES - 1 :: MOST_CHUNK_SIDES] = False
+    plain &= (turns > _LEAST_BAND_TURN) & (np.abs(sine) / across > _LEAST_CORNER_DEPTH * offset)
+    plain &= np.minimum(size[:-1], size[1:]) > _LEAST_CORNER_DEPTH * offset
+    plain[_MOST_CHUNK_SIDES - 1 :: _MOST_CHUNK_SIDES] = False
     chunk = np.concatenate([[0], np.cumsum(~plain)])
     first = np.diff(chunk, prepend=-1) > 0
     # Each line gives its end, and the first of a polyline its start before that.

@@ -43,14 +43,14 @@ from assistant.sources.contours.offset_bands import (
 )
 from assistant.sources.contours.path_tolerance import shortest_piece
 
-LEAST_CORNER_TURN: Final = math.radians(15.0)
+_LEAST_CORNER_TURN: Final = math.radians(15.0)
 """Least turn of a corner."""
-BAND_TOLERANCE: Final = 0.15
+_BAND_TOLERANCE: Final = 0.15
 """Part of the tolerance that the polygons of bands may be off: they only tell what meets what."""
-PIECE_QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
-COVERED_OFFSETS: Final = 0.75
+_PIECE_QUARTERS: Final = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+_COVERED_OFFSETS: Final = 0.75
 """Offsets along a contour from what a way is beside to places that the tool comes to."""
-MITRE_PART: Final = 0.1
+_MITRE_PART: Final = 0.1
 """Part of the tolerance that the way around a corner may be off the arc about it as a point."""
 
 
@@ -95,7 +95,7 @@ class OffsetRing:
         return replace(self, pieces=pieces, corners=places, left=not self.left)
 
 
-def contour_polygon(pieces: Sequence[Piece], tolerance: float) -> Any:
+def _contour_polygon(pieces: Sequence[Piece], tolerance: float) -> Any:
     """Return the area inside a closed contour, as a polygon of shapely."""
     import shapely
 
@@ -114,7 +114,9 @@ def corner_joints(pieces: Sequence[Piece], *, closed: bool) -> tuple[tuple[int, 
     """The joints at which the pieces turn."""
     joints = range(0 if closed else 1, len(pieces))
     return tuple(
-        (i, 0.0) for i in joints if abs(_turn_between(pieces[i - 1], pieces[i])) > LEAST_CORNER_TURN
+        (i, 0.0)
+        for i in joints
+        if abs(_turn_between(pieces[i - 1], pieces[i])) > _LEAST_CORNER_TURN
     )
 
 
@@ -127,7 +129,7 @@ def offset_closed(
     import shapely
 
     limit = min(tolerance, offset)
-    off = limit * BAND_TOLERANCE
+    off = limit * _BAND_TOLERANCE
     source = OffsetSource.of(pieces, off, closed=True)
     outline = polyline(pieces, off, closed=True)
     band = contour_band(source, offset, off, 1 if (signed_area(outline) < 0.0) == outside else -1)
@@ -156,7 +158,7 @@ def offset_open(
     import shapely
 
     limit = min(tolerance, offset)
-    off = limit * BAND_TOLERANCE
+    off = limit * _BAND_TOLERANCE
     source = OffsetSource.of(pieces, off, closed=False)
     band = contour_band(source, offset, off)
     found: list[tuple[int, OffsetRing]] = []
@@ -175,7 +177,7 @@ def offset_open(
                 made = tuple(piece for piece, _ in way)
                 if made and _total_length(made) > offset * 1e-3:
                     sharp = tuple((i, 0.5) for i, (_, corner) in enumerate(way) if corner)
-                    bare = source.bare(ends, chosen, COVERED_OFFSETS * offset, offset)
+                    bare = source.bare(ends, chosen, _COVERED_OFFSETS * offset, offset)
                     sharp = (*sharp, *corner_joints(made, closed=False))
                     ring = OffsetRing(made, False, False, sharp, bare=bare)
                     found.append((int(chosen[0]) % source.count, ring))
@@ -220,14 +222,14 @@ def _ring_of_border(
     points = points[keep]
     if len(points) < 3 or abs(signed_area(points)) < SAME_POINT:
         return [], points[:0]
-    labels, _ = source.nearest(_side_middles(points), offset + 2.0 * BAND_TOLERANCE * limit)
+    labels, _ = source.nearest(_side_middles(points), offset + 2.0 * _BAND_TOLERANCE * limit)
     changes = np.flatnonzero(labels != np.roll(labels, 1))
     if changes.size:
         first = -int(changes[0])
         points, labels = np.roll(points, first, axis=0), np.roll(labels, first)
     ends = np.concatenate([points, points[:1]])
     made = _pieces_of_sides(ends, labels, source, offset, limit, closed=True)
-    return made, source.bare(ends, labels, COVERED_OFFSETS * offset, offset)
+    return made, source.bare(ends, labels, _COVERED_OFFSETS * offset, offset)
 
 
 @dataclass(slots=True)
@@ -326,7 +328,7 @@ def _side_runs(
     sums = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ends, axis=0), axis=1))])
     bounds = np.concatenate([[0], np.flatnonzero(labels[1:] != labels[:-1]) + 1, [len(labels)]])
     first, last = sums[bounds[:-1]], sums[bounds[1:]]
-    marks = first[:, None] + (last - first)[:, None] * PIECE_QUARTERS
+    marks = first[:, None] + (last - first)[:, None] * _PIECE_QUARTERS
     points = np.stack([np.interp(marks, sums, ends[:, i]) for i in (0, 1)], axis=-1).tolist()
     lengths = (last - first).tolist()
     runs: list[_SideRun] = []
@@ -358,7 +360,7 @@ def _long_runs(
             beside = {runs[k - 1].label, runs[(k + 1) % len(runs)].label}
             if beside == {(joint - 1) % source.count, joint}:
                 place, off = source.mitre(run.label, offset, run.begin)
-                if off <= MITRE_PART * limit:
+                if off <= _MITRE_PART * limit:
                     run.mitre = place
         small = run.mitre is not None or (not stays and left + run.length < least)
         left = left + run.length if small and run.mitre is None else 0.0
@@ -408,7 +410,7 @@ def _wrapped_angle(angle: float) -> float:
     return (angle + math.pi) % math.tau - math.pi
 
 
-LEAST_DISTANCE_PART: Final = 0.5
+_LEAST_DISTANCE_PART: Final = 0.5
 """Part of an offset that a way has to keep away at least, however large the tolerance is."""
 
 
@@ -491,7 +493,7 @@ class ClearRoom:
         import shapely
 
         if own.closed:
-            around = contour_polygon(own.pieces, self.tolerance)
+            around = _contour_polygon(own.pieces, self.tolerance)
             if own.encloses:
                 inner = around.buffer(-self.tolerance)
                 return lambda line: not line.intersects(inner)
@@ -503,7 +505,7 @@ class ClearRoom:
         return lambda line: not line.intersects(away)
 
     def _away(self, offset: float) -> float:
-        return max(offset - self.tolerance, LEAST_DISTANCE_PART * offset)
+        return max(offset - self.tolerance, _LEAST_DISTANCE_PART * offset)
 
     def _line(self, pieces: Sequence[Piece]) -> Any:
         import shapely

@@ -27,13 +27,13 @@ from assistant.sources.contours.curves import Arc, Line, Points, vector
 
 THINNING_PART: Final = 0.2
 """Part of the tolerance that leaving out points may use."""
-SECOND_THINNING_PART: Final = 0.3
+_SECOND_THINNING_PART: Final = 0.3
 """The same of a way beside a contour, with what the contour itself has used."""
-SHORT_SIDE: Final = 20.0
+_SHORT_SIDE: Final = 20.0
 """Tolerances that a side is long at most for its ends to be left out: longer ones were drawn."""
-LARGE_SWEEP: Final = 180.0
+_LARGE_SWEEP: Final = 180.0
 """Degrees of an arc over which moving an end by a little moves its centre by much."""
-LEAST_MOVE: Final = 2e-4
+_LEAST_MOVE: Final = 2e-4
 """mm of a move: twice the last decimal that is printed."""
 
 Piece = Line | Arc
@@ -50,7 +50,7 @@ class ThinnedPieces:
 
 def shortest_piece(tolerance: float) -> float:
     """Length in mm up to which a piece is one point."""
-    return max(2.0 * THINNING_PART * tolerance, LEAST_MOVE)
+    return max(2.0 * THINNING_PART * tolerance, _LEAST_MOVE)
 
 
 def thin_pieces(
@@ -66,7 +66,7 @@ def thin_pieces(
     pieces: end to end. drawn: which of them are sides of a drawing. spent: mm that they are off
     already. Ends of an open contour, and joints with other pieces, stay where they are.
     """
-    allowed = min(THINNING_PART * tolerance, SECOND_THINNING_PART * tolerance - spent)
+    allowed = min(THINNING_PART * tolerance, _SECOND_THINNING_PART * tolerance - spent)
     if not pieces:
         return ThinnedPieces(())
     made: list[Piece] = []
@@ -80,7 +80,7 @@ def thin_pieces(
             made += pieces[first:last]
             continue
         points = np.array([pieces[first].start, *(piece.end for piece in pieces[first:last])])
-        kept, off = needed_points(points, allowed, SHORT_SIDE * tolerance, around=around)
+        kept, off = needed_points(points, allowed, _SHORT_SIDE * tolerance, around=around)
         if kept.all():
             made += pieces[first:last]
             continue
@@ -140,7 +140,7 @@ def _spare_starts(pieces: Sequence[Piece], allowed: float, tolerance: float) -> 
     """Which starts (n,) of pieces may be left out if both pieces are sides."""
     points = np.array([*(piece.start for piece in pieces), pieces[-1].end])
     return np.append(
-        np.zeros(1, dtype=np.bool_), _spare_alone(points, allowed, SHORT_SIDE * tolerance)
+        np.zeros(1, dtype=np.bool_), _spare_alone(points, allowed, _SHORT_SIDE * tolerance)
     )
 
 
@@ -168,7 +168,7 @@ def merge_short_pieces(pieces: Sequence[Piece], tolerance: float, *, closed: boo
     lengths = [piece.length for piece in pieces]
     least = shortest_piece(tolerance)
     if max(lengths, default=0.0) < least:
-        least = LEAST_MOVE  # the whole contour is as small
+        least = _LEAST_MOVE  # the whole contour is as small
     small = [length < least for length in lengths]
     if not any(small):
         return list(pieces)
@@ -198,7 +198,7 @@ def merge_short_pieces(pieces: Sequence[Piece], tolerance: float, *, closed: boo
     if not carriers:
         start, end = pieces[0].start, pieces[-1].end
         alone = Line(start, end, pieces[0].layer, pieces[0].handle)
-        return [alone] if not closed and alone.length >= LEAST_MOVE else []
+        return [alone] if not closed and alone.length >= _LEAST_MOVE else []
     begin = ends[-1] if closed else pieces[0].start
     made: list[list[Piece]] = []
     for carrier, end in zip(carriers, ends, strict=True):
@@ -231,7 +231,7 @@ def piece_with_ends(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
     if isinstance(piece, Arc):
         if start == end:
             return _circle_of_arc(piece, start)
-        if piece.sweep > LARGE_SWEEP:
+        if piece.sweep > _LARGE_SWEEP:
             one, half, two = (vector(p) for p in piece.at([0.25, 0.5, 0.75]))
             return [
                 *piece_with_ends(replace(piece, via=one, end=half), start, half),
@@ -251,7 +251,7 @@ def piece_with_ends(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
 
 def _circle_of_arc(arc: Arc, start: Vector) -> list[Piece]:
     """The circle of an arc whose ends are one point; nothing if it was short."""
-    if arc.sweep <= LARGE_SWEEP:
+    if arc.sweep <= _LARGE_SWEEP:
         return []
     arm, normal = np.subtract(start, arc.centre), np.asarray(arc.normal)
     arm = arm - (arm @ normal) * normal

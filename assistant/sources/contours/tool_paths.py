@@ -1,7 +1,7 @@
 """Tool paths beside the contours of layers: sides, offsets, starts, leads, overlaps and passes.
 
 Contours are seen along the tool (`ToolView`). A contour that its layer does not shape stays as it
-is. `ContourOffsets` finds the paths beside one contour; leads go onto the contour and off it at a
+is. `_ContourOffsets` finds the paths beside one contour; leads go onto the contour and off it at a
 start where both have room.
 """
 
@@ -52,9 +52,9 @@ if TYPE_CHECKING:
     from shapely import STRtree
 
 
-MOST_STARTS_TRIED: Final = 24
+_MOST_STARTS_TRIED: Final = 24
 """Largest number of points of a contour that are tried as its start."""
-LEAD_QUARTERS: Final = (0.0, 0.25, 0.5, 0.75)
+_LEAD_QUARTERS: Final = (0.0, 0.25, 0.5, 0.75)
 
 
 def lead_in(lead: Lead, pieces: Sequence[Piece], *, left: bool) -> Piece:
@@ -83,7 +83,7 @@ def _lead_piece(lead: Lead, piece: Piece, part: float, *, left: bool, into: bool
     return arc.reversed() if into else arc
 
 
-def with_leads(ring: OffsetRing, shaping: Shaping) -> tuple[Piece, ...]:
+def _with_leads(ring: OffsetRing, shaping: Shaping) -> tuple[Piece, ...]:
     """The pieces of a ring from its start on, with overlap and leads."""
     pieces = ring.pieces
     if ring.closed and shaping.overlap:
@@ -93,7 +93,7 @@ def with_leads(ring: OffsetRing, shaping: Shaping) -> tuple[Piece, ...]:
     return (*into, *pieces, *out)
 
 
-def starts_with_room(
+def _starts_with_room(
     ring: OffsetRing,
     starts: Sequence[tuple[int, float]],
     shaping: Shaping,
@@ -109,7 +109,7 @@ def starts_with_room(
         return tuple(starts)
     found, better = [], []
     for at, part in starts:
-        made = with_leads(replace(ring, pieces=started_at(ring.pieces, at, part)), shaping)
+        made = _with_leads(replace(ring, pieces=started_at(ring.pieces, at, part)), shaping)
         ways = [made[:1]] if shaping.lead_in else []
         ways += [made[-1:]] if shaping.lead_out else []
         if all(room(way) for way in ways):
@@ -121,7 +121,7 @@ def starts_with_room(
     return tuple(better or found)
 
 
-def starts_of(
+def _starts_of(
     ring: OffsetRing, shaping: Shaping, mark: Points | None
 ) -> tuple[tuple[int, float], ...]:
     """Return the points at which a closed ring may start by the process; any points if it has no
@@ -129,7 +129,7 @@ def starts_of(
     """
     pieces = ring.pieces
     if shaping.start == "point" and mark is not None:
-        return (nearest_place(pieces, mark),)
+        return (_nearest_place(pieces, mark),)
     if shaping.start == "longest":
         rows = range(len(pieces))
         lines = [i for i in rows if isinstance(pieces[i], Line)] or rows
@@ -137,7 +137,7 @@ def starts_of(
     if shaping.start == "corner" and ring.corners:
         return _some_places(ring.corners)
     if len(pieces) == 1:
-        return tuple((0, part) for part in LEAD_QUARTERS)
+        return tuple((0, part) for part in _LEAD_QUARTERS)
     joints = [(i, 0.0) for i in range(len(pieces))]
     return _some_places([*joints, *((i, 0.5) for i, _ in joints)] if shaping.leads else joints)
 
@@ -145,11 +145,11 @@ def starts_of(
 def _some_places(places: Sequence[tuple[int, float]]) -> tuple[tuple[int, float], ...]:
     """At most so many of them, from all of the way, the first among them."""
     ordered, count = sorted(places), len(places)
-    tried = min(count, MOST_STARTS_TRIED)
+    tried = min(count, _MOST_STARTS_TRIED)
     return tuple(ordered[i * count // tried] for i in range(tried))
 
 
-def nearest_place(pieces: Sequence[Piece], point: Points) -> tuple[int, float]:
+def _nearest_place(pieces: Sequence[Piece], point: Points) -> tuple[int, float]:
     """The place (piece, part) of closed pieces that is nearest to a point, seen along the tool."""
     best, found = np.inf, (0, 0.0)
     for i, piece in enumerate(pieces):
@@ -176,72 +176,72 @@ def _nearest_part(piece: Piece, point: Points) -> float:
     return 1.0 if turned - piece.sweep < 360.0 - turned else 0.0
 
 
-CONTOUR_CROSSING: Final = warning(
+_CONTOUR_CROSSING: Final = warning(
     "CT109",
     "a closed contour on layer {layer!r} crosses or touches itself and is followed as drawn",
     "redraw it if it is an outline",
 )
-OPEN_CONTOUR: Final = error(
+_OPEN_CONTOUR: Final = error(
     "CT210",
     "an open contour on layer {layer!r} has no inside or outside for the tool to be on",
     'give the layer side = "left" or "right", as it is drawn; closed contours of other sides go to '
     "a layer of their own",
 )
-NOT_FLAT: Final = error(
+_NOT_FLAT: Final = error(
     "CT211",
     "a contour on layer {layer!r} is not flat as seen along the tool: its heights are "
     "{apart:.3f} mm apart",
     "draw it flat, give `direction`, or leave out offset, side and leads",
 )
-CROSSES_ITSELF: Final = error(
+_CROSSES_ITSELF: Final = error(
     "CT212",
     "a contour on layer {layer!r} crosses or touches itself and has no inside",
     "redraw it so that it does not",
 )
-OFFSET_COLLAPSED: Final = warning(
+_OFFSET_COLLAPSED: Final = warning(
     "CT213",
     "a contour on layer {layer!r} is too narrow for an offset of {offset:g} mm: {what} left out",
     "use a narrower tool and a smaller `offset`, or take the contour to another layer",
 )
-OFFSET_SPLIT: Final = warning(
+_OFFSET_SPLIT: Final = warning(
     "CT214",
     "a contour on layer {layer!r} is too narrow in places for an offset of {offset:g} mm and "
     "falls into {count} ways; the necks between them are left out",
     "use a narrower tool and a smaller `offset`",
 )
-MATERIAL_LEFT: Final = warning(
+_MATERIAL_LEFT: Final = warning(
     "CT215",
     "the tool comes no nearer than {left:.2f} mm to a place of a contour on layer {layer!r}: "
     "that is too tight for an offset of {offset:g} mm and left out",
     "use a narrower tool and a smaller `offset`",
 )
-CUTS_INTO: Final = error(
+_CUTS_INTO: Final = error(
     "CT216",
     "the way beside a contour on layer {layer!r} comes within {apart:.2f} mm of another contour, "
     "and the tool needs {offset:g} mm",
     "move them apart, or use a narrower tool and a smaller `offset`",
 )
-NO_ROOM: Final = error(
+_NO_ROOM: Final = error(
     "CT217",
     "there is no room for the leads of a contour on layer {layer!r}{where}: they would cut into it "
     "or into another one",
     "give shorter ones as `lead_in` and `lead_out`{cure}",
 )
-SIDES_CHOSEN: Final = info(
+_SIDES_CHOSEN: Final = info(
     "CT218",
     "the tool is outside of {outside} and inside of {inside} closed contours of layer {layer!r}, "
     "{offset:g} mm away",
     "give `side` if that is not where it should be",
 )
-START_MARKS: Final = warning(
+_START_MARKS: Final = warning(
     "CT219", "{what} on layer {layer!r}", "draw one POINT on each closed contour of the layer"
 )
-OVERLAP_TOO_LONG: Final = error(
+_OVERLAP_TOO_LONG: Final = error(
     "CT333",
     "an overlap of {overlap:g} mm is longer than a contour on layer {layer!r}, of {length:.2f} mm",
     "give a smaller `overlap`",
 )
-LAYERS_MINGLED: Final = warning(
+_LAYERS_MINGLED: Final = warning(
     "CT334",
     "contours of layer {layer!r} lie inside of contours of layers that lie inside of its own: "
     "not every one comes before what is around it",
@@ -249,15 +249,15 @@ LAYERS_MINGLED: Final = warning(
 )
 
 
-NARROW_OFFSETS: Final = 2.0
+_NARROW_OFFSETS: Final = 2.0
 """Offsets from a place of a contour to the tool's centre over which the place is left out; in a
 right angle it is 1.41, at 60 degrees 2."""
 
-RingRounds = tuple[tuple[OffsetRing, ...], ...]
+_RingRounds = tuple[tuple[OffsetRing, ...], ...]
 
 
 @dataclass(slots=True)
-class ContourOffsets:
+class _ContourOffsets:
     """pieces: of the contour, seen along the tool. room: of all contours on which sides matter.
     depth: how many of them are around it.
     """
@@ -294,7 +294,7 @@ class ContourOffsets:
             return (side == "right") == self.anticlockwise
         return side == "outside"
 
-    def rounds(self, mark: Points | None) -> RingRounds:
+    def rounds(self, mark: Points | None) -> _RingRounds:
         """The ways for each allowance; none if the contour is left out, as the findings tell."""
         shaping = self.shaping
         level = 0.0
@@ -302,12 +302,12 @@ class ContourOffsets:
             low, high = height_range(self.pieces)
             level = 0.5 * (low + high)
             if high - low > self.tolerance:
-                return self._none(NOT_FLAT, apart=high - low)
+                return self._none(_NOT_FLAT, apart=high - low)
         if self.sided and not self.contour.closed and shaping.side not in ("left", "right"):
-            return self._none(OPEN_CONTOUR)
+            return self._none(_OPEN_CONTOUR)
         closed = self.sided and self.contour.closed
         if closed and crosses_itself(self.pieces, self.tolerance):
-            return self._none(CROSSES_ITSELF)
+            return self._none(_CROSSES_ITSELF)
         made = []
         for allowance in shaping.allowances:
             offset = shaping.offset + allowance
@@ -315,7 +315,7 @@ class ContourOffsets:
             if not rings:
                 last = allowance == shaping.allowances[-1]
                 what = "it is" if last else "this way around it is"
-                self._say(OFFSET_COLLAPSED, offset=offset, what=what)
+                self._say(_OFFSET_COLLAPSED, offset=offset, what=what)
                 continue
             made.append(rings)
         if not rings:
@@ -368,24 +368,24 @@ class ContourOffsets:
         """
         shaping, length = self.shaping, ring.length
         if ring.closed and shaping.overlap > length:
-            self._say(OVERLAP_TOO_LONG, overlap=shaping.overlap, length=length)
+            self._say(_OVERLAP_TOO_LONG, overlap=shaping.overlap, length=length)
             return ring
-        starts = starts_of(ring, shaping, mark) if ring.closed else ((0, 0.0),)
+        starts = _starts_of(ring, shaping, mark) if ring.closed else ((0, 0.0),)
         if self.sided and self.room is not None:
             near = self.room.too_near(ring, shaping.offset) if shaping.offset else None
             if near is not None:
-                self._say(CUTS_INTO, apart=near, offset=shaping.offset)
+                self._say(_CUTS_INTO, apart=near, offset=shaping.offset)
                 return ring
             own = OffsetRing(self.pieces, ring.closed, ring.closed and self.outside)
             free = self.room.beside(self.key, own, shaping.offset)
             away = self.room.away(shaping.offset)
-            starts = starts_with_room(ring, starts, shaping, free, away)
+            starts = _starts_with_room(ring, starts, shaping, free, away)
         if not starts:
             places = {"corner": "its corners", "longest": "the middle of its longest side"}
             places["point"] = "its mark"
             where = places.get(shaping.start) if ring.closed else None
             self._say(
-                NO_ROOM,
+                _NO_ROOM,
                 where=f" that starts at {where}" if where else "",
                 cure=', or start = "nearest"' if where else "",
             )
@@ -403,7 +403,7 @@ class ContourOffsets:
         if not offset:
             return
         if len(rings) > 1:
-            self._say(OFFSET_SPLIT, offset=offset, count=len(rings))
+            self._say(_OFFSET_SPLIT, offset=offset, count=len(rings))
             return
         bare = rings[0].bare
         if bare is None or not len(bare):
@@ -412,14 +412,14 @@ class ContourOffsets:
             rings[0].pieces, self.tolerance * CHORD_TOLERANCE, closed=rings[0].closed
         )
         ways = shapely.STRtree(shapely.linestrings(np.stack([way[:-1], way[1:]], axis=1)))
-        points, enough = shapely.points(bare), NARROW_OFFSETS * offset + self.tolerance
+        points, enough = shapely.points(bare), _NARROW_OFFSETS * offset + self.tolerance
         far = np.ones(len(points), dtype=np.bool_)
         far[ways.query(points, predicate="dwithin", distance=enough)[0]] = False
         if far.any():
             left = _largest_distance(ways, bare[far])
-            self._say(MATERIAL_LEFT, left=left - offset, offset=offset)
+            self._say(_MATERIAL_LEFT, left=left - offset, offset=offset)
 
-    def _none(self, rule: Rule, **fields: Any) -> RingRounds:
+    def _none(self, rule: Rule, **fields: Any) -> _RingRounds:
         self._say(rule, **fields)
         return ()
 
@@ -548,7 +548,7 @@ class ShapedContour:
                     turned = replace(
                         ring, pieces=started_at(ring.pieces, *_nearest_start(ring, begin))
                     )
-                made = with_leads(turned, shaping)
+                made = _with_leads(turned, shaping)
                 closed = ring.closed and len(made) == len(turned.pieces)
                 for below in shaping.depths:
                     curves = self.view.back(lowered(made, below))
@@ -618,7 +618,7 @@ class PathShaper:
             if row is None:
                 row = left[0]
                 name = shown(self.layers[row][1][0].layer)
-                self.findings.append(LAYERS_MINGLED(layer=name))
+                self.findings.append(_LAYERS_MINGLED(layer=name))
             left.remove(row)
             order.append(row)
         return order
@@ -648,7 +648,7 @@ class PathShaper:
                 made.append(ShapedContour(replace(contour, number=k)))
                 continue
             depth = self.depths.get((row, k), 0)
-            one = ContourOffsets(
+            one = _ContourOffsets(
                 (row, k), contour, view.of(given.pieces), shaping, self.tolerance, room, depth
             )
             rounds = one.rounds(marked.get(k))
@@ -672,7 +672,7 @@ class PathShaper:
         if shaping.sided and shaping.side == "nesting" and sides:
             outside = sum(sides)
             self.findings.append(
-                SIDES_CHOSEN(
+                _SIDES_CHOSEN(
                     layer=shown(contours[0].layer),
                     offset=shaping.offset,
                     outside=outside,
@@ -694,7 +694,7 @@ class PathShaper:
             if given.pieces and crosses_itself(view.of(given.pieces), self.tolerance):
                 handle = next((c.handle for c in contour.curves if c.handle), "")
                 place = f"entity {handle}" if handle else None
-                self.findings.append(CONTOUR_CROSSING(place=place, layer=shown(contour.layer)))
+                self.findings.append(_CONTOUR_CROSSING(place=place, layer=shown(contour.layer)))
 
     def _marked(self, row: int, marks: Points, view: ToolView) -> Mapping[int, Points]:
         """The mark of each closed contour of a layer, where starts are marked."""
@@ -716,7 +716,7 @@ class PathShaper:
             said.append(f"{unused} of {len(marks)} POINTs mark no start: another one is nearer")
         if said:
             name = shown(contours[0].layer)
-            self.findings.append(START_MARKS(what="; ".join(said), layer=name))
+            self.findings.append(_START_MARKS(what="; ".join(said), layer=name))
         return {k: mark for k, (_, mark) in found.items()}
 
 

@@ -83,7 +83,7 @@ TAG_MEANINGS: Final[Mapping[str, TagMeaning]] = {
 ANGLES: Final = ("x_rotation", "y_rotation", "z_rotation")
 QUATERNION: Final = ("q1", "q2", "q3", "q4")
 
-MOTION_WORDS: Final[Mapping[str, Literal["joint", "linear", "travel"]]] = {
+_MOTION_WORDS: Final[Mapping[str, Literal["joint", "linear", "travel"]]] = {
     "joint": "joint",
     "movej": "joint",
     "mov": "joint",
@@ -96,10 +96,10 @@ MOTION_WORDS: Final[Mapping[str, Literal["joint", "linear", "travel"]]] = {
 }
 """Words for the type of motion, also those of the vendors' languages."""
 
-CONVENTIONS: Final[Mapping[str, Literal["ZYX", "XYZ"]]] = {"zyx": "ZYX", "xyz": "XYZ"}
+_CONVENTIONS: Final[Mapping[str, Literal["ZYX", "XYZ"]]] = {"zyx": "ZYX", "xyz": "XYZ"}
 
-PLAIN_NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-NUMBER_WITH_COMMA: Final = re.compile(r"[+-]?\d*,\d+", re.ASCII)
+_PLAIN_NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_NUMBER_WITH_COMMA: Final = re.compile(r"[+-]?\d*,\d+", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,9 +194,9 @@ class LocationValues:
             return None
         tag, text = self.texts[meaning]
         given = shown(text)
-        if NUMBER_WITH_COMMA.fullmatch(text):
+        if _NUMBER_WITH_COMMA.fullmatch(text):
             self.say(COMMA, tag, given=given, cure=given.replace(",", "."))
-        elif PLAIN_NUMBER.fullmatch(text):
+        elif _PLAIN_NUMBER.fullmatch(text):
             value = float(text)
             if math.isfinite(value):
                 return value
@@ -233,10 +233,10 @@ class LocationValues:
         return FINE
 
     def kind(self) -> Literal["joint", "linear", "travel"] | None:
-        return self._word("motion", MOTION_WORDS)
+        return self._word("motion", _MOTION_WORDS)
 
     def convention(self) -> Literal["ZYX", "XYZ"]:
-        return self._word("convention", CONVENTIONS) or "ZYX"
+        return self._word("convention", _CONVENTIONS) or "ZYX"
 
     def name_of(self, meaning: str, known: Mapping[str, object]) -> str | None:
         """A declared name, spelled as it is declared."""

@@ -43,13 +43,13 @@ if TYPE_CHECKING:
     from ezdxf.entities.dxfgfx import DXFGraphic
 
 
-TEXT_TYPES: Final = frozenset(("TEXT", "MTEXT"))
+_TEXT_TYPES: Final = frozenset(("TEXT", "MTEXT"))
 
 
 def is_number_text(entity: DXFGraphic) -> bool:
     """True if an entity is a text that is a number."""
     return (
-        entity.dxftype() in TEXT_TYPES
+        entity.dxftype() in _TEXT_TYPES
         and _layer_text_at(entity, (0.0, 0.0, 0.0)).number is not None
     )
 
@@ -129,7 +129,7 @@ def read_contents(path: FilePath, process: Process) -> Contents:
                     continue
                 location = locations.read(placed)
                 found += [location] if location else []
-            elif placed.entity.dxftype() in TEXT_TYPES:
+            elif placed.entity.dxftype() in _TEXT_TYPES:
                 texts.append(layer_text(placed.entity, placed.matrix, placed.layer))
             else:
                 counted_in = Tally() if unwanted(placed.layer) else tally

@@ -39,20 +39,20 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
 
-NUMBER_CODES: Final = (
+_NUMBER_CODES: Final = (
     *((10, 59), (60, 79), (90, 99), (110, 149), (160, 179), (210, 239), (270, 289)),
     *((290, 299), (370, 389), (400, 409), (420, 429), (440, 469), (1010, 1071)),
 )
 """First and last code of those that are numbers."""
-PLAIN_NUMBER: Final = re.compile(
+_PLAIN_NUMBER: Final = re.compile(
     rb"[ \t]*[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|(?i:nan|inf|infinity))[ \t\x00\x1a]*"
 )
 """A number as the reference has it; that one is not finite is found where it is used."""
-MOST_MALFORMED: Final = 10
+_MOST_MALFORMED: Final = 10
 """Malformed numbers that have a finding each."""
 
-ESCAPED_CHARACTERS: Final = re.compile(r"(?:\\U\+[0-9A-Fa-f]{4})+")
-ESCAPE_MARK: Final = b"\\U+"
+_ESCAPED_CHARACTERS: Final = re.compile(r"(?:\\U\+[0-9A-Fa-f]{4})+")
+_ESCAPE_MARK: Final = b"\\U+"
 """Prefix of a character that the code page of a file does not have."""
 
 
@@ -69,9 +69,9 @@ def malformed_numbers(data: bytes, path: str) -> list[Diagnostic]:
             number = _group_code(code)
             if number is None:
                 break
-            known[code] = number if any(a <= number <= b for a, b in NUMBER_CODES) else None
+            known[code] = number if any(a <= number <= b for a, b in _NUMBER_CODES) else None
         kind = known[code]
-        if kind is not None and PLAIN_NUMBER.fullmatch(value) is None:
+        if kind is not None and _PLAIN_NUMBER.fullmatch(value) is None:
             wrong.append((2 * row + 2, kind, value))
     return [*_malformed_findings(wrong, path)]
 
@@ -84,10 +84,10 @@ def _group_code(text: bytes) -> int | None:
 
 
 def _malformed_findings(wrong: list[tuple[int, int, bytes]], path: str) -> Iterator[Diagnostic]:
-    for place, (line, code, value) in enumerate(wrong[:MOST_MALFORMED]):
+    for place, (line, code, value) in enumerate(wrong[:_MOST_MALFORMED]):
         given = value.decode("latin-1").strip()
-        rest = len(wrong) - MOST_MALFORMED
-        more = f" ({rest} more such values)" if rest > 0 and place == MOST_MALFORMED - 1 else ""
+        rest = len(wrong) - _MOST_MALFORMED
+        more = f" ({rest} more such values)" if rest > 0 and place == _MOST_MALFORMED - 1 else ""
         yield MALFORMED(
             path=path, line=line, given=shown(given), code=code, more=more, cure=_number_cure(given)
         )
@@ -99,14 +99,14 @@ def _number_cure(given: str) -> str:
         return f"write a decimal point, {given.replace(',', '.')}"
     meant = given.replace(",", "") if "." in given else given
     meant = re.sub(r"[dD](?=[+-]?\d+$)", "E", meant)
-    if meant != given and PLAIN_NUMBER.fullmatch(meant.encode("latin-1")):
+    if meant != given and _PLAIN_NUMBER.fullmatch(meant.encode("latin-1")):
         return f"write {meant}"
     return "write a number such as 12.5, or export the drawing anew"
 
 
 def unescaped(text: str) -> str:
     r"""A text with the characters that `\U+XXXX` stand for, as far as they can be printed."""
-    return ESCAPED_CHARACTERS.sub(_unescaped_characters, text)
+    return _ESCAPED_CHARACTERS.sub(_unescaped_characters, text)
 
 
 def _unescaped_characters(found: re.Match[str]) -> str:
@@ -115,20 +115,20 @@ def _unescaped_characters(found: re.Match[str]) -> str:
     return made if made.isprintable() and "�" not in made else found[0]
 
 
-BINARY_SENTINEL: Final = b"AutoCAD Binary DXF\r\n\x1a\x00"
-DWG_SIGNATURE: Final = re.compile(rb"AC10\d\d\x00|AC1\.\d\d")
-SECTION: Final = re.compile(rb"(?:^|[\r\n])[ \t]*0[ \t]*\r?[\r\n][ \t]*SECTION[ \t]*\r?[\r\n]")
-HEADER_VARIABLE: Final = re.compile(rb"[\r\n][ \t]*9[ \t]*\r?[\r\n][ \t]*\$[A-Z]")
-BINARY_HEADER_VARIABLE: Final = re.compile(rb"\x09\x00?\$[A-Z]")
+_BINARY_SENTINEL: Final = b"AutoCAD Binary DXF\r\n\x1a\x00"
+_DWG_SIGNATURE: Final = re.compile(rb"AC10\d\d\x00|AC1\.\d\d")
+_SECTION: Final = re.compile(rb"(?:^|[\r\n])[ \t]*0[ \t]*\r?[\r\n][ \t]*SECTION[ \t]*\r?[\r\n]")
+_HEADER_VARIABLE: Final = re.compile(rb"[\r\n][ \t]*9[ \t]*\r?[\r\n][ \t]*\$[A-Z]")
+_BINARY_HEADER_VARIABLE: Final = re.compile(rb"\x09\x00?\$[A-Z]")
 """The name of a variable of the header."""
-END_MARK: Final = re.compile(rb"[\r\n][ \t]*0[ \t]*\r?[\r\n][ \t]*EOF[ \t]*(?:[\r\n]|$)")
-TAIL_BYTES: Final = 1 << 16
+_END_MARK: Final = re.compile(rb"[\r\n][ \t]*0[ \t]*\r?[\r\n][ \t]*EOF[ \t]*(?:[\r\n]|$)")
+_TAIL_BYTES: Final = 1 << 16
 """Bytes at the end of a file in which the end mark has to stand."""
 
-PADDING: Final = b"\x00\x1a \t\r\n"
+_PADDING: Final = b"\x00\x1a \t\r\n"
 """Bytes with which old systems and transfers pad the last block of a file."""
 
-DAMAGE_ERRORS: Final = (
+_DAMAGE_ERRORS: Final = (
     ArithmeticError,
     AssertionError,
     AttributeError,
@@ -142,7 +142,7 @@ DAMAGE_ERRORS: Final = (
 )
 """Exceptions that a damaged file or entity raises inside ezdxf, besides its own errors."""
 
-LOSING_REPAIRS: Final = frozenset(
+_LOSING_REPAIRS: Final = frozenset(
     {
         "UNDEFINED_BLOCK",
         "UNDEFINED_BLOCK_NAME",
@@ -160,18 +160,18 @@ LOSING_REPAIRS: Final = frozenset(
 )
 """Repairs that delete something a robot might have to follow."""
 
-HANDLE_OR_LINE: Final = re.compile(r"#[0-9A-Fa-f]+|\bline \d+")
+_HANDLE_OR_LINE: Final = re.compile(r"#[0-9A-Fa-f]+|\bline \d+")
 
-MOST_REPAIRS: Final = 3
+_MOST_REPAIRS: Final = 3
 """Kinds of repairs that a finding names."""
-MOST_NOTES: Final = 20
+_MOST_NOTES: Final = 20
 """Largest number of notes that are reported individually."""
 
 
 def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     """The document, and what had to be repaired to read it; raises Unreadable or Refused."""
     data = read_bytes(path)
-    binary = data.startswith(BINARY_SENTINEL)
+    binary = data.startswith(_BINARY_SENTINEL)
     notes: list[str] = []
     with within(DRAWING, str(path), len(data)), _logged_warnings(notes):
         _check_kind(path, data, binary)
@@ -179,7 +179,7 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
         if not binary and (wrong := malformed_numbers(data, str(path))):
             raise Refused(*wrong)
         document, repairs = _load(path, data, binary)
-    if (BINARY_HEADER_VARIABLE if binary else HEADER_VARIABLE).search(data) is None:
+    if (_BINARY_HEADER_VARIABLE if binary else _HEADER_VARIABLE).search(data) is None:
         _forget_header(document)
     return document, (*repairs, *_note_findings(notes, str(path)))
 
@@ -198,28 +198,28 @@ def _note_findings(notes: list[str], path: str) -> list[Diagnostic]:
     first: dict[str, str] = {}
     counts: Counter[str] = Counter()
     for note in notes:
-        kind = HANDLE_OR_LINE.sub("", note)
+        kind = _HANDLE_OR_LINE.sub("", note)
         first.setdefault(kind, note)
         counts[kind] += 1
     told = []
     for kind, note in first.items():
         times = f" ({counts[kind]} times)" if counts[kind] > 1 else ""
         told.append(NOTED(path=path, place="file", what=shown(note) + times))
-    return told[:MOST_NOTES]
+    return told[:_MOST_NOTES]
 
 
 def library_errors() -> tuple[type[Exception], ...]:
     """Return the exceptions that ezdxf raises for a damaged file or entity."""
     from ezdxf.lldxf.const import DXFError
 
-    return (DXFError, *DAMAGE_ERRORS)
+    return (DXFError, *_DAMAGE_ERRORS)
 
 
 def _check_kind(path: FilePath, data: bytes, binary: bool) -> None:
-    if binary or SECTION.search(data):
+    if binary or _SECTION.search(data):
         return
     reason = "it has no section"
-    if DWG_SIGNATURE.match(data):
+    if _DWG_SIGNATURE.match(data):
         reason = "it is a DWG drawing"
     raise Unreadable(NO_DXF(path=str(path), name=shown(path.name), reason=reason))
 
@@ -229,7 +229,7 @@ def _check_end(path: FilePath, data: bytes, binary: bool) -> None:
     if binary:
         whole = data.rstrip(b"\x1a \t\r\n\x00").endswith(b"\x00EOF")
     else:
-        whole = END_MARK.search(data[-TAIL_BYTES:].rstrip(PADDING)) is not None
+        whole = _END_MARK.search(data[-_TAIL_BYTES:].rstrip(_PADDING)) is not None
     if not whole:
         raise Unreadable(TRUNCATED(path=str(path), name=shown(path.name)))
 
@@ -239,7 +239,7 @@ def _load(path: FilePath, data: bytes, binary: bool) -> tuple[Drawing, tuple[Dia
     from ezdxf.filemanagement import dxf_file_info, read, readfile
 
     try:
-        if binary or ESCAPE_MARK not in data:
+        if binary or _ESCAPE_MARK not in data:
             return _with_checked_names(readfile(path)), ()
         text = data.decode(dxf_file_info(str(path)).encoding, errors="surrogateescape")
         lines = (unescaped(line) + "\n" for line in text.replace("\r\n", "\n").split("\n"))
@@ -255,19 +255,19 @@ def _load(path: FilePath, data: bytes, binary: bool) -> tuple[Drawing, tuple[Dia
         raise _broken_finding(path, error) from error
     name = str(path)
     repairs = [*auditor.fixes, *auditor.errors]
-    lost = [entry for entry in repairs if _audit_code(entry.code) in LOSING_REPAIRS]
+    lost = [entry for entry in repairs if _audit_code(entry.code) in _LOSING_REPAIRS]
     told = [LOST(path=name, place=_audit_code(e.code), what=shown(e.message)) for e in lost]
     mended = [
         _error_text(strict),
-        *(e.message for e in repairs if _audit_code(e.code) not in LOSING_REPAIRS),
+        *(e.message for e in repairs if _audit_code(e.code) not in _LOSING_REPAIRS),
     ]
     return document, (_repaired(mended, name), *told)
 
 
 def _repaired(notes: list[str], path: str) -> Diagnostic:
     """One finding for all repairs: the first of each kind, and how many there are."""
-    kinds = {HANDLE_OR_LINE.sub("", note): note for note in reversed(notes)}
-    some = [shown(note) for note in [*reversed(kinds.values())][:MOST_REPAIRS]]
+    kinds = {_HANDLE_OR_LINE.sub("", note): note for note in reversed(notes)}
+    some = [shown(note) for note in [*reversed(kinds.values())][:_MOST_REPAIRS]]
     more = f"; and more, {len(notes)} repairs in all" if len(notes) > len(some) else ""
     return REPAIRED(path=path, place="file", what="; ".join(some) + more)
 
@@ -325,38 +325,38 @@ class _LogCollector(logging.Handler):
         self.notes.append(record.getMessage())
 
 
-SURVEY_FOOT: Final = 1_200_000.0 / 3937.0
+_SURVEY_FOOT: Final = 1_200_000.0 / 3937.0
 """mm; 1200/3937 m by its definition of 1893."""
-INCH: Final = UNITS["in"][1]
-FOOT: Final = UNITS["ft"][1]
-METRE: Final = UNITS["m"][1]
-ASTRONOMICAL_UNIT: Final = 149_597_870_700.0 * METRE
+_INCH: Final = UNITS["in"][1]
+_FOOT: Final = UNITS["ft"][1]
+_METRE: Final = UNITS["m"][1]
+_ASTRONOMICAL_UNIT: Final = 149_597_870_700.0 * _METRE
 
-MILLIMETRES: Final[dict[int, tuple[str, float]]] = {
+_MILLIMETRES: Final[dict[int, tuple[str, float]]] = {
     1: UNITS["in"],
     2: UNITS["ft"],
-    3: ("miles", FOOT * 5280),
+    3: ("miles", _FOOT * 5280),
     4: UNITS["mm"],
     5: UNITS["cm"],
     6: UNITS["m"],
-    7: ("kilometres", METRE * 1e3),
-    8: ("microinches", INCH * 1e-6),
+    7: ("kilometres", _METRE * 1e3),
+    8: ("microinches", _INCH * 1e-6),
     9: UNITS["mil"],
     10: UNITS["yd"],
     11: ("ångströms", 1e-7),
     12: ("nanometres", 1e-6),
     13: UNITS["um"],
     14: UNITS["dm"],
-    15: ("decametres", METRE * 10),
-    16: ("hectometres", METRE * 100),
-    17: ("gigametres", METRE * 1e9),
-    18: ("astronomical units", ASTRONOMICAL_UNIT),
-    19: ("light years", 9_460_730_472_580_800.0 * METRE),
-    20: ("parsecs", ASTRONOMICAL_UNIT * 648_000 / 3.141592653589793),
-    21: ("US survey feet", SURVEY_FOOT),
-    22: ("US survey inches", SURVEY_FOOT / 12),
-    23: ("US survey yards", SURVEY_FOOT * 3),
-    24: ("US survey miles", SURVEY_FOOT * 5280),
+    15: ("decametres", _METRE * 10),
+    16: ("hectometres", _METRE * 100),
+    17: ("gigametres", _METRE * 1e9),
+    18: ("astronomical units", _ASTRONOMICAL_UNIT),
+    19: ("light years", 9_460_730_472_580_800.0 * _METRE),
+    20: ("parsecs", _ASTRONOMICAL_UNIT * 648_000 / 3.141592653589793),
+    21: ("US survey feet", _SURVEY_FOOT),
+    22: ("US survey inches", _SURVEY_FOOT / 12),
+    23: ("US survey yards", _SURVEY_FOOT * 3),
+    24: ("US survey miles", _SURVEY_FOOT * 5280),
 }
 """Code of $INSUNITS (DXF reference, header section) → name, millimetres."""
 
@@ -372,7 +372,7 @@ def unit_of(
     code = document.header.get("$INSUNITS", None)
     if given is not None:
         name, factor = UNITS[given]
-        said, _ = MILLIMETRES.get(code or 0, (name, factor))
+        said, _ = _MILLIMETRES.get(code or 0, (name, factor))
         told = (OTHER_UNIT(path=path, place="header", said=said, given=name),)
         return name, factor, told if said != name else ()
     if code is None or code == 0:
@@ -380,6 +380,6 @@ def unit_of(
         english = document.header.get("$MEASUREMENT", 1) == 0
         hint = ", although its measurement is English" if english else ""
         return "millimetres", 1.0, (NO_UNITS(path=path, place="header", state=state, hint=hint),)
-    if code not in MILLIMETRES:
+    if code not in _MILLIMETRES:
         raise Refused(UNKNOWN_UNITS(path=path, place="header", code=code))
-    return (*MILLIMETRES[code], ())
+    return (*_MILLIMETRES[code], ())

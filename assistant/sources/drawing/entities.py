@@ -37,16 +37,16 @@ if TYPE_CHECKING:
     from ezdxf.entities.spline import Spline as SplineEntity
 
 
-ROUND_TOLERANCE: Final = 1e-9
+_ROUND_TOLERANCE: Final = 1e-9
 """Relative difference of two conjugate radii, and cosine between them, of a circle."""
 
-FARTHEST_COORDINATE: Final = 1e7
+_FARTHEST_COORDINATE: Final = 1e7
 """mm; a coordinate beyond 10 km is no work piece but a broken file."""
 
-FLATTEST_ARC: Final = 1e-4
+_FLATTEST_ARC: Final = 1e-4
 """mm; an arc that leaves its chord by less is a line, where its centre is no place."""
 
-SHORTEST_CURVE: Final = 1e-9
+_SHORTEST_CURVE: Final = 1e-9
 """mm; what is shorter has no direction."""
 
 
@@ -66,7 +66,7 @@ class Straight:
 
     def curve(self, layer: str, handle: str) -> Curve:
         check_coordinates(self.start, self.end)
-        if np.linalg.norm(self.end - self.start) <= SHORTEST_CURVE:
+        if np.linalg.norm(self.end - self.start) <= _SHORTEST_CURVE:
             raise Degenerate("without length")
         return Line(vector(self.start), vector(self.end), layer, handle)
 
@@ -97,8 +97,8 @@ class Conic:
     def curve(self, layer: str, handle: str) -> Curve:
         radius = max(math.hypot(*vector(self.u)), math.hypot(*vector(self.v)))
         if (
-            radius >= FARTHEST_COORDINATE
-            and 2.0 * radius * math.sin(self.sweep / 4.0) ** 2 <= FLATTEST_ARC
+            radius >= _FARTHEST_COORDINATE
+            and 2.0 * radius * math.sin(self.sweep / 4.0) ** 2 <= _FLATTEST_ARC
         ):
             start, end = self._evaluate(np.array([0.0, 1.0]))
             return Straight(start, end).curve(layer, handle)
@@ -107,11 +107,11 @@ class Conic:
         centre, u, v = vector(self.centre), vector(self.u), vector(self.v)
         normal = cross_product(u, v)
         sizes = math.hypot(*u), math.hypot(*v)
-        flat = math.hypot(*normal) <= ROUND_TOLERANCE * max(sizes) ** 2
-        if flat or self.sweep * max(sizes) <= SHORTEST_CURVE:
+        flat = math.hypot(*normal) <= _ROUND_TOLERANCE * max(sizes) ** 2
+        if flat or self.sweep * max(sizes) <= _SHORTEST_CURVE:
             raise Degenerate("without length or area")
-        even = abs(sizes[0] - sizes[1]) <= ROUND_TOLERANCE * max(sizes)
-        if even and abs(dot_product(u, v)) <= ROUND_TOLERANCE * max(sizes) ** 2:
+        even = abs(sizes[0] - sizes[1]) <= _ROUND_TOLERANCE * max(sizes)
+        if even and abs(dot_product(u, v)) <= _ROUND_TOLERANCE * max(sizes) ** 2:
             sweep = 360.0 if self.whole else math.degrees(self.sweep)
             start = (centre[0] + u[0], centre[1] + u[1], centre[2] + u[2])
             return Arc.about(centre, normal, start, sweep, layer, handle)
@@ -123,7 +123,7 @@ class Conic:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Spline:
+class _Spline:
     """A rational B-spline.
 
     knots (n + degree + 1,) ascending, points (n, 3), weights (n,) positive.
@@ -134,21 +134,21 @@ class Spline:
     points: Floats
     weights: Floats
 
-    def moved(self, matrix: Floats) -> Spline:
+    def moved(self, matrix: Floats) -> _Spline:
         return replace(self, points=point(matrix, self.points))
 
     def curve(self, layer: str, handle: str) -> Curve:
         check_coordinates(self.points)
-        if np.linalg.norm(np.ptp(self.points, axis=0)) <= SHORTEST_CURVE:
+        if np.linalg.norm(np.ptp(self.points, axis=0)) <= _SHORTEST_CURVE:
             raise Degenerate("without length")
         low, high = self._domain
         inner = np.unique(self.knots[(self.knots > low) & (self.knots < high)])
         breaks = (0.0, *(float(b) for b in (inner - low) / (high - low)), 1.0)
         ends = self._evaluate(np.array([0.0, 1.0]))
-        closed = bool(np.linalg.norm(ends[1] - ends[0]) <= SHORTEST_CURVE)
+        closed = bool(np.linalg.norm(ends[1] - ends[0]) <= _SHORTEST_CURVE)
         return FreeCurve(self._evaluate, closed, layer, handle, breaks)
 
-    def continuous(self) -> Iterator[Spline]:
+    def continuous(self) -> Iterator[_Spline]:
         """The parts between knots at which the curve may jump: those that are there more often
         than its degree. Each part has its own ends.
         """
@@ -162,7 +162,7 @@ class Spline:
                 first = place + count - p - 1
         yield self if first == 0 else self._part(first, n)
 
-    def _part(self, first: int, last: int) -> Spline:
+    def _part(self, first: int, last: int) -> _Spline:
         """The part of a spline from one control point up to another."""
         return replace(
             self,
@@ -193,31 +193,31 @@ class Spline:
         return np.asarray(d[:, p, :3] / d[:, p, 3:])
 
 
-Primitive = Straight | Conic | Spline
+Primitive = Straight | Conic | _Spline
 
 
 def check_coordinates(*places: Floats) -> None:
     """Raises ValueError for a coordinate that is not finite, or is no place for a robot."""
-    if not (np.abs(np.concatenate(places)) < FARTHEST_COORDINATE).all():  # NaN fails as well
-        raise ValueError(f"a coordinate is not finite or beyond {FARTHEST_COORDINATE:g} mm")
+    if not (np.abs(np.concatenate(places)) < _FARTHEST_COORDINATE).all():  # NaN fails as well
+        raise ValueError(f"a coordinate is not finite or beyond {_FARTHEST_COORDINATE:g} mm")
 
 
-FEWEST_FIT_POINTS: Final = 2
+_FEWEST_FIT_POINTS: Final = 2
 
 
 def primitives(entity: DXFGraphic) -> list[Primitive]:
     """Return the primitives of an entity, in world or block coordinates.
 
-    The entity's type has to be one of `PRIMITIVE_READERS`. Raises Degenerate for one without any
+    The entity's type has to be one of `_PRIMITIVE_READERS`. Raises Degenerate for one without any
     length, ValueError or ezdxf's errors for one with invalid data.
     """
     check_stated(entity)
-    return PRIMITIVE_READERS[entity.dxftype()](entity)
+    return _PRIMITIVE_READERS[entity.dxftype()](entity)
 
 
 def check_stated(entity: DXFGraphic) -> None:
     """Raises ValueError if an entity lacks what ezdxf would put a default in place of."""
-    missing = [a for a in STATED_ATTRIBUTES.get(entity.dxftype(), ()) if not entity.dxf.hasattr(a)]
+    missing = [a for a in _STATED_ATTRIBUTES.get(entity.dxftype(), ()) if not entity.dxf.hasattr(a)]
     if missing:
         raise ValueError(f"it does not state its {' and '.join(missing)}")
 
@@ -228,7 +228,7 @@ def is_followed(entity: DXFGraphic) -> bool:
     if kind == "POLYLINE":
         polyline = cast("Polyline", entity)
         return polyline.is_2d_polyline or polyline.is_3d_polyline
-    return kind in PRIMITIVE_READERS
+    return kind in _PRIMITIVE_READERS
 
 
 def ignored_properties(entity: DXFGraphic) -> list[str]:
@@ -296,7 +296,7 @@ def _lwpolyline(entity: LWPolyline) -> list[Primitive]:
 
 def _polyline(entity: Polyline) -> list[Primitive]:
     # Of a polyline smoothed by a spline only the smooth vertices lie on it.
-    vertices = [v for v in entity.vertices if not v.dxf.flags & FRAME_CONTROL_POINT]
+    vertices = [v for v in entity.vertices if not v.dxf.flags & _FRAME_CONTROL_POINT]
     if entity.is_3d_polyline:
         places = [_xyz(v.dxf.location) for v in vertices]
         return _require_pieces(_straights(places, entity.is_closed))
@@ -305,7 +305,7 @@ def _polyline(entity: Polyline) -> list[Primitive]:
     return _flat_polyline(corners, entity.is_closed, float(elevation), entity.dxf.extrusion)
 
 
-FRAME_CONTROL_POINT: Final = 16
+_FRAME_CONTROL_POINT: Final = 16
 """Flag of a vertex that a spline-fit polyline is drawn from, but does not go through."""
 
 
@@ -342,11 +342,11 @@ def _bulged(
     from start to end the centre is (1 - b²) / 4b · d turned left from the middle of the chord.
     """
     largest = float(np.abs(bulges).max(initial=0.0))
-    if largest > LARGEST_BULGE:
+    if largest > _LARGEST_BULGE:
         raise ValueError(f"the bulge {largest:g} is a full circle through one point")
     chord = end - start
     sweep = 4.0 * np.arctan(np.abs(bulges))
-    bent = sweep * np.linalg.norm(chord, axis=1) >= FLATTEST_BULGE
+    bent = sweep * np.linalg.norm(chord, axis=1) >= _FLATTEST_BULGE
     b = np.where(bent, bulges, 1.0)
     centre = (start + end) / 2.0 + _turned_left(chord) * ((1.0 - b * b) / (4.0 * b))[:, None]
     u = start - centre
@@ -358,10 +358,10 @@ def _turned_left(v: Floats) -> Floats:
     return np.column_stack([-v[:, 1], v[:, 0], np.zeros(len(v))])
 
 
-LARGEST_BULGE: Final = 1e6
+_LARGEST_BULGE: Final = 1e6
 """Largest bulge; beyond it start and end of the arc cannot be distinguished."""
 
-FLATTEST_BULGE: Final = 1e-9
+_FLATTEST_BULGE: Final = 1e-9
 """Angle times chord of a bulge below which the arc is straight to any printed decimal."""
 
 
@@ -380,16 +380,16 @@ def _spline(entity: SplineEntity) -> list[Primitive]:
     fit = _points(entity.fit_points)
     if len(fit) and entity.closed and not (fit[0] == fit[-1]).all():
         fit = np.vstack([fit, fit[:1]])
-    if len(fit) < FEWEST_FIT_POINTS:
+    if len(fit) < _FEWEST_FIT_POINTS:
         raise ValueError("it has neither control points nor fit points")
     if not np.isfinite(fit).all():
         raise ValueError("a fit point is not finite")
-    if len(fit) == FEWEST_FIT_POINTS and not entity.dxf.hasattr("start_tangent"):
+    if len(fit) == _FEWEST_FIT_POINTS and not entity.dxf.hasattr("start_tangent"):
         return [Straight(fit[0], fit[1])]
     return [_fitted(entity, fit)]
 
 
-def _fitted(entity: SplineEntity, fit: Floats) -> Spline:
+def _fitted(entity: SplineEntity, fit: Floats) -> _Spline:
     """Through the fit points, as CAD systems draw it: cubic, with the end tangents if given."""
     from ezdxf.math import Vec3, fit_points_to_cad_cv
 
@@ -404,7 +404,9 @@ def _fitted(entity: SplineEntity, fit: Floats) -> Spline:
     return _nurbs(curve.degree, curve.knots(), points, ())
 
 
-def _nurbs(degree: int, knots: Sequence[float], points: Floats, weights: Sequence[float]) -> Spline:
+def _nurbs(
+    degree: int, knots: Sequence[float], points: Floats, weights: Sequence[float]
+) -> _Spline:
     knot = np.asarray(knots, dtype=np.float64)
     weight = np.asarray(weights if len(weights) else np.ones(len(points)), dtype=np.float64)
     if degree < 1 or len(points) <= degree:
@@ -419,7 +421,7 @@ def _nurbs(degree: int, knots: Sequence[float], points: Floats, weights: Sequenc
         raise ValueError("its knots leave no range")
     if not (np.isfinite(weight).all() and (weight > 0).all()):
         raise ValueError("a weight is not positive")
-    return Spline(int(degree), knot, points, weight)
+    return _Spline(int(degree), knot, points, weight)
 
 
 def _require_pieces(pieces: list[Primitive]) -> list[Primitive]:
@@ -438,7 +440,7 @@ def _points(vectors: Iterable[ArrayLike]) -> Floats:
     return np.array([tuple(v) for v in vectors], dtype=np.float64).reshape(-1, 3)  # type: ignore[arg-type]
 
 
-STATED_ATTRIBUTES: Final[dict[str, tuple[str, ...]]] = {
+_STATED_ATTRIBUTES: Final[dict[str, tuple[str, ...]]] = {
     "LINE": ("start", "end"),
     "ARC": ("center", "radius", "start_angle", "end_angle"),
     "CIRCLE": ("center", "radius"),
@@ -448,7 +450,7 @@ STATED_ATTRIBUTES: Final[dict[str, tuple[str, ...]]] = {
 }
 """Attributes that an entity has to state: with a default instead, a robot would move elsewhere."""
 
-PRIMITIVE_READERS: Final[dict[str, Callable[[Any], list[Primitive]]]] = {
+_PRIMITIVE_READERS: Final[dict[str, Callable[[Any], list[Primitive]]]] = {
     "LINE": _line,
     "ARC": _arc,
     "CIRCLE": _circle,

@@ -165,18 +165,18 @@ UNUSED_TAG = warning(
     "DX321", "{count} attributes {tag} of locations are not used", "see the process file's tags"
 )
 
-LONGEST_SHOWN: Final = 80
+_LONGEST_SHOWN: Final = 80
 
 
 def shown(text: str) -> str:
     """Return text from a drawing in a form for messages and comments: one line, printable."""
-    cut = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 1] + "…"
+    cut = text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 1] + "…"
     return "".join(
         c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut
     )
 
 
-MOST_HANDLES: Final = 3
+_MOST_HANDLES: Final = 3
 """Largest number of entities that a count names."""
 
 
@@ -191,7 +191,7 @@ class Tally:
         key = (rule, kind, layer, reason)
         self.counts[key] = self.counts.get(key, 0) + 1
         named = self.handles.setdefault(key, [])
-        if handle and handle not in named and len(named) < MOST_HANDLES:
+        if handle and handle not in named and len(named) < _MOST_HANDLES:
             named.append(handle)
 
     def findings(self) -> Iterator[Diagnostic]:

@@ -64,17 +64,17 @@ if TYPE_CHECKING:
     from assistant.sources.drawing.traversal import PlacedEntity
 
 
-NOTED_LENGTH: Final = 1e-6
+_NOTED_LENGTH: Final = 1e-6
 """A quaternion this near to unit length has only been rounded, and is not worth a warning."""
 
-REPAIRED_LENGTH: Final = 1e-3
+_REPAIRED_LENGTH: Final = 1e-3
 """Deviation from unit length beyond which a quaternion counts as a mistake, not as rounding."""
 
-TOOL_DOWN: Final = rotations.about((1.0, 0.0, 0.0), 180.0)
+_TOOL_DOWN: Final = rotations.about((1.0, 0.0, 0.0), 180.0)
 """Tool against the axes of the location: half a turn about x."""
 
-UPWARDS: Final[Vector] = (0.0, 0.0, 1.0)
-UPRIGHT_COSINE: Final = 1e-9
+_UPWARDS: Final[Vector] = (0.0, 0.0, 1.0)
+_UPRIGHT_COSINE: Final = 1e-9
 """1 - cosine up to which an axis counts as upright; 0.003 degrees."""
 
 
@@ -200,10 +200,10 @@ class LocationReader:
 
     def _unit(self, values: LocationValues, quaternion: Floats) -> Floats | None:
         length = float(np.linalg.norm(quaternion))
-        if not abs(length - 1.0) <= REPAIRED_LENGTH:
+        if not abs(length - 1.0) <= _REPAIRED_LENGTH:
             values.say(NO_QUATERNION, length=length)
             return None
-        if abs(length - 1.0) > NOTED_LENGTH:
+        if abs(length - 1.0) > _NOTED_LENGTH:
             values.say(REPAIRED_QUATERNION, length=length)
         return rotations.canonical(quaternion)
 
@@ -217,7 +217,7 @@ class LocationReader:
         position = point(placed.matrix, at)
         check_coordinates(position)
         stated = turn is not None
-        tool = axes @ rotations.to_matrix(TOOL_DOWN if turn is None else turn)
+        tool = axes @ rotations.to_matrix(_TOOL_DOWN if turn is None else turn)
         x, z = direction(placed.matrix, tool[:, 0]), direction(placed.matrix, tool[:, 2])
         if skews(placed.matrix):
             self._say(SKEWED, placed.place, name=shown(name))
@@ -235,13 +235,13 @@ class LocationReader:
         process the tool points against the location's axes.
         """
         kind, handle = placed.entity.dxftype(), placed.entity.dxf.handle or ""
-        upwards = np.array(self.process.placed(UPWARDS))
-        slope = 1.0 - abs(float(rotation[:, 2] @ upwards)) > UPRIGHT_COSINE
+        upwards = np.array(self.process.placed(_UPWARDS))
+        slope = 1.0 - abs(float(rotation[:, 2] @ upwards)) > _UPRIGHT_COSINE
         for layer, process in self.process.layers.items():
             if layer.casefold() == placed.layer.casefold() and not slope:
                 self.tally.add(FACING, kind, placed.layer, "as the layer's process says", handle)
                 z = np.asarray(self.process.placed(process.direction), dtype=np.float64)
-                steep = abs(float(z @ rotation[:, 0])) > (1.0 - UPRIGHT_COSINE) * np.linalg.norm(z)
+                steep = abs(float(z @ rotation[:, 0])) > (1.0 - _UPRIGHT_COSINE) * np.linalg.norm(z)
                 return right_handed(rotation[:, 1] if steep else rotation[:, 0], z)
         self.tally.add(FACING, kind, placed.layer, "against their own z axis", handle)
         if not slope and rotation[:, 2] @ upwards > 0:

@@ -42,9 +42,9 @@ from assistant.sources.drawing.locations import Location
 from assistant.sources.process import NO_PROCESS, Process, travel_seconds
 from assistant.sources.reading import Reading
 
-MAIN_PROCEDURE: Final = "main"
-HOME_TARGET: Final = "home"
-LOCATIONS_PROCEDURE: Final = "locations"
+_MAIN_PROCEDURE: Final = "main"
+_HOME_TARGET: Final = "home"
+_LOCATIONS_PROCEDURE: Final = "locations"
 """Name of the procedure that visits the locations."""
 
 
@@ -55,11 +55,11 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
     """
     name = str(path)
     title = identifier(path.stem)
-    taken = TakenNames((title, MAIN_PROCEDURE, LOCATIONS_PROCEDURE))
+    taken = TakenNames((title, _MAIN_PROCEDURE, _LOCATIONS_PROCEDURE))
     taken.update(process.tools, process.frames, process.signals)
     named = name_locations(contents.locations, taken, name)
     taken.update(named.names)
-    home = identifier(HOME_TARGET, taken) if process.home is not None else None
+    home = identifier(_HOME_TARGET, taken) if process.home is not None else None
     taken.update([home] if home else [])
     places = len(contents.curves) + len(contents.locations)
     with within(CONTOURS if process.around is None else AROUND, name, places):
@@ -67,7 +67,7 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
         contours, ends, followed = contour_program(
             curves, process, taken=taken, path=name, marks=contents.marks, texts=contents.texts
         )
-        order = visiting_order(contents.locations, name, process)
+        order = _visiting_order(contents.locations, name, process)
         visits, visited = _visit_procedure(contents.locations, named.names, order.rows, process)
     arriving = (finding.within(name) for finding in visited)
     findings = [*contents.findings, *named.findings, *order.findings, *followed, *arriving]
@@ -80,8 +80,8 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
     procedures = [*visits, *contours]
     program = Program(
         title,
-        (Procedure(MAIN_PROCEDURE, _calls_from_home(home, procedures, process)), *procedures),
-        entry=MAIN_PROCEDURE,
+        (Procedure(_MAIN_PROCEDURE, _calls_from_home(home, procedures, process)), *procedures),
+        entry=_MAIN_PROCEDURE,
         robot=process.robot,
         comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
         frames=dict(process.frames),
@@ -143,7 +143,7 @@ def _visit_procedure(
             statements.append(
                 move_to("linear", backed_off_target(name, usual.retract, out), stopping)
             )
-    return ([Procedure(LOCATIONS_PROCEDURE, tuple(statements))] if statements else []), findings
+    return ([Procedure(_LOCATIONS_PROCEDURE, tuple(statements))] if statements else []), findings
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,16 +198,16 @@ def name_locations(
 
 
 @dataclass(frozen=True, slots=True)
-class LocationOrder:
+class _LocationOrder:
     """Rows of locations in the order of visiting."""
 
     rows: tuple[int, ...]
     findings: tuple[Diagnostic, ...]
 
 
-def visiting_order(
+def _visiting_order(
     locations: Sequence[Location], path: str, process: Process = NO_PROCESS
-) -> LocationOrder:
+) -> _LocationOrder:
     """Order locations by the order that they state, as drawn if it is equal; the others follow.
 
     If motions are planned and no location states an order or another motion, the order with the
@@ -227,12 +227,12 @@ def visiting_order(
             place = locations[i].place
             findings.append(SAME_ORDER(path=path, place=place, order=f"{order:g}"))
         seen.add(order)
-    return LocationOrder((*(i for _, i in sorted(stated)), *rest), tuple(findings))
+    return _LocationOrder((*(i for _, i in sorted(stated)), *rest), tuple(findings))
 
 
-def _quickest_order(locations: Sequence[Location], path: str, process: Process) -> LocationOrder:
+def _quickest_order(locations: Sequence[Location], path: str, process: Process) -> _LocationOrder:
     """By joint moves between places above them; as drawn where those are not known."""
-    drawn = LocationOrder(tuple(range(len(locations))), ())
+    drawn = _LocationOrder(tuple(range(len(locations))), ())
     motions = {(one.motion.frame, one.motion.tool) for one in locations}
     standing = FramedSurroundings.of(process, locations[0].motion) if len(motions) == 1 else None
     if standing is None or len(locations) < 2:
@@ -247,4 +247,4 @@ def _quickest_order(locations: Sequence[Location], path: str, process: Process) 
     if not found.measured:
         return drawn
     said = QUICKEST(path=path, count=len(above), before=found.before, after=found.after)
-    return LocationOrder(found.rows, (said,))
+    return _LocationOrder(found.rows, (said,))

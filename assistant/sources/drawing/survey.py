@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities.insert import Insert
 
-CHORDS: Final = 0.001
+_CHORDS: Final = 0.001
 """Largest deviation in mm of chords of a curve when its extents are computed."""
 
 
@@ -184,7 +184,7 @@ def _box(layer: _Layer) -> Floats:
     """Points (n, 3) that reach as far as all of a layer."""
     points = [np.array(layer.places).reshape(-1, 3)]
     for curve in layer.curves:
-        along = chorded(curve, CHORDS)
+        along = chorded(curve, _CHORDS)
         points.append(np.stack([along.min(axis=0), along.max(axis=0)]))
     return np.vstack(points)
 

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from ezdxf.entities.insert import Insert
 
 
-ARBITRARY_AXIS_BOUND: Final = 1.0 / 64.0
+_ARBITRARY_AXIS_BOUND: Final = 1.0 / 64.0
 """DXF reference, arbitrary axis algorithm: closer than this to z, x comes from the y axis."""
 
-LARGEST: Final = 1e20
+_LARGEST: Final = 1e20
 """Largest number of an insert in the drawing's unit, even the finest unit; squares stay finite."""
 
-EVEN: Final = 1e-6
+_EVEN: Final = 1e-6
 """Relative difference in scale, and cosine, below which a transform keeps angles."""
 
 
@@ -42,7 +42,7 @@ def ocs_axes(extrusion: ArrayLike) -> Floats:
 def _axes_of(*extrusion: float) -> Floats:
     # A drawing has few directions, and most entities are flat.
     z = _unit(np.array(extrusion))
-    near = abs(z[0]) < ARBITRARY_AXIS_BOUND and abs(z[1]) < ARBITRARY_AXIS_BOUND
+    near = abs(z[0]) < _ARBITRARY_AXIS_BOUND and abs(z[1]) < _ARBITRARY_AXIS_BOUND
     x = _unit(cross(np.array((0.0, 1.0, 0.0) if near else (0.0, 0.0, 1.0)), z))
     axes = np.column_stack([x, cross(z, x), z])
     axes.flags.writeable = False
@@ -107,8 +107,8 @@ def check_insert(insert: Insert) -> None:
     dxf = insert.dxf
     numbers = [dxf.rotation, dxf.xscale, dxf.yscale, dxf.zscale, dxf.row_spacing]
     numbers += [dxf.column_spacing, *dxf.insert.xyz, *dxf.extrusion.xyz]
-    if not all(abs(float(n)) < LARGEST for n in numbers):  # NaN fails as well
-        raise ValueError(f"a number is not finite or beyond {LARGEST:g}")
+    if not all(abs(float(n)) < _LARGEST for n in numbers):  # NaN fails as well
+        raise ValueError(f"a number is not finite or beyond {_LARGEST:g}")
     _scale(insert)
 
 
@@ -146,7 +146,7 @@ def skews(matrix: Floats) -> bool:
     """True if a matrix changes angles, as an uneven scale does."""
     gram = matrix[:3, :3].T @ matrix[:3, :3]
     even = np.eye(3) * np.trace(gram) / 3.0
-    return bool(np.abs(gram - even).max() > EVEN * np.trace(gram))
+    return bool(np.abs(gram - even).max() > _EVEN * np.trace(gram))
 
 
 def right_handed(x: Floats, z: Floats) -> Floats:

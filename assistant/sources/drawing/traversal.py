@@ -6,7 +6,7 @@ frozen or switched-off layer, invisible ones, and those in paper space are left 
 geometry of a location block is its symbol, for people: it is counted, not read. Locations inside it
 are read.
 
-`EntityCount` counts the entities of a drawing with all its inserts without inserting a block: each
+`_EntityCount` counts the entities of a drawing with all its inserts without inserting a block: each
 block counts once for each layer that layer 0 means in it and each depth where it occurs. Forty
 blocks in each other expand to 2⁴⁰ entities, which is known after examining forty blocks.
 """
@@ -48,14 +48,14 @@ if TYPE_CHECKING:
     from ezdxf.layouts.blocklayout import BlockLayout
 
 
-LayerInBlock = Callable[["DXFGraphic", str], tuple[str, bool]]
+_LayerInBlock = Callable[["DXFGraphic", str], tuple[str, bool]]
 """The layer of an entity in a block, by that of the block's insert, and whether it is followed."""
 
 
-class EntityCount:
+class _EntityCount:
     """Entity counts of a document. most_nested: depth of nested blocks that are followed."""
 
-    def __init__(self, document: Drawing, layered: LayerInBlock, most_nested: int) -> None:
+    def __init__(self, document: Drawing, layered: _LayerInBlock, most_nested: int) -> None:
         self._blocks, self._layered, self._most = document.blocks, layered, most_nested
         self._known: dict[tuple[str, str, int], int] = {}
 
@@ -88,10 +88,10 @@ MOST_ENTITIES: Final = 1_000_000
 
 MOST_NESTED: Final = 100
 
-DIMENSION_LAYER: Final = "defpoints"
+_DIMENSION_LAYER: Final = "defpoints"
 """Layer on which CAD systems put the construction points of dimensions; never plotted."""
 
-ANNOTATION: Final = frozenset(
+_ANNOTATION: Final = frozenset(
     {
         "TEXT",
         "MTEXT",
@@ -114,7 +114,7 @@ ANNOTATION: Final = frozenset(
 )
 """Types that are for people to read; no robot would be expected to follow them."""
 
-XREF_FLAGS: Final = 4 | 8
+_XREF_FLAGS: Final = 4 | 8
 
 
 def _never(_: str) -> bool:
@@ -185,17 +185,17 @@ class Traversal:
     def count(self) -> int:
         """Entities of the model space with all inserts; raises Refused if there are too many."""
         entities = self.document.modelspace()
-        count = EntityCount(self.document, self._layered, MOST_NESTED).of(entities)
+        count = _EntityCount(self.document, self._layered, MOST_NESTED).of(entities)
         if count > MOST_ENTITIES * budget_factor():
             raise Refused(TOO_MANY(path=self.path, most=int(MOST_ENTITIES * budget_factor())))
         return count
 
     def _layered(self, entity: DXFGraphic, around: str) -> tuple[str, bool]:
         """The layer of an entity in a block that is inserted on another, and if it is followed."""
-        layer = layer_of(entity)
+        layer = _layer_of(entity)
         if layer == "0" and around:
             layer = around
-        return layer, self._hidden(entity, layer) in (None, LAYER_OFF)
+        return layer, self._hidden(entity, layer) in (None, _LAYER_OFF)
 
     def paper(self) -> None:
         """Count the entities in paper space; viewports there are windows, not part of a drawing."""
@@ -205,28 +205,28 @@ class Traversal:
             reason = f"it is in the paper space `{shown(layout.name)}`"
             for entity in layout:
                 if entity.dxftype() != "VIEWPORT":
-                    self._leave(LEFT_OUT, entity, layer_of(entity), reason)
+                    self._leave(LEFT_OUT, entity, _layer_of(entity), reason)
 
     def _walk(self, entities: Iterable[DXFGraphic], owner: _BlockOwner) -> Iterator[PlacedEntity]:
         for entity in entities:
-            layer = layer_of(entity)
+            layer = _layer_of(entity)
             if layer == "0" and owner.blocks:
                 layer = owner.layer
             kind = entity.dxftype()
             hidden = self._hidden(entity, layer)
-            if kind == "INSERT" and hidden in (None, LAYER_OFF):
+            if kind == "INSERT" and hidden in (None, _LAYER_OFF):
                 yield from self._insert(cast("Insert", entity), layer, hidden, owner)
             elif kind == "ATTDEF" and owner.blocks:
                 continue  # says which attributes an insert may have; those are read there
             elif hidden:
                 self._leave(LEFT_OUT, entity, layer, hidden)
             elif owner.symbol:
-                self._leave(LEFT_OUT, entity, layer, LOCATION_SYMBOL)
-            elif layer.lower() == DIMENSION_LAYER:
+                self._leave(LEFT_OUT, entity, layer, _LOCATION_SYMBOL)
+            elif layer.lower() == _DIMENSION_LAYER:
                 self._leave(LEFT_OUT, entity, layer, "construction points of dimensions")
-            elif kind in ANNOTATION and not self.numbering(entity, layer):
+            elif kind in _ANNOTATION and not self.numbering(entity, layer):
                 self._leave(LEFT_OUT, entity, layer, "it is for people to read")
-            elif kind == "POINT" or kind in ANNOTATION or self.wanted(entity):
+            elif kind == "POINT" or kind in _ANNOTATION or self.wanted(entity):
                 place = owner.place(entity)
                 yield PlacedEntity(entity, owner.matrix, layer, place, inserted=owner.inserted)
             else:
@@ -281,7 +281,7 @@ class Traversal:
             self._say(RECURSIVE, place, block=given)
         elif len(owner.blocks) >= MOST_NESTED:
             self._say(TOO_DEEP, place, most=MOST_NESTED)
-        elif block.block is not None and block.block.dxf.flags & XREF_FLAGS and not len(block):
+        elif block.block is not None and block.block.dxf.flags & _XREF_FLAGS and not len(block):
             if needed:
                 self._say(EXTERNAL, place, block=given)
         else:
@@ -299,7 +299,7 @@ class Traversal:
         if entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0):
             return "it is invisible"
         state = self.states.get(layer.lower(), "")
-        return {"frozen": "the layer is frozen", "off": LAYER_OFF}.get(state)
+        return {"frozen": "the layer is frozen", "off": _LAYER_OFF}.get(state)
 
     def _leave(self, rule: Rule, entity: DXFGraphic, layer: str, reason: str) -> None:
         if not self.unwanted(layer):
@@ -317,18 +317,18 @@ def _is_clipped(insert: Insert) -> bool:
     return clip.has_clipping_path and clip.is_clipping_enabled
 
 
-def layer_of(entity: DXFGraphic) -> str:
+def _layer_of(entity: DXFGraphic) -> str:
     """The entity's own layer, also of a type that ezdxf only stores."""
     if entity.dxf.is_supported("layer"):
         return str(entity.dxf.layer)
     tags = getattr(entity, "xtags", None)
     stored = (tag for part in (tags.subclasses if tags else ()) for tag in part)
-    return next((str(tag.value) for tag in stored if tag.code == LAYER_CODE), "0")
+    return next((str(tag.value) for tag in stored if tag.code == _LAYER_CODE), "0")
 
 
-LAYER_CODE: Final = 8
-LOCATION_SYMBOL: Final = "it is the symbol of a location"
-LAYER_OFF: Final = "the layer is off"
+_LAYER_CODE: Final = 8
+_LOCATION_SYMBOL: Final = "it is the symbol of a location"
+_LAYER_OFF: Final = "the layer is off"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

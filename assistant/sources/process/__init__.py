@@ -41,19 +41,19 @@ from assistant.program.settings_tables import Read, Table, Wrong, kind_of, shown
 from assistant.program.statements import Motion
 from assistant.program.undeclared_names import ChannelLine
 
-NO_DEPTH = error("CT330", "`passes` needs a depth that they share", "give `depth` in mm as well")
-DEPTH_WITHOUT_RETRACT = error(
+_NO_DEPTH = error("CT330", "`passes` needs a depth that they share", "give `depth` in mm as well")
+_DEPTH_WITHOUT_RETRACT = error(
     "CT331",
     "with `depth` the tool is in the work: it needs ways in and out of it",
     "give `approach` and `retract` of more than 0 mm",
 )
-NO_SIDE = error(
+_NO_SIDE = error(
     "CT332", "`side` says where the tool is, but nothing on this layer asks for it", "{cure}"
 )
 
-MOST_PASSES: Final = 1000
-QUARTER_TURN: Final = 90.0
-LEAD_FORMS: Final = "write {arc = 5, angle = 90}, {line = 5, angle = 60} or {tangent = 5}"
+_MOST_PASSES: Final = 1000
+_QUARTER_TURN: Final = 90.0
+_LEAD_FORMS: Final = "write {arc = 5, angle = 90}, {line = 5, angle = 60} or {tangent = 5}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class Lead:
 
     kind: Literal["line", "arc"]
     size: float
-    angle: float = QUARTER_TURN
+    angle: float = _QUARTER_TURN
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,24 +113,24 @@ class Shaping:
         return tuple(self.depth * (i + 1) / self.passes for i in range(self.passes))
 
 
-AS_DRAWN: Final = Shaping()
+_AS_DRAWN: Final = Shaping()
 
 
-def read_lead(value: Any) -> Lead:
+def _read_lead(value: Any) -> Lead:
     if not isinstance(value, dict):
-        raise Wrong(f"is {kind_of(value)}", LEAD_FORMS)
+        raise Wrong(f"is {kind_of(value)}", _LEAD_FORMS)
     kinds = [kind for kind in ("arc", "line", "tangent") if kind in value]
     other = next((key for key in value if key not in ("arc", "line", "tangent", "angle")), None)
     if other is not None:
-        raise Wrong(f"has no key {shown(other)}", LEAD_FORMS)
+        raise Wrong(f"has no key {shown(other)}", _LEAD_FORMS)
     if len(kinds) != 1:
-        raise Wrong("is not one of arc, line and tangent", LEAD_FORMS)
+        raise Wrong("is not one of arc, line and tangent", _LEAD_FORMS)
     (kind,) = kinds
     if kind == "tangent" and "angle" in value:
         raise Wrong("runs along the tangent and has no angle", "leave out the angle, or write line")
     try:
         size: float = settings_tables.number("mm", above=0.0)(value[kind])
-        angle: float = QUARTER_TURN
+        angle: float = _QUARTER_TURN
         if "angle" in value:
             most = 180.0 if kind == "arc" else 150.0
             angle = settings_tables.number("degrees", above=0.0, most=most)(value["angle"])
@@ -141,7 +141,7 @@ def read_lead(value: Any) -> Lead:
     return Lead("arc" if kind == "arc" else "line", size, angle)
 
 
-def read_allowances(value: Any) -> tuple[float, ...]:
+def _read_allowances(value: Any) -> tuple[float, ...]:
     cure = "write mm in brackets, falling to what the last one leaves: [0.5, 0]"
     if not isinstance(value, list) or not value:
         raise Wrong(f"is {kind_of(value)}" if value != [] else "is empty", cure)
@@ -159,12 +159,12 @@ SHAPING_KEYS: Final[Mapping[str, Read]] = {
         "climb", "conventional", "clockwise", "anticlockwise", "drawn"
     ),
     "start": settings_tables.choice("nearest", "corner", "longest", "point"),
-    "lead_in": read_lead,
-    "lead_out": read_lead,
+    "lead_in": _read_lead,
+    "lead_out": _read_lead,
     "overlap": settings_tables.number("mm", least=0.0),
     "depth": settings_tables.number("mm", least=0.0),
-    "passes": settings_tables.whole(1, MOST_PASSES),
-    "allowances": read_allowances,
+    "passes": settings_tables.whole(1, _MOST_PASSES),
+    "allowances": _read_allowances,
 }
 
 
@@ -173,12 +173,12 @@ def shaping_of(table: Table, found: dict[str, Any]) -> Shaping:
     stated = "side" in found
     shaping = Shaping(**{key: found.pop(key) for key in SHAPING_KEYS if key in found})
     if "passes" in table.content and not shaping.depth:
-        table.say(NO_DEPTH, "passes")
+        table.say(_NO_DEPTH, "passes")
     if shaping.depth and not all(found.get(key, 1.0) > 0.0 for key in ("approach", "retract")):
-        table.say(DEPTH_WITHOUT_RETRACT, "depth")
+        table.say(_DEPTH_WITHOUT_RETRACT, "depth")
     if stated and not shaping.sided:
         cure = "give `offset`, a lead, or `way_round`; or delete `side`"
-        table.say(NO_SIDE, "side", cure=cure)
+        table.say(_NO_SIDE, "side", cure=cure)
     return shaping
 
 
@@ -241,20 +241,20 @@ class ContourTravel:
     kind: Literal["joint", "linear"] | None = None
 
 
-EVEN_SPEED: Final = SpeedProfile()
-SWITCHED_AT_ENDS: Final = OutputSwitching()
-TRAVEL_BY_APPROACH: Final = ContourTravel()
+_EVEN_SPEED: Final = SpeedProfile()
+_SWITCHED_AT_ENDS: Final = OutputSwitching()
+_TRAVEL_BY_APPROACH: Final = ContourTravel()
 
 
-NOT_AN_ADDRESS: Final = "is no address at which a program can ask"
-ADDRESS_FORMS: Final = (
+_NOT_AN_ADDRESS: Final = "is no address at which a program can ask"
+_ADDRESS_FORMS: Final = (
     "write HOST:PORT of the computer that answers, listen:ADDRESS:PORT for a controller that "
     "waits for it, or line:NUMBER for a communication line of the controller"
 )
 _ADDRESS: Final = re.compile(
     r"line:(?P<line>[1-8])|(?P<listen>listen:)?(?P<host>[A-Za-z0-9_.\-]+):(?P<port>[0-9]{1,5})"
 )
-MOST_PORT: Final = 65535
+_MOST_PORT: Final = 65535
 
 
 @dataclass(frozen=True, slots=True)
@@ -303,9 +303,9 @@ class PoseServer:
         if (
             match is None
             or match["host"] == "line"
-            or int(match["port"] or 1) not in range(1, MOST_PORT + 1)
+            or int(match["port"] or 1) not in range(1, _MOST_PORT + 1)
         ):
-            raise Wrong(f'is "{shown(text)}", which {NOT_AN_ADDRESS}', ADDRESS_FORMS)
+            raise Wrong(f'is "{shown(text)}", which {_NOT_AN_ADDRESS}', _ADDRESS_FORMS)
         if match["line"]:
             return PoseServer("line", "", int(match["line"]))
         kind: Literal["client", "server"] = "server" if match["listen"] else "client"
@@ -430,7 +430,7 @@ class Defaults:
 
 
 DEFAULT_MOTION: Final = Defaults()
-DEFAULT_TRAVEL_SPEED: Final = Speed(200.0)
+_DEFAULT_TRAVEL_SPEED: Final = Speed(200.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -455,17 +455,17 @@ class Layer:
     off: tuple[tuple[str, float], ...] = ()
     approach: float = 50.0
     retract: float = 50.0
-    travel: Speed = DEFAULT_TRAVEL_SPEED
+    travel: Speed = _DEFAULT_TRAVEL_SPEED
     direction: Vector = (0.0, 0.0, -1.0)
     tangential: bool = False
     delay: float = 0.0
     inside_first: bool = True
     rounded: bool = False
-    shaping: Shaping = AS_DRAWN
+    shaping: Shaping = _AS_DRAWN
     order: OrderKind = "travel"
-    pace: SpeedProfile = EVEN_SPEED
-    switching: OutputSwitching = SWITCHED_AT_ENDS
-    above: ContourTravel = TRAVEL_BY_APPROACH
+    pace: SpeedProfile = _EVEN_SPEED
+    switching: OutputSwitching = _SWITCHED_AT_ENDS
+    above: ContourTravel = _TRAVEL_BY_APPROACH
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,18 +23,18 @@ from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import Read, Wrong, kind_of, shown
 
-MARKS_MISFIT = error(
+_MARKS_MISFIT = error(
     "CT360",
     "the marks do not fit: mark {mark} would come {misfit:.2f} mm from where it was taught, "
     "and {most:g} mm are allowed; {lengths}",
     "teach the marks again, look at the unit of the drawing, or allow it: `misfit` {wanted:g}",
 )
-MARKS_ON_A_LINE = error(
+_MARKS_ON_A_LINE = error(
     "CT361",
     "the three marks of {where} lie on one line or too near to each other: {reason}",
     "take three marks that are well apart and not in a row",
 )
-TURNED_OVER = error(
+_TURNED_OVER = error(
     "CT362",
     "the marks turn the drawing over: what is above it would be below",
     "see that the marks of `drawing` and of `cell` are in the same order; a part that does lie on "
@@ -45,16 +45,16 @@ ONE_PLACEMENT = error(
     "{what}",
     "give `position` and `euler_zyx` or `quaternion`, or three marks as `drawing` and `cell`",
 )
-PLACED_BY_MARKS = info(
+_PLACED_BY_MARKS = info(
     "CT364",
     "the drawing stands at {position}, turned by {angles} degrees about z, y, x; its marks fit "
     "within {misfit:.2f} mm",
 )
 MOST_MISFIT: Final = 1.0
 """mm that a mark may be off where the file does not say: what a careful hand teaches."""
-LEAST_MARK_DISTANCE: Final = 1.0
+_LEAST_MARK_DISTANCE: Final = 1.0
 """mm that marks have to be apart, and the third one from the line through the others."""
-LEAST_MARK_SINE: Final = 0.05
+_LEAST_MARK_SINE: Final = 0.05
 """Sine of the least angle at the first mark: below 3 degrees a mistake of the third turns all."""
 
 
@@ -123,7 +123,7 @@ def placement_by_marks(
     for where, marks in (("drawing", drawn), ("cell", taught)):
         reason = _marks_fault(marks)
         if reason is not None:
-            return MarkPlacement(None, MARKS_ON_A_LINE, {"where": f"`{where}`", "reason": reason})
+            return MarkPlacement(None, _MARKS_ON_A_LINE, {"where": f"`{where}`", "reason": reason})
     placed = _frame_of_marks(taught) @ _frame_of_marks(drawn).inverse()
     off = np.linalg.norm(placed.moved(drawn) - taught, axis=1)
     worst = int(off.argmax())
@@ -131,26 +131,26 @@ def placement_by_marks(
     if misfit > most:
         wanted, lengths = math.ceil(misfit * 10.0) / 10.0, _mark_distances(drawn, taught)
         fields = {"mark": worst + 1, "misfit": misfit, "most": most, "wanted": wanted}
-        return MarkPlacement(None, MARKS_MISFIT, {**fields, "lengths": lengths})
+        return MarkPlacement(None, _MARKS_MISFIT, {**fields, "lengths": lengths})
     if rotations.rotate(np.array(placed.quaternion), np.array([0.0, 0.0, 1.0]))[2] < 0.0:
-        return MarkPlacement(None, TURNED_OVER, {})
+        return MarkPlacement(None, _TURNED_OVER, {})
     angles = rotations.to_euler(np.array(placed.quaternion), "ZYX") + 0.0
     at = {
         "position": _numbers_text(placed.position),
         "angles": _numbers_text(angles),
         "misfit": misfit,
     }
-    return MarkPlacement(placed, PLACED_BY_MARKS, at)
+    return MarkPlacement(placed, _PLACED_BY_MARKS, at)
 
 
 def _marks_fault(marks: Floats) -> str | None:
     """Why marks are too near to each other, or to one line, to tell how something is turned."""
     along, aside = marks[1] - marks[0], marks[2] - marks[0]
     sides = (along, aside, marks[2] - marks[1])
-    if min(float(np.linalg.norm(side)) for side in sides) < LEAST_MARK_DISTANCE:
+    if min(float(np.linalg.norm(side)) for side in sides) < _LEAST_MARK_DISTANCE:
         return "two of them are one place"
     away = float(np.linalg.norm(np.cross(along, aside)) / np.linalg.norm(along))
-    if away < max(LEAST_MARK_DISTANCE, LEAST_MARK_SINE * float(np.linalg.norm(aside))):
+    if away < max(_LEAST_MARK_DISTANCE, _LEAST_MARK_SINE * float(np.linalg.norm(aside))):
         return f"the third is {away:.2f} mm from the line through the others"
     return None
 
@@ -181,13 +181,13 @@ PLACED_BY_OPTIONS = info(
     "the drawing is placed as the command line says, not as [placement] of the process file does",
     "leave out --place and --mark to have it as the file says",
 )
-PLACEMENT_WITHOUT_NUMBERS = error("CT366", "`{text}` says no {what}", "write {cure}")
-THREE_MARKS = error(
+_PLACEMENT_WITHOUT_NUMBERS = error("CT366", "`{text}` says no {what}", "write {cure}")
+_THREE_MARKS = error(
     "CT367",
     "three marks place a drawing, and --mark was given {count} times",
     "give --mark three times",
 )
-NOT_A_DRAWING = error(
+_NOT_A_DRAWING = error(
     "CT368",
     "`{name}` is no drawing, so it cannot be placed: it says itself where everything is",
     "leave out [placement], --place and --mark, and move it by a frame",
@@ -210,7 +210,7 @@ class DrawingPlacement:
 def check_drawn(source: FilePath) -> None:
     """Raises Refused (exit status 2) for a source that says itself where it stands."""
     if source.suffix.lower() not in DRAWING_SUFFIXES:
-        raise Refused(NOT_A_DRAWING(path=str(source), name=shown(source.name)), exit_status=2)
+        raise Refused(_NOT_A_DRAWING(path=str(source), name=shown(source.name)), exit_status=2)
 
 
 def placement_of_options(place: str | None, marks: Sequence[str]) -> DrawingPlacement | None:
@@ -231,7 +231,7 @@ def placement_of_options(place: str | None, marks: Sequence[str]) -> DrawingPlac
         angles = [*numbers[3:], 0.0, 0.0, 0.0][:3]
         return DrawingPlacement(Pose(position, settings_tables.euler_zyx(angles)))
     if len(marks) != 3:
-        raise Refused(THREE_MARKS(count=len(marks)), exit_status=2)
+        raise Refused(_THREE_MARKS(count=len(marks)), exit_status=2)
     pairs = [_mark_pair(mark) for mark in marks]
     placed = placement_by_marks([pair[0] for pair in pairs], [pair[1] for pair in pairs])
     said = placed.rule(**placed.fields)
@@ -245,7 +245,7 @@ def _mark_pair(mark: str) -> tuple[list[float], list[float]]:
     cure = "X,Y=X,Y,Z: where the mark is in the drawing, and where it was taught"
     if not equals:
         raise Refused(
-            PLACEMENT_WITHOUT_NUMBERS(text=shown(mark), what="mark", cure=cure), exit_status=2
+            _PLACEMENT_WITHOUT_NUMBERS(text=shown(mark), what="mark", cure=cure), exit_status=2
         )
     one = _option_numbers(drawn, "mark", (2, 3), cure)
     return [*one, 0.0][:3], _option_numbers(taught, "mark", (3,), cure)
@@ -258,6 +258,6 @@ def _option_numbers(text: str, what: str, counts: Sequence[int], cure: str) -> l
         numbers = []
     if len(numbers) not in counts or not all(abs(n) <= settings_tables.LARGEST for n in numbers):
         raise Refused(
-            PLACEMENT_WITHOUT_NUMBERS(text=shown(text), what=what, cure=cure), exit_status=2
+            _PLACEMENT_WITHOUT_NUMBERS(text=shown(text), what=what, cure=cure), exit_status=2
         )
     return numbers

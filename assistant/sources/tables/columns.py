@@ -29,7 +29,7 @@ from assistant.sources.tables.rows import (
 )
 
 
-def signal_findings(
+def _signal_findings(
     cells: Cells, columns: list[Column], values: Floats, process: Process
 ) -> list[Diagnostic]:
     """Signals that are set but not declared as outputs, or to what they cannot be."""
@@ -61,7 +61,7 @@ def signal_findings(
     return findings
 
 
-def via_findings(
+def _via_findings(
     cells: Cells, columns: list[Column], values: Floats, kinds: NDArray[np.uint8]
 ) -> list[Diagnostic]:
     """Signals and waits in the middle of an arc."""
@@ -81,18 +81,20 @@ def output_signal(name: str, process: Process) -> str | None:
 
 
 ERROR: Final = Severity.ERROR
-NO_TARGET = error(
+_NO_TARGET = error(
     "TB131",
     "the row has neither a pose nor joints{more}",
     "fill in the position and orientation, or every joint",
 )
-BOTH_TARGETS = error("TB132", "the row has a pose and joints{more}", "keep one of them in each row")
-NO_CONFIGURATION = error(
+_BOTH_TARGETS = error(
+    "TB132", "the row has a pose and joints{more}", "keep one of them in each row"
+)
+_NO_CONFIGURATION = error(
     "TB134",
     "the arm branch is not complete or not of this kind{more}",
     "write 0 or 1 for `back`, `down`, `flip` and whole quadrants, or leave all six cells empty",
 )
-JOINTS_ONLY_JOINT = error(
+_JOINTS_ONLY_JOINT = error(
     "TB135", "a row of joints cannot be reached by a {motion} move", "write `joint`"
 )
 
@@ -165,8 +167,8 @@ def table_of(cells: Cells, columns: list[Column], process: Process) -> ColumnTab
     findings += wrong
     motions, wrong = _row_motions(cells, columns, values, process)
     findings += wrong
-    findings += signal_findings(cells, columns, values, process)
-    findings += via_findings(cells, columns, values, kinds)
+    findings += _signal_findings(cells, columns, values, process)
+    findings += _via_findings(cells, columns, values, kinds)
     if has_errors(findings):
         raise Refused(*findings)
     return ColumnTable(
@@ -243,8 +245,8 @@ def _row_kinds(cells: Cells, columns: list[Column]) -> tuple[Truths, list[Diagno
             column = group[int(np.argmax(holes[row]))]
             findings.append(EMPTY_CELL(**cells.place(row, column), more=rows.more_rows(rows_with)))
     for rule, wrong in (
-        (NO_TARGET, ~some_pose & ~some_joint),
-        (BOTH_TARGETS, some_pose & some_joint),
+        (_NO_TARGET, ~some_pose & ~some_joint),
+        (_BOTH_TARGETS, some_pose & some_joint),
     ):
         if wrong.any():
             findings.append(rule(**cells.place(int(np.argmax(wrong))), more=rows.more_rows(wrong)))
@@ -299,7 +301,7 @@ def _move_kinds(
     if wrong.any() and not findings:
         row = int(np.argmax(wrong))
         motion = Kind(int(kinds[row])).name.lower()
-        findings.append(JOINTS_ONLY_JOINT(**cells.place(row, column), motion=motion))
+        findings.append(_JOINTS_ONLY_JOINT(**cells.place(row, column), motion=motion))
     kinds = np.where(of_joints, np.uint8(Kind.JOINT), kinds)
     findings += rows.arc_findings(kinds, lambda row: cells.place(row, column))
     return rows.beginning_kinds(kinds, stated=bool(stated[:1].any())), findings
@@ -324,7 +326,7 @@ def _configurations(
     )
     if wrong.any():
         place = cells.place(int(np.argmax(wrong)), column)
-        return None, [NO_CONFIGURATION(**place, more=rows.more_rows(wrong))]
+        return None, [_NO_CONFIGURATION(**place, more=rows.more_rows(wrong))]
     configurations = whole.astype(np.int8)
     configurations[none] = (UNSTATED, 0, 0, 0, 0, 0)
     return configurations, []

@@ -40,12 +40,12 @@ from assistant.sources.tables.headers import columns_of, shown
 from assistant.sources.tables.rows import metres_finding
 
 ERROR: Final = Severity.ERROR
-MIXED = error(
+_MIXED = error(
     "TB133",
     "rows without names mix poses and joints",
     "add a `name` column, or make two files of it",
 )
-LEFT_OUT = info("TB136", "the columns {names} are left out, as their `_` asks")
+_LEFT_OUT = info("TB136", "the columns {names} are left out, as their `_` asks")
 
 
 def read(path: pathlib.Path, process: Process) -> Reading:
@@ -62,7 +62,7 @@ def read_table(data: bytes, path: str, stem: str, process: Process) -> Reading:
     notes = [*notes, *cells.findings, *table.findings]
     if left := [c for c in columns if c.group == "left out"]:
         names = ", ".join(shown(cells.header[c.part]) for c in left)
-        notes.append(LEFT_OUT(path=path, line=cells.header_line, names=names))
+        notes.append(_LEFT_OUT(path=path, line=cells.header_line, names=names))
     if set(table.motions.frames) <= {BASE} and not table.of_joints.any():
         notes += metres_finding(table.positions, {"path": path})
     if any(c.group == "name" for c in columns):
@@ -92,7 +92,7 @@ def _waypoints(name: str, table: ColumnTable, process: Process) -> tuple[Any, li
     if table.of_joints.any():
         if not table.of_joints.all():
             row = int(np.argmax(table.of_joints))
-            raise Refused(MIXED(**table.cells.place(row)))
+            raise Refused(_MIXED(**table.cells.place(row)))
         joints = np.nan_to_num(table.joints)
         kept = _kept(table, joints, others, process)
         body = [

@@ -21,16 +21,16 @@ from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, d
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
-COMMA_DECIMAL = error(
+_COMMA_DECIMAL = error(
     "TB121",
     "{cell} has a decimal comma{more}",
     "write decimal points; spreadsheets do so when the locale of the export is English",
 )
-NOT_FINITE = error(
+_NOT_FINITE = error(
     "TB122", "{cell} is no place that a robot can be at{more}", "mend or remove the row"
 )
-FORMULA = error("TB123", "{cell} is a formula{more}", "save the values, not the formulas")
-UNIT_IN_CELL = error(
+_FORMULA = error("TB123", "{cell} is a formula{more}", "save the values, not the formulas")
+_UNIT_IN_CELL = error(
     "TB124",
     "{cell} has its unit in the cell{more}",
     "write the unit into the name of the column and numbers alone below it",
@@ -38,16 +38,16 @@ UNIT_IN_CELL = error(
 NOT_A_NUMBER = error("TB125", "{cell} is no number{more}", "write a number such as `-12.5`")
 EMPTY_CELL = error("TB126", "the cell is empty{more}", "fill it in, or remove the row")
 
-BLANKS: Final = b" \t"
+_BLANKS: Final = b" \t"
 _ROWS_AT_ONCE: Final = 1 << 14
 """Rows read at a time, so that what is made of them stays in the processor's cache."""
 _WIDEST: Final = 256
 _NUMERIC_BYTES: Final = b"0123456789+-.eE "
 _NUMBER_HINTS: Final = (
-    (re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?|[+-]?\d{1,3}(\.\d{3})+,\d+"), COMMA_DECIMAL),
-    (re.compile(r"(?i)[+-]?(nan|inf|infinity|1\.#\w+)"), NOT_FINITE),
-    (re.compile(r"(?s)[=@].*"), FORMULA),
-    (re.compile(r"[+-]?[\d.]+\s*(mm|cm|m|in|deg|rad|°|mm/s|m/s|s|%)"), UNIT_IN_CELL),
+    (re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?|[+-]?\d{1,3}(\.\d{3})+,\d+"), _COMMA_DECIMAL),
+    (re.compile(r"(?i)[+-]?(nan|inf|infinity|1\.#\w+)"), _NOT_FINITE),
+    (re.compile(r"(?s)[=@].*"), _FORMULA),
+    (re.compile(r"[+-]?[\d.]+\s*(mm|cm|m|in|deg|rad|°|mm/s|m/s|s|%)"), _UNIT_IN_CELL),
 )
 """Patterns of cells that are not numbers, each with the rule that states the cure."""
 
@@ -86,13 +86,13 @@ class Cells:
 
     def text(self, row: int, column: int) -> str:
         """One cell, for the few."""
-        return unescaped_cell(self.data[self.starts[row, column] : self.ends[row, column]])
+        return _unescaped_cell(self.data[self.starts[row, column] : self.ends[row, column]])
 
     def place(self, row: int, column: int | None = None) -> dict[str, Any]:
         """Return the source location of a cell, as the arguments of a rule."""
         offset = int(self.starts[row, column or 0])
         label = f"column {shown(self.header[column])}" if column is not None else None
-        return {"path": self.path, "place": label, **line_at(self.data, offset)}
+        return {"path": self.path, "place": label, **_line_at(self.data, offset)}
 
     def header_place(self, column: int) -> dict[str, Any]:
         label = f"column {column + 1}"
@@ -124,7 +124,7 @@ class Cells:
             cells, repeats = self._distinct_runs(rows, column)
             index = [table.setdefault(cell, len(table)) for cell in cells]
             parts.append(np.repeat(np.array(index, dtype=np.int32), repeats))
-        return np.concatenate(parts), [unescaped_cell(cell) for cell in table]
+        return np.concatenate(parts), [_unescaped_cell(cell) for cell in table]
 
     def _distinct_runs(self, rows: slice, column: int) -> tuple[list[bytes], NDArray[np.intp]]:
         """The cells of some rows with neighbours that are equal taken together."""
@@ -151,7 +151,7 @@ class Cells:
         edge[starts - first] = 1
         edge[ends - first] = -1
         within = np.cumsum(edge[:-1], dtype=np.int8).view(bool)
-        text = np.where(within, self.octets[first:last], BLANKS[0]).astype(np.uint8).tobytes()
+        text = np.where(within, self.octets[first:last], _BLANKS[0]).astype(np.uint8).tobytes()
         if text.translate(None, _NUMERIC_BYTES):
             return None
         try:
@@ -186,11 +186,11 @@ class Cells:
         return [rule(**self.place(row, column), cell=shown(cell), more=more)]
 
 
-def unescaped_cell(cell: bytes) -> str:
+def _unescaped_cell(cell: bytes) -> str:
     return cell.decode().replace('""', '"')
 
 
-def line_at(text: bytes, offset: int) -> dict[str, Any]:
+def _line_at(text: bytes, offset: int) -> dict[str, Any]:
     """Line, column and excerpt of an offset, as the arguments of a rule."""
     start = text.rfind(b"\n", 0, offset) + 1
     end = text.find(b"\n", offset)
@@ -203,30 +203,30 @@ def line_at(text: bytes, offset: int) -> dict[str, Any]:
     }
 
 
-NOT_TEXT = error("TB111", "the file holds zero bytes, it is no text", "export it as CSV")
-NO_LINES = error("TB112", "the file holds nothing but blanks", "export or save it again")
-NO_ROWS = error("TB113", "there is no row below the header", "export or save it again")
-RAGGED = error(
+_NOT_TEXT = error("TB111", "the file holds zero bytes, it is no text", "export it as CSV")
+_NO_LINES = error("TB112", "the file holds nothing but blanks", "export or save it again")
+_NO_ROWS = error("TB113", "there is no row below the header", "export or save it again")
+_RAGGED = error(
     "TB114",
     "the row has {count} cells, the header {wanted}{more}",
     "give every row as many cells as the header, with nothing between delimiters for none",
 )
-COMMA_ROW = error(
+_COMMA_ROW = error(
     "TB115",
     "the row has {count} cells, the header {wanted}{more}; are these decimal commas?",
     "write decimal points, or save with `;` between the cells and decimal points",
 )
-STRAY_QUOTE = error(
+_STRAY_QUOTE = error(
     "TB116",
     "a quotation mark stands inside a cell",
     'put the whole cell in quotation marks and double those inside it: `"5"" pipe"`',
 )
-UNCLOSED_QUOTE = error(
+_UNCLOSED_QUOTE = error(
     "TB117", "a quotation mark is never closed", "close it at the end of the cell"
 )
-EMPTY_ROWS = info("TB118", "{count} rows of empty cells are left out")
+_EMPTY_ROWS = info("TB118", "{count} rows of empty cells are left out")
 
-DELIMITERS: Final = b",;\t"
+_DELIMITERS: Final = b",;\t"
 _QUOTE, _LINE_END = b'"'[0], b"\n"[0]
 _TRIM_STEPS: Final = 16
 _SPLIT_BYTES: Final = 1 << 19
@@ -248,7 +248,7 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
     while True:
         end = text.find(b"\n", at)
         if end < 0:
-            rule = NO_ROWS if comments else NO_LINES
+            rule = _NO_ROWS if comments else _NO_LINES
             raise Unreadable(rule(path=path))
         line = text[at:end].strip()
         if line.startswith(b"#"):
@@ -260,7 +260,7 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
     starts, ends, counts = _split_cells(text, at, delimiter, path)
     width = int(counts[0])
     header = tuple(
-        unescaped_cell(text[a:b]) for a, b in zip(starts[:width], ends[:width], strict=True)
+        _unescaped_cell(text[a:b]) for a, b in zip(starts[:width], ends[:width], strict=True)
     )
     header_line = text.count(b"\n", 0, at) + 1
     check(header, {"path": path, "line": header_line})
@@ -271,11 +271,11 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
     if not filled.all():
         gone = np.flatnonzero(~filled)
         findings = (
-            EMPTY_ROWS(path=path, count=len(gone), **line_at(text, int(starts[gone[0], 0]))),
+            _EMPTY_ROWS(path=path, count=len(gone), **_line_at(text, int(starts[gone[0], 0]))),
         )
         starts, ends = starts[filled], ends[filled]
     if not len(starts):
-        raise Refused(NO_ROWS(path=path, line=header_line))
+        raise Refused(_NO_ROWS(path=path, line=header_line))
     return Cells(text, path, header, tuple(comments), starts, ends, header_line, findings)
 
 
@@ -283,7 +283,7 @@ def _as_text(data: bytes, path: str) -> bytes:
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         data = decode(data, path, ("utf-16",)).text.encode()
     if b"\0" in data:
-        raise Unreadable(NOT_TEXT(path=path))
+        raise Unreadable(_NOT_TEXT(path=path))
     if not data.isascii():
         data = decode(data, path, ("utf-8-sig", "utf-8", "cp1252")).text.encode()
     _check_returns(data, path)
@@ -309,7 +309,7 @@ def _check_returns(data: bytes, path: str) -> None:
 
 def _delimiter(header: bytes) -> int:
     bare = re.sub(rb'"[^"]*"', b"", header)
-    return max(DELIMITERS, key=lambda mark: bare.count(bytes([mark])))
+    return max(_DELIMITERS, key=lambda mark: bare.count(bytes([mark])))
 
 
 def _split_cells(text: bytes, at: int, delimiter: int, path: str) -> tuple[Offsets, Offsets, Rows]:
@@ -321,12 +321,12 @@ def _split_cells(text: bytes, at: int, delimiter: int, path: str) -> tuple[Offse
     ends = _cell_edges(body, delimiter, quoted)
     starts = np.concatenate([np.zeros(1, ends.dtype), ends[:-1] + 1])
     counts = np.diff(np.flatnonzero(body[ends] == _LINE_END), prepend=-1)
-    blanks = [b for b in BLANKS if b != delimiter]
+    blanks = [b for b in _BLANKS if b != delimiter]
     if any(bytes([b]) in text for b in blanks):
         starts, ends = _trimmed_cells(body, starts, ends, blanks)
     if quoted:
         outer = (ends > starts) & (body[np.minimum(starts, len(body) - 1)] == _QUOTE)
-        starts, ends = _trimmed_cells(body, starts + outer, ends - outer, list(BLANKS))
+        starts, ends = _trimmed_cells(body, starts + outer, ends - outer, list(_BLANKS))
     starts += at
     ends = ends + at
     return starts, ends, counts
@@ -358,7 +358,7 @@ def _check_quotes(
     quotes = np.flatnonzero(body == _QUOTE)
     opening, closing = quotes[::2], quotes[1::2]
     edges = np.array([delimiter, _LINE_END], dtype=np.uint8)
-    inside = [b for b in BLANKS if b != delimiter]
+    inside = [b for b in _BLANKS if b != delimiter]
     before = np.where(opening > 0, body[opening - 1], _LINE_END)
     after = body[np.minimum(closing + 1, len(body) - 1)]
     loose = [
@@ -368,9 +368,9 @@ def _check_quotes(
         if not _is_at_cell_edge(body, int(quote), step, inside, edges.tolist())
     ]
     if loose:
-        raise Refused(STRAY_QUOTE(path=path, **line_at(text, at + min(loose))))
+        raise Refused(_STRAY_QUOTE(path=path, **_line_at(text, at + min(loose))))
     if len(opening) > len(closing):
-        raise Refused(UNCLOSED_QUOTE(path=path, **line_at(text, at + int(opening[-1]))))
+        raise Refused(_UNCLOSED_QUOTE(path=path, **_line_at(text, at + int(opening[-1]))))
 
 
 def _is_at_cell_edge(
@@ -429,12 +429,12 @@ def _without_blank_lines(
         commas = counts[row] > width and all(re.fullmatch(rb"[+-]?\d+([eE]\d+)?", c) for c in cells)
         more = f" ({len(wrong)} such rows)" if len(wrong) > 1 else ""
         raise Refused(
-            (COMMA_ROW if commas else RAGGED)(
+            (_COMMA_ROW if commas else _RAGGED)(
                 path=path,
                 count=int(counts[row]),
                 wanted=width,
                 more=more,
-                **line_at(text, int(starts[first[row]])),
+                **_line_at(text, int(starts[first[row]])),
             )
         )
     if not blank.any():

@@ -41,20 +41,20 @@ from assistant.program.settings_tables import nearest
 ERROR: Final = Severity.ERROR
 UNKNOWN_COLUMN = error("TB101", "there is no column called {name}", "{cure}")
 AMBIGUOUS_COLUMN = error("TB102", "the column {name} {why}", "write {proposals}")
-TWICE = error("TB103", "the columns {names} say the same thing", "keep one of them")
-MISSING_COLUMN = error("TB104", "the column {names} is missing", "{cure}")
-UNNAMED_COLUMN = error(
+_TWICE = error("TB103", "the columns {names} say the same thing", "keep one of them")
+_MISSING_COLUMN = error("TB104", "the column {names} is missing", "{cure}")
+_UNNAMED_COLUMN = error(
     "TB105",
     "column {number} has no name",
     "name it, or take away the delimiter at the end of the lines",
 )
-NO_HEADER = error(
+_NO_HEADER = error(
     "TB106",
     "the first line names no columns",
     'write a line above it that does, such as `{example}` (numpy.savetxt: with comments="")',
 )
-TWO_ORIENTATIONS = error("TB107", "the orientation is given twice, by {names}", "keep one of them")
-NEEDS_NAMES = error(
+_TWO_ORIENTATIONS = error("TB107", "the orientation is given twice, by {names}", "keep one of them")
+_NEEDS_NAMES = error(
     "TB108", "the column {name} needs named rows", "add a `name` column, or leave it out"
 )
 
@@ -64,14 +64,14 @@ MORE_UNKNOWN = error(
     "put `_` before the names of columns that are not for the robot",
 )
 
-LENGTHS: Final = {unit: UNITS[unit][1] for unit in ("mm", "cm", "m", "in")}
-ANGLES: Final = {"deg": 1.0, "rad": math.degrees(1.0)}
+_LENGTHS: Final = {unit: UNITS[unit][1] for unit in ("mm", "cm", "m", "in")}
+_ANGLES: Final = {"deg": 1.0, "rad": math.degrees(1.0)}
 ORIENTATIONS: Final = ("quaternion", "euler_zyx", "euler_xyz", "euler_zyz", "rotvec")
 MOST_JOINTS: Final = 8
-MOST_UNKNOWN: Final = 10
+_MOST_UNKNOWN: Final = 10
 """Largest number of unknown columns with a finding each; the nearest name is searched among all."""
-AFTER_MOVE: Final = ("wait", "set", "comment")
-EXAMPLE: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
+_AFTER_MOVE: Final = ("wait", "set", "comment")
+_EXAMPLE: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,15 +100,15 @@ class Problem:
 def columns_of(names: Sequence[str]) -> tuple[list[Column], list[Problem]]:
     """The meaning of each column of a header, and what is wrong with the header."""
     if all(_NUMBER.fullmatch(name.strip()) for name in names):
-        return [], [Problem(NO_HEADER, 0, {"example": EXAMPLE})]
+        return [], [Problem(_NO_HEADER, 0, {"example": _EXAMPLE})]
     columns, problems, unknown = [], [], []
     for index, given in enumerate(names):
         column, problem = _column(index, given)
         columns.append(column or Column("unknown"))
         problems += [problem] if problem else []
         unknown += [index] if column is None and problem is None else []
-    problems += [_unknown(index, names[index]) for index in unknown[:MOST_UNKNOWN]]
-    if more := unknown[MOST_UNKNOWN:]:
+    problems += [_unknown(index, names[index]) for index in unknown[:_MOST_UNKNOWN]]
+    if more := unknown[_MOST_UNKNOWN:]:
         fields = {"count": len(more), "name": shown(names[more[0]])}
         problems.append(Problem(MORE_UNKNOWN, more[0], fields))
     problems.sort(key=lambda problem: problem.index)
@@ -131,14 +131,14 @@ def _known() -> Iterator[tuple[str, Column]]:
     for name in ("name", "tool", "frame", "motion", "comment"):
         yield name, Column(name)
     for part, axis in enumerate("xyz"):
-        for unit, factor in LENGTHS.items():
+        for unit, factor in _LENGTHS.items():
             yield f"{axis}_{unit}", Column("position", part, factor)
-        for unit, factor in ANGLES.items():
+        for unit, factor in _ANGLES.items():
             yield f"rotvec_{axis}_{unit}", Column("rotvec", part, factor)
     for part, axis in enumerate("wxyz"):
         yield f"q_{axis}", Column("quaternion", part)
         yield f"q{axis}", Column("quaternion", part)
-    for unit, factor in ANGLES.items():
+    for unit, factor in _ANGLES.items():
         for order in ("zyx", "xyz"):
             for part, axis in enumerate(order):
                 group = f"euler_{order}"
@@ -147,7 +147,7 @@ def _known() -> Iterator[tuple[str, Column]]:
                 yield f"fixed_{order[::-1]}_{axis}_{unit}", Column(group, part, factor)
         for part, axis in enumerate(("z1", "y", "z2")):
             yield f"euler_zyz_{axis}_{unit}", Column("euler_zyz", part, factor)
-    either = {"deg": 1.0, "rad": ANGLES["rad"], "mm": 1.0, "m": 1000.0}
+    either = {"deg": 1.0, "rad": _ANGLES["rad"], "mm": 1.0, "m": 1000.0}
     for unit, factor in either.items():
         for part in range(MOST_JOINTS):
             yield f"j{part + 1}_{unit}", Column("joints", part, factor)
@@ -205,7 +205,7 @@ def _column(index: int, given: str) -> tuple[Column | None, Problem | None]:
     """
     name = given.strip().lower()
     if not name:
-        return None, Problem(UNNAMED_COLUMN, index, {"number": index + 1})
+        return None, Problem(_UNNAMED_COLUMN, index, {"number": index + 1})
     if name.startswith("_"):
         return Column("left out", index), None
     if name.startswith("set_") and len(name) > len("set_"):
@@ -239,7 +239,7 @@ def _repeated(names: Sequence[str], columns: Sequence[Column]) -> Iterator[Probl
         first = seen.setdefault((column.group, column.part, column.detail.lower()), index)
         if first != index:
             both = f"{shown(names[first])} and {shown(names[index])}"
-            yield Problem(TWICE, index, {"names": both})
+            yield Problem(_TWICE, index, {"names": both})
 
 
 def _incomplete(names: Sequence[str], columns: Sequence[Column]) -> Iterator[Problem]:
@@ -247,13 +247,13 @@ def _incomplete(names: Sequence[str], columns: Sequence[Column]) -> Iterator[Pro
     orientations = [group for group in ORIENTATIONS if group in groups]
     if len(orientations) > 1:
         both = " and ".join(shown(names[groups[group]]) for group in orientations)
-        yield Problem(TWO_ORIENTATIONS, groups[orientations[1]], {"names": both})
+        yield Problem(_TWO_ORIENTATIONS, groups[orientations[1]], {"names": both})
         return
     if "name" not in groups:
-        for group in AFTER_MOVE:
+        for group in _AFTER_MOVE:
             if group in groups:
                 index = groups[group]
-                yield Problem(NEEDS_NAMES, index, {"name": shown(names[index])})
+                yield Problem(_NEEDS_NAMES, index, {"name": shown(names[index])})
     for group, size in (("position", 3), ("configuration", 6), *((o, 3) for o in orientations)):
         if group in groups:
             parts = 4 if group == "quaternion" else size
@@ -261,11 +261,13 @@ def _incomplete(names: Sequence[str], columns: Sequence[Column]) -> Iterator[Pro
             if missing:
                 wanted = ", ".join(f"`{_sibling(names, columns, group, p)}`" for p in missing)
                 yield Problem(
-                    MISSING_COLUMN, groups[group], {"names": wanted, "cure": "add it to the header"}
+                    _MISSING_COLUMN,
+                    groups[group],
+                    {"names": wanted, "cure": "add it to the header"},
                 )
     if "position" in groups and not orientations:
         yield Problem(
-            MISSING_COLUMN,
+            _MISSING_COLUMN,
             groups["position"],
             {
                 "names": "of the orientation",
@@ -276,7 +278,7 @@ def _incomplete(names: Sequence[str], columns: Sequence[Column]) -> Iterator[Pro
     if "position" not in groups and (orientations or "joints" not in groups):
         needed = "`x_mm`, `y_mm`, `z_mm`"
         cure = "add it, or `j1_deg`, `j2_deg` … for joint targets"
-        yield Problem(MISSING_COLUMN, 0, {"names": needed, "cure": cure})
+        yield Problem(_MISSING_COLUMN, 0, {"names": needed, "cure": cure})
 
 
 def _sibling(names: Sequence[str], columns: Sequence[Column], group: str, part: int) -> str:

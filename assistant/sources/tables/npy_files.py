@@ -25,26 +25,26 @@ from assistant.base.diagnostics import Refused, Severity, Unreadable, error
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
-NOT_NPY = error("TB401", "this is no NPY array: {reason}", "write it with `numpy.save`")
-TRUNCATED = error(
+_NOT_NPY = error("TB401", "this is no NPY array: {reason}", "write it with `numpy.save`")
+_TRUNCATED = error(
     "TB402",
     "the array says {shape} but the file ends after {there} of its {wanted} bytes",
     "copy or write the file again",
 )
-OBJECT_ARRAY = error(
+_OBJECT_ARRAY = error(
     "TB403", "the array holds Python objects, which are never loaded", "save an array of float64"
 )
-WRONG_TYPE = error("TB404", "the array holds `{dtype}`, not numbers", "save an array of float64")
-HALF_PRECISION = error(
+_WRONG_TYPE = error("TB404", "the array holds `{dtype}`, not numbers", "save an array of float64")
+_HALF_PRECISION = error(
     "TB405",
     "the array holds half-precision numbers, too coarse for positions",
     "save an array of float64",
 )
-NOT_NPZ = error("TB406", "this is no NPZ archive: {reason}", "write it with `numpy.savez`")
-TOO_LARGE = error(
+_NOT_NPZ = error("TB406", "this is no NPZ archive: {reason}", "write it with `numpy.savez`")
+_TOO_LARGE = error(
     "TB407", "the archive unpacks to {size:.0f} MB, more than {most:.0f} MB", "split it"
 )
-NOT_AN_ARRAY = error(
+_NOT_AN_ARRAY = error(
     "TB408", "the archive holds {name}, which is no array", "write it with `numpy.savez`"
 )
 
@@ -78,11 +78,11 @@ def read_npy(data: bytes, path: str, place: str | None = None) -> Floats:
     header = _npy_header(data, path, place)
     kind, size = header.kind, header.size
     if kind == "O":
-        raise Refused(OBJECT_ARRAY(path=path, place=place))
+        raise Refused(_OBJECT_ARRAY(path=path, place=place))
     if (kind, size) == ("f", 2):
-        raise Refused(HALF_PRECISION(path=path, place=place))
+        raise Refused(_HALF_PRECISION(path=path, place=place))
     if (kind, size) not in _NUMBER_TYPES:
-        raise Refused(WRONG_TYPE(path=path, place=place, dtype=header.descr[:60]))
+        raise Refused(_WRONG_TYPE(path=path, place=place, dtype=header.descr[:60]))
     return _npy_elements(data, path, place, header).astype(np.float64, copy=False)
 
 
@@ -96,7 +96,7 @@ def read_npz(data: bytes, path: str) -> tuple[dict[str, Floats], dict[str, str]]
     for member, content in _archive_members(data, path):
         name = member.removesuffix(".npy")
         if name == member or name in arrays or name in texts:
-            raise Unreadable(NOT_AN_ARRAY(path=path, name=shown(member)))
+            raise Unreadable(_NOT_AN_ARRAY(path=path, name=shown(member)))
         text = _npy_text(content, path, name)
         if text is not None:
             texts[name] = text
@@ -113,9 +113,9 @@ def _archive_members(data: bytes, path: str) -> list[tuple[str, bytes]]:
             size, most = sum(member.file_size for member in archive.infolist()), most_unpacked()
             if size <= most:
                 return [(member.filename, archive.read(member)) for member in archive.infolist()]
-            too_large = TOO_LARGE(path=path, size=size / 1e6, most=most / 1e6)
+            too_large = _TOO_LARGE(path=path, size=size / 1e6, most=most / 1e6)
     except BROKEN_ZIP as error:
-        raise Unreadable(NOT_NPZ(path=path, reason=_reason_of(error))) from None
+        raise Unreadable(_NOT_NPZ(path=path, reason=_reason_of(error))) from None
     raise Unreadable(too_large)
 
 
@@ -158,7 +158,7 @@ def _npy_header(data: bytes, path: str, place: str | None) -> _NpyHeader:
         if not (isinstance(shape, tuple) and all(type(n) is int and n >= 0 for n in shape)):
             raise ValueError("its shape is no list of extents")
     except (ValueError, SyntaxError, TypeError, RecursionError, MemoryError) as error:
-        raise Unreadable(NOT_NPY(path=path, place=place, reason=_reason_of(error))) from None
+        raise Unreadable(_NOT_NPY(path=path, place=place, reason=_reason_of(error))) from None
     return _NpyHeader(descr, bool(fortran), shape, start)
 
 
@@ -168,13 +168,13 @@ def _npy_elements(
     dtype: np.dtype[np.generic] = np.dtype(header.descr)
     full = math.prod(max(extent, 1) for extent in header.shape) * dtype.itemsize
     if len(header.shape) > _MOST_DIMENSIONS or full > _MOST_SIZE:
-        raise Unreadable(NOT_NPY(path=path, place=place, reason="no array has such a shape"))
+        raise Unreadable(_NOT_NPY(path=path, place=place, reason="no array has such a shape"))
     count = math.prod(header.shape)
     wanted, there = count * dtype.itemsize, len(data) - header.start
     if wanted > there:
         extents = " x ".join(str(extent) for extent in header.shape)
         raise Unreadable(
-            TRUNCATED(path=path, place=place, shape=extents[:60], there=there, wanted=wanted)
+            _TRUNCATED(path=path, place=place, shape=extents[:60], there=there, wanted=wanted)
         )
     flat = np.frombuffer(data, dtype=dtype, count=count, offset=header.start)
     return flat.reshape(header.shape, order="F" if header.fortran else "C")
@@ -190,7 +190,7 @@ def _npy_text(data: bytes, path: str, name: str) -> str | None:
     except (ValueError, SystemError) as error:  # code points that there are not
         if isinstance(error, Refused):
             raise
-        raise Unreadable(NOT_NPY(path=path, place=shown(name), reason=_reason_of(error))) from None
+        raise Unreadable(_NOT_NPY(path=path, place=shown(name), reason=_reason_of(error))) from None
 
 
 def _reason_of(error: Exception) -> str:

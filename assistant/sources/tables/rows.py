@@ -56,7 +56,7 @@ BROKEN_ARC = error(
     "{what}",
     "an arc is a `via` row and the `end` row after it, with a row before it to start from",
 )
-TWICE_NAMED = error(
+_TWICE_NAMED = error(
     "TB309",
     "the name {name} stands here and in {first}",
     "give every target a name of its own; case does not tell names apart",
@@ -67,7 +67,7 @@ VIA_ACTION = error(
 NOT_ITS_VALUE = error(
     "TB312", "the {kind} output {name} cannot be {value:g}", "write a whole number, 0 to {most}"
 )
-TRAVELS = error(
+_TRAVELS = error(
     "TB313",
     "a table has rows one after the other, and no ways that are planned: `travel` is no kind here",
     'write kind = "joint" or "linear" under [motion]',
@@ -83,7 +83,7 @@ THINNED_ROWS = info(
     " {deviation:.4f} mm off; the first is {first}",
     "give a smaller `tolerance` to keep them, or a `blend`",
 )
-NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
+_NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
 
 MOST_DIFFERENT: Final = 1000
 """Different speeds or blends in one file: each becomes a declaration on the controller."""
@@ -91,9 +91,9 @@ KIND_WORDS: Final = {
     "joint": Kind.JOINT, "linear": Kind.LINEAR, "via": Kind.VIA, "end": Kind.END
 }  # fmt: skip
 
-SAME_ROW: Final = 1e-3
+_SAME_ROW: Final = 1e-3
 """mm, and degrees, between two rows that are one: a move between them would only be a stop."""
-SAME_ROW_TURN: Final = 1.0 - (np.radians(SAME_ROW) / 2.0) ** 2 / 2.0
+_SAME_ROW_TURN: Final = 1.0 - (np.radians(_SAME_ROW) / 2.0) ** 2 / 2.0
 """The product of their quaternions."""
 
 RowPlace = Callable[[int], Mapping[str, Any]]
@@ -167,9 +167,9 @@ def moving_rows(
     straight[1:] &= kinds[:-1] != Kind.VIA
 
     def same(one: Rows, two: Rows) -> Truths:
-        found = np.linalg.norm(positions[one] - positions[two], axis=1) <= SAME_ROW
+        found = np.linalg.norm(positions[one] - positions[two], axis=1) <= _SAME_ROW
         turn = np.abs((quaternions[one] * quaternions[two]).sum(axis=1))
-        found &= turn >= SAME_ROW_TURN * np.linalg.norm(quaternions[two], axis=1)
+        found &= turn >= _SAME_ROW_TURN * np.linalg.norm(quaternions[two], axis=1)
         for column in others:
             if column is not None:
                 a, b = column[one], column[two]
@@ -209,7 +209,7 @@ def needed_rows(
     if not (sides < short).any():
         return kept, most
     columns = (motions.speed, motions.blend, motions.tool, motions.frame, *others)
-    like = np.abs((quaternions[1:] * quaternions[:-1]).sum(axis=1)) >= SAME_ROW_TURN
+    like = np.abs((quaternions[1:] * quaternions[:-1]).sum(axis=1)) >= _SAME_ROW_TURN
     like &= (kinds[1:] == Kind.LINEAR) & (sides > 0.0)
     like &= np.array([blend is None for blend in motions.blends])[motions.blend[1:]]
     for column in columns:
@@ -247,11 +247,11 @@ def beginning_kinds(kinds: NDArray[np.uint8], stated: bool = False) -> NDArray[n
 def default_kind(process: Process) -> Kind:
     """Raises Refused for what only drawings have."""
     if process.defaults.travels:
-        raise Refused(TRAVELS())
+        raise Refused(_TRAVELS())
     return KIND_WORDS[process.defaults.kind]
 
 
-def distinct_rows(columns: Sequence[Floats]) -> tuple[NDArray[np.int32], Rows]:
+def _distinct_rows(columns: Sequence[Floats]) -> tuple[NDArray[np.int32], Rows]:
     """Rows that agree in all columns (n,), NaN being equal to NaN, get one number.
 
     Gives the number of each row, and for each number a row that has it.
@@ -271,7 +271,7 @@ def speeds_of(
     process: Process,
 ) -> tuple[NDArray[np.int32], tuple[Speed | Name, ...]]:
     """Speed index (n,) and table of columns in mm/s, deg/s and percent, NaN for the default."""
-    index, rows = distinct_rows([tcp, rotation, joint])
+    index, rows = _distinct_rows([tcp, rotation, joint])
     table = [_speed_of(float(tcp[r]), float(rotation[r]), float(joint[r]), process) for r in rows]
     return index, tuple(table)
 
@@ -289,7 +289,7 @@ def blends_of(
     radius: Floats, process: Process
 ) -> tuple[NDArray[np.int32], tuple[Blend | Name | None, ...]]:
     """Blend index (n,) and table of radii in mm, 0 to stop, NaN for the default."""
-    index, rows = distinct_rows([radius])
+    index, rows = _distinct_rows([radius])
     values = [float(radius[r]) for r in rows]
     default = process.defaults.blend
     return index, tuple(default if v != v else Blend(v) if v > 0 else FINE for v in values)
@@ -314,7 +314,7 @@ def broken_arcs(kinds: NDArray[np.uint8]) -> list[tuple[int, str]]:
     return [(int(np.argmax(rows)), what) for what, rows in broken if rows.any()]
 
 
-def known_entry(name: str, table: Mapping[str, Any], builtin: str) -> str | None:
+def _known_entry(name: str, table: Mapping[str, Any], builtin: str) -> str | None:
     """Return the entry of that name, compared without case; None if the table does not contain
     it.
     """
@@ -329,11 +329,11 @@ def most_value(signal: Signal) -> float:
 
 
 def known_tool(name: str, process: Process) -> str | None:
-    return known_entry(name, process.tools, FLANGE)
+    return _known_entry(name, process.tools, FLANGE)
 
 
 def known_frame(name: str, process: Process) -> str | None:
-    return known_entry(name, process.frames, BASE)
+    return _known_entry(name, process.frames, BASE)
 
 
 def cure_for(kind: str, name: str, table: Mapping[str, Any]) -> str:
@@ -366,10 +366,10 @@ class RowNames:
     def of(self, given: str, where: Mapping[str, Any], label: str) -> str:
         """The identifier of a name; label: how a repetition refers to this place."""
         if not given.strip():
-            self.findings.append(NO_NAME(**where))
+            self.findings.append(_NO_NAME(**where))
         first = self._first.setdefault(given.strip().lower(), label)
         if given.strip() and first != label:
-            self.findings.append(TWICE_NAMED(**where, name=shown(given), first=first))
+            self.findings.append(_TWICE_NAMED(**where, name=shown(given), first=first))
             return given
         name = identifier(given)
         if name.lower() in self._taken:
@@ -440,37 +440,37 @@ def more_rows(rows: Truths) -> str:
 
 
 NOT_FINITE = error("TB201", "{what} {value} is not finite{more}", "mend or remove the row")
-TOO_LARGE = error(
+_TOO_LARGE = error(
     "TB202",
     "{what} {value:g} is larger than {most:g}{more}",
     "check the unit and the decimal point",
 )
-NOT_UNIT = error(
+_NOT_UNIT = error(
     "TB203",
     "the quaternion is {length:.6g} long, not 1{more}",
     "check the order of its parts (w x y z) and give at least four decimals",
 )
-NORMALISED = warning(
+_NORMALISED = warning(
     "TB204",
     "not quite 1 long and made so: {count} quaternions, the worst {length:.6g}",
     "give more decimals",
 )
-NOT_RIGID = error(
+_NOT_RIGID = error(
     "TB205",
     "the matrix is no rotation: it is off by {miss:.3g}{more}",
     "check that it is no reflection, has no scale, and that columns are the axes",
 )
-ORTHONORMALISED = warning(
+_ORTHONORMALISED = warning(
     "TB206",
     "not quite orthonormal and made so: {count} matrices, the worst by {miss:.3g}",
     "give more decimals",
 )
-LAST_ROW = error(
+_LAST_ROW = error(
     "TB207",
     "the last row of the matrix is {row}, not 0 0 0 1{more}",
     "give homogeneous matrices with the position in the last column",
 )
-LIKELY_METRES = warning(
+_LIKELY_METRES = warning(
     "TB208",
     "all {count} positions lie within {most:g} mm of the frame; are they metres?",
     'give millimetres, or say `unit = "m"` in the file or its process file; columns of metres are '
@@ -481,11 +481,11 @@ LARGEST_POSITION: Final = 1e6
 """mm; no robot, track or gantry is a kilometre long."""
 LARGEST_ANGLE: Final = 1e5
 """degrees."""
-SILENT_DEVIATION: Final = 1e-6
+_SILENT_DEVIATION: Final = 1e-6
 """Deviation from unit length that counts as rounding in the last decimal."""
-REPAIRABLE_DEVIATION: Final = 1e-3
+_REPAIRABLE_DEVIATION: Final = 1e-3
 """Deviation from unit length up to which it is repaired with a warning."""
-LIKE_METRES: Final = 3.0
+_LIKE_METRES: Final = 3.0
 """mm; a path that stays this near to the origin of its frame is likely in metres."""
 
 LocateRow = Callable[[int], Mapping[str, Any]]
@@ -517,7 +517,7 @@ def position_findings(
         rows = np.flatnonzero(large.any(axis=1))
         value = values[rows[0]][large[rows[0]]][0]
         findings.append(
-            TOO_LARGE(
+            _TOO_LARGE(
                 **locate(int(rows[0])),
                 what=what,
                 value=float(value),
@@ -539,13 +539,13 @@ def unit_quaternions(quaternions: Floats, locate: LocateRow) -> tuple[Floats, li
     with np.errstate(over="ignore"):
         lengths = norms(quaternions)
     miss = np.abs(lengths - 1.0)
-    bad = np.flatnonzero(~(miss <= REPAIRABLE_DEVIATION))
+    bad = np.flatnonzero(~(miss <= _REPAIRABLE_DEVIATION))
     if len(bad):
         row = int(bad[0])
-        return quaternions, [NOT_UNIT(**locate(row), length=lengths[row], more=_rows_more(bad))]
-    if len(off := np.flatnonzero(miss > SILENT_DEVIATION)):
+        return quaternions, [_NOT_UNIT(**locate(row), length=lengths[row], more=_rows_more(bad))]
+    if len(off := np.flatnonzero(miss > _SILENT_DEVIATION)):
         worst = int(np.argmax(miss))
-        findings.append(NORMALISED(**locate(worst), count=len(off), length=lengths[worst]))
+        findings.append(_NORMALISED(**locate(worst), count=len(off), length=lengths[worst]))
     return rotations.canonical(quaternions), findings
 
 
@@ -562,29 +562,29 @@ def poses_of_matrices(
     last = np.flatnonzero((np.abs(matrices[:, 3] - [0, 0, 0, 1]) > 1e-9).any(axis=1))
     if len(last):
         row = " ".join(f"{v:g}" for v in matrices[last[0], 3])
-        findings.append(LAST_ROW(**locate(int(last[0])), row=row, more=_rows_more(last)))
+        findings.append(_LAST_ROW(**locate(int(last[0])), row=row, more=_rows_more(last)))
     turn = matrices[:, :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):
         product = np.einsum("nij,nik->njk", turn, turn)
         miss = np.abs(product - np.eye(3)).max(axis=(1, 2))
         miss = np.where(np.linalg.det(turn) < 0, np.maximum(miss, 2.0), miss)
-    bad = np.flatnonzero(~(miss <= REPAIRABLE_DEVIATION))
+    bad = np.flatnonzero(~(miss <= _REPAIRABLE_DEVIATION))
     if len(bad):
         first = int(bad[0])
-        findings.append(NOT_RIGID(**locate(first), miss=miss[first], more=_rows_more(bad)))
+        findings.append(_NOT_RIGID(**locate(first), miss=miss[first], more=_rows_more(bad)))
     if findings:
         return positions, np.empty((0, 4)), findings
-    if len(off := np.flatnonzero(miss > SILENT_DEVIATION)):
+    if len(off := np.flatnonzero(miss > _SILENT_DEVIATION)):
         worst = int(np.argmax(miss))
-        findings.append(ORTHONORMALISED(**locate(worst), count=len(off), miss=miss[worst]))
+        findings.append(_ORTHONORMALISED(**locate(worst), count=len(off), miss=miss[worst]))
     return positions, rotations.from_matrix(turn), findings
 
 
 def metres_finding(positions: Floats, place: Mapping[str, Any]) -> list[Diagnostic]:
     """A warning if positions look like metres."""
     apart = len(positions) > 1 and np.ptp(positions, axis=0).max() > 0.0
-    if apart and 0 < np.abs(positions).max() <= LIKE_METRES:
-        return [LIKELY_METRES(**place, count=len(positions), most=LIKE_METRES)]
+    if apart and 0 < np.abs(positions).max() <= _LIKE_METRES:
+        return [_LIKELY_METRES(**place, count=len(positions), most=_LIKE_METRES)]
     return []
 
 

@@ -70,20 +70,20 @@ from assistant.sources.tables.headers import shown as marked
 from assistant.sources.tables.rows import LARGEST_POSITION
 
 ERROR: Final = Severity.ERROR
-NO_TARGETS = error(
+_NO_TARGETS = error(
     "TB501", "there are no targets", "write [[targets]] and its keys for each of them"
 )
-NOT_A_TABLE = error("TB502", "`targets` {what}", "write [[targets]] above each target")
-POSE_OR_JOINTS = error(
+_NOT_A_TABLE = error("TB502", "`targets` {what}", "write [[targets]] above each target")
+_POSE_OR_JOINTS = error(
     "TB503", "target {name} has {what}", "give `position` and an orientation, or `joints`"
 )
-WRONG_ORIENTATION = error(
+_WRONG_ORIENTATION = error(
     "TB504", "target {name} has {what}", "give one of `quaternion`, `euler_zyx`, …"
 )
-JOINTS_BY_LINE = error(
+_JOINTS_BY_LINE = error(
     "TB505", "target {name} has joints, which no {kind} move reaches", 'write kind = "joint"'
 )
-TWO_TABLES = error(
+_TWO_TABLES = error(
     "TB506", "{name} is declared here and, differently, in the process file", "keep one of them"
 )
 
@@ -121,7 +121,7 @@ def _with_own_tables(top: Table, own: Process, process: Process) -> Process:
         for name in ours:
             same = next((n for n in theirs if n.lower() == name.lower()), None)
             if same is not None and (same != name or theirs[same] != ours[name]):
-                top.table(kind).say(TWO_TABLES, name, name=marked(name))
+                top.table(kind).say(_TWO_TABLES, name, name=marked(name))
     return replace(
         process,
         robot=own.robot or process.robot,
@@ -137,14 +137,14 @@ def _target_tables(top: Table) -> Iterator[Table]:
     """Each of the targets as a table."""
     entries = top.content.get("targets", [])
     if not isinstance(entries, list):
-        top.say(NOT_A_TABLE, "targets", what=f"is {kind_of(entries)}")
+        top.say(_NOT_A_TABLE, "targets", what=f"is {kind_of(entries)}")
         return
     if not entries:
-        top.say(NO_TARGETS, "targets")
+        top.say(_NO_TARGETS, "targets")
     for number, entry in enumerate(entries):
         table = Table(top.page, ("targets", str(number)), entry if isinstance(entry, dict) else {})
         if not isinstance(entry, dict):
-            table.say(NOT_A_TABLE, what=f"holds {kind_of(entry)}")
+            table.say(_NOT_A_TABLE, what=f"holds {kind_of(entry)}")
         else:
             yield table
 
@@ -271,18 +271,18 @@ class _TargetReader:
         turns = [key for key in ORIENTATIONS if key in there]
         if "joints" in there:
             if "position" in there or turns:
-                table.say(POSE_OR_JOINTS, "joints", name=name, what="a pose and joints")
+                table.say(_POSE_OR_JOINTS, "joints", name=name, what="a pose and joints")
                 return False
             if there.get("kind", "joint") != "joint":
-                table.say(JOINTS_BY_LINE, "kind", name=name, kind=there["kind"])
+                table.say(_JOINTS_BY_LINE, "kind", name=name, kind=there["kind"])
                 return False
             return True
         if "position" not in there:
-            table.say(POSE_OR_JOINTS, name=name, what="neither a position nor joints")
+            table.say(_POSE_OR_JOINTS, name=name, what="neither a position nor joints")
             return False
         if len(turns) != 1:
             what = "two orientations" if turns else "no orientation"
-            table.say(WRONG_ORIENTATION, turns[-1] if turns else None, name=name, what=what)
+            table.say(_WRONG_ORIENTATION, turns[-1] if turns else None, name=name, what=what)
             return False
         return True
 
@@ -342,12 +342,12 @@ def _number_expression(value: float) -> Number:
     return Number(int(value) if float(value).is_integer() else value)
 
 
-NO_NAME: Final = error(
+_NO_NAME: Final = error(
     "TB507",
     "`{name}` cannot name a target",
     "write {known}, or another name of letters and digits with `_` between them, a letter first",
 )
-TARGETS_IN_BRACKETS: Final = error(
+_TARGETS_IN_BRACKETS: Final = error(
     "TB508",
     "the targets stand in brackets, where none can be added",
     "write [[targets]] above each of them",
@@ -355,24 +355,24 @@ TARGETS_IN_BRACKETS: Final = error(
 TARGET_EXISTS: Final = error(
     "TB509", "there is a target `{name}` already", "choose another name, or ask to teach it anew"
 )
-OTHER_ROBOT: Final = error(
+_OTHER_ROBOT: Final = error(
     "TB510",
     "the targets were taught on `{there}`, and this one is of `{given}`",
     "name another file: joints and branches of one arm mean nothing to another one",
 )
-EXTERNAL_AXES: Final = error(
+_EXTERNAL_AXES: Final = error(
     "TB511",
     "`{name}` has external axes, and the controller tells no position of them",
     "give it another name, or take `external` out",
 )
-NO_ROBOT: Final = error(
+_NO_ROBOT: Final = error(
     "TB512",
     "joints mean a place of one arm, and the file names none",
     'write robot = "{robot}" as its first line',
 )
 
-POSE_KEYS: Final = ("position", "quaternion", "configuration")
-JOINT_KEYS: Final = ("joints",)
+_POSE_KEYS: Final = ("position", "quaternion", "configuration")
+_JOINT_KEYS: Final = ("joints",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -407,14 +407,14 @@ def with_target(
     Raises Refused and Unreadable; what the text says of all else stays to the letter.
     """
     if (known := identifier(target.name)) != target.name:
-        raise Refused(NO_NAME(path=source.path, name=target.name, known=known))
+        raise Refused(_NO_NAME(path=source.path, name=target.name, known=known))
     content = read_toml(source).content
     there = content.get("robot", process.robot)
     if target.robot is not None and there not in (None, target.robot):
-        raise Refused(OTHER_ROBOT(path=source.path, there=there, given=target.robot))
+        raise Refused(_OTHER_ROBOT(path=source.path, there=there, given=target.robot))
     if "joints" in target.values and there is None:
         named = target.robot or "NAME"
-        raise Refused(NO_ROBOT(path=source.path, robot=named))
+        raise Refused(_NO_ROBOT(path=source.path, robot=named))
     entries = content.get("targets", [])
     number = _entry_number(entries, target.name)
     if number is None:
@@ -446,7 +446,7 @@ def _with_added_target(source: SourceText, target: TaughtTarget) -> str:
     if _is_in_brackets(source):
         raise Refused(
             source.finding(
-                TARGETS_IN_BRACKETS, key_spans(source.text)[("targets",)], name=target.name
+                _TARGETS_IN_BRACKETS, key_spans(source.text)[("targets",)], name=target.name
             )
         )
     end, text = source.newline, source.text
@@ -469,12 +469,14 @@ class _Reteaching:
     def text(self) -> str:
         name = self.target.name
         if _is_in_brackets(self.source):
-            raise Refused(self.source.finding(TARGETS_IN_BRACKETS, self.keys[self.path], name=name))
+            raise Refused(
+                self.source.finding(_TARGETS_IN_BRACKETS, self.keys[self.path], name=name)
+            )
         if "external" in self.entry:
             span = self.keys[*self.path, "external"]
-            raise Refused(self.source.finding(EXTERNAL_AXES, span, name=name))
+            raise Refused(self.source.finding(_EXTERNAL_AXES, span, name=name))
         # In its place among the others: a new value behind an old one of the same meaning.
-        olds = {key for key in (*POSE_KEYS, *ORIENTATIONS, *JOINT_KEYS) if key in self.entry}
+        olds = {key for key in (*_POSE_KEYS, *ORIENTATIONS, *_JOINT_KEYS) if key in self.entry}
         rest = dict(self.target.values)
         edits: list[tuple[Span, str]] = []
         at = self._line(Span(self.keys[*self.path, "name"].start, self._end("name"))).end

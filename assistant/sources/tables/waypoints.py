@@ -47,35 +47,35 @@ from assistant.sources.tables.rows import (
 )
 
 ERROR: Final = Severity.ERROR
-SHAPE = error(
+_SHAPE = error(
     "TB411",
     "the shape is {shape}, neither (n, 7) nor (n, 4, 4)",
     "give rows of x y z w x y z, or homogeneous matrices",
 )
-NO_POSES = error("TB412", "there is no pose in it", "write the file again")
-NO_PART = error(
+_NO_POSES = error("TB412", "there is no pose in it", "write the file again")
+_NO_PART = error(
     "TB415", "there is no array {name}", "give both `positions` (n, 3) and `quaternions` (n, 4)"
 )
-UNKNOWN_UNIT = error("TB413", "the unit {unit} is not known", "write `mm` or `m`")
-UNEVEN = error(
+_UNKNOWN_UNIT = error("TB413", "the unit {unit} is not known", "write `mm` or `m`")
+_UNEVEN = error(
     "TB414",
     "{positions} positions but {quaternions} quaternions",
     "give as many of the one as of the other",
 )
-NOT_JSON = error("TB421", "this is no JSON: {reason}", "mend it at this place")
-JSON_FORM = error(
+_NOT_JSON = error("TB421", "this is no JSON: {reason}", "mend it at this place")
+_JSON_FORM = error(
     "TB422",
     "{what} is no list of poses",
     "give a list of poses, or an object with `poses` or `paths`",
 )
-UNKNOWN_KEY = error("TB423", "the key {name} is not known", "write one of {known}")
-POSE_FORM = error(
+_UNKNOWN_KEY = error("TB423", "the key {name} is not known", "write one of {known}")
+_POSE_FORM = error(
     "TB424",
     "the pose is not of the form {wanted}",
     "write every pose as the first one, with all its numbers",
 )
-KEY_TWICE = error("TB425", "the key {name} stands twice in one object", "keep one of them")
-NO_SE3 = error(
+_KEY_TWICE = error("TB425", "the key {name} stands twice in one object", "keep one of them")
+_NO_SE3 = error(
     "TB426",
     "`{given}` is no sequence of poses",
     "give spatialmath SE3 objects or an array (n, 7) or (n, 4, 4)",
@@ -107,7 +107,7 @@ def read_poses(
     guessed, roboticstoolbox uses metres. Raises Refused.
     """
     if unit not in _UNITS:
-        raise Refused(UNKNOWN_UNIT(place="unit", unit=shown(str(unit))))
+        raise Refused(_UNKNOWN_UNIT(place="unit", unit=shown(str(unit))))
     given = _array_of(poses)
     path, findings = _path_of(identifier(str(name)), given, process, unit, None, "poses")
     return _reading(name, [path], process, None, findings)
@@ -124,11 +124,11 @@ def _array_of(poses: Any) -> Floats:
             found = getattr(pose, "A", pose)
             items.extend(found if isinstance(found, list) and hasattr(pose, "A") else [found])
     else:
-        raise Refused(NO_SE3(given=type(poses).__name__))
+        raise Refused(_NO_SE3(given=type(poses).__name__))
     try:
         array = reals(items)
     except (TypeError, ValueError):
-        raise Refused(NO_SE3(given=type(poses).__name__)) from None
+        raise Refused(_NO_SE3(given=type(poses).__name__)) from None
     return array[None] if array.shape == (4, 4) else array
 
 
@@ -143,7 +143,7 @@ def _read_npz(data: bytes, path: str, stem: str, process: Process) -> Reading:
     unit = texts.pop("unit", None)
     name, notes = rows.program_name(stem, path)
     for text in texts:
-        notes.append(UNKNOWN_KEY(path=path, name=shown(text), known="`unit` or arrays"))
+        notes.append(_UNKNOWN_KEY(path=path, name=shown(text), known="`unit` or arrays"))
     if {"positions", "quaternions"} & set(arrays):
         given = _joined_parts(arrays, path)
         parts = {"": given}
@@ -156,18 +156,18 @@ def _joined_parts(arrays: Mapping[str, Floats], path: str) -> Floats:
     """`positions` (n, 3) and `quaternions` (n, 4) as one array (n, 7)."""
     known = {"positions": 3, "quaternions": 4}
     findings = [
-        UNKNOWN_KEY(path=path, name=shown(name), known="`positions`, `quaternions`, `unit`")
+        _UNKNOWN_KEY(path=path, name=shown(name), known="`positions`, `quaternions`, `unit`")
         for name in arrays
         if name not in known
     ]
     for name, width in known.items():
         if name not in arrays:
-            findings.append(NO_PART(path=path, name=shown(name)))
+            findings.append(_NO_PART(path=path, name=shown(name)))
         elif arrays[name].ndim != 2 or arrays[name].shape[1] != width:
-            findings.append(SHAPE(path=path, place=shown(name), shape=_shape(arrays[name])))
+            findings.append(_SHAPE(path=path, place=shown(name), shape=_shape(arrays[name])))
     if not findings and len(arrays["positions"]) != len(arrays["quaternions"]):
         counts: dict[str, Any] = {name: len(arrays[name]) for name in known}
-        findings.append(UNEVEN(path=path, **counts))
+        findings.append(_UNEVEN(path=path, **counts))
     if findings:
         raise Refused(*findings)
     return np.concatenate([arrays["positions"], arrays["quaternions"]], axis=1)
@@ -180,7 +180,7 @@ def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
             source.text, object_pairs_hook=lambda pairs: _unique_keys(pairs, path)
         )
     except json.JSONDecodeError as error:
-        found = source.finding(NOT_JSON, Span(error.pos, error.pos + 1), reason=error.msg)
+        found = source.finding(_NOT_JSON, Span(error.pos, error.pos + 1), reason=error.msg)
         excerpt = found.excerpt or ""
         shows = excerpt if excerpt.isprintable() and len(excerpt) <= 200 else None
         raise Unreadable(replace(found, excerpt=shows)) from None
@@ -188,7 +188,7 @@ def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
         raise
     except (RecursionError, ValueError) as error:
         reason = "too many levels" if isinstance(error, RecursionError) else "a number too long"
-        raise Unreadable(NOT_JSON(path=path, reason=reason)) from None
+        raise Unreadable(_NOT_JSON(path=path, reason=reason)) from None
     name, notes = rows.program_name(stem, path)
     unit = None
     if isinstance(document, dict):
@@ -198,7 +198,7 @@ def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
         else:
             lists = document.pop("paths", None)
         notes += [
-            UNKNOWN_KEY(path=path, name=shown(key), known="`unit`, `poses`, `paths`")
+            _UNKNOWN_KEY(path=path, name=shown(key), known="`unit`, `poses`, `paths`")
             for key in document
         ]
     else:
@@ -206,7 +206,7 @@ def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
     if has_errors(notes):
         raise Refused(*notes)
     if not isinstance(lists, dict):
-        raise Refused(JSON_FORM(path=path, what="the file"))
+        raise Refused(_JSON_FORM(path=path, what="the file"))
     parts = {key: _array_of_json(value, path, key) for key, value in lists.items()}
     return _program_of_arrays(name, parts, process, unit, path, notes)
 
@@ -216,7 +216,7 @@ def _unique_keys(pairs: list[tuple[str, Any]], path: str) -> dict[str, Any]:
     if len(found) != len(pairs):
         keys = [key for key, _ in pairs]
         name = next(key for key in keys if keys.count(key) > 1)
-        raise Refused(KEY_TWICE(path=path, name=shown(name)))
+        raise Refused(_KEY_TWICE(path=path, name=shown(name)))
     return found
 
 
@@ -224,9 +224,9 @@ def _array_of_json(poses: Any, path: str, key: str) -> Floats:
     """A list of poses, all of the form of the first, as an array (n, 7) or (n, 4, 4)."""
     what = shown(key) if key else "the file"
     if not isinstance(poses, list):
-        raise Refused(JSON_FORM(path=path, what=what))
+        raise Refused(_JSON_FORM(path=path, what=what))
     if not poses:
-        raise Refused(NO_POSES(path=path, place=shown(key) if key else None))
+        raise Refused(_NO_POSES(path=path, place=shown(key) if key else None))
     first = poses[0]
     if isinstance(first, dict):
         wanted = '{"position": [x, y, z], "quaternion": [w, x, y, z]}'
@@ -238,11 +238,13 @@ def _array_of_json(poses: Any, path: str, key: str) -> Floats:
         wanted, fits, numbers = "[x, y, z, w, x, y, z]", _is_seven, poses
     for index, pose in enumerate(poses):
         if not fits(pose):
-            raise Refused(POSE_FORM(path=path, place=f"{key}[{index}]", wanted=wanted))
+            raise Refused(_POSE_FORM(path=path, place=f"{key}[{index}]", wanted=wanted))
     try:
         return np.array(list(numbers), dtype=np.float64)
     except OverflowError:
-        raise Refused(POSE_FORM(path=path, place=key or None, wanted="of finite numbers")) from None
+        raise Refused(
+            _POSE_FORM(path=path, place=key or None, wanted="of finite numbers")
+        ) from None
 
 
 def _is_list(value: Any, size: int) -> bool:
@@ -280,9 +282,9 @@ def _program_of_arrays(
 ) -> Reading:
     """A program of one path for each array; an array without a name gets the program's."""
     if unit is not None and unit not in _UNITS:
-        raise Refused(UNKNOWN_UNIT(path=path, place="`unit`", unit=shown(str(unit))))
+        raise Refused(_UNKNOWN_UNIT(path=path, place="`unit`", unit=shown(str(unit))))
     if not parts:
-        raise Refused(NO_POSES(path=path))
+        raise Refused(_NO_POSES(path=path))
     names, paths, findings = rows.RowNames(), list[Path](), list(notes)
     first = next(iter(parts))
     for key, array in parts.items():
@@ -326,9 +328,9 @@ def _path_of(
         return {"path": path, "place": f"{place}[{row}]"}
 
     if array.ndim not in (2, 3) or array.shape[1:] not in ((7,), (4, 4)):
-        raise Refused(SHAPE(**where, shape=_shape(array)))
+        raise Refused(_SHAPE(**where, shape=_shape(array)))
     if not len(array):
-        raise Refused(NO_POSES(**where))
+        raise Refused(_NO_POSES(**where))
     if array.ndim == 3:
         positions, quaternions, findings = poses_of_matrices(array, locate)
     else:

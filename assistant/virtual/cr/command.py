@@ -12,7 +12,7 @@ from assistant.virtual.cr.store import CrRefusal
 
 VT: Final = "\v"
 """Between the parts of an argument or an answer that may hold semicolons."""
-MOST_LISTED: Final = 230
+_MOST_LISTED: Final = 230
 """Bytes of lines in one answer that lists several."""
 
 Handler = Callable[[CrSession, str], str]
@@ -93,7 +93,7 @@ def at_once(lines: Sequence[str], separator: str = VT) -> list[str]:
     size = 0
     for line in lines:
         size += len(line) + len(separator)
-        if listed and size > MOST_LISTED:
+        if listed and size > _MOST_LISTED:
             break
         listed.append(line)
     return listed

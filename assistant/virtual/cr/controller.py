@@ -3,9 +3,9 @@
     with VirtualCr("rv-2aj") as controller:
         connect(f"melfa://127.0.0.1:{controller.port}")
 
-`execute` answers a command of the link; answers, arguments and error numbers are those of the
+`_execute` answers a command of the link; answers, arguments and error numbers are those of the
 manual BFP-A4288 and of the controllers' error lists, and each command is a row in the table of its
-subject. `DataLines` are the lines of the data link, which `Open "COM2:"` of a program leads to.
+subject. `_DataLines` are the lines of the data link, which `Open "COM2:"` of a program leads to.
 """
 
 from __future__ import annotations
@@ -76,27 +76,27 @@ COMMANDS: Final[Mapping[str, Command]] = {
     **maintenance_commands.MAINTENANCE_COMMANDS,
 }
 
-BY_LENGTH: Final = sorted(COMMANDS, key=len, reverse=True)
+_BY_LENGTH: Final = sorted(COMMANDS, key=len, reverse=True)
 """Longest first, so that OVRD= is not taken for OVRD."""
 
-MOST_ROBOTS: Final = 3
-LINE_ENDS: Final = re.compile(r"[\r\n\0]")
+_MOST_ROBOTS: Final = 3
+_LINE_ENDS: Final = re.compile(r"[\r\n\0]")
 """A frame can hold them, but no line of a program and no name."""
-EDIT_SLOT: Final = TASKMAX + 1
+_EDIT_SLOT: Final = TASKMAX + 1
 
 
-def execute(session: CrSession, text: str) -> str:
+def _execute(session: CrSession, text: str) -> str:
     """The answer to `[robot];[slot];COMMAND`, without `QoK`; raises CrRefusal."""
     head = re.match(r"(\d*);(\d*); *", text, re.ASCII)
-    if head is None or LINE_ENDS.search(text):
+    if head is None or _LINE_ENDS.search(text):
         raise CrRefusal(6010)
-    if int(head[1][:3] or 1) > MOST_ROBOTS:
+    if int(head[1][:3] or 1) > _MOST_ROBOTS:
         raise CrRefusal(5430)
     session.slot = int(head[2][:3] or 1)
-    if session.slot > EDIT_SLOT:
+    if session.slot > _EDIT_SLOT:
         raise CrRefusal(5420)
     body = text[head.end() :]
-    name = next((n for n in BY_LENGTH if body.startswith(n)), None)
+    name = next((n for n in _BY_LENGTH if body.startswith(n)), None)
     if name is None:
         raise CrRefusal(6010)
     command, argument = COMMANDS[name], body[len(name) :]
@@ -105,13 +105,13 @@ def execute(session: CrSession, text: str) -> str:
     return command.handler(session, argument)
 
 
-DATA_LINK: Final = "2"
+_DATA_LINK: Final = "2"
 """Protocol of a line that programs open (CPRCE11 to CPRCE19, CPRC232)."""
-SERIAL_PORT: Final = "RS232"
-FIRST_OPTION: Final = 11
+_SERIAL_PORT: Final = "RS232"
+_FIRST_OPTION: Final = 11
 
 
-class DataLines:
+class _DataLines:
     """lines: by what programs open, as `COM2:`. ports: (host, port) that clients connect to, by the
     same names. first_port: of the first network line, the others follow; 0 for any that are free.
     without: names that lead elsewhere.
@@ -134,7 +134,7 @@ class DataLines:
             for number, device in enumerate(parameters["COMDEV"], start=1):
                 if f"COM{number}:" in without:
                     continue
-                if device == SERIAL_PORT and serial is not None:
+                if device == _SERIAL_PORT and serial is not None:
                     self.lines[f"COM{number}:"] = serial
                 elif device.startswith("OPT"):
                     self._network(f"COM{number}:", device, parameters, (host, first_port))
@@ -147,10 +147,10 @@ class DataLines:
     ) -> None:
         """A line OPT11 to OPT19, if it is one of the data link."""
         option = device.removeprefix("OPT")
-        index = int(option) - FIRST_OPTION if option.isdigit() else -1
+        index = int(option) - _FIRST_OPTION if option.isdigit() else -1
         if not 0 <= index < len(parameters["NETMODE"]):
             return
-        if parameters[f"CPRCE{option}"] != (DATA_LINK,):
+        if parameters[f"CPRCE{option}"] != (_DATA_LINK,):
             return
         host, port = first
         if parameters["NETMODE"][index] == "0":
@@ -168,9 +168,9 @@ class DataLines:
         self._ends.clear()
 
 
-FRAMINGS: Final = {"plain": "0", "procedural": "1", "data link": "2"}
+_FRAMINGS: Final = {"plain": "0", "procedural": "1", "data link": "2"}
 """Framing of the serial line → the parameter CPRC232."""
-PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
+_PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
     "0": "none",
     "1": "odd",
     "2": "even",
@@ -178,10 +178,10 @@ PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
 """Values of the parameter CPRTY232 → parity."""
 MOST_CONNECTIONS: Final = 9
 """Lines OPT11 to OPT19 of a controller, one client each."""
-SPARE: Final = "OPT19"
+_SPARE: Final = "OPT19"
 """Device of a line that a computer of ours takes the place of."""
-ENCODING: Final = "latin-1"
-FIRST_LINE: Final = "10 END"
+_ENCODING: Final = "latin-1"
+_FIRST_LINE: Final = "10 END"
 """Is read when a controller starts: a client waits for the answer to its first program only so
 long, and not for the grammar as well.
 """
@@ -245,7 +245,7 @@ class VirtualCr:
             pace, dict(lines or {}), commands, lock_step=lock_step, contact=contact
         )
         self._first_port = data_port
-        self._data: DataLines | None = None
+        self._data: _DataLines | None = None
         self._real_time = RealTime(self.state, host, mxt_port, monitor_port)
         self._place = (host, port)
         self._terminator = terminator
@@ -255,7 +255,7 @@ class VirtualCr:
         self._serial_target = serial if isinstance(serial, str) else MADE if serial else ""
         self._serial: SerialPort | None = None
         self._serial_thread: threading.Thread | None = None
-        self.state.parameters.write("CPRC232", FRAMINGS[framing], all_levels=True)
+        self.state.parameters.write("CPRC232", _FRAMINGS[framing], all_levels=True)
         self._name_lines()
         self._server: _Server | None = None
         self._thread: threading.Thread | None = None
@@ -264,7 +264,9 @@ class VirtualCr:
         """COMDEV has a network option where a line of ours takes the place of the serial one."""
         given = self.state.parameters["COMDEV"]
         devices = [
-            SPARE if f"COM{number}:" in self._equipment.lines and not one.startswith("OPT") else one
+            _SPARE
+            if f"COM{number}:" in self._equipment.lines and not one.startswith("OPT")
+            else one
             for number, one in enumerate(given, start=1)
         ]
         if devices != [*given]:
@@ -303,7 +305,7 @@ class VirtualCr:
 
     def start(self) -> None:
         """Listens; raises OSError if the port is taken, or the serial port is not there."""
-        languages.get(self.state.language).parse(FIRST_LINE)
+        languages.get(self.state.language).parse(_FIRST_LINE)
         self._server = _Server(self._place, self._converse)
         try:
             self._start_serial()
@@ -330,9 +332,9 @@ class VirtualCr:
 
     def _start_machinery(self) -> None:
         serial = None
-        if self._serial is not None and self.state.parameters["CPRC232"] == (DATA_LINK,):
+        if self._serial is not None and self.state.parameters["CPRC232"] == (_DATA_LINK,):
             serial, self._serial_thread = Descriptor(self._serial.descriptor), None
-        self._data = DataLines(
+        self._data = _DataLines(
             self.state.parameters,
             self._place[0],
             self._first_port,
@@ -426,7 +428,7 @@ class VirtualCr:
 
     def answer(self, session: CrSession, command: bytes) -> str:
         """`QoK…` or `QeR…` for one command, third letter lower case in an error state."""
-        text = command.decode(ENCODING)
+        text = command.decode(_ENCODING)
         with self.state.lock:
             session.heard = math.inf
             try:
@@ -434,7 +436,7 @@ class VirtualCr:
                     raise CrRefusal(6080)
                 if (number := self.faults.error(text)) is not None:
                     raise CrRefusal(number)
-                head, body = "Qo", execute(session, text)
+                head, body = "Qo", _execute(session, text)
             except CrRefusal as error:
                 head = "Qe"
                 body = ";".join([f"{error.number:04}", *map(str, error.places)])
@@ -481,7 +483,7 @@ class VirtualCr:
 
     def _encoded(self, session: CrSession, command: bytes) -> bytes:
         try:
-            return self.answer(session, command).encode(ENCODING)
+            return self.answer(session, command).encode(_ENCODING)
         except RuntimeError:
             if self._server is not None:
                 raise
@@ -491,7 +493,7 @@ class VirtualCr:
 def _rate(state: CrState) -> Rate:
     """Return the rate of the serial line from the parameters."""
     parameters = state.parameters
-    parity = PARITIES.get(parameters["CPRTY232"][0], "even")
+    parity = _PARITIES.get(parameters["CPRTY232"][0], "even")
     stops: Literal[1, 2] = 1 if parameters["CSTOP232"] == ("1",) else 2
     return Rate(int(parameters["CBAU232"][0]), parity, stops)
 

@@ -14,11 +14,11 @@ from assistant.virtual.cr.command import VT, Command, bare, hexadecimal, parts, 
 from assistant.virtual.cr.state import HIGH, TASKMAX, CrSession, CrState
 from assistant.virtual.cr.store import LAST_LINE, CrProgram, CrRefusal, checked_name
 
-TOOLS: Final = 16
-CYCLE_MODES: Final[dict[str, Literal["REP", "CYC"]]] = {"0": "REP", "1": "CYC"}
-LONGEST_STATEMENT: Final = 3600.0
+_TOOLS: Final = 16
+_CYCLE_MODES: Final[dict[str, Literal["REP", "CYC"]]] = {"0": "REP", "1": "CYC"}
+_LONGEST_STATEMENT: Final = 3600.0
 """Seconds that EXEC2= waits for its command at most."""
-STEP_FORWARD, STEP_ON, STEP_BACK, STEP_STOP = "1", "R", "B", "S"
+_STEP_FORWARD, _STEP_ON, _STEP_BACK, _STEP_STOP = "1", "R", "B", "S"
 
 # ------------------------------------------------------------------------------- programs
 
@@ -29,7 +29,7 @@ def _run_program(session: CrSession, argument: str) -> str:
     slot = _slot_number(session)
     _may_start(state)
     name, _, number = argument.partition(";")
-    if number and number not in CYCLE_MODES:
+    if number and number not in _CYCLE_MODES:
         raise CrRefusal(5410)
     if name:
         program = checked_name(name)
@@ -44,12 +44,12 @@ def _run_program(session: CrSession, argument: str) -> str:
             raise CrRefusal(5120)
     if state.is_edited(state.machinery.slot_now(slot).program):
         raise CrRefusal(4170)
-    state.machinery.run(slot, CYCLE_MODES.get(number, "REP"))
+    state.machinery.run(slot, _CYCLE_MODES.get(number, "REP"))
     return ""
 
 
 def _may_start(state: CrState) -> None:
-    if state.alarm is not None and state.alarm[1] <= LOW_LEVEL:
+    if state.alarm is not None and state.alarm[1] <= _LOW_LEVEL:
         raise CrRefusal(5600)
     if state.stop_on:
         raise CrRefusal(5610)
@@ -57,7 +57,7 @@ def _may_start(state: CrState) -> None:
         raise CrRefusal(5010)
 
 
-LOW_LEVEL: Final = HIGH + 1
+_LOW_LEVEL: Final = HIGH + 1
 """Level of an error behind which nothing can be started, as behind a high one."""
 
 
@@ -86,12 +86,12 @@ def _step_program(session: CrSession, argument: str) -> str:
     """Step the program of the slot; stepping backwards is refused."""
     state = session.state
     slot = _slot_number(session) if session.slot <= TASKMAX else 1
-    if argument == STEP_STOP:
+    if argument == _STEP_STOP:
         return _stop_all(session)
     _may_start(state)
-    if argument == STEP_FORWARD:
+    if argument == _STEP_FORWARD:
         state.machinery.step(slot)
-    elif argument == STEP_ON:
+    elif argument == _STEP_ON:
         state.machinery.run(slot, "CYC")
     else:
         raise CrRefusal(5410)
@@ -110,7 +110,7 @@ def _run_statement(session: CrSession, argument: str) -> str:
     """Answers when it is done: with its error number if it ended so."""
     done = _started_statement(session, argument)
     with session.state.unlocked():
-        number = done.result(LONGEST_STATEMENT)
+        number = done.result(_LONGEST_STATEMENT)
     if number is not None:
         raise CrRefusal(number)
     return ""
@@ -229,7 +229,7 @@ def _set_override(session: CrSession, argument: str) -> str:
 def _set_tool(session: CrSession, argument: str) -> str:
     """The tool whose frame the parameter MEXTL with its number has; 0 for none."""
     state = session.state
-    number = whole(argument.removeprefix("="), 0, TOOLS)
+    number = whole(argument.removeprefix("="), 0, _TOOLS)
     frame = state.parameters[f"MEXTL{number}"] if number else ("0",) * 6
     state.machinery.set_tool([float(value) for value in frame])
     state.tool = number
@@ -286,7 +286,7 @@ RUN_COMMANDS: Final = {
 }
 
 
-MOST_LINES_AROUND: Final = 40
+_MOST_LINES_AROUND: Final = 40
 """Lines before and behind the one that runs, at most, in one answer."""
 
 
@@ -355,8 +355,8 @@ def _read_lines_around(session: CrSession, argument: str) -> str:
     program, line = _required_program(session), session.state.machinery.slot_now(session.slot).line
     numbers = sorted(program.steps)
     at = numbers.index(line) if line in numbers else 0
-    first = max(at - whole(before, 0, MOST_LINES_AROUND), 0)
-    count = whole(before, 0, MOST_LINES_AROUND) + whole(behind, 0, MOST_LINES_AROUND) + 1
+    first = max(at - whole(before, 0, _MOST_LINES_AROUND), 0)
+    count = whole(before, 0, _MOST_LINES_AROUND) + whole(behind, 0, _MOST_LINES_AROUND) + 1
     lines = [program.steps[number] for number in numbers[first : first + count]]
     return f"0;{len(lines)};{VT.join(lines)};{line:04}"
 

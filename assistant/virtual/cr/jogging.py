@@ -21,15 +21,15 @@ from assistant.virtual.kernel.timed_arm import CrArm
 from assistant.virtual.melfa.arm_state import Arm
 from assistant.virtual.melfa.values import Failed
 
-GRACE: Final = 0.14
+_GRACE: Final = 0.14
 """Seconds of real time after which a jog stops that is not asked for again (BFP-A4288, JOG)."""
-JOINT, WORLD, TOOL = 0, 1, 2
-JOINT_PERCENT: Final = 10.0
-LINEAR: Final = 250.0
+JOINT, _WORLD, TOOL = 0, 1, 2
+_JOINT_PERCENT: Final = 10.0
+_LINEAR: Final = 250.0
 """mm/s."""
-TURNING: Final = 45.0
+_TURNING: Final = 45.0
 """Degrees/s."""
-INCHES: Final = {1: (1.0, 0.5), 2: (0.1, 0.05)}
+_INCHES: Final = {1: (1.0, 0.5), 2: (0.1, 0.05)}
 """High and low inching: mm, degrees."""
 FAR: Final = 400
 """Steps that are looked ahead along a line."""
@@ -58,9 +58,9 @@ class Jogging:
         """Start the requested jog, or continue it; raises CrRefusal if it is impossible."""
         asked = (mode, negative, positive, inch)
         if self._task is not None and asked == self._asked and inch == 0:
-            self._until = self._kernel.now + GRACE * self._rate
+            self._until = self._kernel.now + _GRACE * self._rate
             return
-        if negative & positive or mode not in (JOINT, WORLD, TOOL) or inch not in (0, *INCHES):
+        if negative & positive or mode not in (JOINT, _WORLD, TOOL) or inch not in (0, *_INCHES):
             raise CrRefusal(5410)
         self.stop()
         signs = [(positive >> i & 1) - (negative >> i & 1) for i in range(8)]
@@ -71,7 +71,7 @@ class Jogging:
         self._asked = asked
         self._begin(self._moved(goal, linear=mode != JOINT))
         if inch == 0:
-            self._until = self._kernel.now + GRACE * self._rate
+            self._until = self._kernel.now + _GRACE * self._rate
             self._kernel.at(self._until, self._look)
 
     def go_to(self, joints: Floats) -> None:
@@ -139,12 +139,12 @@ class Jogging:
         flange = Pose.of(p[0], q[0])
         if linear:
             configuration = tuple(int(v) for v in self._robot.configuration(joints[None])[0])
-            how = How(configuration=configuration, rotation=TURNING)
-            return Moved("linear", flange, self._arm.tip, speed=LINEAR, how=how)
+            how = How(configuration=configuration, rotation=_TURNING)
+            return Moved("linear", flange, self._arm.tip, speed=_LINEAR, how=how)
         six = [0.0] * max(6, len(joints))
         for place, value in zip(self._robot.places, joints.tolist(), strict=True):
             six[place] = value
-        return Moved("joint", flange, self._arm.tip, joints=tuple(six), percent=JOINT_PERCENT)
+        return Moved("joint", flange, self._arm.tip, joints=tuple(six), percent=_JOINT_PERCENT)
 
     def _now(self) -> Floats:
         standing = self._motion.where()[1]
@@ -165,7 +165,7 @@ class Jogging:
                 raise CrRefusal(5410)
             at = axes[place]
             low, high = (float(v) for v in self._robot.limits[at])
-            wanted = made[at] + sign * INCHES[inch][1] if inch else (low if sign < 0 else high)
+            wanted = made[at] + sign * _INCHES[inch][1] if inch else (low if sign < 0 else high)
             made[at] = min(max(wanted, low), high)
         return made
 
@@ -173,7 +173,7 @@ class Jogging:
         """Return the joints as far as the arm can move along the axes, or one inch on; its present
         joints if it cannot move.
         """
-        mm, degrees = INCHES[inch] if inch else STEP
+        mm, degrees = _INCHES[inch] if inch else STEP
         away = np.array(signs[:3], dtype=np.float64) * mm
         turn = np.array(signs[3:6], dtype=np.float64) * degrees
         start = self._tip()

@@ -29,14 +29,14 @@ from assistant.virtual.cr.state import (
 )
 from assistant.virtual.cr.store import CrRefusal, checked_name
 
-BATTERY: Final = 14600
+_BATTERY: Final = 14600
 """Hours that a battery lasts: 2715 and 11885 in the sample of PTIME."""
 AXES: Final = 8
-ORIGIN: Final = "Z2UOGQ;Z2VX5I;Z2#46Z;Z2NXW5;004QA5;0XB462;Y91%K5"
+_ORIGIN: Final = "Z2UOGQ;Z2VX5I;Z2#46Z;Z2NXW5;004QA5;0XB462;Y91%K5"
 """Origin data with their check sum, as BFP-A4288 shows them."""
-ORIGIN_TYPES: Final = ("0", "1", "3", "4", "5", "7")
-OPTION_SLOTS: Final = 3
-ALL_METERS: Final = "Z"
+_ORIGIN_TYPES: Final = ("0", "1", "3", "4", "5", "7")
+_OPTION_SLOTS: Final = 3
+_ALL_METERS: Final = "Z"
 
 
 def _zero_values(count: int, zero: str = "0") -> Command:
@@ -48,28 +48,28 @@ def _read_meters(session: CrSession) -> str:
     and left, mechanisms.
     """
     hours = session.state.hours
-    left = max(BATTERY - hours["B"], 0)
+    left = max(_BATTERY - hours["B"], 0)
     told = [hours["T"], hours["S"], hours["S"], *[0] * 14, hours["D"], 0, hours["B"], left, 1]
     return ";".join(map(str, told))
 
 
 def _clear_meter(session: CrSession, argument: str) -> str:
     hours = session.state.hours
-    if argument != ALL_METERS and argument not in hours:
+    if argument != _ALL_METERS and argument not in hours:
         raise CrRefusal(4460)
-    for kind in hours if argument == ALL_METERS else [argument]:
+    for kind in hours if argument == _ALL_METERS else [argument]:
         hours[kind] = 0
     return ""
 
 
 def _read_battery(session: CrSession) -> str:
     hours = session.state.hours
-    return f"{hours['S']};{max(BATTERY - hours['B'], 0)}"
+    return f"{hours['S']};{max(_BATTERY - hours['B'], 0)}"
 
 
 def _read_option(session: CrSession, argument: str) -> str:
     """The network; the other slots are empty."""
-    if whole(argument or "1", 1, OPTION_SLOTS) > 1:
+    if whole(argument or "1", 1, _OPTION_SLOTS) > 1:
         return ""
     parameters = session.state.parameters
     ports = parameters["NETPORT"]
@@ -102,7 +102,7 @@ def _set_origin(session: CrSession, argument: str) -> str:
     """The origin is where it was: the arm knows its joints."""
     kind, axes = parts(argument, 2)
     hexadecimal(axes, 2)
-    if kind not in ORIGIN_TYPES:
+    if kind not in _ORIGIN_TYPES:
         raise CrRefusal(5410)
     _refuse_servo_on(session)
     return ""
@@ -148,7 +148,7 @@ MAINTENANCE_COMMANDS: Final = {
     "PTIME": Command(bare(_read_meters)),
     "PTIMEDEL=": Command(_clear_meter),
     "ENCBATTM": Command(bare(_read_battery)),
-    "OPNUMRD": fixed(str(OPTION_SLOTS)),
+    "OPNUMRD": fixed(str(_OPTION_SLOTS)),
     "OPSTSRD": Command(_read_option),
     "THMRD": fixed("39.5"),
     "ETEMP": fixed("38;39;41;39;36;36;0;0;41;42;44;41;38;37;0;0"),
@@ -166,7 +166,7 @@ MAINTENANCE_COMMANDS: Final = {
     "HOME": Command(_set_origin, right=True),
     "AXDATINST": Command(bare(lambda _: ""), right=True),
     "DATINST": Command(_set_origin_data, right=True),
-    "DATRD": fixed(ORIGIN),
+    "DATRD": fixed(_ORIGIN),
     "RSTPWR": Command(bare(_restart)),
     "RPWRCHK=": fixed("1"),
     "MFTIME=": Command(_set_forecast_dates),
@@ -175,7 +175,7 @@ MAINTENANCE_COMMANDS: Final = {
 }
 
 
-MOST_SUMMARIES: Final = 100
+_MOST_SUMMARIES: Final = 100
 
 
 def _read_error(session: CrSession) -> str:
@@ -220,7 +220,7 @@ def _clear_history(session: CrSession, argument: str) -> str:
 def _read_summary(session: CrSession, argument: str) -> str:
     log = session.state.log
     numbers = sorted(log.counts)
-    at = whole(argument, 1, MOST_SUMMARIES) - 1
+    at = whole(argument, 1, _MOST_SUMMARIES) - 1
     if at >= len(numbers):
         return f"{len(numbers)};000000000;;;;;0"
     number = numbers[at]
@@ -266,11 +266,11 @@ ERROR_COMMANDS: Final = {
 }
 
 
-KEYWORD: Final = "MELFA"
+_KEYWORD: Final = "MELFA"
 """Opens protected parameters (KEYWD in BFP-A4288)."""
-SLOT_MODES: Final = ("REP", "CYC")
-START_CONDITIONS: Final = ("START", "ALWAYS", "ERROR")
-MOST_PRIORITY: Final = 31
+_SLOT_MODES: Final = ("REP", "CYC")
+_START_CONDITIONS: Final = ("START", "ALWAYS", "ERROR")
+_MOST_PRIORITY: Final = 31
 
 
 def _read_parameter(session: CrSession, argument: str) -> str:
@@ -323,7 +323,7 @@ def _undo_all_parameters(session: CrSession) -> str:
 
 
 def _check_keyword(session: CrSession, argument: str) -> str:
-    session.keyword = argument == KEYWORD
+    session.keyword = argument == _KEYWORD
     return ""
 
 
@@ -339,9 +339,9 @@ def _set_slot_row(session: CrSession, argument: str) -> str:
     program, mode, condition, priority = parts(argument, 4)
     if program:
         program = checked_name(program)
-    if mode not in SLOT_MODES or condition not in START_CONDITIONS:
+    if mode not in _SLOT_MODES or condition not in _START_CONDITIONS:
         raise CrRefusal(4460)
-    lines = whole(priority, 1, MOST_PRIORITY)
+    lines = whole(priority, 1, _MOST_PRIORITY)
     values = VALUE_SEPARATOR.join([program, mode, condition, str(lines)])
     session.state.parameters.write(_slot_row_name(session), values, all_levels=True)
     return ""

@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-BLOCK: Final = "V40"
+_BLOCK: Final = "V40"
 PACKET: Final = np.dtype(
     [
         ("Command", "<u2"),
         ("SendType", "<u2"),
         ("RecvType", "<u2"),
         ("reserve", "<u2"),
-        ("dat", BLOCK),
+        ("dat", _BLOCK),
         ("SendIOType", "<u2"),
         ("RecvIOType", "<u2"),
         ("BitTop", "<u2"),
@@ -46,40 +46,40 @@ PACKET: Final = np.dtype(
         ("CCount", "<u4"),
         ("RecvType1", "<u2"),
         ("reserve1", "<u2"),
-        ("dat1", BLOCK),
+        ("dat1", _BLOCK),
         ("RecvType2", "<u2"),
         ("reserve2", "<u2"),
-        ("dat2", BLOCK),
+        ("dat2", _BLOCK),
         ("RecvType3", "<u2"),
         ("reserve3", "<u2"),
-        ("dat3", BLOCK),
+        ("dat3", _BLOCK),
     ]
 )
 assert PACKET.itemsize == 196
-SHORT_FIELDS: Final = 64
+_SHORT_FIELDS: Final = 64
 """Bytes that a controller of the CRn-500 series knows: up to the counter."""
 
 POSE: Final = np.dtype([("place", "<f4", 8), ("flags", "<u4", 2)])
 JOINT: Final = np.dtype([("angles", "<f4", 8), ("unused", "V8")])
-PULSE: Final = np.dtype([("pulses", "<i4", 8), ("unused", "V8")])
-POSITION_KINDS: Final[Mapping[int, np.dtype[np.void]]] = {
+_PULSE: Final = np.dtype([("pulses", "<i4", 8), ("unused", "V8")])
+_POSITION_KINDS: Final[Mapping[int, np.dtype[np.void]]] = {
     1: POSE,
     2: JOINT,
-    3: PULSE,
+    3: _PULSE,
     4: POSE,
     5: JOINT,
-    6: PULSE,
+    6: _PULSE,
     7: POSE,
     8: JOINT,
-    9: PULSE,
-    10: PULSE,
-    11: PULSE,
+    9: _PULSE,
+    10: _PULSE,
+    11: _PULSE,
 }
 """Type of data → what it is: 1 to 3 as commanded, 4 to 6 behind the filter, 7 to 9 as fed back,
 10 and 11 the currents."""
 
 
-def eight_axes(values: Floats) -> Floats:
+def _eight_axes(values: Floats) -> Floats:
     """Eight numbers, those that are lacking 0."""
     full = np.zeros(8)
     full[: len(values)] = values
@@ -88,19 +88,19 @@ def eight_axes(values: Floats) -> Floats:
 
 PULSES: Final = 100.0
 """Pulses of a motor to a degree (or mm) of its axis: no maker publishes them, any number serves."""
-LIMIT_ROUNDING: Final = 1e-3
+_LIMIT_ROUNDING: Final = 1e-3
 """Part of a step, and degrees, that single precision may add."""
-SERVO_TIME: Final = 0.5
+_SERVO_TIME: Final = 0.5
 """Part of the way to its command that an arm goes in a cycle: it is some two cycles behind."""
 SPEED: Final = 2130
-BEYOND: Final = 2160
-BELOW: Final = 2170
+_BEYOND: Final = 2160
+_BELOW: Final = 2170
 """Errors; the number of the axis is added (error list BFP-A8871)."""
-NO_SOLUTION: Final = 2802
+_NO_SOLUTION: Final = 2802
 """A pose that the arm cannot take, at those flags."""
 
 
-class Refusal(Exception):
+class _Refusal(Exception):
     """A command that the controller answers with an error; `number` of it."""
 
     def __init__(self, number: int) -> None:
@@ -123,7 +123,7 @@ class MxtArm:
         joints: Floats,
         cycle: float,
         filter_ms: float = 0.0,
-        servo: float = SERVO_TIME,
+        servo: float = _SERVO_TIME,
     ) -> None:
         self.robot, self.cycle = robot, cycle
         self.commanded = np.array(joints, dtype=np.float64)
@@ -137,14 +137,14 @@ class MxtArm:
     def command(self, joints: Floats) -> None:
         """Takes a command; raises Refusal if it is out of range or too far for one cycle."""
         low, high = self.robot.limits.T
-        for axis in map(int, np.flatnonzero(joints > high + LIMIT_ROUNDING)):
-            raise Refusal(BEYOND + self._number(axis))
-        for axis in map(int, np.flatnonzero(joints < low - LIMIT_ROUNDING)):
-            raise Refusal(BELOW + self._number(axis))
+        for axis in map(int, np.flatnonzero(joints > high + _LIMIT_ROUNDING)):
+            raise _Refusal(_BEYOND + self._number(axis))
+        for axis in map(int, np.flatnonzero(joints < low - _LIMIT_ROUNDING)):
+            raise _Refusal(_BELOW + self._number(axis))
         filtered = self.filtered + self._part * (joints - self.filtered)
-        most = self.robot.speeds * self.cycle * (1.0 + LIMIT_ROUNDING) + LIMIT_ROUNDING
+        most = self.robot.speeds * self.cycle * (1.0 + _LIMIT_ROUNDING) + _LIMIT_ROUNDING
         for axis in map(int, np.flatnonzero(np.abs(filtered - self.filtered) > most)):
-            raise Refusal(SPEED + self._number(axis))
+            raise _Refusal(SPEED + self._number(axis))
         self.commanded, self.filtered = joints, filtered
 
     def follow(self) -> None:
@@ -179,7 +179,7 @@ class MxtArm:
         turn = from_euler(np.degrees(pose[3:6])[None, ::-1], "ZYX")
         found, valid = self.robot.ik(pose[None, :3], turn)
         if not valid.any():
-            raise Refusal(NO_SOLUTION)
+            raise _Refusal(_NO_SOLUTION)
         solutions = found[0][valid[0]]
         turns = np.round((self.commanded - solutions) / 360.0) * 360.0
         near = np.where(self._turning, solutions + turns, solutions)
@@ -189,15 +189,15 @@ class MxtArm:
 
 CYCLE: Final = 64 / 9000
 """Seconds: CR750; 0.0035 of CR800."""
-NULL: Final = 0
+_NULL: Final = 0
 MOVE: Final = 1
 END: Final = 255
-TIMED_OUT: Final = 7820
-ILLEGAL: Final = 7840
+_TIMED_OUT: Final = 7820
+_ILLEGAL: Final = 7840
 """Errors of the statement (BFP-A3379-A, 7.1)."""
-LATE: Final = 1.5
+_LATE: Final = 1.5
 """Cycles by which a reply is late that is made so."""
-STAMP: Final = 35
+_STAMP: Final = 35
 """SO_TIMESTAMPNS of Linux: time of a packet's arrival, not of its reading."""
 
 Fault = Literal["lost", "twice", "garbled", "late", "silent", "stop"]
@@ -291,7 +291,7 @@ class MxtControl:
         self._partner, self._timeout, self._answers_end = partner, timeout, answers_end
         self._signals = signals or Bits()
         self._faults = dict(faults or {})
-        self._size = SHORT_FIELDS if short else PACKET.itemsize
+        self._size = _SHORT_FIELDS if short else PACKET.itemsize
         self._record, self._counts = record, counts
         self.result = MxtEnd()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -299,7 +299,7 @@ class MxtControl:
         self._socket.setblocking(False)
         self._stamps = sys.platform == "linux" and struct.calcsize("P") == 8
         if self._stamps:
-            self._socket.setsockopt(socket.SOL_SOCKET, STAMP, 1)
+            self._socket.setsockopt(socket.SOL_SOCKET, _STAMP, 1)
         self._silent = False
         self._halted = halted
         self._sent: float | None = None
@@ -333,13 +333,13 @@ class MxtControl:
                         without += 1
                         result.missed += 1
                         if without >= max(1, self._timeout):
-                            raise Refusal(TIMED_OUT)
+                            raise _Refusal(_TIMED_OUT)
                     continue
                 without = 0
                 if self._take(*got):
                     result.reason = "end"
                     break
-        except Refusal as refusal:
+        except _Refusal as refusal:
             result.reason, result.number = "error", refusal.number
         finally:
             self._socket.close()
@@ -384,16 +384,16 @@ class MxtControl:
         command = int(packet["Command"])
         if command == MOVE:
             if int(packet["SendType"]) != self._type:
-                raise Refusal(ILLEGAL)
+                raise _Refusal(_ILLEGAL)
             joints = self._joints(packet["dat"].tobytes())
             self.arm.command(joints)
             if self._record:
                 self.result.track.append(joints.tolist())
             self.arm.follow()
-        elif command in (NULL, END):
+        elif command in (_NULL, END):
             self.arm.rest()
         else:
-            raise Refusal(ILLEGAL)
+            raise _Refusal(_ILLEGAL)
         if int(packet["SendIOType"]) == 1:
             first, mask = int(packet["BitTop"]), int(packet["BitMask"])
             self._signals.write(first, mask, int(packet["IoData"]))
@@ -402,16 +402,16 @@ class MxtControl:
         return command == END
 
     def _joints(self, data: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        values = np.frombuffer(data, POSITION_KINDS[self._type])[0]
+        values = np.frombuffer(data, _POSITION_KINDS[self._type])[0]
         if self._type == 1:
             place = np.array(values["place"], dtype=np.float64)
             if not np.isfinite(place).all():
-                raise Refusal(ILLEGAL)
+                raise _Refusal(_ILLEGAL)
             return self.arm.joints_at(place[:6])
         if self._type == 2:
             angles = np.array(values["angles"], dtype=np.float64)[self.arm.places]
             if not np.isfinite(angles).all():
-                raise Refusal(ILLEGAL)
+                raise _Refusal(_ILLEGAL)
             return self.arm.degrees(angles)
         pulses = np.array(values["pulses"], dtype=np.float64)[self.arm.places]
         return np.asarray(pulses / PULSES)
@@ -447,7 +447,7 @@ class MxtControl:
         if fault == "lost":
             return
         if fault == "late":
-            due = time.monotonic() + LATE * self.arm.cycle
+            due = time.monotonic() + _LATE * self.arm.cycle
             self._waiting.append((due, data, sender))
             return
         if fault == "garbled":
@@ -475,9 +475,9 @@ class MxtControl:
         """
         if kind == 0:
             return bytes(40)
-        if kind not in POSITION_KINDS:
-            raise Refusal(ILLEGAL)
-        values = np.zeros((), POSITION_KINDS[kind])
+        if kind not in _POSITION_KINDS:
+            raise _Refusal(_ILLEGAL)
+        values = np.zeros((), _POSITION_KINDS[kind])
         if kind >= 10:
             return values.tobytes()
         arm = self.arm
@@ -494,7 +494,7 @@ class MxtControl:
 
 def _arrival(extra: list[tuple[int, int, bytes]]) -> float:
     for level, kind, value in extra:
-        if level == socket.SOL_SOCKET and kind == STAMP:
+        if level == socket.SOL_SOCKET and kind == _STAMP:
             seconds, nanoseconds = struct.unpack_from("=qq", value)
             return float(seconds) + 1e-9 * float(nanoseconds)
     return time.time()

@@ -21,7 +21,7 @@ from typing import Any, Final, Self, get_args
 
 from assistant.virtual.cr.mxt import CYCLE, Fault, MxtArm, MxtControl
 
-PATIENCE: Final = 10.0
+_PATIENCE: Final = 10.0
 """Seconds that the process may take to begin, and to end once asked to."""
 
 
@@ -78,7 +78,7 @@ class MxtProcess:
 
     def __exit__(self, *error: object) -> None:
         try:
-            said, _ = self._process.communicate("", timeout=PATIENCE)
+            said, _ = self._process.communicate("", timeout=_PATIENCE)
         except subprocess.TimeoutExpired:
             self._process.kill()
             said, _ = self._process.communicate()

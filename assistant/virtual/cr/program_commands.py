@@ -36,34 +36,34 @@ from assistant.virtual.cr.store import (
     program_of,
 )
 
-SYNTAX: Final = 4220
-CHARACTER: Final = 4310
-LINE_RULES: Final = {"MB106": 4300, "MB107": 4210, "MB109": 4420, "MB111": SYNTAX}
+_SYNTAX: Final = 4220
+_CHARACTER: Final = 4310
+_LINE_RULES: Final = {"MB106": 4300, "MB107": 4210, "MB109": 4420, "MB111": _SYNTAX}
 """Rules that one line alone can break → error number: long name, long step, step number out of
 range, a word that this version lacks. Labels, blocks and values are checked when the program runs,
 so other rules reject no line.
 """
 
 
-def check_line(language: str, line: str) -> None:
+def _check_line(language: str, line: str) -> None:
     """Raises CrRefusal with the number and the character (from 1) of what is wrong in a line."""
     parser = languages.get(language)
     try:
         source = parser.decode(line.encode(ENCODING))
     except Refused:
-        raise CrRefusal(CHARACTER, 1) from None
+        raise CrRefusal(_CHARACTER, 1) from None
     tree = parser.parse(source)
     for finding in tree.findings:
         if finding.severity is Severity.ERROR:
-            raise CrRefusal(SYNTAX, finding.column or 1)
+            raise CrRefusal(_SYNTAX, finding.column or 1)
     for finding in parser.check([tree]):
-        if finding.code in LINE_RULES and finding.severity is Severity.ERROR:
-            raise CrRefusal(LINE_RULES[finding.code], finding.column or 1)
+        if finding.code in _LINE_RULES and finding.severity is Severity.ERROR:
+            raise CrRefusal(_LINE_RULES[finding.code], finding.column or 1)
 
 
-DELETED_LINE: Final = re.compile(r"\s*\d*\s*", re.ASCII)
+_DELETED_LINE: Final = re.compile(r"\s*\d*\s*", re.ASCII)
 """A number alone deletes its line, and is no line to parse."""
-FIRST_LINE: Final = 10
+_FIRST_LINE: Final = 10
 """Number of the first line and step between lines if RENUM gets 0."""
 
 
@@ -109,8 +109,8 @@ def _put_lines(session: CrSession, argument: str) -> str:
 def _are_correct(language: str, lines: Sequence[str]) -> bool:
     """True if no line has an error; one check of all lines takes the time of one line."""
     try:
-        check_line(
-            language, "\r\n".join(line for line in lines if not DELETED_LINE.fullmatch(line))
+        _check_line(
+            language, "\r\n".join(line for line in lines if not _DELETED_LINE.fullmatch(line))
         )
     except CrRefusal:
         return False
@@ -121,8 +121,8 @@ def _put_checked_line(
     session: CrSession, program: CrProgram, line: str, *, known: bool = False
 ) -> None:
     """known: that nothing is wrong with the line."""
-    if not known and not DELETED_LINE.fullmatch(line):
-        check_line(session.state.language, line)
+    if not known and not _DELETED_LINE.fullmatch(line):
+        _check_line(session.state.language, line)
     program.put(line)
     session.changed = True
 
@@ -132,7 +132,7 @@ def _insert_line(session: CrSession, argument: str) -> str:
     program = session.edit
     number, text = parts(argument, 2)
     at = whole(number, 1, LAST_LINE, error=4420)
-    check_line(session.state.language, f"{at} {text}")
+    _check_line(session.state.language, f"{at} {text}")
     last = at
     while last in program.steps:
         last += 1
@@ -155,7 +155,7 @@ def _clear_program(session: CrSession) -> str:
 
 def _delete_steps(session: CrSession, argument: str) -> str:
     program = session.edit
-    first, last = line_range(argument)
+    first, last = _line_range(argument)
     gone = [number for number in program.steps if first <= number <= last]
     if not gone:
         raise CrRefusal(4230)
@@ -164,7 +164,7 @@ def _delete_steps(session: CrSession, argument: str) -> str:
     return ""
 
 
-def line_range(argument: str) -> tuple[int, int]:
+def _line_range(argument: str) -> tuple[int, int]:
     """`<a>;<b>`, either may be missing."""
     found = re.fullmatch(r"(\d{0,5})(?:;(\d{0,5}))?", argument, re.ASCII)
     if found is None:
@@ -186,7 +186,7 @@ def _renumber(session: CrSession, argument: str) -> str:
     text = "".join(f"{line}\n" for line in program.lines())
     try:
         made = language.render(
-            language.renumber(language.parse(text), new or FIRST_LINE, step or FIRST_LINE)
+            language.renumber(language.parse(text), new or _FIRST_LINE, step or _FIRST_LINE)
         )
     except Refused:
         raise CrRefusal(4410) from None
@@ -211,40 +211,40 @@ EDIT_COMMANDS: Final = {
 }
 
 
-LINE_LIST: Final = "lines"
-POSITION_LIST: Final = "positions"
-LISTING_WORDS: Final = ("TOP", "END", "+1", "-1", "")
+_LINE_LIST: Final = "lines"
+_POSITION_LIST: Final = "positions"
+_LISTING_WORDS: Final = ("TOP", "END", "+1", "-1", "")
 
 
 def _list_lines(session: CrSession, argument: str) -> str:
     lines = session.edit.lines()
-    start = place(argument, session.following.get(LINE_LIST, 0), sorted(session.edit.steps))
+    start = place(argument, session.following.get(_LINE_LIST, 0), sorted(session.edit.steps))
     listed = at_once(lines[start:])
-    behind = session.following[LINE_LIST] = start + len(listed)
+    behind = session.following[_LINE_LIST] = start + len(listed)
     return f"{VT.join(listed)};{len(listed)};{int(behind < len(lines))}" if listed else ""
 
 
 def _list_line(session: CrSession, argument: str) -> str:
     lines = session.edit.lines()
-    at = place(argument, session.following.get(LINE_LIST, 0), sorted(session.edit.steps))
-    session.following[LINE_LIST] = min(at + 1, len(lines))
+    at = place(argument, session.following.get(_LINE_LIST, 0), sorted(session.edit.steps))
+    session.following[_LINE_LIST] = min(at + 1, len(lines))
     return lines[at] if at < len(lines) else ""
 
 
 def _list_position(session: CrSession, argument: str) -> str:
     positions = session.edit.positions()
-    following = session.following.get(POSITION_LIST, 0)
-    if argument in LISTING_WORDS:
+    following = session.following.get(_POSITION_LIST, 0)
+    if argument in _LISTING_WORDS:
         at = place(argument, following, range(len(positions)))
     else:
         names = [line.partition("=")[0].upper() for line in positions]
         at = place(argument, following, names)
-    session.following[POSITION_LIST] = min(at + 1, len(positions))
+    session.following[_POSITION_LIST] = min(at + 1, len(positions))
     return positions[at] if at < len(positions) else ""
 
 
 def _count_lines(session: CrSession, argument: str) -> str:
-    first, last = line_range(argument)
+    first, last = _line_range(argument)
     return f"{sum(first <= number <= last for number in session.edit.steps):04}"
 
 
@@ -265,18 +265,20 @@ LIST_COMMANDS: Final = {
 }
 
 
-VARIABLE_NAME: Final = re.compile(r"([A-Z]\w*)([$%&!#]?)((?:\(\d+(?:,\d+){0,2}\))?)", re.ASCII)
-EXTERNAL_NAME: Final = re.compile(r"[A-Z]_")
-NUMBER_TEXT: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d+)?", re.ASCII | re.IGNORECASE)
-STRING_TEXT: Final = re.compile(r'"[^"]*"')
-POSITION_TEXT: Final = re.compile(r"(\([^()]*\))(\([^()]*\))?")
-VARIABLE_CLASSES: Final = "MCPJ"
+_VARIABLE_NAME: Final = re.compile(r"([A-Z]\w*)([$%&!#]?)((?:\(\d+(?:,\d+){0,2}\))?)", re.ASCII)
+_EXTERNAL_NAME: Final = re.compile(r"[A-Z]_")
+_NUMBER_TEXT: Final = re.compile(
+    r"[+-]?(?:\d+\.?\d*|\.\d+)(?:E[+-]?\d+)?", re.ASCII | re.IGNORECASE
+)
+_STRING_TEXT: Final = re.compile(r'"[^"]*"')
+_POSITION_TEXT: Final = re.compile(r"(\([^()]*\))(\([^()]*\))?")
+_VARIABLE_CLASSES: Final = "MCPJ"
 
 
 def _write_variable(session: CrSession, argument: str) -> str:
     """A variable of the program that is open for editing."""
     name, value = assignment(argument)
-    if EXTERNAL_NAME.match(name):
+    if _EXTERNAL_NAME.match(name):
         session.state.set_variable(None, name, value)
     else:
         session.edit.keep(name, value)
@@ -291,7 +293,7 @@ def _write_program_variable(session: CrSession, argument: str) -> str:
     if program not in session.state.store:
         raise CrRefusal(4140)
     name, value = assignment(rest)
-    session.state.set_variable(None if EXTERNAL_NAME.match(name) else program, name, value)
+    session.state.set_variable(None if _EXTERNAL_NAME.match(name) else program, name, value)
     return ""
 
 
@@ -299,15 +301,15 @@ def assignment(text: str) -> tuple[str, str]:
     """`name=value` with the value as a controller lists it; raises CrRefusal."""
     name, sign, value = text.partition("=")
     name, value = re.sub(r"\s", "", name).upper(), value.strip()
-    found = VARIABLE_NAME.fullmatch(name)
+    found = _VARIABLE_NAME.fullmatch(name)
     if not sign or found is None:
         raise CrRefusal(4220)
     kind, made = found[1][0], ""
-    if NUMBER_TEXT.fullmatch(value):
-        made = shown_number(float(value))
-    elif STRING_TEXT.fullmatch(value):
+    if _NUMBER_TEXT.fullmatch(value):
+        made = _shown_number(float(value))
+    elif _STRING_TEXT.fullmatch(value):
         made = value
-    elif place := POSITION_TEXT.fullmatch(value):
+    elif place := _POSITION_TEXT.fullmatch(value):
         try:
             made = listed_values(place[1]) + re.sub(r"\s", "", place[2] or "")
         except ValueError:
@@ -318,14 +320,14 @@ def assignment(text: str) -> tuple[str, str]:
     if given == "J" and kind == "P":
         made += "(0,0)"
         given = "P"
-    if (kind in VARIABLE_CLASSES or found[2] == "$") and given != (
+    if (kind in _VARIABLE_CLASSES or found[2] == "$") and given != (
         "C" if found[2] == "$" else kind
     ):
         raise CrRefusal(4390)
     return name, made
 
 
-def shown_number(value: float) -> str:
+def _shown_number(value: float) -> str:
     """Return a number in the form of the controller's listings: `+3`, `-0.25`."""
     return f"{value:+.10g}"
 
@@ -338,7 +340,9 @@ def _variable_type(session: CrSession, argument: str) -> str:
     if name in lines:
         return class_of(lines[name])
     used = re.compile(rf"(?<![\w.]){re.escape(name)}(?![\w$%&!#(])", re.IGNORECASE | re.ASCII)
-    if not VARIABLE_NAME.fullmatch(name) or not any(used.search(s) for s in program.steps.values()):
+    if not _VARIABLE_NAME.fullmatch(name) or not any(
+        used.search(s) for s in program.steps.values()
+    ):
         return ""
     return "C" if name.endswith("$") else name[0] if name[0] in "PJ" else "M"
 
@@ -370,8 +374,8 @@ def _requested_variables(
     the listing. `<` is the first, `>` the last; the class after a name is optional.
     """
     where, _, kind = argument.partition(";")
-    kind = kind or VARIABLE_CLASSES
-    if any(letter not in VARIABLE_CLASSES for letter in kind):
+    kind = kind or _VARIABLE_CLASSES
+    if any(letter not in _VARIABLE_CLASSES for letter in kind):
         raise CrRefusal(4460)
     key = f"{'shared' if shared else 'own'} {kind}"
     lines = (_shared_program(session) if shared else _program_of_slot(session)).valued(kind)
@@ -412,14 +416,14 @@ VARIABLE_COMMANDS: Final = {
 }
 
 
-PROGRAM_FOLDER: Final = "/robprg/dat/"
-BLOCK_SIZE: Final = 120
+_PROGRAM_FOLDER: Final = "/robprg/dat/"
+_BLOCK_SIZE: Final = 120
 """Bytes of a file in one answer (FWRITE in BFP-A4288)."""
-PLAIN_ATTRIBUTE: Final = 12
+_PLAIN_ATTRIBUTE: Final = 12
 """Attribute of a file that nothing protects (PDIR in BFP-A4288)."""
-PROTECTED_ATTRIBUTE: Final = {"p": 1, "q": 2}
+_PROTECTED_ATTRIBUTE: Final = {"p": 1, "q": 2}
 """Bits of the attribute, which no manual tells: lines, variables."""
-ALL_FILES: Final = "<*.*"
+_ALL_FILES: Final = "<*.*"
 
 
 def _program_directory(session: CrSession, argument: str) -> str:
@@ -433,7 +437,7 @@ def _program_directory(session: CrSession, argument: str) -> str:
 
 
 def _file_directory(session: CrSession, argument: str) -> str:
-    name, first = _file_at(session, "TOP" if argument == ALL_FILES else argument)
+    name, first = _file_at(session, "TOP" if argument == _ALL_FILES else argument)
     return "" if name is None else _directory_entry(session, name, first)
 
 
@@ -453,8 +457,8 @@ def _directory_entry(session: CrSession, name: str, first: bool) -> str:
     entry = [f"{name}.{state.suffix}", str(program.size), f"{changed:%y-%m-%d%H:%M:%S}"]
     if first:
         entry += [str(len(store)), str(store.capacity - store.used)]
-    bits = sum(bit for letter, bit in PROTECTED_ATTRIBUTE.items() if letter in program.protected)
-    return ";".join([*entry, str(PLAIN_ATTRIBUTE | bits)])
+    bits = sum(bit for letter, bit in _PROTECTED_ATTRIBUTE.items() if letter in program.protected)
+    return ";".join([*entry, str(_PLAIN_ATTRIBUTE | bits)])
 
 
 def _check_file(session: CrSession, argument: str) -> str:
@@ -465,7 +469,7 @@ def _set_path(session: CrSession, argument: str) -> str:
     name = checked_name(argument)
     if name not in session.state.store:
         raise CrRefusal(4140)
-    return f"{PROGRAM_FOLDER}{name}.{session.state.suffix}"
+    return f"{_PROGRAM_FOLDER}{name}.{session.state.suffix}"
 
 
 def _copy_file(session: CrSession, argument: str) -> str:
@@ -561,7 +565,7 @@ def _read_block(session: CrSession) -> str:
     block = session.block
     if block is None or block.writes:
         raise CrRefusal(5140)
-    data = block.data[block.at : block.at + BLOCK_SIZE]
+    data = block.data[block.at : block.at + _BLOCK_SIZE]
     block.at += len(data)
     return f"{data.hex().upper()};{int(block.at < len(block.data))}"
 
@@ -571,8 +575,8 @@ def _write_block(session: CrSession, argument: str) -> str:
     if block is None or not block.writes:
         raise CrRefusal(4200)
     size, content = parts(argument, 2)
-    hexadecimal(content or "0", 2 * BLOCK_SIZE)
-    if len(content) != 2 * whole(size, 0, BLOCK_SIZE):
+    hexadecimal(content or "0", 2 * _BLOCK_SIZE)
+    if len(content) != 2 * whole(size, 0, _BLOCK_SIZE):
         raise CrRefusal(4460)
     block.data += bytes.fromhex(content)
     return ""

@@ -45,11 +45,11 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.controller import Controller, Slot
 
 
-VARIABLE_LINE: Final = re.compile(r"\(([^()]*)\)(?:\(([^()]*)\))?")
-VARIABLE_NAME: Final = re.compile(r"([A-Z]\w*)[$%&!#]?(?:\(([\d,]+)\))?", re.ASCII)
+_VARIABLE_LINE: Final = re.compile(r"\(([^()]*)\)(?:\(([^()]*)\))?")
+_VARIABLE_NAME: Final = re.compile(r"([A-Z]\w*)[$%&!#]?(?:\(([\d,]+)\))?", re.ASCII)
 
 
-def listed_variables(memory: Memory) -> Iterator[tuple[str, str]]:
+def _listed_variables(memory: Memory) -> Iterator[tuple[str, str]]:
     """Name and value, as a controller lists them, of each variable that has one."""
     for name, place in memory.places.items():
         if not isinstance(place, Cell):
@@ -57,10 +57,10 @@ def listed_variables(memory: Memory) -> Iterator[tuple[str, str]]:
         mark = "$" if place.kind == "text" else ""
         for index, value in sorted(place.values.items()):
             at = f"({','.join(map(str, index))})" if index else ""
-            yield f"{name}{mark}{at}", value_text(value)
+            yield f"{name}{mark}{at}", _value_text(value)
 
 
-def value_text(value: Value) -> str:
+def _value_text(value: Value) -> str:
     """`+3`, `"a text"`, `(+1.00,…)(7,0)`."""
     match value:
         case str():
@@ -79,11 +79,11 @@ def _elements_text(values: Elements) -> str:
     return "(" + ",".join("" if v is None else f"{v + 0.0:+.2f}" for v in values[:count]) + ")"
 
 
-def listed_value(text: str) -> Value:
+def _listed_value(text: str) -> Value:
     """The value that a line of a listing tells behind its `=`."""
     if text.startswith('"'):
         return text[1:-1]
-    place = VARIABLE_LINE.fullmatch(text)
+    place = _VARIABLE_LINE.fullmatch(text)
     if place is None:
         number = float(text)
         return int(number) if number.is_integer() else number
@@ -96,23 +96,23 @@ def listed_value(text: str) -> Value:
 
 def set_variable(memory: Memory, name: str, value: str) -> None:
     """Sets a variable; raises Failed where it does not take the value."""
-    found = VARIABLE_NAME.fullmatch(name.upper())
+    found = _VARIABLE_NAME.fullmatch(name.upper())
     assert found is not None, name
     index = tuple(int(part) for part in found[2].split(",")) if found[2] else ()
-    memory.place(found[1]).set(listed_value(value), index)
+    memory.place(found[1]).set(_listed_value(value), index)
 
 
 def with_values(program: CrProgram, memory: Memory) -> CrProgram:
     """A program with the values that its variables have by now."""
     made = program.copy()
     made.protected = set()
-    for name, value in listed_variables(memory):
+    for name, value in _listed_variables(memory):
         made.keep(name, value)
     made.protected = set(program.protected)
     return made
 
 
-def give_variables(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
+def _give_variables(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
     """Gives a memory the variables of some names that a program has; raises Failed."""
     for line in (program.variables | program.values).values():
         name, _, value = line.partition("=")
@@ -120,16 +120,16 @@ def give_variables(program: CrProgram, memory: Memory, names: Collection[str]) -
             set_variable(memory, name, value)
 
 
-def take_back_variables(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
+def _take_back_variables(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
     """Gives a program the variables of some names as they are by now."""
-    for name, value in listed_variables(memory):
+    for name, value in _listed_variables(memory):
         if _base_name(name) in names and "q" not in program.protected:
             program.keep(name, value)
 
 
 def _base_name(name: str) -> str:
     """Without its mark and its subscripts."""
-    found = VARIABLE_NAME.fullmatch(name.upper())
+    found = _VARIABLE_NAME.fullmatch(name.upper())
     return found[1] if found else name
 
 
@@ -196,8 +196,8 @@ UNKNOWN: Final = 3930
 """Number of what a program asks for that is not simulated: `This command cannot be executed`."""
 NAME: Final = "direct "
 """Before the number of the slot, in the names of tasks."""
-MOST_WAITING: Final = 16
-AFTER_ERROR: Final = 5600
+_MOST_WAITING: Final = 16
+_AFTER_ERROR: Final = 5600
 """Error number of commands that follow one that ended with an error."""
 NUMBER: Final = re.compile(r"error (\d+)")
 
@@ -220,7 +220,7 @@ class Waiting:
 
 
 @dataclass(slots=True)
-class Direct:
+class _Direct:
     """State of a slot from command to command, and the commands that are still to run."""
 
     settings: Settings = field(default_factory=Settings)
@@ -259,7 +259,7 @@ class DirectCommands:
 
     def __init__(self, controller: Controller) -> None:
         self._controller = controller
-        self._slots: dict[int, Direct] = {}
+        self._slots: dict[int, _Direct] = {}
 
     @property
     def running(self) -> bool:
@@ -267,8 +267,8 @@ class DirectCommands:
 
     def add(self, number: int, command: Waiting) -> Future[int | None]:
         """Has a command run behind those that wait; raises CrRefusal 5640 if too many do."""
-        direct = self._slots.setdefault(number, Direct())
-        if len(direct.waiting) >= MOST_WAITING:
+        direct = self._slots.setdefault(number, _Direct())
+        if len(direct.waiting) >= _MOST_WAITING:
             raise CrRefusal(5640)
         direct.waiting.append(command)
         if direct.task is None:
@@ -287,7 +287,7 @@ class DirectCommands:
             while direct.waiting:
                 direct.waiting.popleft().done.set_result(5650)
 
-    def _body(self, task: Task, number: int, direct: Direct) -> Ending:
+    def _body(self, task: Task, number: int, direct: _Direct) -> Ending:
         controller = self._controller
         slot = controller.slot(number)
         world = World(
@@ -312,13 +312,13 @@ class DirectCommands:
         finally:
             direct.task = None
             while direct.waiting:
-                direct.waiting.popleft().done.set_result(AFTER_ERROR)
+                direct.waiting.popleft().done.set_result(_AFTER_ERROR)
             world.close_files()
             if takes and controller.release(slot):
                 controller.owner = before
         return ending
 
-    def _memory(self, world: World, slot: Slot, direct: Direct) -> Memory:
+    def _memory(self, world: World, slot: Slot, direct: _Direct) -> Memory:
         """The variables of the slot's program, or those that only single commands have."""
         with suppress(Failed):  # of a program that cannot run
             machine = self._controller.machine(slot.program, world) if slot.program else None
@@ -326,7 +326,7 @@ class DirectCommands:
                 return machine.main
         return direct.memory
 
-    def _run(self, world: World, slot: Slot, direct: Direct, command: Waiting) -> Ending:
+    def _run(self, world: World, slot: Slot, direct: _Direct, command: Waiting) -> Ending:
         number: int | None = 5650
         ending = Ending()
         machine = Machine(command.code, world, {})
@@ -335,7 +335,7 @@ class DirectCommands:
             machine.frames = [Frame("", machine.main)]
             world.running.append(machine)
             if command.edit is not None:
-                give_variables(command.edit, machine.main, command.names)
+                _give_variables(command.edit, machine.main, command.names)
             with suppress(Ended, Redirected):
                 machine.go_on(machine.frame)
             world.task.kernel.motion.settle(world.task)
@@ -352,6 +352,6 @@ class DirectCommands:
         finally:
             world.running.clear()
             if command.edit is not None:
-                take_back_variables(command.edit, machine.main, command.names)
+                _take_back_variables(command.edit, machine.main, command.names)
             command.done.set_result(number)
         return ending

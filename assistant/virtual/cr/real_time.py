@@ -31,13 +31,13 @@ from assistant.virtual.melfa.communication_lines import Line, Wire
 from assistant.virtual.melfa.values import Failed, Unknown, Value
 from assistant.virtual.melfa.world import Command, Given
 
-MXT_PORT: Final = 10000
+_MXT_PORT: Final = 10000
 """First element of NETPORT as delivered."""
-LOOK_PERIOD: Final = 0.02
+_LOOK_PERIOD: Final = 0.02
 """Seconds from look to look of the program at what its packets did."""
-HALT_SIGNAL: Final = 0.2
+_HALT_SIGNAL: Final = 0.2
 """Seconds without a look after which the program counts as stopped."""
-ERROR_NUMBERS: Final = {
+_ERROR_NUMBERS: Final = {
     7820: "no packet came in time (MXTTOUT)",
     7840: "the argument and the type of data do not match",
     2130: "a speed is too high",
@@ -75,7 +75,7 @@ class _Words:
 def mxt_commands(
     *,
     host: str = "127.0.0.1",
-    port: int = MXT_PORT,
+    port: int = _MXT_PORT,
     cycle: float = CYCLE,
     timeout: Callable[[], int] = lambda: -1,
     opened: Callable[[int], None] = lambda _: None,
@@ -111,7 +111,7 @@ def mxt_commands(
                 timeout=timeout(),
                 signals=words,
                 record=False,
-                halted=lambda: time.monotonic() - looked[0] > HALT_SIGNAL,
+                halted=lambda: time.monotonic() - looked[0] > _HALT_SIGNAL,
             )
         except OSError as error:
             raise Failed(7830, f"port {port} of Mxt cannot be used: {error}") from None
@@ -123,7 +123,7 @@ def mxt_commands(
             while thread.is_alive():
                 looked[0] = time.monotonic()
                 given.task.wait(
-                    lambda: not thread.is_alive(), LOOK_PERIOD, "packets of Mxt", outside=True
+                    lambda: not thread.is_alive(), _LOOK_PERIOD, "packets of Mxt", outside=True
                 )
                 while words.set:
                     given.task.switch(*words.set.popleft())
@@ -137,7 +137,7 @@ def mxt_commands(
         given.task.tell(led)
         number = control.result.number
         if number:
-            said = ERROR_NUMBERS.get(number) or ERROR_NUMBERS.get(
+            said = _ERROR_NUMBERS.get(number) or _ERROR_NUMBERS.get(
                 number // 10 * 10, "an error of Mxt"
             )
             raise Failed(number, said)
@@ -171,14 +171,14 @@ def _whole_argument(arm: MxtArm) -> tuple[float, ...]:
     return tuple(numbered.tolist())
 
 
-MONITOR_BLOCK: Final = "V40"
+_MONITOR_BLOCK: Final = "V40"
 MONITOR_PACKET: Final = np.dtype(
     [
         ("Command", "<u2"),
         ("reserve0", "<u2"),
         ("Type1", "<u2"),
         ("reserve1", "<u2"),
-        ("Data1", MONITOR_BLOCK),
+        ("Data1", _MONITOR_BLOCK),
         ("InputTop", "<u2"),
         ("OutputTop", "<u2"),
         ("Input", "<u4"),
@@ -186,19 +186,19 @@ MONITOR_PACKET: Final = np.dtype(
         ("Counter", "<u4"),
         ("Type2", "<u2"),
         ("reserve2", "<u2"),
-        ("Data2", MONITOR_BLOCK),
+        ("Data2", _MONITOR_BLOCK),
         ("Type3", "<u2"),
         ("reserve3", "<u2"),
-        ("Data3", MONITOR_BLOCK),
+        ("Data3", _MONITOR_BLOCK),
         ("Type4", "<u2"),
         ("reserve4", "<u2"),
-        ("Data4", MONITOR_BLOCK),
+        ("Data4", _MONITOR_BLOCK),
     ]
 )
 assert MONITOR_PACKET.itemsize == 196
-MONITOR_START: Final = 1
-MONITOR_END: Final = 255
-ROBMON: Final = np.dtype(
+_MONITOR_START: Final = 1
+_MONITOR_END: Final = 255
+_ROBMON: Final = np.dtype(
     [
         ("moving", "<f4", 5),
         ("states", "<i2", 3),
@@ -208,10 +208,10 @@ ROBMON: Final = np.dtype(
         ("counter", "<u4"),
     ]
 )
-TEMPERATURE: Final = 352
+_TEMPERATURE: Final = 352
 """Tenths of a degree in the controller, which is not simulated."""
-FEEDBACK: Final = frozenset((7, 8, 9, 1007, 1008))
-DEGREES: Final = 1000
+_FEEDBACK: Final = frozenset((7, 8, 9, 1007, 1008))
+_DEGREES: Final = 1000
 """From here on angles are degrees."""
 
 
@@ -277,9 +277,9 @@ class MxtMonitor:
             if len(data) != MONITOR_PACKET.itemsize:
                 continue
             packet = np.frombuffer(data, MONITOR_PACKET)[0]
-            if int(packet["Command"]) == MONITOR_START:
+            if int(packet["Command"]) == _MONITOR_START:
                 asked = (packet, sender)
-            elif int(packet["Command"]) == MONITOR_END:
+            elif int(packet["Command"]) == _MONITOR_END:
                 asked = None
 
     def _told(self, packet: np.void) -> bytes:
@@ -304,15 +304,15 @@ class MxtMonitor:
         for.
         """
         arm = self._arm()
-        joints = arm.fed_back if kind in FEEDBACK else arm.commanded
+        joints = arm.fed_back if kind in _FEEDBACK else arm.commanded
         numbers = np.zeros(10, dtype="<f4")
-        match kind % DEGREES:
+        match kind % _DEGREES:
             case 1 | 7:
                 pose = arm.pose(joints)
-                pose[3:] = np.degrees(pose[3:]) if kind > DEGREES else pose[3:]
+                pose[3:] = np.degrees(pose[3:]) if kind > _DEGREES else pose[3:]
                 numbers[:6] = pose
             case 2 | 8:
-                numbers[arm.places] = joints if kind > DEGREES else arm.radians(joints)
+                numbers[arm.places] = joints if kind > _DEGREES else arm.radians(joints)
             case 3 | 9:
                 pulses = np.zeros(10, dtype="<i4")
                 pulses[arm.places] = np.round(joints * PULSES)
@@ -322,16 +322,16 @@ class MxtMonitor:
         return numbers.tobytes()
 
     def _robot(self) -> bytes:
-        robot = np.zeros((), ROBMON)
+        robot = np.zeros((), _ROBMON)
         name, step = self._program()
         robot["states"] = (0, 0, step)
         robot["program"] = name.encode("ascii", "replace")[:6]
-        robot["temperature"] = TEMPERATURE
+        robot["temperature"] = _TEMPERATURE
         robot["counter"] = self._counter & 0xFFFFFFFF
         return robot.tobytes()
 
 
-CYCLE_TIMES: Final = {"melfa-basic-6": 0.0035}
+_CYCLE_TIMES: Final = {"melfa-basic-6": 0.0035}
 """Language → seconds of a cycle: CR800; 7.11 ms of all others (BFP-A3379-A, 2.2.2)."""
 
 
@@ -344,7 +344,7 @@ class RealTime:
     def __init__(self, state: CrState, host: str, port: int, monitor_port: int) -> None:
         self._state, self._host, self._monitor_port = state, host, monitor_port
         self.port = port or _free_port(host)
-        self.cycle = CYCLE_TIMES.get(state.language, CYCLE)
+        self.cycle = _CYCLE_TIMES.get(state.language, CYCLE)
         self._monitor: MxtMonitor | None = None
         self.lines: dict[str, Line] = {"ENET:": Enet()}
         self.commands = mxt_commands(

@@ -29,9 +29,11 @@ MOST_BYTES: Final = 255
 """Longest command in bytes; longer ones are cut to one byte more, so that they can be
 recognised.
 """
-STX, ETX, EOT, ENQ, ACK, NAK = (bytes([code]) for code in (0x02, 0x03, 0x04, 0x05, 0x06, 0x15))
+_STX, _ETX, _EOT, _ENQ, _ACK, _NAK = (
+    bytes([code]) for code in (0x02, 0x03, 0x04, 0x05, 0x06, 0x15)
+)
 FRAME: Final = re.compile(rb"\x02(D0([0-9A-Fa-f]{2})R(.*))([0-9A-Fa-f]{2})", re.DOTALL)
-MOST_FRAMED: Final = 0xFF - 1
+_MOST_FRAMED: Final = 0xFF - 1
 """Bytes that a frame takes, whose length counts the letter in front of them."""
 
 
@@ -63,7 +65,7 @@ class Framing:
 def in_frame(text: bytes) -> bytes:
     """A frame: `D0`, the length of what follows, `R`, the text, and the checksum of all that."""
     body = b"D0" + f"{len(text) + 1:02X}".encode() + b"R" + text
-    return STX + body + f"{reduce(xor, body):02X}".encode() + ETX
+    return _STX + body + f"{reduce(xor, body):02X}".encode() + _ETX
 
 
 def from_frame(data: bytes) -> bytes | None:
@@ -74,8 +76,8 @@ def from_frame(data: bytes) -> bytes | None:
     return found[3] if reduce(xor, found[1]) == int(found[4], 16) else None
 
 
-MOST_READ: Final = 1 << 16
-WRITE_TIMEOUT: Final = 10.0
+_MOST_READ: Final = 1 << 16
+_WRITE_TIMEOUT: Final = 10.0
 """Seconds that a client may take to receive an answer."""
 
 
@@ -102,10 +104,10 @@ class SocketPort:
 
     def receive(self, seconds: float | None) -> bytes:
         self._socket.settimeout(seconds)
-        return self._socket.recv(MOST_READ)
+        return self._socket.recv(_MOST_READ)
 
     def send(self, data: bytes) -> None:
-        self._socket.settimeout(WRITE_TIMEOUT)
+        self._socket.settimeout(_WRITE_TIMEOUT)
         self._socket.sendall(data)
 
     def hang_up(self) -> None:
@@ -136,10 +138,10 @@ class SerialPort:
         ready = select.select([self.descriptor, self._woken], [], [], seconds)[0]
         if not ready:
             raise TimeoutError
-        return b"" if self._woken in ready else os.read(self.descriptor, MOST_READ)
+        return b"" if self._woken in ready else os.read(self.descriptor, _MOST_READ)
 
     def send(self, data: bytes) -> None:
-        end = time.monotonic() + WRITE_TIMEOUT
+        end = time.monotonic() + _WRITE_TIMEOUT
         while data:
             left = max(0.0, end - time.monotonic())
             if not select.select([], [self.descriptor], [], left)[1]:
@@ -158,7 +160,7 @@ class SerialPort:
         os.close(self._woken)
 
 
-SPOILED_ANSWERS: Final = 0x55
+_SPOILED_ANSWERS: Final = 0x55
 """XOR of a byte that is broken on the line."""
 
 
@@ -206,7 +208,9 @@ class Faults:
         with self._lock:
             if self.broken:
                 marks = enumerate(data, start=self._sent + 1)
-                data = bytes(b ^ SPOILED_ANSWERS if at % self.broken == 0 else b for at, b in marks)
+                data = bytes(
+                    b ^ _SPOILED_ANSWERS if at % self.broken == 0 else b for at, b in marks
+                )
             self._sent += len(data)
             if self.drop_after is None:
                 return data, True
@@ -227,16 +231,16 @@ class Faults:
             return False
 
 
-LOOK_PERIOD: Final = 1.0
+_LOOK_PERIOD: Final = 1.0
 """Seconds for a step of the procedure; no manual at hand tells how long a controller waits."""
-MOST_TRIALS: Final = 4
+_MOST_TRIALS: Final = 4
 """Trials of a step: the first one, and three more (projects of RT ToolBox)."""
-TOO_LONG: Final = b"QeR6080"
+_TOO_LONG: Final = b"QeR6080"
 
 Answer = Callable[[bytes], bytes]
 
 
-class HungUp(OSError):
+class _HungUp(OSError):
     """A fault has the controller hang up."""
 
 
@@ -261,7 +265,7 @@ class Plain:
             for command in commands:
                 text = answer(command)
                 for piece in self._faults.answers(text, self._terminator):
-                    send_answer(port, piece, self._faults)
+                    _send_answer(port, piece, self._faults)
 
 
 class Procedural:
@@ -274,7 +278,7 @@ class Procedural:
     def converse(self, port: Port, answer: Answer) -> None:
         """Until nobody is there any more; raises OSError."""
         while True:
-            self._code(port, None, ENQ)
+            self._code(port, None, _ENQ)
             try:
                 command = self._command(port)
             except TimeoutError:
@@ -283,41 +287,41 @@ class Procedural:
                 continue
             text = answer(command)
             for piece in self._faults.answers(text, b""):
-                self._reply(port, piece if len(piece) <= MOST_FRAMED else TOO_LONG)
+                self._reply(port, piece if len(piece) <= _MOST_FRAMED else _TOO_LONG)
 
     def _command(self, port: Port) -> bytes | None:
         """Return the command that a client sends between its request for the line and its EOT; None
         for nothing.
         """
         found: bytes | None = None
-        reply = ACK
-        for _ in range(2 * MOST_TRIALS):
-            send_answer(port, reply, self._faults)
-            code = self._code(port, LOOK_PERIOD, STX, EOT, ENQ)
-            if code == EOT:
+        reply = _ACK
+        for _ in range(2 * _MOST_TRIALS):
+            _send_answer(port, reply, self._faults)
+            code = self._code(port, _LOOK_PERIOD, _STX, _EOT, _ENQ)
+            if code == _EOT:
                 return found
-            reply = NAK
-            if code == STX:
-                text = from_frame(STX + self._until(port, ETX))
-                found, reply = (found, NAK) if text is None else (text, ACK)
+            reply = _NAK
+            if code == _STX:
+                text = from_frame(_STX + self._until(port, _ETX))
+                found, reply = (found, _NAK) if text is None else (text, _ACK)
         return None
 
     def _reply(self, port: Port, text: bytes) -> None:
         """Gives up if the client does not take it."""
         try:
-            taken = self._insist(port, ENQ) and self._insist(port, in_frame(text))
+            taken = self._insist(port, _ENQ) and self._insist(port, in_frame(text))
         except TimeoutError:
             taken = False
-        send_answer(port, EOT, self._faults)
+        _send_answer(port, _EOT, self._faults)
         if not taken:
             self._come = b""
 
     def _insist(self, port: Port, data: bytes) -> bool:
         """Sends until it is acknowledged."""
-        for _ in range(MOST_TRIALS):
-            send_answer(port, data, self._faults)
+        for _ in range(_MOST_TRIALS):
+            _send_answer(port, data, self._faults)
             try:
-                if self._code(port, LOOK_PERIOD, ACK, NAK, EOT) == ACK:
+                if self._code(port, _LOOK_PERIOD, _ACK, _NAK, _EOT) == _ACK:
                     return True
             except TimeoutError:
                 continue
@@ -337,7 +341,7 @@ class Procedural:
         """Return the bytes before a control code; of an endless text only enough to show that it is
         wrong.
         """
-        data, end = b"", time.monotonic() + LOOK_PERIOD
+        data, end = b"", time.monotonic() + _LOOK_PERIOD
         while (byte := self._byte(port, end)) != code:
             if len(data) <= 2 * MOST_BYTES:
                 data += byte
@@ -347,15 +351,15 @@ class Procedural:
         if not self._come:
             self._come = port.receive(None if end is None else max(0.0, end - time.monotonic()))
             if not self._come:
-                raise HungUp
+                raise _HungUp
         byte, self._come = self._come[:1], self._come[1:]
         return byte
 
 
-def send_answer(port: Port, data: bytes, faults: Faults) -> None:
+def _send_answer(port: Port, data: bytes, faults: Faults) -> None:
     """Sends what a fault leaves of it; raises HungUp where it ends the line."""
     data, goes_on = faults.spoilt(data)
     if data:
         port.send(data)
     if not goes_on:
-        raise HungUp
+        raise _HungUp

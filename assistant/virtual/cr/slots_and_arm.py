@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.world import Commands
 
 
-class Stepping:
+class _Stepping:
     """Single steps and breakpoints. breakpoints: program and line number → whether it is removed
     once reached. All of this runs in the thread of the kernel.
     """
@@ -95,7 +95,7 @@ T = TypeVar("T")
 MOST_STEPS: Final = 10**15
 """A controller runs its programs for ever."""
 HAND: Final = re.compile(r"hand(\d+)")
-REFUSALS: Final[Mapping[int | None, int]] = {3360: 5120, 3310: 5640, 3320: 5100, 3350: 5640}
+_REFUSALS: Final[Mapping[int | None, int]] = {3360: 5120, 3310: 5640, 3320: 5100, 3350: 5640}
 """Errors of statements about slots → those of the commands that do the same."""
 
 
@@ -110,7 +110,7 @@ class EventListener(Protocol):
     def hand_moved(self, hand: int, opens: bool) -> None: ...
 
 
-CONTACT_PERIOD: Final = 0.02
+_CONTACT_PERIOD: Final = 0.02
 """Real seconds between two tests for contact."""
 
 
@@ -199,7 +199,7 @@ class Machinery:
         except RuntimeError:
             raise ConnectionAbortedError from None
         except Failed as failed:
-            number = REFUSALS.get(failed.number, failed.number)
+            number = _REFUSALS.get(failed.number, failed.number)
             raise CrRefusal(number or UNKNOWN) from None
         except Unknown:
             raise CrRefusal(UNKNOWN) from None
@@ -224,7 +224,7 @@ class Machinery:
         rate = self._equipment.rate
         self.jogging = Jogging(kernel, self.robot, self.arm, self.controller.arm, rate)
         self.direct = DirectCommands(self.controller)
-        self.stepping = Stepping(self.controller)
+        self.stepping = _Stepping(self.controller)
         kernel.watch = self.stepping.watch
         self._board.outputs.listeners.append(self._switched)
         if self._equipment.contact is not None:
@@ -233,7 +233,7 @@ class Machinery:
 
     def _look_for_contact(self, kernel: Kernel) -> None:
         self._feel()
-        later = kernel.now + CONTACT_PERIOD * self._equipment.rate
+        later = kernel.now + _CONTACT_PERIOD * self._equipment.rate
         kernel.at(later, lambda: self._look_for_contact(kernel))
 
     def feel(self) -> None:

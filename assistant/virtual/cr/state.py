@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-MOST_ERRORS: Final = 128
+_MOST_ERRORS: Final = 128
 """That the history keeps; the oldest go first."""
 LEVELS: Final = {"H": 1, "L": 2, "C": 3}
 
@@ -74,7 +74,7 @@ class ErrorLog:
 
     def add(self, when: datetime, number: int, level: int, program: str, line: int) -> None:
         self.entries.insert(0, ErrorEntry(when, number, level, program, line))
-        del self.entries[MOST_ERRORS:]
+        del self.entries[_MOST_ERRORS:]
         self.counts[number] = self.counts.get(number, 0) + 1
         self.latest[number] = when
 
@@ -92,16 +92,16 @@ class ErrorLog:
 
 def error_message(number: int) -> str:
     """Return the text of an error number; never fails."""
-    return error_table().get(number, ("", f"Error {number:04}"))[1]
+    return _error_table().get(number, ("", f"Error {number:04}"))[1]
 
 
 def error_level(number: int) -> int:
     """1 high, 2 low, 3 caution; low where the table does not know the number."""
-    return LEVELS.get(error_table().get(number, ("L", ""))[0], LEVELS["L"])
+    return LEVELS.get(_error_table().get(number, ("L", ""))[0], LEVELS["L"])
 
 
 @cache
-def error_table() -> Mapping[int, tuple[str, str]]:
+def _error_table() -> Mapping[int, tuple[str, str]]:
     """Number → letter of its level, and what it means."""
     text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
@@ -109,13 +109,13 @@ def error_table() -> Mapping[int, tuple[str, str]]:
 
 
 VALUE_SEPARATOR: Final = ", "
-PARAMETER_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
-PARAMETER_CHARACTERS: Final = re.compile(r"[ -:<-~]*", re.ASCII)
+_PARAMETER_NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)", re.ASCII)
+_PARAMETER_CHARACTERS: Final = re.compile(r"[ -:<-~]*", re.ASCII)
 """A value takes part in answers: no semicolon and no control character."""
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class _Parameter:
     """values: as the controller is delivered. protected: can be read and written by PAR and PAW,
     by PNR and PRM only behind the keyword.
     """
@@ -130,12 +130,14 @@ class Parameters:
 
     def __init__(self, robot: Robot, language: str, slots: int) -> None:
         own = [
-            Parameter("RLNG", ("1" if language == "melfa-basic-4" else "2",)),
-            Parameter("TASKMAX", (str(slots),)),
-            Parameter("MEJAR", tuple(f"{float(v):.2f}" for p in robot.limits for v in p)),
-            Parameter("JSAFE", _safe_joints(robot)),
+            _Parameter("RLNG", ("1" if language == "melfa-basic-4" else "2",)),
+            _Parameter("TASKMAX", (str(slots),)),
+            _Parameter("MEJAR", tuple(f"{float(v):.2f}" for p in robot.limits for v in p)),
+            _Parameter("JSAFE", _safe_joints(robot)),
         ]
-        self._rows: Mapping[str, Parameter] = {row.name: row for row in (*_parameter_table(), *own)}
+        self._rows: Mapping[str, _Parameter] = {
+            row.name: row for row in (*_parameter_table(), *own)
+        }
         self._values: dict[str, tuple[str, ...]] = {}
 
     def __getitem__(self, name: str) -> tuple[str, ...]:
@@ -157,7 +159,7 @@ class Parameters:
         if row.protected and not all_levels:
             raise CrRefusal(7040)
         values = tuple(part.strip() for part in text.split(","))
-        fits = len(values) == len(row.values) and PARAMETER_CHARACTERS.fullmatch(text)
+        fits = len(values) == len(row.values) and _PARAMETER_CHARACTERS.fullmatch(text)
         if not fits or not all(map(_formatted_like, values, row.values)):
             raise CrRefusal(7081)
         self._values[name] = values
@@ -179,7 +181,7 @@ class Parameters:
 
 def _formatted_like(value: str, before: str) -> bool:
     """A number stays a number."""
-    return bool(PARAMETER_NUMBER.fullmatch(value)) or not PARAMETER_NUMBER.fullmatch(before)
+    return bool(_PARAMETER_NUMBER.fullmatch(value)) or not _PARAMETER_NUMBER.fullmatch(before)
 
 
 def _safe_joints(robot: Robot) -> tuple[str, ...]:
@@ -189,11 +191,11 @@ def _safe_joints(robot: Robot) -> tuple[str, ...]:
 
 
 @cache
-def _parameter_table() -> tuple[Parameter, ...]:
+def _parameter_table() -> tuple[_Parameter, ...]:
     text = files(__package__).joinpath("parameters.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
     return tuple(
-        Parameter(
+        _Parameter(
             row["name"],
             tuple(value.strip() for value in row["values"].split(",")),
             row["level"] == "key",
@@ -210,11 +212,11 @@ SUFFIXES: Final = {"melfa-basic-4": "MB4", "melfa-basic-5": "MB5", "melfa-basic-
 
 HIGH: Final = 1
 """Level of an error that switches the servos off."""
-CAUTION: Final = 3
+_CAUTION: Final = 3
 """Level of one that programs go on with."""
 FIRST_HAND: Final = 900
 """Output of the first hand, two for each (HNDSTS in BFP-A4288)."""
-EMERGENCY: Final = 60
+_EMERGENCY: Final = 60
 """Number of the emergency stop of the operating panel (ERRSUM in BFP-A4288)."""
 HANDS: Final = 4
 """Hands of two valves each on the signals 900 to 907 (HNDSTS in BFP-A4288)."""
@@ -358,18 +360,18 @@ class CrState:
             return
         if level == HIGH:
             self._machinery.switch_servo(False)
-        elif level != CAUTION:
+        elif level != _CAUTION:
             self._machinery.stop_all()
 
     def reset_error(self) -> None:
         """An emergency stop that is still pressed stays an error."""
-        self.alarm = (EMERGENCY, HIGH) if self.emergency else None
+        self.alarm = (_EMERGENCY, HIGH) if self.emergency else None
 
     def press_emergency(self, pressed: bool) -> None:
         """Released, the error stays until it is reset."""
         before, self.emergency = self.emergency, pressed
         if pressed and not before:
-            self.alert(EMERGENCY, HIGH)
+            self.alert(_EMERGENCY, HIGH)
 
     # ---------------------------------------------------------------------------- servos
 

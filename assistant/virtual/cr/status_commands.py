@@ -22,22 +22,22 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-AxisValues = list[tuple[str, str]]
+_AxisValues = list[tuple[str, str]]
 """Name and value of each axis."""
-MISSING_AXIS: Final = "****"
+_MISSING_AXIS: Final = "****"
 """Value of an axis that the arm lacks."""
-NEAR_LIMIT: Final = 0.005
+_NEAR_LIMIT: Final = 0.005
 """Degrees or mm from the limit of an axis within which it counts as reached."""
 
 
-def joint_values(robot: Robot, angles: Sequence[float]) -> AxisValues:
+def _joint_values(robot: Robot, angles: Sequence[float]) -> _AxisValues:
     """Degrees of J1 to J6, as JPOSF shows them."""
     own = dict(zip(robot.axes, angles, strict=True))
     names = [f"J{i}" for i in range(1, 7)]
-    return [(name, f"{own[name]:.2f}" if name in own else MISSING_AXIS) for name in names]
+    return [(name, f"{own[name]:.2f}" if name in own else _MISSING_AXIS) for name in names]
 
 
-def pose_values(robot: Robot, angles: Sequence[float], tool: Pose, foot: Pose) -> AxisValues:
+def _pose_values(robot: Robot, angles: Sequence[float], tool: Pose, foot: Pose) -> _AxisValues:
     """X, Y, Z in mm, A, B, C in degrees of the tip; an arm of five axes shows no C.
 
     foot: the frame that positions are counted in, with the robot's base in it.
@@ -55,42 +55,42 @@ def pose_values(robot: Robot, angles: Sequence[float], tool: Pose, foot: Pose) -
     return [(name, f"{value + 0.0:.2f}") for name, value in zip("XYZABC", values, strict=False)]
 
 
-def cylinder_values(shown: AxisValues) -> AxisValues:
+def _cylinder_values(shown: _AxisValues) -> _AxisValues:
     """Radius in mm and angle in degrees about the base in the places of X and Y (RPOSF)."""
     x, y = (float(value) for _, value in shown[:2])
     radius, angle = math.hypot(x, y), math.degrees(math.atan2(y, x))
     return [("R", f"{radius:.2f}"), ("T", f"{angle:.2f}"), *shown[2:]]
 
 
-def posture_flags(robot: Robot, angles: Sequence[float]) -> str:
+def _posture_flags(robot: Robot, angles: Sequence[float]) -> str:
     from assistant.robots.configurations import to_flags
 
     one, two = to_flags(robot.configuration(np.array([angles])))[0]
     return f"{one},{two}"
 
 
-def reached_limits(robot: Robot, angles: Sequence[float]) -> str:
+def _reached_limits(robot: Robot, angles: Sequence[float]) -> str:
     """Axes at their upper and at their lower limits, two hexadecimal digits each, and a reserve."""
     upper = lower = 0
     for place, angle, (low, high) in zip(robot.places, angles, robot.limits, strict=True):
-        upper |= (angle >= float(high) - NEAR_LIMIT) << place
-        lower |= (angle <= float(low) + NEAR_LIMIT) << place
+        upper |= (angle >= float(high) - _NEAR_LIMIT) << place
+        lower |= (angle <= float(low) + _NEAR_LIMIT) << place
     return f"{upper:02X}{lower:02X}0000"
 
 
-JOG_SPEEDS: Final = "3,5,A,1E,32,46,64"
+_JOG_SPEEDS: Final = "3,5,A,1E,32,46,64"
 """Percent, hexadecimal."""
 
 
 def _open_session(session: CrSession, argument: str) -> str:
     state = session.state
-    world, joints = axes_there(state.robot)
+    world, joints = _axes_there(state.robot)
     return ";".join(
         [
             f"{world:02X}",
             f"{joints:02X}",
-            posture_flags(state.robot, state.joints),
-            JOG_SPEEDS,
+            _posture_flags(state.robot, state.joints),
+            _JOG_SPEEDS,
             state.suffix,
             "PRM",
             state.robot.name.upper(),
@@ -106,7 +106,7 @@ def _open_session(session: CrSession, argument: str) -> str:
     )
 
 
-def axes_there(robot: Robot) -> tuple[int, int]:
+def _axes_there(robot: Robot) -> tuple[int, int]:
     """Bits of X Y Z A B C and of J1 to J6 that the arm has; a SCARA turns about Z only."""
     joints = sum(1 << place for place in robot.places if place < 6)
     world = {"five-axis": 0x1F, "scara": 0x27}.get(robot.arm.kind, 0x3F)
@@ -140,9 +140,9 @@ SESSION_COMMANDS: Final = {
 }
 
 
-ALL_AXES: Final = "F"
-NO_FLAGS: Final = "****,****"
-CLOCK_FORMAT: Final = "%y-%m-%d%H:%M:%S"
+_ALL_AXES: Final = "F"
+_NO_FLAGS: Final = "****,****"
+_CLOCK_FORMAT: Final = "%y-%m-%d%H:%M:%S"
 
 
 def _read_state(session: CrSession) -> str:
@@ -209,29 +209,29 @@ def _read_goal_pose(session: CrSession, axis: str) -> str:
     return _position_answer(session, axis, _pose_shown, goal=True)
 
 
-def _joints_shown(robot: Robot, arm: Standing) -> tuple[AxisValues, str]:
-    return joint_values(robot, arm.joints), NO_FLAGS
+def _joints_shown(robot: Robot, arm: Standing) -> tuple[_AxisValues, str]:
+    return _joint_values(robot, arm.joints), _NO_FLAGS
 
 
-def _pose_shown(robot: Robot, arm: Standing) -> tuple[AxisValues, str]:
-    shown = pose_values(robot, arm.joints, arm.tool, arm.foot)
-    return shown, posture_flags(robot, arm.joints)
+def _pose_shown(robot: Robot, arm: Standing) -> tuple[_AxisValues, str]:
+    shown = _pose_values(robot, arm.joints, arm.tool, arm.foot)
+    return shown, _posture_flags(robot, arm.joints)
 
 
-def _cylinder_shown(robot: Robot, arm: Standing) -> tuple[AxisValues, str]:
+def _cylinder_shown(robot: Robot, arm: Standing) -> tuple[_AxisValues, str]:
     shown, flags = _pose_shown(robot, arm)
-    return cylinder_values(shown), flags
+    return _cylinder_values(shown), flags
 
 
 def _position_answer(
     session: CrSession,
     axis: str,
-    show: Callable[[Robot, Standing], tuple[AxisValues, str]],
+    show: Callable[[Robot, Standing], tuple[_AxisValues, str]],
     *,
     goal: bool,
 ) -> str:
     """`name;value;…;;flags;override;speed;limits`; an axis (1 to 8) chooses one of them."""
-    axis = axis.removeprefix(ALL_AXES)
+    axis = axis.removeprefix(_ALL_AXES)
     if axis and not re.fullmatch(r"[1-8]", axis):
         raise CrRefusal(4460)
     state = session.state
@@ -239,13 +239,13 @@ def _position_answer(
     shown, flags = show(state.robot, arm)
     chosen = shown[int(axis) - 1 : int(axis)] if axis else shown
     values = "".join(f"{name};{value};" for name, value in chosen)
-    limits = reached_limits(state.robot, arm.now)
+    limits = _reached_limits(state.robot, arm.now)
     return f"{values};{flags};{state.override};{arm.speed:.2f};{limits}"
 
 
 def _read_calibration(session: CrSession) -> str:
     """The origin of every axis is set."""
-    _, joints = axes_there(session.state.robot)
+    _, joints = _axes_there(session.state.robot)
     return f"N{joints:02X}{joints:02X}"
 
 
@@ -256,13 +256,13 @@ def _read_stops(session: CrSession) -> str:
 
 
 def _read_time(session: CrSession) -> str:
-    return f"{session.state.now():{CLOCK_FORMAT}}"
+    return f"{session.state.now():{_CLOCK_FORMAT}}"
 
 
 def _set_time(session: CrSession, argument: str) -> str:
     state = session.state
     try:
-        wanted = datetime.strptime(argument, CLOCK_FORMAT)
+        wanted = datetime.strptime(argument, _CLOCK_FORMAT)
     except ValueError:
         raise CrRefusal(6070) from None
     state.clock_off = (wanted - state.clock()).total_seconds()
@@ -292,12 +292,12 @@ STATE_COMMANDS: Final = {
 }
 
 
-WORD_BITS: Final = 16
-LAST_SIGNAL: Final = 32767
-REGISTERS: Final = range(6000, 6256)
+_WORD_BITS: Final = 16
+_LAST_SIGNAL: Final = 32767
+_REGISTERS: Final = range(6000, 6256)
 """Registers of CC-Link."""
-MOST_REGISTERS: Final = 16
-SHOWN_HANDS: Final = 8
+_MOST_REGISTERS: Final = 16
+_SHOWN_HANDS: Final = 8
 
 
 def _read_inputs(session: CrSession, argument: str) -> str:
@@ -315,8 +315,8 @@ def _read_signals(session: CrSession, argument: str) -> str:
 
 
 def _signal_word(signals: Signals, argument: str) -> str:
-    first = whole(argument, 0, LAST_SIGNAL, error=6600)
-    return f"{sum(bool(signals.read(str(first + i))) << i for i in range(WORD_BITS)):04X}"
+    first = whole(argument, 0, _LAST_SIGNAL, error=6600)
+    return f"{sum(bool(signals.read(str(first + i))) << i for i in range(_WORD_BITS)):04X}"
 
 
 def _set_outputs(session: CrSession, argument: str) -> str:
@@ -337,8 +337,8 @@ def _between_statements(session: CrSession, change: Callable[[], None]) -> str:
 
 def _set_word(signals: Signals, argument: str) -> None:
     number, value = parts(argument, 2)
-    first, word = whole(number, 0, LAST_SIGNAL, error=6600), hexadecimal(value, 4)
-    for bit in range(WORD_BITS):
+    first, word = whole(number, 0, _LAST_SIGNAL, error=6600), hexadecimal(value, 4)
+    for bit in range(_WORD_BITS):
         signals.set(str(first + bit), float(word >> bit & 1))
 
 
@@ -352,11 +352,11 @@ def _read_output_registers(session: CrSession, argument: str) -> str:
 
 def _register_values(signals: Signals, argument: str) -> str:
     first = _register_number(argument)
-    return ";".join(str(int(signals.read(f"register{first + i}"))) for i in range(MOST_REGISTERS))
+    return ";".join(str(int(signals.read(f"register{first + i}"))) for i in range(_MOST_REGISTERS))
 
 
 def _register_number(argument: str) -> int:
-    return whole(argument, REGISTERS.start, REGISTERS.stop - 1, error=7780)
+    return whole(argument, _REGISTERS.start, _REGISTERS.stop - 1, error=7780)
 
 
 def _set_output_register(session: CrSession, argument: str) -> str:
@@ -424,7 +424,7 @@ def _hand_command(*, opens: bool) -> Command:
 def _read_hands(session: CrSession) -> str:
     """Eight times signal, 1 open or 2 closed, 1 for two valves; -1 for a hand that is not there."""
     told = []
-    for hand in range(1, SHOWN_HANDS + 1):
+    for hand in range(1, _SHOWN_HANDS + 1):
         if hand > HANDS:
             told.append("-1;-1;-1")
         else:

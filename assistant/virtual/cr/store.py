@@ -15,12 +15,12 @@ from assistant.base.source_text import lines_of
 ENCODING: Final = "latin-1"
 """Bytes are kept one to one, whatever code page the client writes its comments in."""
 
-MOST_FILES: Final = 128
+_MOST_FILES: Final = 128
 CAPACITY: Final = 220_160
 """Bytes for programs, as an RV-3SB reported of itself (PDIRTOP)."""
 NAME: Final = re.compile(r"[A-Z0-9]{1,12}")
 STEP: Final = re.compile(r"\s*(\d+)(?:[ \t]([ \t]*\S.*?))?\s*", re.DOTALL | re.ASCII)
-VARIABLE: Final = re.compile(
+_VARIABLE: Final = re.compile(
     r"\s*([A-Za-z]\w*(?:\([\d, ]*\))?)\s*=\s*(\([^()]*\))\s*(\([^()]*\))?\s*", re.DOTALL | re.ASCII
 )
 LAST_LINE: Final = 32767
@@ -77,7 +77,7 @@ class CrProgram:
                 self.steps[number] = f"{number} {step[2]}"
             else:
                 self.steps.pop(number, None)
-        elif variable := VARIABLE.fullmatch(line):
+        elif variable := _VARIABLE.fullmatch(line):
             self._may("q", 4320)
             name = re.sub(r"\s+", "", variable[1])
             flags = re.sub(r"\s+", "", variable[3] or "")
@@ -140,7 +140,7 @@ class CrStore:
         folder: FilePath | None = None,
         *,
         capacity: int = CAPACITY,
-        most_files: int = MOST_FILES,
+        most_files: int = _MOST_FILES,
     ) -> None:
         self._folder = folder
         self._programs: dict[str, CrProgram] = {}
@@ -221,7 +221,7 @@ def program_of(text: str, *, strict: bool = False) -> CrProgram:
     """
     program = CrProgram()
     for line in lines_of(text):
-        if STEP.fullmatch(line) or VARIABLE.fullmatch(line):
+        if STEP.fullmatch(line) or _VARIABLE.fullmatch(line):
             program.put(line)
         elif strict and line.strip():
             raise CrRefusal(4160)

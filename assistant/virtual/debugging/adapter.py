@@ -1,6 +1,6 @@
 """The debug adapter: answer the requests of an editor, hold and run the program as they ask.
 
-A `View` shows the editor a program that is held: its tasks, calls, data and signals.
+A `_View` shows the editor a program that is held: its tasks, calls, data and signals.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _SIGNAL_BIT: Final = re.compile(r"m_(in|out)\((\d+)\)")
 """A bit of the inputs or outputs in MELFA-BASIC."""
 
 
-class View:
+class _View:
     """Numbers stand for calls and for data with parts, from one stop of the run to the next."""
 
     def __init__(self, kernel: Kernel) -> None:
@@ -168,7 +168,7 @@ def _find_shown(shown: Sequence[Shown], wanted: str) -> Shown | None:
 Launch = Callable[[Object], tuple[Kernel, Lines]]
 """Makes the run that a launch request asks for; raises Refused for what cannot be run."""
 
-CAPABILITIES: Final[Object] = {
+_CAPABILITIES: Final[Object] = {
     "supportsConfigurationDoneRequest": True,
     "supportsTerminateRequest": True,
     "supportsEvaluateForHovers": True,
@@ -186,7 +186,7 @@ class Adapter:
         self.source, self.sink, self.start = source, sink, start
         self.requests: queue.SimpleQueue[Object | None] = queue.SimpleQueue()
         self.kernel: Kernel | None = None
-        self.view: View | None = None
+        self.view: _View | None = None
         self.holding = Holding()
         self.points = Points()
         self.held: Task | None = None
@@ -227,7 +227,7 @@ class Adapter:
     def _answer(self, request: Object) -> None:
         """Answers one request; a failure is an answer too."""
         command = text(request, "command")
-        does = REQUESTS.get(command)
+        does = _REQUESTS.get(command)
         about: Object = {"request_seq": number(request, "seq"), "command": command}
         if does is None:
             self._send("response", success=False, message=f"`{command}` is not known", **about)
@@ -250,13 +250,13 @@ class Adapter:
     # ------------------------------------------------------------------------------ running
 
     def _initialize(self, _: Object) -> Object:
-        return CAPABILITIES
+        return _CAPABILITIES
 
     def _launch(self, arguments: Object) -> None:
         if self.kernel is not None:
             raise LookupError("a program is running already")
         self.kernel, self.points.lines = self.start(arguments)
-        self.view = View(self.kernel)
+        self.view = _View(self.kernel)
         self.kernel.watch = self._watch
         if arguments.get("stopOnEntry") is True:
             self.holding.pause = "entry"
@@ -400,7 +400,7 @@ class Adapter:
     def _ends(self) -> bool:
         return self.over or self.ended
 
-    def _look(self, does: Callable[[View, Object], Object], arguments: Object) -> Object:
+    def _look(self, does: Callable[[_View, Object], Object], arguments: Object) -> Object:
         """Answer a request about a program that is held; raises LookupError if nothing was
         launched.
         """
@@ -419,11 +419,11 @@ def _logged_text(read: Read, part: str | Evaluate) -> str:
         return f"<{error.args[0]}>"
 
 
-def _view_request(does: Callable[[View, Object], Object]) -> Callable[[Adapter, Object], Object]:
+def _view_request(does: Callable[[_View, Object], Object]) -> Callable[[Adapter, Object], Object]:
     return lambda adapter, arguments: adapter._look(does, arguments)
 
 
-REQUESTS: Final[Mapping[str, Callable[[Adapter, Object], Object | None]]] = {
+_REQUESTS: Final[Mapping[str, Callable[[Adapter, Object], Object | None]]] = {
     "initialize": Adapter._initialize,
     "launch": Adapter._launch,
     "configurationDone": Adapter._configured,
@@ -436,11 +436,11 @@ REQUESTS: Final[Mapping[str, Callable[[Adapter, Object], Object | None]]] = {
     "stepOut": Adapter._step_out,
     "disconnect": Adapter._leave,
     "terminate": Adapter._terminate,
-    "threads": _view_request(View.threads),
-    "stackTrace": _view_request(View.stack),
-    "scopes": _view_request(View.scopes),
-    "variables": _view_request(View.variables),
-    "setVariable": _view_request(View.set_variable),
-    "evaluate": _view_request(View.evaluate),
+    "threads": _view_request(_View.threads),
+    "stackTrace": _view_request(_View.stack),
+    "scopes": _view_request(_View.scopes),
+    "variables": _view_request(_View.variables),
+    "setVariable": _view_request(_View.set_variable),
+    "evaluate": _view_request(_View.evaluate),
 }
 """Requests of an editor, by the names of the protocol."""

@@ -32,7 +32,7 @@ Reason = Literal["breakpoint", "step", "pause", "entry"]
 
 
 @cache
-def same_file(path: str) -> str:
+def _same_file(path: str) -> str:
     """Return one spelling of a file's path for all its spellings."""
     return os.path.normcase(os.path.realpath(path))
 
@@ -64,7 +64,7 @@ class Holding:
 
     def set_points(self, path: str, lines: Iterable[int]) -> None:
         """The break points of a file, instead of those that it had."""
-        self.points[same_file(path)] = frozenset(lines)
+        self.points[_same_file(path)] = frozenset(lines)
 
     def reason(self, task: Task) -> Reason | None:
         """Why a task is held before its next statement, None if it is not."""
@@ -74,7 +74,7 @@ class Holding:
             return "step"
         if any(self.points.values()):
             place = task.where()
-            if place is not None and place[1] in self.points.get(same_file(place[0]), ()):
+            if place is not None and place[1] in self.points.get(_same_file(place[0]), ()):
                 return "breakpoint"
         return None
 
@@ -84,7 +84,7 @@ class Holding:
 
 
 Lines = Mapping[str, Sequence[int]]
-"""Lines at which a statement begins, rising, by the name of the file (`same_file`)."""
+"""Lines at which a statement begins, rising, by the name of the file (`_same_file`)."""
 
 _HIT_COUNT: Final = re.compile(r"\s*(>=|<=|==|=|>|<|%)?\s*(\d{1,9})\s*")
 _HIT_TESTS: Final[Mapping[str, Callable[[int, int], bool]]] = {
@@ -108,7 +108,7 @@ def statement_lines(programs: Programs) -> Lines:
     def add(source: SourceText | None, span: Span | None, count: int = 1) -> None:
         if source is not None and span is not None:
             first = source.line_column(span.start)[0]
-            lines = found.setdefault(same_file(source.path or ""), set())
+            lines = found.setdefault(_same_file(source.path or ""), set())
             lines.update(range(first, first + count))
 
     if programs.program is not None and programs.text is not None:
@@ -143,7 +143,7 @@ def moved_to_statements(lines: Lines, path: str, asked: Iterable[int]) -> list[i
     A file without known lines is not one of the programs yet, so its lines stay unchanged until it
     is loaded.
     """
-    known = lines.get(same_file(path))
+    known = lines.get(_same_file(path))
     if known is None:
         return sorted(set(asked))
     rows = (bisect_left(known, line) for line in asked)
@@ -180,17 +180,17 @@ class Points:
 
     def place(self, path: str, asked: Iterable[Object]) -> list[Object]:
         """The break points of a file instead of those that it had; the answers to each."""
-        lines = self.lines.get(same_file(path))
+        lines = self.lines.get(_same_file(path))
         made = [(number(one, "line"), _break_point(lines, one)) for one in asked]
         by_line: dict[int, list[Point]] = {}
         for _, point in made:
             if not point.said:
                 by_line.setdefault(point.line, []).append(point)
-        self.set[same_file(path)] = by_line
+        self.set[_same_file(path)] = by_line
         return [point.record(line) for line, point in made]
 
     def at(self, path: str, line: int) -> Sequence[Point]:
-        return self.set.get(same_file(path), {}).get(line, ())
+        return self.set.get(_same_file(path), {}).get(line, ())
 
 
 def _break_point(lines: Sequence[int] | None, asked: Object) -> Point:

@@ -29,7 +29,7 @@ _TOKEN: Final = re.compile(
 _SHOWN_NUMBER: Final = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _WORDS: Final = {"true": True, "false": False}
 _LOGIC: Final = frozenset({"and", "or", "xor", "not", "mod", "div"})
-MOST: Final = 1000
+_MOST: Final = 1000
 """Characters of an expression."""
 
 
@@ -39,7 +39,7 @@ class Wrong(LookupError):
 
 def read_expression(text: str) -> Evaluate:
     """Read an expression; raises Wrong if the text is not one."""
-    if len(text) > MOST:
+    if len(text) > _MOST:
         raise Wrong(f"an expression of {len(text)} characters")
     reader = _Reader(_tokens(text))
     found = reader.alternatives()

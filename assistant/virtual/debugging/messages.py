@@ -10,9 +10,9 @@ from typing import BinaryIO, Final
 Object = dict[str, object]
 """A JSON object."""
 
-MOST_BYTES: Final = 10_000_000
+_MOST_BYTES: Final = 10_000_000
 """Longest message in bytes; a longer one does not come from an editor."""
-MOST_HEADER: Final = 4_096
+_MOST_HEADER: Final = 4_096
 
 
 class NoMessage(ValueError):
@@ -41,7 +41,7 @@ def read(stream: RawIOBase | BinaryIO) -> Object | None:
 
 def _length(stream: RawIOBase | BinaryIO) -> int | None:
     length = None
-    while line := stream.readline(MOST_HEADER):
+    while line := stream.readline(_MOST_HEADER):
         if not line.strip():
             if length is None:
                 raise NoMessage("a header without Content-Length")
@@ -52,8 +52,8 @@ def _length(stream: RawIOBase | BinaryIO) -> int | None:
             if not (number.isascii() and number.isdigit()) or len(number) > 9:
                 raise NoMessage(f"a Content-Length of `{number[:20]}`")
             length = int(number)
-            if length > MOST_BYTES:
-                raise NoMessage(f"a message of {length} bytes, {MOST_BYTES} at most")
+            if length > _MOST_BYTES:
+                raise NoMessage(f"a message of {length} bytes, {_MOST_BYTES} at most")
     return None
 
 

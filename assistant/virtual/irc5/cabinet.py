@@ -44,7 +44,7 @@ LoadMethod = Literal["add", "replace", "add-with-reset"]
 Instance = dict[str, str]
 
 
-class Parameters:
+class _Parameters:
     """values: attributes by domain, type and instance."""
 
     def __init__(self, signals: Iterable[Signal], robot: str) -> None:
@@ -116,7 +116,7 @@ SIGNAL_TYPES: Final[Mapping[str, SignalType]] = {name: name for name in get_args
 OUTPUT_TYPES: Final = ("DO", "GO", "AO")
 MOST_STEPS: Final = 10**15
 MASTERSHIP_DOMAINS: Final = ("cfg", "motion", "rapid")
-NETWORK, DEVICE = "Local", "DRV_1"
+_NETWORK, DEVICE = "Local", "DRV_1"
 """Network and device of a signal without stated ones, as public clients expect it
 (rpiRobotics/abb_robot_client, rws.py).
 """
@@ -142,7 +142,7 @@ class Signal:
 
     name: str
     type: SignalType
-    network: str = NETWORK
+    network: str = _NETWORK
     device: str = DEVICE
 
     @property
@@ -151,7 +151,7 @@ class Signal:
 
 
 @dataclass(eq=False)
-class Mastership:
+class _Mastership:
     """Who may change what. holders: by domain, the key of a session or the name of who is there."""
 
     holders: dict[str, str] = field(default_factory=dict)
@@ -199,7 +199,7 @@ class Cabinet:
         self.began = datetime.now()
         self.log = EventLog(self.now)
         self.panel = Panel(self.log)
-        self.mastership = Mastership()
+        self.mastership = _Mastership()
         self.behind: dict[str, BackgroundTask] = {}
         """Tasks in the background, by name: they are there, and nothing in them is simulated."""
         self.serial = ""
@@ -208,7 +208,7 @@ class Cabinet:
         """True if the pendant grants every request to modify in manual mode."""
         self.live = Live(self._kernel, rate=rate, ended=self._ended, name="virtual-irc5-kernel")
         self.board = Board()
-        self.parameters = Parameters(self.given.values(), "" if robot is None else robot.title)
+        self.parameters = _Parameters(self.given.values(), "" if robot is None else robot.title)
         self._used: tuple[int, dict[str, Signal]] = -1, {}
         self.programs: Programs
 
@@ -288,9 +288,9 @@ class Cabinet:
         return self.live.do(lambda kernel: kernel.motion.where())
 
 
-BACKUP_FOLDERS: Final = {False: "PROGMOD", True: "SYSMOD"}
+_BACKUP_FOLDERS: Final = {False: "PROGMOD", True: "SYSMOD"}
 """By whether a module is a SYSMODULE."""
-MODULE_FOLDER_SUFFIXES: Final = {False: ".mod", True: ".sys"}
+_MODULE_FOLDER_SUFFIXES: Final = {False: ".mod", True: ".sys"}
 
 
 def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
@@ -312,14 +312,14 @@ def _write_backup(programs: Programs, folder: FilePath, cabinet: Cabinet) -> Non
     (folder / "BACKINFO" / "backinfo.txt").write_text(told, "latin-1")
     shutil.copytree(home, folder / "HOME", ignore=arriving)
     for system in (False, True):
-        (folder / "RAPID" / "TASK1" / BACKUP_FOLDERS[system]).mkdir(parents=True)
+        (folder / "RAPID" / "TASK1" / _BACKUP_FOLDERS[system]).mkdir(parents=True)
     for one in programs.modules.values():
         file = (
             folder
             / "RAPID"
             / "TASK1"
-            / BACKUP_FOLDERS[one.system]
-            / f"{one.name}{MODULE_FOLDER_SUFFIXES[one.system]}"
+            / _BACKUP_FOLDERS[one.system]
+            / f"{one.name}{_MODULE_FOLDER_SUFFIXES[one.system]}"
         )
         file.write_bytes(programs.text(one).encode("latin-1", "replace"))
     (folder / "SYSPAR").mkdir()

@@ -31,26 +31,26 @@ from assistant.virtual.rapid.values import Handle, Record
 
 Devices = Mapping[str, tuple[str, int]]
 """UdpUc devices by name: address and port of the computer that they send to."""
-COND_TIME: Final = 20.0
-COMM_TIMEOUT: Final = 1.0
+_COND_TIME: Final = 20.0
+_COMM_TIMEOUT: Final = 1.0
 NEAR: Final = 0.5
 """Degrees or mm that count as converged, where nothing states it."""
-TOOL_SPEEDS: Final = (1000.0, 180.0)
+_TOOL_SPEEDS: Final = (1000.0, 180.0)
 """Speeds of a guided tool: mm and degrees a second, assumed."""
-HOLD: Final = "EGM_STOP_HOLD"
+_HOLD: Final = "EGM_STOP_HOLD"
 AXES: Final = tuple(f"j{axis}" for axis in range(1, 7))
-FREEDOMS: Final = ("x", "y", "z", "rx", "ry", "rz")
+_FREEDOMS: Final = ("x", "y", "z", "rx", "ry", "rz")
 
 
 @dataclass(slots=True)
-class Prepared:
+class _Prepared:
     """Settings that the instructions have made so far. target: address that receives the
     packets.
     """
 
     kind: Kind | None = None
     target: tuple[str, int] = ("", 0)
-    comm_timeout: float = COMM_TIMEOUT
+    comm_timeout: float = _COMM_TIMEOUT
     cycle: float = CYCLE
     within: float | None = None
     most: float | None = None
@@ -65,7 +65,7 @@ def abilities(devices: Devices) -> dict[str, Ability]:
         "EGMGetId": _get,
         "EGMSetupUC": partial(_set_up, devices),
         "EGMActJoint": partial(_act, "joints", AXES),
-        "EGMActPose": partial(_act, "poses", FREEDOMS),
+        "EGMActPose": partial(_act, "poses", _FREEDOMS),
         "EGMRunJoint": partial(_run, "joints"),
         "EGMRunPose": partial(_run, "poses"),
         "EGMStop": _stop,
@@ -79,9 +79,9 @@ def _handle(given: Given, index: int = 0) -> Handle:
     return handle
 
 
-def _prepared(given: Given, index: int = 0) -> Prepared:
+def _prepared(given: Given, index: int = 0) -> _Prepared:
     inside = _handle(given, index).inside
-    if not isinstance(inside, Prepared):
+    if not isinstance(inside, _Prepared):
         raise Fault("an EGM identity is used that EGMGetId did not give")
     return inside
 
@@ -92,8 +92,8 @@ def _reset(given: Given) -> None:
 
 def _get(given: Given) -> None:
     handle = _handle(given)
-    if not isinstance(handle.inside, Prepared):
-        handle.inside = Prepared()
+    if not isinstance(handle.inside, _Prepared):
+        handle.inside = _Prepared()
 
 
 def _set_up(devices: Devices, given: Given) -> None:
@@ -106,7 +106,7 @@ def _set_up(devices: Devices, given: Given) -> None:
     egm.target = devices[name]
     egm.kind = "poses" if given.has("pose") else "joints"
     stated = given.optional_number("commtimeout")
-    egm.comm_timeout = COMM_TIMEOUT if stated is None else stated
+    egm.comm_timeout = _COMM_TIMEOUT if stated is None else stated
 
 
 def _act(kind: Kind, axes: tuple[str, ...], given: Given) -> None:
@@ -136,7 +136,7 @@ def _run(kind: Kind, given: Given) -> None:
     if given.has("nowaitcond"):
         raise NotSimulated("EGM that goes on beside the program")
     mode = given.required[1] if len(given.required) > 1 else None
-    if not isinstance(mode, s.NameRef) or mode.name.upper() != HOLD:
+    if not isinstance(mode, s.NameRef) or mode.name.upper() != _HOLD:
         raise NotSimulated("EGM that goes back to where it began")
     if given.optional_number("poscorrgain") == 0.0:
         raise NotSimulated("EGM that controls the speed")
@@ -149,7 +149,7 @@ def _run(kind: Kind, given: Given) -> None:
         _joints(machine) if kind == "joints" else _pose(machine, egm),
         _speeds(machine, egm),
         comm_timeout=egm.comm_timeout,
-        cond_time=COND_TIME if stated is None else stated,
+        cond_time=_COND_TIME if stated is None else stated,
         within=egm.within,
     )
     _follow(machine, guidance, egm)
@@ -157,7 +157,7 @@ def _run(kind: Kind, given: Given) -> None:
         raise Fault(f"event {NO_DATA}: no data from the UdpUc device", "ERR_UDPUC_COMM")
 
 
-def _follow(machine: Machine, guidance: Guidance, egm: Prepared) -> None:
+def _follow(machine: Machine, guidance: Guidance, egm: _Prepared) -> None:
     """Cycle by cycle, until it is over; then the arm is where it was led."""
     before, task = machine.arm.flange, machine.task
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
@@ -186,7 +186,7 @@ def _hear(own: socket.socket, guidance: Guidance) -> None:
             guidance.hear(own.recv(2048))
 
 
-def _arrive(machine: Machine, guidance: Guidance, egm: Prepared, before: Pose | None) -> None:
+def _arrive(machine: Machine, guidance: Guidance, egm: _Prepared, before: Pose | None) -> None:
     arm = machine.arm
     tool, frame = _frames(machine, egm)
     if guidance.kind == "joints":
@@ -197,12 +197,12 @@ def _arrive(machine: Machine, guidance: Guidance, egm: Prepared, before: Pose | 
         arm.joints = None
         place = Pose.of(np.array(guidance.values[:3]), np.array(guidance.values[3:]))
         arm.flange = arm.flange_at(place, tool, frame)
-        moved = Moved("linear", arm.flange, is_carried(tool), speed=TOOL_SPEEDS[0])
+        moved = Moved("linear", arm.flange, is_carried(tool), speed=_TOOL_SPEEDS[0])
     arm.tool, arm.frame = tool, frame
     machine.go(moved, before)
 
 
-def _frames(machine: Machine, egm: Prepared) -> tuple[Record, Record]:
+def _frames(machine: Machine, egm: _Prepared) -> tuple[Record, Record]:
     tool = egm.tool or machine.arm.tool
     if tool is None:
         raise NotSimulated("EGM with the tool of the program before")
@@ -217,17 +217,17 @@ def _joints(machine: Machine) -> tuple[float, ...]:
     return tuple(joints)
 
 
-def _pose(machine: Machine, egm: Prepared) -> tuple[float, ...]:
+def _pose(machine: Machine, egm: _Prepared) -> tuple[float, ...]:
     standing = machine.task.kernel.motion.where()
     flange = None if standing is None else standing[0]
     pose = machine.arm.reading(*_frames(machine, egm), flange)
     return (*pose.position, *pose.quaternion)
 
 
-def _speeds(machine: Machine, egm: Prepared) -> tuple[float, ...]:
+def _speeds(machine: Machine, egm: _Prepared) -> tuple[float, ...]:
     """Return the speeds that the arm can reach and is allowed to use."""
     if egm.kind == "poses":
-        return TOOL_SPEEDS
+        return _TOOL_SPEEDS
     assert machine.robot is not None
     most = float("inf") if egm.most is None else egm.most
     return tuple(min(most, float(speed)) for speed in machine.robot.speeds)

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 Kind = Literal["joints", "poses"]
-MSGTYPE_DATA, MSGTYPE_CORRECTION = 2, 3
+_MSGTYPE_DATA, _MSGTYPE_CORRECTION = 2, 3
 MOTORS_ON, MOTORS_OFF = 1, 2
 MCI_ERROR, MCI_STOPPED, MCI_RUNNING = 1, 2, 3
 RAPID_STOPPED, RAPID_RUNNING = 1, 2
-ROBOT_AXES: Final = 6
+_ROBOT_AXES: Final = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class SensorCommand:
 def robot_packet(told: RobotState, kind: Kind) -> bytes:
     """EgmRobot."""
     header = (
-        _number_field(1, told.seqno) + _number_field(2, told.tm) + _number_field(3, MSGTYPE_DATA)
+        _number_field(1, told.seqno) + _number_field(2, told.tm) + _number_field(3, _MSGTYPE_DATA)
     )
     clock = _number_field(1, told.tm // 1000) + _number_field(2, told.tm % 1000 * 1000)
     parts = [
@@ -67,8 +67,8 @@ def robot_packet(told: RobotState, kind: Kind) -> bytes:
 def _place_fields(values: Sequence[float], kind: Kind) -> bytes:
     """EgmFeedBack and EgmPlanned without their time."""
     if kind == "joints":
-        own = b"".join(_double_field(1, value) for value in values[:ROBOT_AXES])
-        more = b"".join(_double_field(1, value) for value in values[ROBOT_AXES:])
+        own = b"".join(_double_field(1, value) for value in values[:_ROBOT_AXES])
+        more = b"".join(_double_field(1, value) for value in values[_ROBOT_AXES:])
         return _bytes_field(1, own) + (_bytes_field(3, more) if more else b"")
     place = b"".join(_double_field(i, value) for i, value in enumerate(values[:3], 1))
     turn = b"".join(_double_field(i, value) for i, value in enumerate(values[3:], 1))
@@ -83,28 +83,28 @@ def read_sensor_packet(packet: bytes, kind: Kind, count: int) -> SensorCommand |
         top = _read_fields(packet)
         header = _read_fields(_only_field(top, 1))
         planned = _read_fields(_only_field(top, 2))
-        if _whole_field(header, 3) != MSGTYPE_CORRECTION:
+        if _whole_field(header, 3) != _MSGTYPE_CORRECTION:
             return None
         values = _joint_fields(planned) if kind == "joints" else _pose_fields(planned)
         seqno = _whole_field(header, 1)
-    except (Damaged, struct.error):
+    except (_Damaged, struct.error):
         return None
     if len(values) != count or not all(map(math.isfinite, values)):
         return None
     return SensorCommand(seqno, values)
 
 
-def _joint_fields(planned: Fields) -> tuple[float, ...]:
+def _joint_fields(planned: _Fields) -> tuple[float, ...]:
     found: list[float] = []
     for number in (1, 3):
         for inside in planned.get(number, []):
             if not isinstance(inside, bytes):
-                raise Damaged("joints are no message")
+                raise _Damaged("joints are no message")
             found += (_float_field(value) for value in _read_fields(inside).get(1, []))
     return tuple(found)
 
 
-def _pose_fields(planned: Fields) -> tuple[float, ...]:
+def _pose_fields(planned: _Fields) -> tuple[float, ...]:
     pose = _read_fields(_only_field(planned, 2))
     place, turn = _read_fields(_only_field(pose, 1)), _read_fields(_only_field(pose, 2))
     return tuple(
@@ -117,36 +117,36 @@ def _pose_fields(planned: Fields) -> tuple[float, ...]:
 
 # ------------------------------------------------------------------------------------- bytes
 
-Fields = dict[int, list[int | bytes]]
+_Fields = dict[int, list[int | bytes]]
 
 
-class Damaged(ValueError):
+class _Damaged(ValueError):
     """Bytes that do not form a message."""
 
 
-def _only_field(fields: Fields, number: int) -> bytes:
+def _only_field(fields: _Fields, number: int) -> bytes:
     found = fields.get(number, [0])[-1]
     if not isinstance(found, bytes):
-        raise Damaged(f"the field {number} is missing")
+        raise _Damaged(f"the field {number} is missing")
     return found
 
 
-def _whole_field(fields: Fields, number: int) -> int:
+def _whole_field(fields: _Fields, number: int) -> int:
     found = fields.get(number, [0])[-1]
     if not isinstance(found, int):
-        raise Damaged(f"the field {number} is no whole number")
+        raise _Damaged(f"the field {number} is no whole number")
     return found
 
 
 def _float_field(value: int | bytes) -> float:
     if not isinstance(value, bytes):
-        raise Damaged("a whole number instead of a double")
+        raise _Damaged("a whole number instead of a double")
     (number,) = struct.unpack("<d", value)
     return float(number)
 
 
-def _read_fields(data: bytes) -> Fields:
-    fields: Fields = {}
+def _read_fields(data: bytes) -> _Fields:
+    fields: _Fields = {}
     while data:
         tag, data = _varint(data)
         match tag & 7:
@@ -161,9 +161,9 @@ def _read_fields(data: bytes) -> Fields:
             case 5:
                 size = 4
             case other:
-                raise Damaged(f"wire type {other}")
+                raise _Damaged(f"wire type {other}")
         if len(data) < size:
-            raise Damaged("a field without its end")
+            raise _Damaged("a field without its end")
         fields.setdefault(tag >> 3, []).append(data[:size])
         data = data[size:]
     return fields
@@ -175,7 +175,7 @@ def _varint(data: bytes) -> tuple[int, bytes]:
         value += (byte & 127) << (7 * i)
         if byte < 128:
             return value, data[i + 1 :]
-    raise Damaged("a number without its end")
+    raise _Damaged("a number without its end")
 
 
 def _field_head(number: int, wire: int) -> bytes:

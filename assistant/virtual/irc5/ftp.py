@@ -21,14 +21,14 @@ from assistant.base.diagnostics import Diagnostic, Severity
 from assistant.base.file_access import UNFINISHED, read_file, write_whole
 from assistant.virtual.irc5.programs import check_file, is_checked
 
-UNIT: Final = "HOME:"
-MOST_ARRIVING: Final = 1 << 30
+_UNIT: Final = "HOME:"
+_MOST_ARRIVING: Final = 1 << 30
 """Bytes of one file that are held in memory."""
-MOST_SAID: Final = 20
+_MOST_SAID: Final = 20
 """Findings that one answer repeats."""
 
 
-class NotTaken(FilesystemError):  # type: ignore[misc] # pyftpdlib has no types
+class _NotTaken(FilesystemError):  # type: ignore[misc] # pyftpdlib has no types
     """A file that is not taken in; `reply` is the whole FTP answer, code and lines."""
 
     def __init__(self, code: int, lines: Iterable[str]) -> None:
@@ -47,8 +47,8 @@ class Home(AbstractedFS):  # type: ignore[misc]
 
     def ftpnorm(self, ftppath: str) -> str:
         """The path with or without the unit in front."""
-        path = str(super().ftpnorm(re.sub(rf"^/*{UNIT}(?=/|$)", "/", ftppath, flags=re.I)))
-        return re.sub(rf"^/{UNIT}(?=/|$)", "", path, flags=re.I) or "/"
+        path = str(super().ftpnorm(re.sub(rf"^/*{_UNIT}(?=/|$)", "/", ftppath, flags=re.I)))
+        return re.sub(rf"^/{_UNIT}(?=/|$)", "", path, flags=re.I) or "/"
 
     def validpath(self, path: str) -> bool:
         """True if a path is inside the folder; a NUL in its name is invalid."""
@@ -67,7 +67,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         path = FilePath(filename)
         if path.is_dir() or not path.parent.is_dir():
             raise FilesystemError("there is no such folder, or a folder of that name")
-        return Arrival(self, path)
+        return _Arrival(self, path)
 
     def rename(self, src: str, dst: str) -> None:
         """Rename a file; one that becomes a module by its new name is checked then."""
@@ -93,7 +93,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         errors = [finding for finding in findings if finding.severity is Severity.ERROR]
         if errors:
             self.report(f"refused {path.name}: {len(errors)} errors")
-            raise NotTaken(550, _refusal(path.name, errors))
+            raise _NotTaken(550, _refusal(path.name, errors))
 
     def room_for(self, path: FilePath, size: int) -> bool:
         if self.quota is None:
@@ -102,7 +102,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
         return sum(f.stat().st_size for f in files if f != path) + size <= self.quota
 
 
-class Arrival:
+class _Arrival:
     """A file on its way in; nothing is on the disk until `take_in`."""
 
     def __init__(self, home: Home, path: FilePath) -> None:
@@ -115,7 +115,7 @@ class Arrival:
 
     def write(self, data: bytes) -> None:
         self._size += len(data)
-        if self._size <= MOST_ARRIVING:
+        if self._size <= _MOST_ARRIVING:
             self._parts.append(data)
 
     def close(self) -> None:
@@ -124,17 +124,17 @@ class Arrival:
     def take_in(self) -> None:
         """Looks at the whole file and puts it in its place; raises NotTaken."""
         data = b"".join(self._parts)
-        if self._size > MOST_ARRIVING or not self._home.room_for(self._path, self._size):
-            raise NotTaken(552, ["the disk is full, nothing was stored"])
+        if self._size > _MOST_ARRIVING or not self._home.room_for(self._path, self._size):
+            raise _NotTaken(552, ["the disk is full, nothing was stored"])
         self._home.look(self._path, data)
         try:
             write_whole(self._path, data)
         except OSError as error:
-            raise NotTaken(452, [f"not stored: {error.strerror}"]) from None
+            raise _NotTaken(452, [f"not stored: {error.strerror}"]) from None
         self._home.report(f"stored {self._path.name} ({len(data)} bytes)")
 
 
-class Transfer(DTPHandler):  # type: ignore[misc]
+class _Transfer(DTPHandler):  # type: ignore[misc]
     """A data connection whose upload is taken in before it is answered."""
 
     def handle_close(self) -> None:
@@ -150,7 +150,7 @@ class Transfer(DTPHandler):  # type: ignore[misc]
                 self.file_obj.take_in()
                 self.transfer_finished = True
                 self._resp = ("226 Transfer complete.", self.log)
-        except NotTaken as error:
+        except _NotTaken as error:
             self._resp = (error.reply, self.log)
         finally:
             self.close()
@@ -169,7 +169,7 @@ class Session(FTPHandler):  # type: ignore[misc]
     """A control connection; `VirtualIrc5` fills in the folder and the user."""
 
     banner = "virtual IRC5 ready"
-    dtp_handler = Transfer
+    dtp_handler = _Transfer
     auth_failed_timeout = 0.2
     use_sendfile = False
 
@@ -184,9 +184,9 @@ class Session(FTPHandler):  # type: ignore[misc]
 
 def _refusal(name: str, errors: list[Diagnostic]) -> list[str]:
     """The lines of an answer: that it was refused, and each finding with its place."""
-    rest = len(errors) - MOST_SAID
+    rest = len(errors) - _MOST_SAID
     lines = [f"{name} was not loaded:"]
-    lines += [f"{e.where() or name} {e.code} {e.message}" for e in errors[:MOST_SAID]]
+    lines += [f"{e.where() or name} {e.code} {e.message}" for e in errors[:_MOST_SAID]]
     return [*lines, f"and {rest} more"] if rest > 0 else lines
 
 

@@ -12,11 +12,11 @@ Mode = Literal["AUTO", "MANR", "MANF"]
 State = Literal["motoroff", "motoron", "guardstop", "emergencystop", "emergencystopreset"]
 Kind = Literal[1, 2, 3]
 """Kind of an event: information, a warning, an error."""
-MOST_EVENTS: Final = 1000
-DOMAIN: Final = 10_000
+_MOST_EVENTS: Final = 1000
+_DOMAIN: Final = 10_000
 """The number of an event is its domain times this, and its own number in the domain."""
 
-TITLES: Final[dict[int, tuple[Kind, str]]] = {
+_TITLES: Final[dict[int, tuple[Kind, str]]] = {
     10002: (1, "Program pointer has been reset"),
     10010: (1, "Motors OFF state"),
     10011: (1, "Motors ON state"),
@@ -54,7 +54,7 @@ class Event:
 
     @property
     def domain(self) -> int:
-        return self.code // DOMAIN
+        return self.code // _DOMAIN
 
 
 @dataclass(eq=False)
@@ -71,12 +71,12 @@ class EventLog:
     def add(
         self, code: int, text: str = "", title: str = "", arguments: tuple[str, ...] = ()
     ) -> None:
-        kind, usual = TITLES.get(code, (3, f"Event {code}"))
+        kind, usual = _TITLES.get(code, (3, f"Event {code}"))
         with self._lock:
             self.count += 1
             made = Event(self.count, code, kind, self.now(), title or usual, text, arguments)
             self.events.append(made)
-            del self.events[:-MOST_EVENTS]
+            del self.events[:-_MOST_EVENTS]
 
     def of(self, domain: int) -> list[Event]:
         """Return the events of a domain, 0 for all."""

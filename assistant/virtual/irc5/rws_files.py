@@ -26,8 +26,8 @@ from assistant.virtual.irc5.cabinet import (
 )
 from assistant.virtual.irc5.rws_messages import DONE, Answer, Item, Rejected, Request
 
-VOLUMES: Final = ("HOME", "TEMP", "BACKUP", "RAMDISK")
-FILE_TIME: Final = "%Y-%m-%d T %H:%M:%S"
+_VOLUMES: Final = ("HOME", "TEMP", "BACKUP", "RAMDISK")
+_FILE_TIME: Final = "%Y-%m-%d T %H:%M:%S"
 _CONTROL: Final = re.compile(r"[\x00-\x1f\x7f]")
 
 
@@ -35,7 +35,7 @@ def path_of(cabinet: Cabinet, path: str, dialect: int = 1) -> FilePath:
     """A file or folder by `HOME/parts/a.mod`; raises Rejected for what is in no volume."""
     volume, _, inside = path.strip("/").partition("/")
     name = volume.lstrip("$").rstrip(":").upper()
-    if name not in VOLUMES:
+    if name not in _VOLUMES:
         raise Rejected(rws_messages.NO_FILE if dialect == 1 else rws_messages.NO_VOLUME)
     root = cabinet.disk.folder(name)
     found = None if _CONTROL.search(inside) else (root / inside).resolve()
@@ -64,7 +64,7 @@ def _missing_path(request: Request) -> Rejected:
 
 def list_volumes(cabinet: Cabinet, request: Request) -> Answer:
     kind, sign = request.either("fs-device", "fs-dir"), request.either("$", "")
-    return Answer(listed=[Item(kind, f"{sign}{name}", {}, f"{sign}{name}") for name in VOLUMES])
+    return Answer(listed=[Item(kind, f"{sign}{name}", {}, f"{sign}{name}") for name in _VOLUMES])
 
 
 def read_path(cabinet: Cabinet, request: Request) -> Answer:
@@ -81,8 +81,8 @@ def read_path(cabinet: Cabinet, request: Request) -> Answer:
 def _path_item(path: FilePath) -> Item:
     facts = path.stat()
     fields = {
-        "fs-cdate": datetime.fromtimestamp(facts.st_ctime).strftime(FILE_TIME),
-        "fs-mdate": datetime.fromtimestamp(facts.st_mtime).strftime(FILE_TIME),
+        "fs-cdate": datetime.fromtimestamp(facts.st_ctime).strftime(_FILE_TIME),
+        "fs-mdate": datetime.fromtimestamp(facts.st_mtime).strftime(_FILE_TIME),
     }
     if path.is_dir():
         return Item("fs-dir", path.name, fields, path.name)
@@ -172,8 +172,8 @@ def rename_path(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-LOAD_METHODS: Final[dict[str, LoadMethod]] = {one: one for one in get_args(LoadMethod)}
-INSTANCES_PAGE: Final = 70
+_LOAD_METHODS: Final[dict[str, LoadMethod]] = {one: one for one in get_args(LoadMethod)}
+_INSTANCES_PAGE: Final = 70
 """Instances that are listed at once."""
 _BRACKETS: Final = re.compile(r"\[(.*),\s*\d+\]")
 """Form of a value in RWS 2.0: the value, and its number among several."""
@@ -208,9 +208,9 @@ def _parameter_type(cabinet: Cabinet, request: Request) -> dict[str, Instance]:
 def parameter_instances(cabinet: Cabinet, request: Request) -> Answer:
     found = sorted(_parameter_type(cabinet, request).items())
     start = request.number("start", 0, 10**6, 0)
-    page = found[start : start + INSTANCES_PAGE]
+    page = found[start : start + _INSTANCES_PAGE]
     onward = (
-        f"instances?start={start + INSTANCES_PAGE}" if start + INSTANCES_PAGE < len(found) else ""
+        f"instances?start={start + _INSTANCES_PAGE}" if start + _INSTANCES_PAGE < len(found) else ""
     )
     return Answer(listed=[_instance_item(request, name, row) for name, row in page], next=onward)
 
@@ -249,7 +249,7 @@ def change_parameter(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def load_parameters(cabinet: Cabinet, request: Request) -> Answer:
-    how = LOAD_METHODS.get(request.given("action-type"))
+    how = _LOAD_METHODS.get(request.given("action-type"))
     if how is None:
         raise Rejected(rws_messages.BAD_ARGUMENT, "action-type")
     try:

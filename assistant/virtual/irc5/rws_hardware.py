@@ -24,7 +24,7 @@ from assistant.virtual.rapid.records import record
 from assistant.virtual.rapid.scopes import Cell
 from assistant.virtual.rapid.values import Record
 
-OPERATING_MODES: Final[dict[str, Mode]] = {
+_OPERATING_MODES: Final[dict[str, Mode]] = {
     "auto": "AUTO",
     "man": "MANR",
     "manfs": "MANF",
@@ -57,7 +57,7 @@ def operating_mode(cabinet: Cabinet, request: Request) -> Answer:
 
 def set_operating_mode(cabinet: Cabinet, request: Request) -> Answer:
     """Set the operating mode, as virtual controllers allow; on a real one only its key does."""
-    wanted = OPERATING_MODES.get(request.given("opmode").lower())
+    wanted = _OPERATING_MODES.get(request.given("opmode").lower())
     if wanted is None:
         raise Rejected(rws_messages.BAD_ARGUMENT, "opmode")
     cabinet.panel.set_mode(wanted)
@@ -99,14 +99,14 @@ def emergency_stop(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-UNIT: Final = "ROB_1"
-NO_AXIS: Final = "8.999999E+09"
+_UNIT: Final = "ROB_1"
+_NO_AXIS: Final = "8.999999E+09"
 """An additional axis that is not there, as single precision writes 9E9."""
-EXTERNAL_AXES: Final = "abcdef"
+_EXTERNAL_AXES: Final = "abcdef"
 
 
 def _check_unit(request: Request) -> None:
-    if request.captures["unit"].upper() != UNIT:
+    if request.captures["unit"].upper() != _UNIT:
         raise Rejected(rws_messages.NO_RESOURCE, request.captures["unit"])
 
 
@@ -124,7 +124,7 @@ def motion_system(cabinet: Cabinet, request: Request) -> Answer:
 
 def mechanical_units(cabinet: Cabinet, request: Request) -> Answer:
     fields = {"mode": "Activated", "activation-allowed": "TRUE", "drive-module": "1"}
-    return Answer(listed=[Item("ms-mechunit-li", UNIT, fields, f"mechunits/{UNIT}")])
+    return Answer(listed=[Item("ms-mechunit-li", _UNIT, fields, f"mechunits/{_UNIT}")])
 
 
 def mechanical_unit(cabinet: Cabinet, request: Request) -> Answer:
@@ -145,15 +145,15 @@ def mechanical_unit(cabinet: Cabinet, request: Request) -> Answer:
         "jog-mode": "AxisGroup1",
         "coord-system": "Base",
     }
-    return Answer(items=[Item("ms-mechunit", UNIT, fields)])
+    return Answer(items=[Item("ms-mechunit", _UNIT, fields)])
 
 
 def joint_target(cabinet: Cabinet, request: Request) -> Answer:
     _check_unit(request)
     values = _arm_now(cabinet)[1]
     fields = {f"rax_{i}": _single_text(value) for i, value in enumerate(values[:6], 1)}
-    fields |= {f"eax_{letter}": NO_AXIS for letter in EXTERNAL_AXES}
-    return Answer(items=[Item("ms-jointtarget", UNIT, fields)])
+    fields |= {f"eax_{letter}": _NO_AXIS for letter in _EXTERNAL_AXES}
+    return Answer(items=[Item("ms-jointtarget", _UNIT, fields)])
 
 
 def robot_target(cabinet: Cabinet, request: Request) -> Answer:
@@ -173,8 +173,8 @@ def robot_target(cabinet: Cabinet, request: Request) -> Answer:
     fields = _pose_fields(pose)
     names = ("cf1", "cf4", "cf6", "cfx")
     fields |= dict(zip(names, _configuration_values(cabinet, values), strict=True))
-    fields |= {f"eax{letter}": NO_AXIS for letter in EXTERNAL_AXES}
-    return Answer(items=[Item("ms-robtargets", UNIT, fields)])
+    fields |= {f"eax{letter}": _NO_AXIS for letter in _EXTERNAL_AXES}
+    return Answer(items=[Item("ms-robtargets", _UNIT, fields)])
 
 
 def cartesian_pose(cabinet: Cabinet, request: Request) -> Answer:
@@ -229,7 +229,7 @@ def _record_named(programs: Programs, name: str, type: str) -> Record:
     raise Rejected(rws_messages.NO_SYMBOL, name)
 
 
-SIGNALS_PAGE = 100
+_SIGNALS_PAGE = 100
 """Signals that RWS 2.0 lists at once; 1.0 lists all."""
 
 
@@ -239,7 +239,7 @@ def list_signals(cabinet: Cabinet, request: Request) -> Answer:
 
 def _signal_page(cabinet: Cabinet, request: Request, found: list[Signal]) -> Answer:
     start = request.number("start", 0, 10**6, 0)
-    usual = SIGNALS_PAGE if request.dialect == 2 else len(found) + 1
+    usual = _SIGNALS_PAGE if request.dialect == 2 else len(found) + 1
     limit = request.number("limit", 1, usual, usual)
     page = found[start : start + limit]
     onward = f"signals?start={start + limit}&limit={limit}" if start + limit < len(found) else ""

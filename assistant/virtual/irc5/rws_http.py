@@ -25,13 +25,13 @@ from assistant.virtual.irc5.rws_messages import (
     Sessions,
 )
 
-MOST_BODY: Final = 1 << 28
+_MOST_BODY: Final = 1 << 28
 """Bytes of one request that are held in memory."""
-IDLE: Final = 60.0
+_IDLE: Final = 60.0
 """Seconds after which a connection without a request is closed."""
-FORM_TYPE: Final = "application/x-www-form-urlencoded"
-FILES: Final = "/fileservice"
-FILE_TYPES: Final = ("text/plain;v=2.0", "application/octet-stream;v=2.0")
+_FORM_TYPE: Final = "application/x-www-form-urlencoded"
+_FILES: Final = "/fileservice"
+_FILE_TYPES: Final = ("text/plain;v=2.0", "application/octet-stream;v=2.0")
 
 
 class Service(Protocol):
@@ -112,7 +112,7 @@ class Server(ThreadingHTTPServer):
             self._open.add(request)
         secured = request
         try:
-            request.settimeout(IDLE)
+            request.settimeout(_IDLE)
             if self.site.secure is not None:
                 secured = self.site.secure.wrap_socket(request, server_side=True)
                 with self._lock:
@@ -208,7 +208,7 @@ class Connection(BaseHTTPRequestHandler):
             self.close_connection = True
             return None
         length = int(text[:12])
-        if length > MOST_BODY:
+        if length > _MOST_BODY:
             self._send(413, "text/plain", b"")
             self.close_connection = True
             return None
@@ -242,7 +242,7 @@ class Connection(BaseHTTPRequestHandler):
         """Return the fields of a form; values of fields with the same name are joined with
         commas.
         """
-        if not self.headers.get("Content-Type", FORM_TYPE).startswith(FORM_TYPE):
+        if not self.headers.get("Content-Type", _FORM_TYPE).startswith(_FORM_TYPE):
             return {}
         found: dict[str, str] = {}
         for name, value in parse_qsl(body.decode("utf-8", "replace"), keep_blank_values=True):
@@ -262,7 +262,7 @@ class Connection(BaseHTTPRequestHandler):
             kind, _, _ = form.type.partition(";")
             if f"{kind};v=2." in accept.replace(" ", ""):
                 return form
-        any_way = self.command != "GET" or self.path.startswith((FILES, "/logout"))
+        any_way = self.command != "GET" or self.path.startswith((_FILES, "/logout"))
         return rws_messages.XHTML_2 if any_way else None
 
     def _check_type(self, path: str) -> None:
@@ -272,8 +272,8 @@ class Connection(BaseHTTPRequestHandler):
         stated = self.headers.get("Content-Type", "").replace(" ", "")
         if not stated:
             raise Rejected(rws_messages.UNACCEPTABLE, "no Content-Type")
-        is_file = self.command == "PUT" and path.startswith(FILES)
-        if stated not in (FILE_TYPES if is_file else (f"{FORM_TYPE};v=2.0",)):
+        is_file = self.command == "PUT" and path.startswith(_FILES)
+        if stated not in (_FILE_TYPES if is_file else (f"{_FORM_TYPE};v=2.0",)):
             raise Rejected(rws_messages.NOT_THIS_TYPE, stated)
 
     # ---------------------------------------------------------------------------- answers

@@ -30,13 +30,13 @@ from http.cookies import CookieError, SimpleCookie
 from typing import Final, Generic, TypeVar
 from urllib.parse import unquote
 
-REALM: Final = "validusers@robapi.abb"
-OPAQUE: Final = "799d5"
-MOST_SESSIONS: Final = 70
-SESSION_TIMEOUT: Final = 300.0
+_REALM: Final = "validusers@robapi.abb"
+_OPAQUE: Final = "799d5"
+_MOST_SESSIONS: Final = 70
+_SESSION_TIMEOUT: Final = 300.0
 """Seconds that a session lasts without a request."""
-MOST_NONCES: Final = 1000
-COOKIE: Final = "-http-session-"
+_MOST_NONCES: Final = 1000
+_COOKIE: Final = "-http-session-"
 _DIGEST_FIELD: Final = re.compile(r'(\w+)\s*=\s*(?:"((?:[^"\\]|\\.)*)"|([^\s,]+))')
 
 
@@ -55,7 +55,7 @@ class Session:
     @property
     def cookies(self) -> tuple[str, str]:
         return (
-            f"{COOKIE}={self.key}; path=/; httponly",
+            f"{_COOKIE}={self.key}; path=/; httponly",
             f"ABBCX={self.number}; path=/",
         )
 
@@ -70,7 +70,7 @@ class Sessions:
     password: str = field(repr=False)
     ended: list[Callable[[Session], None]] = field(default_factory=list)
     refuses: bool = False
-    most: int = MOST_SESSIONS
+    most: int = _MOST_SESSIONS
 
     def __post_init__(self) -> None:
         self._open: dict[str, Session] = {}
@@ -84,14 +84,14 @@ class Sessions:
     def of(self, cookies: str) -> Session | None:
         """The session that a request belongs to, None for a new one."""
         try:
-            found = SimpleCookie(cookies).get(COOKIE)
+            found = SimpleCookie(cookies).get(_COOKIE)
         except CookieError:
             return None
         with self._lock:
             session = None if found is None else self._open.get(found.value)
             if session is None:
                 return None
-            if time.monotonic() - session.used > SESSION_TIMEOUT:
+            if time.monotonic() - session.used > _SESSION_TIMEOUT:
                 self.end(session)
                 return None
             session.used = time.monotonic()
@@ -101,7 +101,7 @@ class Sessions:
         """A new session, None if there are too many."""
         with self._lock:
             now = time.monotonic()
-            for old in [one for one in self._open.values() if now - one.used > SESSION_TIMEOUT]:
+            for old in [one for one in self._open.values() if now - one.used > _SESSION_TIMEOUT]:
                 self.end(old)
             if len(self._open) >= self.most:
                 return None
@@ -128,15 +128,15 @@ class Sessions:
 
     def challenge(self, dialect: int, stale: bool = False) -> str:
         if dialect == 2:
-            return f'Basic realm="{REALM}"'
+            return f'Basic realm="{_REALM}"'
         nonce = base64.b64encode(secrets.token_bytes(30)).decode()
         with self._lock:
             self._nonces[nonce] = None
-            while len(self._nonces) > MOST_NONCES:
+            while len(self._nonces) > _MOST_NONCES:
                 del self._nonces[next(iter(self._nonces))]
         return (
-            f'Digest realm="{REALM}", domain="/", qop="auth", nonce="{nonce}", '
-            f'opaque="{OPAQUE}", algorithm="MD5", stale="{"TRUE" if stale else "FALSE"}"'
+            f'Digest realm="{_REALM}", domain="/", qop="auth", nonce="{nonce}", '
+            f'opaque="{_OPAQUE}", algorithm="MD5", stale="{"TRUE" if stale else "FALSE"}"'
         )
 
     def admits(self, dialect: int, header: str, method: str, target: str) -> bool:
@@ -161,9 +161,9 @@ class Sessions:
         nonce = given.get("nonce", "")
         if nonce not in self._nonces or given.get("username") != self.user:
             return False
-        if given.get("realm") != REALM or given.get("uri") != target:
+        if given.get("realm") != _REALM or given.get("uri") != target:
             return False
-        one = _md5(f"{self.user}:{REALM}:{self.password}")
+        one = _md5(f"{self.user}:{_REALM}:{self.password}")
         two = _md5(f"{method}:{given['uri']}")
         middle = nonce
         if "qop" in given:
@@ -176,7 +176,7 @@ def _md5(text: str) -> str:
     return hashlib.md5(text.encode(), usedforsecurity=False).hexdigest()
 
 
-SUCCESS: Final = 294912
+_SUCCESS: Final = 294912
 """The code of the status of an answer of RWS 2.0 without an error."""
 HEAD: Final = '<?xml version="1.0" encoding="UTF-8"?><html xmlns="http://www.w3.org/1999/xhtml">'
 
@@ -262,7 +262,7 @@ def _plain_fields(href: str) -> str:
     return escaped(href, quote=False)
 
 
-def xhtml(answer: Answer, place: Place) -> str:
+def _xhtml(answer: Answer, place: Place) -> str:
     rows = "".join(map(_xhtml_item, (*answer.items, *answer.listed)))
     refers = list(answer.links) or [(place.own, "self")]
     if answer.next:
@@ -310,19 +310,19 @@ def _json_object(item: Item) -> dict[str, object]:
     return {**links, "_type": item.type, "_title": item.title, **item.fields, **inside}
 
 
-def json_of_one(answer: Answer, place: Place) -> str:
+def _json_of_one(answer: Answer, place: Place) -> str:
     onward = {"next": {"href": _plain_fields(answer.next)}} if answer.next else {}
     rows = [_json_object(item) for item in (*answer.items, *answer.listed)]
     links = {"base": {"href": place.base}, **onward}
     return json.dumps({"_links": links, "_embedded": {"_state": rows}})
 
 
-def hal(answer: Answer, place: Place) -> str:
+def _hal(answer: Answer, place: Place) -> str:
     onward = {"next": {"href": _plain_fields(answer.next)}} if answer.next else {}
     links = {"base": {"href": place.base}, "self": {"href": place.own}, **onward}
     told: dict[str, object] = {"_links": links}
     if not answer.listed:
-        told["status"] = {"code": SUCCESS}
+        told["status"] = {"code": _SUCCESS}
     if answer.items or not answer.listed:
         told["state"] = [_json_object(item) for item in answer.items]
     if answer.listed:
@@ -330,18 +330,18 @@ def hal(answer: Answer, place: Place) -> str:
     return json.dumps(told)
 
 
-def refused_xhtml(code: int, message: str, place: Place) -> str:
+def _refused_xhtml(code: int, message: str, place: Place) -> str:
     spans = f'<span class="code">{code}</span><span class="msg">{_html(message)}</span>'
     return _xhtml_page(place, f'<div class="status">{spans}</div>')
 
 
-def refused_json_of_one(code: int, message: str, place: Place) -> str:
+def _refused_json_of_one(code: int, message: str, place: Place) -> str:
     status = {"code": code, "msg": message}
     links = {"base": {"href": place.base}}
     return json.dumps({"_links": links, "_embedded": {"status": status, "_state": []}})
 
 
-def refused_hal(code: int, message: str, place: Place) -> str:
+def _refused_hal(code: int, message: str, place: Place) -> str:
     status = {"code": code, "msg": message}
     return json.dumps({"_links": {"base": {"href": place.base}}, "status": status})
 
@@ -355,10 +355,10 @@ class Form:
     refused: Callable[[int, str, Place], str]
 
 
-XHTML_1: Final = Form("application/xhtml+xml", xhtml, refused_xhtml)
-JSON_1: Final = Form("application/json", json_of_one, refused_json_of_one)
-XHTML_2: Final = Form("application/xhtml+xml;v=2.0", xhtml, refused_xhtml)
-HAL_2: Final = Form("application/hal+json;v=2.0", hal, refused_hal)
+XHTML_1: Final = Form("application/xhtml+xml", _xhtml, _refused_xhtml)
+JSON_1: Final = Form("application/json", _json_of_one, _refused_json_of_one)
+XHTML_2: Final = Form("application/xhtml+xml;v=2.0", _xhtml, _refused_xhtml)
+HAL_2: Final = Form("application/hal+json;v=2.0", _hal, _refused_hal)
 
 
 HELD_BY_OTHER: Final = Reason(-1073445862, "Requested resource is held by someone else", 403, 403)
@@ -385,7 +385,7 @@ WRONG_STATE: Final = Reason(-1073442809, "Operation not allowed in the current s
 UNSPECIFIED: Final = Reason(-1073445885, "Unspecified Error", 400, 400)
 """Reason of failures without a number in any public source, as a load of a text with errors."""
 NO_EVENTS: Final = Reason(-1073414146, "Resource does not exist on the controller", 400, 400)
-NO_METHOD: Final = Reason(-1073445879, "Method not allowed", 405, 405)
+_NO_METHOD: Final = Reason(-1073445879, "Method not allowed", 405, 405)
 UNACCEPTABLE: Final = Reason(-1073445879, "Not acceptable", 406, 406)
 NOT_THIS_TYPE: Final = Reason(-1073445879, "Unsupported media type", 415, 415)
 INTERNAL_ERROR: Final = Reason(-1073445885, "Unspecified Error", 500, 500)
@@ -433,7 +433,7 @@ class Request:
 
 
 H = TypeVar("H")
-KEPT_CHARACTERS: Final = "/fileservice"
+_KEPT_CHARACTERS: Final = "/fileservice"
 """Beginning of paths that stay as sent: their encoding may matter."""
 
 
@@ -469,7 +469,7 @@ def find_route(
     refusal.
     """
     raw = request.path.rstrip("/") or "/"
-    path = raw if raw.startswith(KEPT_CHARACTERS) else unquote(raw)
+    path = raw if raw.startswith(_KEPT_CHARACTERS) else unquote(raw)
     action = request.query.get("action", request.query.get("resource", ""))
     action = "" if action == "show" else action
     there = False
@@ -480,4 +480,4 @@ def find_route(
         if one.method == request.method:
             return one, found.groupdict()
         there = True
-    return Rejected(NO_METHOD if there else NO_RESOURCE)
+    return Rejected(_NO_METHOD if there else NO_RESOURCE)

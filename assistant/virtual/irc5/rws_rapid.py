@@ -33,8 +33,8 @@ from assistant.virtual.rapid.scopes import Cell, Place, Types
 from assistant.virtual.rapid.value_text import read_value, value_text
 from assistant.virtual.rapid.values import Shape
 
-CYCLE_MODES: Final[dict[str, Cycle | None]] = {"once": "once", "forever": "forever", "asis": None}
-STOP_MODES: Final[dict[str, Literal["once", "cycle", "instruction"]]] = {
+_CYCLE_MODES: Final[dict[str, Cycle | None]] = {"once": "once", "forever": "forever", "asis": None}
+_STOP_MODES: Final[dict[str, Literal["once", "cycle", "instruction"]]] = {
     "stop": "once",
     "qstop": "once",
     "cycle": "cycle",
@@ -57,22 +57,22 @@ def start_execution(cabinet: Cabinet, request: Request) -> Answer:
     for name, allowed in (
         ("execmode", ("continue",)),
         ("regain", ("continue", "clear", "enter_consume")),
-        ("cycle", tuple(CYCLE_MODES)),
+        ("cycle", tuple(_CYCLE_MODES)),
     ):
         if request.form.get(name, allowed[0]) not in allowed:
             raise Rejected(rws_messages.BAD_ARGUMENT, f"{name} {request.form[name]}")
     if cabinet.panel.state != "motoron":
         raise Rejected(rws_messages.WRONG_STATE, f"the controller is in {cabinet.panel.state}")
-    cycle = CYCLE_MODES[request.form.get("cycle", "asis")]
+    cycle = _CYCLE_MODES[request.form.get("cycle", "asis")]
     _command_programs(cabinet, lambda programs: programs.start(cycle))
     return DONE
 
 
 def stop_execution(cabinet: Cabinet, request: Request) -> Answer:
     wanted = request.form.get("stopmode", "stop")
-    if wanted not in STOP_MODES:
+    if wanted not in _STOP_MODES:
         raise Rejected(rws_messages.BAD_ARGUMENT, f"stopmode {wanted}")
-    _command_programs(cabinet, lambda programs: programs.stop(STOP_MODES[wanted]))
+    _command_programs(cabinet, lambda programs: programs.stop(_STOP_MODES[wanted]))
     return DONE
 
 
@@ -87,7 +87,7 @@ def start_production(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def set_cycle(cabinet: Cabinet, request: Request) -> Answer:
-    wanted = CYCLE_MODES.get(request.given("cycle"))
+    wanted = _CYCLE_MODES.get(request.given("cycle"))
     if wanted is None:
         raise Rejected(rws_messages.BAD_ARGUMENT, "cycle")
 
@@ -385,16 +385,16 @@ def set_pointer(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-SYSTEM_MODULE: Final = "BASE"
+_SYSTEM_MODULE: Final = "BASE"
 """The module of what every controller declares."""
-SYMBOL_KINDS: Final = {"PERS": ("pers", "per"), "VAR": ("var", "var"), "CONST": ("const", "con")}
+_SYMBOL_KINDS: Final = {"PERS": ("pers", "per"), "VAR": ("var", "var"), "CONST": ("const", "con")}
 """By storage: what the class of a symbol ends in, and its `symtyp`."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class Symbol:
+class _Symbol:
     """A piece of data. module: empty for what every module knows of the controller itself."""
 
     module: str
@@ -407,15 +407,15 @@ class Symbol:
         return f"RAPID/{TASK}/{self.module}/{self.name}"
 
 
-def _all_symbols(machine: Machine) -> Iterator[Symbol]:
+def _all_symbols(machine: Machine) -> Iterator[_Symbol]:
     """Module data in the order of the modules; settled as far as it is simulated."""
     for unit in machine.modules.values():
         for name, meaning in unit.names.items():
             if isinstance(meaning, Cell):
-                yield Symbol(unit.name, name, meaning, True)
+                yield _Symbol(unit.name, name, meaning, True)
         for name, meaning in machine.named.items():
             if isinstance(meaning, Cell) and _declaring_module(machine, name) == unit.name:
-                yield Symbol(unit.name, name, meaning)
+                yield _Symbol(unit.name, name, meaning)
 
 
 def _declaring_module(machine: Machine, name: str) -> str:
@@ -433,26 +433,26 @@ def _is_local(item: object) -> bool:
     return getattr(item, "scope", "") == "LOCAL" or bool(getattr(item, "local", False))
 
 
-def _find_symbol(programs: Programs, module: str, name: str) -> tuple[Machine, Symbol] | None:
+def _find_symbol(programs: Programs, module: str, name: str) -> tuple[Machine, _Symbol] | None:
     machine = programs.machine
     if machine is None:
         return None
     key = name.lower()
     for one in machine.modules.values():
         if one.name.lower() == module.lower() and isinstance(cell := one.names.get(key), Cell):
-            return machine, Symbol(one.name, name, cell, True)
+            return machine, _Symbol(one.name, name, cell, True)
     cell = machine.named.get(key)
     if isinstance(cell, Cell):
         home = _declaring_module(machine, key)
         if module.lower() in ("", home.lower()):
-            return machine, Symbol(home, name, cell)
+            return machine, _Symbol(home, name, cell)
     known = machine.predefined.get(key)
-    if isinstance(known, Cell) and module.upper() in ("", SYSTEM_MODULE):
-        return machine, Symbol(SYSTEM_MODULE, name, known)
+    if isinstance(known, Cell) and module.upper() in ("", _SYSTEM_MODULE):
+        return machine, _Symbol(_SYSTEM_MODULE, name, known)
     return None
 
 
-def _with_symbol(cabinet: Cabinet, request: Request, does: Callable[[Machine, Symbol], T]) -> T:
+def _with_symbol(cabinet: Cabinet, request: Request, does: Callable[[Machine, _Symbol], T]) -> T:
     """Does something to the symbol that a request names, in the thread of the programs."""
     return _at_symbol(cabinet, request.captures["symbol"], _unknown_symbol(request), does)
 
@@ -460,11 +460,11 @@ def _with_symbol(cabinet: Cabinet, request: Request, does: Callable[[Machine, Sy
 def symbol_value_at(cabinet: Cabinet, dialect: int, path: str) -> str:
     """The value of data by `T_ROB1/module/name`; raises Rejected."""
     unknown = rws_messages.NO_EVENTS if dialect == 1 else rws_messages.NO_SYMBOL_2
-    return _at_symbol(cabinet, path, unknown, symbol_value)
+    return _at_symbol(cabinet, path, unknown, _symbol_value)
 
 
 def _at_symbol(
-    cabinet: Cabinet, path: str, unknown: Reason, does: Callable[[Machine, Symbol], T]
+    cabinet: Cabinet, path: str, unknown: Reason, does: Callable[[Machine, _Symbol], T]
 ) -> T:
     parts = path.split("/")
     if parts[0].lower() != TASK.lower() or len(parts) not in (2, 3):
@@ -491,7 +491,7 @@ def _unknown_symbol(request: Request) -> Reason:
     return one if request.dialect == 1 else rws_messages.NO_SYMBOL_2
 
 
-def symbol_value(machine: Machine, symbol: Symbol) -> str:
+def _symbol_value(machine: Machine, symbol: _Symbol) -> str:
     """Return the value of a symbol as RAPID writes it; raises Rejected for data without such a
     text.
     """
@@ -505,14 +505,14 @@ def symbol_value(machine: Machine, symbol: Symbol) -> str:
 
 
 def read_symbol(cabinet: Cabinet, request: Request) -> Answer:
-    title, value = _with_symbol(cabinet, request, lambda m, one: (one.url, symbol_value(m, one)))
+    title, value = _with_symbol(cabinet, request, lambda m, one: (one.url, _symbol_value(m, one)))
     return Answer(items=[Item("rap-data", title, {"value": value})])
 
 
 def write_symbol(cabinet: Cabinet, request: Request) -> Answer:
     text = request.given("value")
 
-    def change(machine: Machine, symbol: Symbol) -> None:
+    def change(machine: Machine, symbol: _Symbol) -> None:
         cell = symbol.cell
         if cell.storage not in ("VAR", "PERS"):
             raise Rejected(rws_messages.NOT_PERMITTED, "it is a constant")
@@ -533,8 +533,8 @@ def symbol_properties(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[_with_symbol(cabinet, request, lambda _, one: _symbol_item(one, ""))])
 
 
-def _symbol_item(symbol: Symbol, end: str) -> Item:
-    kind, short = SYMBOL_KINDS.get(symbol.cell.storage, ("var", "var"))
+def _symbol_item(symbol: _Symbol, end: str) -> Item:
+    kind, short = _SYMBOL_KINDS.get(symbol.cell.storage, ("var", "var"))
     shape = symbol.cell.shape
     fields = {
         "symburl": symbol.url,

@@ -28,10 +28,10 @@ from assistant.virtual.irc5.rws_messages import (
 )
 from assistant.virtual.irc5.rws_subscriptions import Subscriptions
 
-Handler = Callable[[Cabinet, Request], Answer]
+_Handler = Callable[[Cabinet, Request], Answer]
 
 
-class Row(NamedTuple):
+class _Row(NamedTuple):
     """Row of a route. one, two: the path in each dialect, empty where it has none.
 
     needs: the domain whose mastership it takes, followed by `?` if it is enough that no other
@@ -41,7 +41,7 @@ class Row(NamedTuple):
     method: str
     one: str
     two: str
-    handler: Handler
+    handler: _Handler
     needs: str = ""
 
 
@@ -52,140 +52,144 @@ H: Final = "/rw/mastership"
 F: Final = "/fileservice"
 P: Final = "/rw/panel"
 C: Final = "/rw/cfg"
-C2: Final = "/rw/cfg/{domain}/{type}/instances"
+_C2: Final = "/rw/cfg/{domain}/{type}/instances"
 T: Final = "/rw/rapid/tasks/{task}"
 U: Final = "/rw/motionsystem/mechunits/{unit}"
 M2: Final = f"{T}/modules/{{module}}"
 
-ROWS: Final = (
-    Row("GET", f"{P}/ctrlstate", f"{P}/ctrl-state", rws_hardware.motor_state),
-    Row("POST", f"{P}/ctrlstate?setctrlstate", f"{P}/ctrl-state",
+_ROWS: Final = (
+    _Row("GET", f"{P}/ctrlstate", f"{P}/ctrl-state", rws_hardware.motor_state),
+    _Row("POST", f"{P}/ctrlstate?setctrlstate", f"{P}/ctrl-state",
         rws_hardware.set_motor_state, "motion?"),
-    Row("GET", f"{P}/opmode", f"{P}/opmode", rws_hardware.operating_mode),
-    Row("POST", f"{P}/opmode", f"{P}/opmode", rws_hardware.set_operating_mode),
-    Row("GET", f"{P}/speedratio", f"{P}/speedratio", rws_hardware.speed_ratio),
-    Row("POST", *((f"{P}/speedratio?setspeedratio",) * 2), rws_hardware.set_speed_ratio, "rapid"),
-    Row("GET", f"{P}/coldetstate", f"{P}/coldetstate", rws_hardware.collision_detection),
-    Row("POST", "", f"{P}/emergency-stop", rws_hardware.emergency_stop),
-    Row("GET", E, E, rws_rapid.execution_state),
-    Row("POST", f"{E}?start", f"{E}/start", rws_rapid.start_execution, "rapid?"),
-    Row("POST", f"{E}?stop", f"{E}/stop", rws_rapid.stop_execution),
-    Row("POST", f"{E}?resetpp", f"{E}/resetpp", rws_rapid.reset_pointer, "rapid"),
-    Row("POST", f"{E}?setcycle", f"{E}/cycle", rws_rapid.set_cycle, "rapid?"),
-    Row("POST", f"{E}?startprodentry", f"{E}/startprodentry",
+    _Row("GET", f"{P}/opmode", f"{P}/opmode", rws_hardware.operating_mode),
+    _Row("POST", f"{P}/opmode", f"{P}/opmode", rws_hardware.set_operating_mode),
+    _Row("GET", f"{P}/speedratio", f"{P}/speedratio", rws_hardware.speed_ratio),
+    _Row("POST", *((f"{P}/speedratio?setspeedratio",) * 2), rws_hardware.set_speed_ratio, "rapid"),
+    _Row("GET", f"{P}/coldetstate", f"{P}/coldetstate", rws_hardware.collision_detection),
+    _Row("POST", "", f"{P}/emergency-stop", rws_hardware.emergency_stop),
+    _Row("GET", E, E, rws_rapid.execution_state),
+    _Row("POST", f"{E}?start", f"{E}/start", rws_rapid.start_execution, "rapid?"),
+    _Row("POST", f"{E}?stop", f"{E}/stop", rws_rapid.stop_execution),
+    _Row("POST", f"{E}?resetpp", f"{E}/resetpp", rws_rapid.reset_pointer, "rapid"),
+    _Row("POST", f"{E}?setcycle", f"{E}/cycle", rws_rapid.set_cycle, "rapid?"),
+    _Row("POST", f"{E}?startprodentry", f"{E}/startprodentry",
         rws_rapid.start_production, "rapid"),
-    Row("GET", "/rw/rapid/tasks", "/rw/rapid/tasks", rws_rapid.list_tasks),
-    Row("GET", T, T, rws_rapid.task_facts),
-    Row("POST", f"{T}?activate", "/rw/rapid/tasks/activate", rws_rapid.activate_task, "rapid"),
-    Row("POST", f"{T}?deactivate", "/rw/rapid/tasks/deactivate",
+    _Row("GET", "/rw/rapid/tasks", "/rw/rapid/tasks", rws_rapid.list_tasks),
+    _Row("GET", T, T, rws_rapid.task_facts),
+    _Row("POST", f"{T}?activate", "/rw/rapid/tasks/activate", rws_rapid.activate_task, "rapid"),
+    _Row("POST", f"{T}?deactivate", "/rw/rapid/tasks/deactivate",
         rws_rapid.deactivate_task, "rapid"),
-    Row("GET", "/rw/rapid/modules", f"{T}/modules", rws_rapid.list_modules),
-    Row("GET", "/rw/rapid/modules/{module}", M2, rws_rapid.module_facts),
-    Row("GET", f"{T}/modules/{{module}}", "", rws_rapid.module_facts),
-    Row("GET", "/rw/rapid/modules/{module}?module-text", f"{M2}/text", rws_rapid.module_text),
-    Row("POST", "", f"{M2}/text", rws_rapid.set_module_text, "rapid"),
-    Row("POST", "/rw/rapid/modules/{module}?save", f"{M2}/save", rws_rapid.save_module),
-    Row("POST", f"{T}?loadmod", f"{T}/loadmod", rws_rapid.load_module, "rapid"),
-    Row("POST", f"{T}?unloadmod", f"{T}/unloadmod", rws_rapid.unload_module, "rapid"),
-    Row("GET", f"{T}/program", f"{T}/program", rws_rapid.program_facts),
-    Row("POST", f"{T}/program?loadprog", f"{T}/program/load", rws_rapid.load_program, "rapid"),
-    Row("GET", f"{T}/pcp", f"{T}/pcp", rws_rapid.read_pointer),
-    Row("POST", f"{T}/pcp?set-pp-routine", f"{T}/pcp/routine", rws_rapid.set_pointer, "rapid"),
-    Row("POST", "", f"{T}/pcp/reset", rws_rapid.reset_pointer, "rapid"),
-    Row("POST", f"{D}/data?validate", f"{D}/RAPID/{{task}}/data?validate",
+    _Row("GET", "/rw/rapid/modules", f"{T}/modules", rws_rapid.list_modules),
+    _Row("GET", "/rw/rapid/modules/{module}", M2, rws_rapid.module_facts),
+    _Row("GET", f"{T}/modules/{{module}}", "", rws_rapid.module_facts),
+    _Row("GET", "/rw/rapid/modules/{module}?module-text", f"{M2}/text", rws_rapid.module_text),
+    _Row("POST", "", f"{M2}/text", rws_rapid.set_module_text, "rapid"),
+    _Row("POST", "/rw/rapid/modules/{module}?save", f"{M2}/save", rws_rapid.save_module),
+    _Row("POST", f"{T}?loadmod", f"{T}/loadmod", rws_rapid.load_module, "rapid"),
+    _Row("POST", f"{T}?unloadmod", f"{T}/unloadmod", rws_rapid.unload_module, "rapid"),
+    _Row("GET", f"{T}/program", f"{T}/program", rws_rapid.program_facts),
+    _Row("POST", f"{T}/program?loadprog", f"{T}/program/load", rws_rapid.load_program, "rapid"),
+    _Row("GET", f"{T}/pcp", f"{T}/pcp", rws_rapid.read_pointer),
+    _Row("POST", f"{T}/pcp?set-pp-routine", f"{T}/pcp/routine", rws_rapid.set_pointer, "rapid"),
+    _Row("POST", "", f"{T}/pcp/reset", rws_rapid.reset_pointer, "rapid"),
+    _Row("POST", f"{D}/data?validate", f"{D}/RAPID/{{task}}/data?validate",
         rws_rapid.validate_value),
-    Row("GET", f"{D}/data/RAPID/{{symbol...}}", f"{D}/RAPID/{{symbol...}}/data",
+    _Row("GET", f"{D}/data/RAPID/{{symbol...}}", f"{D}/RAPID/{{symbol...}}/data",
         rws_rapid.read_symbol),
-    Row("POST", f"{D}/data/RAPID/{{symbol...}}?set", f"{D}/RAPID/{{symbol...}}/data",
+    _Row("POST", f"{D}/data/RAPID/{{symbol...}}?set", f"{D}/RAPID/{{symbol...}}/data",
         rws_rapid.write_symbol, "rapid"),
-    Row("GET", f"{D}/properties/RAPID/{{symbol...}}", f"{D}/RAPID/{{symbol...}}/properties",
+    _Row("GET", f"{D}/properties/RAPID/{{symbol...}}", f"{D}/RAPID/{{symbol...}}/properties",
         rws_rapid.symbol_properties),
-    Row("POST", "/rw/rapid/symbols?search-symbols", "/rw/rapid/symbols/search",
+    _Row("POST", "/rw/rapid/symbols?search-symbols", "/rw/rapid/symbols/search",
         rws_rapid.search_symbols),
-    Row("POST", "/rw/rapid/symbols?search-symbol", "", rws_rapid.search_symbols),
-    Row("GET", S, S, rws_hardware.list_signals),
-    Row("POST", f"{S}?signal-search", f"{S}/signal-search", rws_hardware.search_signals),
-    Row("GET", *((f"{S}/{{signal...}}",) * 2), rws_hardware.read_signal),
-    Row("POST", f"{S}/{{signal...}}?set", f"{S}/{{signal...}}/set-value",
+    _Row("POST", "/rw/rapid/symbols?search-symbol", "", rws_rapid.search_symbols),
+    _Row("GET", S, S, rws_hardware.list_signals),
+    _Row("POST", f"{S}?signal-search", f"{S}/signal-search", rws_hardware.search_signals),
+    _Row("GET", *((f"{S}/{{signal...}}",) * 2), rws_hardware.read_signal),
+    _Row("POST", f"{S}/{{signal...}}?set", f"{S}/{{signal...}}/set-value",
         rws_hardware.write_signal),
-    Row("GET", "/rw/iosystem/networks", "/rw/iosystem/networks", rws_hardware.list_networks),
-    Row("GET", "/rw/iosystem/devices", "/rw/iosystem/devices", rws_hardware.list_devices),
-    Row("GET", "/rw/motionsystem", "/rw/motionsystem", rws_hardware.motion_system),
-    Row("GET", "/rw/motionsystem?change-count", "/rw/motionsystem?change-count",
+    _Row("GET", "/rw/iosystem/networks", "/rw/iosystem/networks", rws_hardware.list_networks),
+    _Row("GET", "/rw/iosystem/devices", "/rw/iosystem/devices", rws_hardware.list_devices),
+    _Row("GET", "/rw/motionsystem", "/rw/motionsystem", rws_hardware.motion_system),
+    _Row("GET", "/rw/motionsystem?change-count", "/rw/motionsystem?change-count",
         rws_hardware.motion_system),
-    Row("GET", "/rw/motionsystem/mechunits", "/rw/motionsystem/mechunits",
+    _Row("GET", "/rw/motionsystem/mechunits", "/rw/motionsystem/mechunits",
         rws_hardware.mechanical_units),
-    Row("GET", U, U, rws_hardware.mechanical_unit),
-    Row("GET", f"{U}?static", "", rws_hardware.mechanical_unit),
-    Row("GET", f"{U}?dynamic", "", rws_hardware.mechanical_unit),
-    Row("GET", f"{U}/jointtarget", f"{U}/jointtarget", rws_hardware.joint_target),
-    Row("GET", f"{U}/robtarget", f"{U}/robtarget", rws_hardware.robot_target),
-    Row("GET", f"{U}/cartesian", f"{U}/cartesian", rws_hardware.cartesian_pose),
-    Row("GET", H, H, rws_system.list_mastership),
-    Row("GET", f"{H}/{{domain}}", f"{H}/{{domain}}", rws_system.mastership_holder),
-    Row("POST", f"{H}?request", f"{H}/request", rws_system.take_mastership),
-    Row("POST", f"{H}?release", f"{H}/release", rws_system.release_mastership),
-    Row("POST", f"{H}/{{domain}}?request", f"{H}/{{domain}}/request", rws_system.take_mastership),
-    Row("POST", f"{H}/{{domain}}?release", f"{H}/{{domain}}/release",
+    _Row("GET", U, U, rws_hardware.mechanical_unit),
+    _Row("GET", f"{U}?static", "", rws_hardware.mechanical_unit),
+    _Row("GET", f"{U}?dynamic", "", rws_hardware.mechanical_unit),
+    _Row("GET", f"{U}/jointtarget", f"{U}/jointtarget", rws_hardware.joint_target),
+    _Row("GET", f"{U}/robtarget", f"{U}/robtarget", rws_hardware.robot_target),
+    _Row("GET", f"{U}/cartesian", f"{U}/cartesian", rws_hardware.cartesian_pose),
+    _Row("GET", H, H, rws_system.list_mastership),
+    _Row("GET", f"{H}/{{domain}}", f"{H}/{{domain}}", rws_system.mastership_holder),
+    _Row("POST", f"{H}?request", f"{H}/request", rws_system.take_mastership),
+    _Row("POST", f"{H}?release", f"{H}/release", rws_system.release_mastership),
+    _Row("POST", f"{H}/{{domain}}?request", f"{H}/{{domain}}/request", rws_system.take_mastership),
+    _Row("POST", f"{H}/{{domain}}?release", f"{H}/{{domain}}/release",
         rws_system.release_mastership),
-    Row("GET", "/rw/elog", "/rw/elog", rws_system.event_domains),
-    Row("POST", "/rw/elog?clearall", "/rw/elog/clearall", rws_system.clear_events),
-    Row("GET", "/rw/elog/{domain}", "/rw/elog/{domain}", rws_system.event_messages),
-    Row("POST", "/rw/elog/{domain}?clear", "/rw/elog/{domain}/clear", rws_system.clear_events),
-    Row("GET", "/rw/elog/{domain}/{number}", "/rw/elog/{domain}/{number}",
+    _Row("GET", "/rw/elog", "/rw/elog", rws_system.event_domains),
+    _Row("POST", "/rw/elog?clearall", "/rw/elog/clearall", rws_system.clear_events),
+    _Row("GET", "/rw/elog/{domain}", "/rw/elog/{domain}", rws_system.event_messages),
+    _Row("POST", "/rw/elog/{domain}?clear", "/rw/elog/{domain}/clear", rws_system.clear_events),
+    _Row("GET", "/rw/elog/{domain}/{number}", "/rw/elog/{domain}/{number}",
         rws_system.event_message),
-    Row("GET", C, C, rws_files.parameter_domains),
-    Row("POST", f"{C}?load", f"{C}/load", rws_files.load_parameters, "cfg"),
-    Row("POST", f"{C}?validate", "", rws_files.validate_parameters),
-    Row("GET", f"{C}/{{domain}}", f"{C}/{{domain}}", rws_files.parameter_types),
-    Row("POST", f"{C}/{{domain}}?saveas", f"{C}/{{domain}}/saveas", rws_files.save_parameters),
-    Row("GET", C2, C2, rws_files.parameter_instances),
-    Row("GET", f"{C2}/{{instance}}", f"{C2}/{{instance}}", rws_files.parameter_instance),
-    Row("POST", f"{C2}/{{instance}}?set", f"{C2}/{{instance}}", rws_files.change_parameter, "cfg"),
-    Row("GET", "/rw/system", "/rw/system", rws_system.system_info),
-    Row("GET", "/rw/system/options", "/rw/system/options", rws_system.system_options),
-    Row("GET", "/rw/system/robottype", "/rw/system/robottype", rws_system.robot_type),
-    Row("GET", "/ctrl", "/ctrl", rws_system.controller_identity),
-    Row("GET", "/ctrl/identity", "/ctrl/identity", rws_system.controller_identity),
-    Row("GET", "/ctrl/clock", "/ctrl/clock", rws_system.read_clock),
-    Row("PUT", "/ctrl/clock", "/ctrl/clock", rws_system.set_clock),
-    Row("GET", "/ctrl/backup", "/ctrl/backup", rws_system.backup_state),
-    Row("GET", "/ctrl/backup?backupstate", "/ctrl/backup/state", rws_system.backup_ready),
-    Row("GET", "/progress/{number}", "/progress/{number}", rws_system.read_progress),
-    Row("POST", "/ctrl/backup?backup", "/ctrl/backup/create", rws_system.create_backup),
-    Row("POST", "/ctrl/backup?restore", "/ctrl/backup/restore", rws_system.restore_backup, "rapid"),
-    Row("POST", "", "/ctrl/backup/check-restore", rws_system.check_backup),
-    Row("GET", "/ctrl/${volume}", "", rws_system.volume_path),
-    Row("GET", F, F, rws_files.list_volumes),
-    Row("GET", *((f"{F}/{{path...}}",) * 2), rws_files.read_path),
-    Row("PUT", *((f"{F}/{{path...}}",) * 2), rws_files.store_file),
-    Row("DELETE", *((f"{F}/{{path...}}",) * 2), rws_files.delete_path),
-    Row("POST", f"{F}/{{path...}}", "", rws_files.act_on_path),
-    Row("POST", "", f"{F}/{{path...}}/create", rws_files.create_folder),
-    Row("POST", "", f"{F}/{{path...}}/copy", rws_files.copy_path),
-    Row("POST", "", f"{F}/{{path...}}/rename", rws_files.rename_path),
-    Row("GET", "/users/rmmp", "/users/rmmp", rws_system.privilege_status),
-    Row("POST", "/users/rmmp", "/users/rmmp", rws_system.request_privilege),
-    Row("GET", "/users/rmmp/poll", "/users/rmmp/poll", rws_system.poll_privilege_request),
-    Row("POST", "/users/rmmp?cancel", "/users/rmmp/cancel", rws_system.cancel_privilege),
-    Row("POST", "/users", "/users/register", rws_system.register_user),
-    Row("GET", "", "/users/login-info", rws_system.login_info),
+    _Row("GET", C, C, rws_files.parameter_domains),
+    _Row("POST", f"{C}?load", f"{C}/load", rws_files.load_parameters, "cfg"),
+    _Row("POST", f"{C}?validate", "", rws_files.validate_parameters),
+    _Row("GET", f"{C}/{{domain}}", f"{C}/{{domain}}", rws_files.parameter_types),
+    _Row("POST", f"{C}/{{domain}}?saveas", f"{C}/{{domain}}/saveas", rws_files.save_parameters),
+    _Row("GET", _C2, _C2, rws_files.parameter_instances),
+    _Row("GET", f"{_C2}/{{instance}}", f"{_C2}/{{instance}}", rws_files.parameter_instance),
+    _Row(
+        "POST", f"{_C2}/{{instance}}?set", f"{_C2}/{{instance}}", rws_files.change_parameter, "cfg"
+    ),
+    _Row("GET", "/rw/system", "/rw/system", rws_system.system_info),
+    _Row("GET", "/rw/system/options", "/rw/system/options", rws_system.system_options),
+    _Row("GET", "/rw/system/robottype", "/rw/system/robottype", rws_system.robot_type),
+    _Row("GET", "/ctrl", "/ctrl", rws_system.controller_identity),
+    _Row("GET", "/ctrl/identity", "/ctrl/identity", rws_system.controller_identity),
+    _Row("GET", "/ctrl/clock", "/ctrl/clock", rws_system.read_clock),
+    _Row("PUT", "/ctrl/clock", "/ctrl/clock", rws_system.set_clock),
+    _Row("GET", "/ctrl/backup", "/ctrl/backup", rws_system.backup_state),
+    _Row("GET", "/ctrl/backup?backupstate", "/ctrl/backup/state", rws_system.backup_ready),
+    _Row("GET", "/progress/{number}", "/progress/{number}", rws_system.read_progress),
+    _Row("POST", "/ctrl/backup?backup", "/ctrl/backup/create", rws_system.create_backup),
+    _Row(
+        "POST", "/ctrl/backup?restore", "/ctrl/backup/restore", rws_system.restore_backup, "rapid"
+    ),
+    _Row("POST", "", "/ctrl/backup/check-restore", rws_system.check_backup),
+    _Row("GET", "/ctrl/${volume}", "", rws_system.volume_path),
+    _Row("GET", F, F, rws_files.list_volumes),
+    _Row("GET", *((f"{F}/{{path...}}",) * 2), rws_files.read_path),
+    _Row("PUT", *((f"{F}/{{path...}}",) * 2), rws_files.store_file),
+    _Row("DELETE", *((f"{F}/{{path...}}",) * 2), rws_files.delete_path),
+    _Row("POST", f"{F}/{{path...}}", "", rws_files.act_on_path),
+    _Row("POST", "", f"{F}/{{path...}}/create", rws_files.create_folder),
+    _Row("POST", "", f"{F}/{{path...}}/copy", rws_files.copy_path),
+    _Row("POST", "", f"{F}/{{path...}}/rename", rws_files.rename_path),
+    _Row("GET", "/users/rmmp", "/users/rmmp", rws_system.privilege_status),
+    _Row("POST", "/users/rmmp", "/users/rmmp", rws_system.request_privilege),
+    _Row("GET", "/users/rmmp/poll", "/users/rmmp/poll", rws_system.poll_privilege_request),
+    _Row("POST", "/users/rmmp?cancel", "/users/rmmp/cancel", rws_system.cancel_privilege),
+    _Row("POST", "/users", "/users/register", rws_system.register_user),
+    _Row("GET", "", "/users/login-info", rws_system.login_info),
 )  # fmt: skip
 
 
-ROUTES: Final = {
+_ROUTES: Final = {
     dialect: tuple(
         make_route(row.method, path, row.handler, row.needs)
-        for row in ROWS
+        for row in _ROWS
         if (path := row.one if dialect == 1 else row.two)
     )
     for dialect in (1, 2)
 }
 
 
-def serve_resource(cabinet: Cabinet, request: Request) -> Answer:
+def _serve_resource(cabinet: Cabinet, request: Request) -> Answer:
     """Finds the handler of a request and has it answer; raises Rejected."""
-    found = find_route(ROUTES[request.dialect], request)
+    found = find_route(_ROUTES[request.dialect], request)
     if isinstance(found, Rejected):
         raise found
     row, captures = found
@@ -203,10 +207,10 @@ class Service:
         sessions.ended.append(self._ended)
 
     def __call__(self, request: Request) -> Answer:
-        found = find_route(OWN_ROUTES[request.dialect], request)
+        found = find_route(_OWN_ROUTES[request.dialect], request)
         try:
             if isinstance(found, Rejected):
-                return serve_resource(self.cabinet, request)
+                return _serve_resource(self.cabinet, request)
             row, captures = found
             return row.handler(self, replace(request, captures=captures))
         except (RuntimeError, TimeoutError):  # It is being switched off, or overwhelmed.
@@ -223,8 +227,8 @@ def _log_out(service: Service, request: Request) -> Answer:
     return Answer(200 if request.dialect == 1 else 204)
 
 
-OwnHandler = Callable[[Service, Request], Answer]
-_BOTH: Final[tuple[tuple[str, str, OwnHandler], ...]] = (
+_OwnHandler = Callable[[Service, Request], Answer]
+_BOTH: Final[tuple[tuple[str, str, _OwnHandler], ...]] = (
     ("GET", "/logout", _log_out),
     ("POST", "/subscription", lambda service, request: service.subscriptions.create(request)),
     (
@@ -233,7 +237,7 @@ _BOTH: Final[tuple[tuple[str, str, OwnHandler], ...]] = (
         lambda service, request: service.subscriptions.delete(request),
     ),
 )
-_TWO: Final[tuple[tuple[str, str, OwnHandler], ...]] = (
+_TWO: Final[tuple[tuple[str, str, _OwnHandler], ...]] = (
     ("PUT", "/subscription/{group}", lambda service, request: service.subscriptions.add(request)),
     (
         "DELETE",
@@ -241,7 +245,7 @@ _TWO: Final[tuple[tuple[str, str, OwnHandler], ...]] = (
         lambda service, request: service.subscriptions.delete(request),
     ),
 )
-OWN_ROUTES: Final = {
+_OWN_ROUTES: Final = {
     1: tuple(make_route(*row) for row in _BOTH),
     2: tuple(make_route(*row) for row in (*_BOTH, *_TWO)),
 }

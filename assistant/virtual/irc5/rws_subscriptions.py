@@ -71,7 +71,7 @@ class _PlainKind:
     read: Callable[[Cabinet], str]
 
 
-PLAIN_KINDS: Final = (
+_PLAIN_KINDS: Final = (
     _PlainKind("/rw/panel/ctrlstate(;ctrlstate)?", "/rw/panel/ctrl-state(;ctrlstate)?",
           "pnl-ctrlstate-ev", "ctrlstate", lambda c: c.panel.state),
     _PlainKind("/rw/panel/opmode(;opmode)?", "/rw/panel/opmode(;opmode)?",
@@ -88,24 +88,24 @@ PLAIN_KINDS: Final = (
     _PlainKind(f"/rw/rapid/tasks/{TASK};taskchange", f"/rw/rapid/tasks/{TASK};taskchange",
           "rap-task-ev", "change-count", lambda c: str(c.programs.changes)),
 )  # fmt: skip
-SIGNAL_PATHS: Final = re.compile(r"/rw/iosystem/signals/(.+);state")
-DATA_PATHS: Final = {
+_SIGNAL_PATHS: Final = re.compile(r"/rw/iosystem/signals/(.+);state")
+_DATA_PATHS: Final = {
     1: re.compile(r"/rw/rapid/symbol/data/(RAPID/(.+));value"),
     2: re.compile(r"/rw/rapid/symbol/(RAPID/(.+))/data(?:;value)?"),
 }
-LOG_PATHS: Final = re.compile(r"/rw/elog/(\d+)(?:;\w+)?")
+_LOG_PATHS: Final = re.compile(r"/rw/elog/(\d+)(?:;\w+)?")
 
 
 def watch(cabinet: Cabinet, request: Request, resource: str, priority: int) -> Watch:
     """Raises Rejected for what cannot be watched."""
-    for kind in PLAIN_KINDS:
+    for kind in _PLAIN_KINDS:
         if re.fullmatch(request.either(kind.one, kind.two), resource):
             return _watch_plain(cabinet, kind, resource, priority)
-    if found := SIGNAL_PATHS.fullmatch(resource):
+    if found := _SIGNAL_PATHS.fullmatch(resource):
         return _watch_signal(cabinet, found[1], resource, priority)
-    if found := DATA_PATHS[request.dialect].fullmatch(resource):
+    if found := _DATA_PATHS[request.dialect].fullmatch(resource):
         return _watch_data(cabinet, request, resource, priority, found[1], found[2])
-    if found := LOG_PATHS.fullmatch(resource):
+    if found := _LOG_PATHS.fullmatch(resource):
         return _watch_log(cabinet, resource, priority, int(found[1]))
     raise Rejected(rws_messages.NO_EVENTS, resource)
 
@@ -162,22 +162,22 @@ def _watch_log(cabinet: Cabinet, resource: str, priority: int, domain: int) -> W
     return Watch(resource, priority, read, events, first=False)
 
 
-PROTOCOLS: Final = {1: "robapi2_subscription", 2: "rws_subscription"}
-PERIODS: Final = {0: 5.0, 1: 0.2, 2: 0.02}
+_PROTOCOLS: Final = {1: "robapi2_subscription", 2: "rws_subscription"}
+_PERIODS: Final = {0: 5.0, 1: 0.2, 2: 0.02}
 """Seconds by priority, from low to high, as the manual of RWS states them (told from memory)."""
-TICK: Final = 0.02
+_TICK: Final = 0.02
 """Seconds between two looks of a WebSocket."""
-MOST_GROUPS: Final = 64
-MOST_WATCHED: Final = 1000
+_MOST_GROUPS: Final = 64
+_MOST_WATCHED: Final = 1000
 GUID: Final = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 """GUID of the handshake (RFC 6455, 1.3)."""
-POLICY_VIOLATION: Final = 1008
-GOING_AWAY: Final = 1001
+_POLICY_VIOLATION: Final = 1008
+_GOING_AWAY: Final = 1001
 _POLL: Final = re.compile(r"/poll/(\d+)")
 
 
 @dataclass(slots=True, eq=False)
-class Group:
+class _Group:
     """A subscription group. session: its key. watches: by resource. known: reported values. spent:
     whether its WebSocket was opened once.
     """
@@ -202,7 +202,7 @@ class Group:
                 found.append(one.events(value))
         now = time.monotonic()
         for resource, one in tuple(self.watches.items()):
-            if one.signal is not None or now < self.looked[resource] + PERIODS[one.priority]:
+            if one.signal is not None or now < self.looked[resource] + _PERIODS[one.priority]:
                 continue
             self.looked[resource] = now
             with contextlib.suppress(Rejected, RuntimeError, TimeoutError):
@@ -227,7 +227,7 @@ class Subscriptions:
 
     def __init__(self, cabinet: Cabinet) -> None:
         self.cabinet = cabinet
-        self._groups: dict[int, Group] = {}
+        self._groups: dict[int, _Group] = {}
         self._count = 0
         self._lock = threading.RLock()
 
@@ -245,10 +245,10 @@ class Subscriptions:
     def create(self, request: Request) -> Answer:
         watches = self._watches(request)
         with self._lock:
-            if len(self._groups) >= MOST_GROUPS:
+            if len(self._groups) >= _MOST_GROUPS:
                 raise Rejected(rws_messages.TOO_MANY_REQUESTS)
             self._count += 1
-            group = Group(self._count, request.session.key, request.dialect)
+            group = _Group(self._count, request.session.key, request.dialect)
             self._groups[group.number] = group
         items = [item for one in watches for item in self._join(group, one)]
         scheme = request.either("ws", "wss")
@@ -283,18 +283,18 @@ class Subscriptions:
                 if priority not in ("0", "1", "2"):
                     raise Rejected(rws_messages.BAD_ARGUMENT, f"{key}-p")
                 found.append(watch(self.cabinet, request, resource, int(priority)))
-        if not found or len(found) > MOST_WATCHED:
+        if not found or len(found) > _MOST_WATCHED:
             raise Rejected(rws_messages.BAD_ARGUMENT, "resources")
         return found
 
-    def _of(self, request: Request) -> Group:
+    def _of(self, request: Request) -> _Group:
         text = request.captures["group"]
         group = self._groups.get(int(text)) if text.isdecimal() and len(text) < 10 else None
         if group is None or group.session != request.session.key:
             raise Rejected(rws_messages.NO_EVENTS, f"group {text}")
         return group
 
-    def _join(self, group: Group, one: Watch) -> list[Item]:
+    def _join(self, group: _Group, one: Watch) -> list[Item]:
         """Watches a resource; its value now."""
         value = one.read()
         self._leave(group, one.resource)
@@ -312,14 +312,14 @@ class Subscriptions:
             group.leave[one.resource] = lambda: side.listeners.remove(heard)
         return list(one.events(value)) if one.first else []
 
-    def _leave(self, group: Group, resource: str) -> None:
+    def _leave(self, group: _Group, resource: str) -> None:
         group.watches.pop(resource, None)
         leave = group.leave.pop(resource, None)
         if leave is not None:
             with contextlib.suppress(RuntimeError, TimeoutError):
                 self.cabinet.live.do(lambda _: leave())
 
-    def _drop(self, group: Group) -> None:
+    def _drop(self, group: _Group) -> None:
         with self._lock:
             self._groups.pop(group.number, None)
         for resource in tuple(group.watches):
@@ -336,7 +336,7 @@ class Subscriptions:
             return False
         key = connection.headers.get("Sec-WebSocket-Key", "")
         offered = connection.headers.get("Sec-WebSocket-Protocol", "").replace(" ", "").split(",")
-        protocol = PROTOCOLS[connection.site.dialect]
+        protocol = _PROTOCOLS[connection.site.dialect]
         if not key or protocol not in offered or group.dialect != connection.site.dialect:
             connection.refuse_socket()
             return True
@@ -354,9 +354,9 @@ class Subscriptions:
             self._serve(group, connection)
         return True
 
-    def _serve(self, group: Group, connection: Connection) -> None:
+    def _serve(self, group: _Group, connection: Connection) -> None:
         socket, wire = connection.connection, WebSocket(ConnectionType.SERVER)
-        socket.settimeout(TICK)
+        socket.settimeout(_TICK)
         place = Place(connection.place().base)
         while not group.over.is_set():
             for items in group.news():
@@ -378,7 +378,7 @@ class Subscriptions:
                 elif isinstance(told, Message) and group.dialect == 2:
                     reason = "Client cannot send data."
                     connection.transmit(
-                        wire.send(CloseConnection(code=POLICY_VIOLATION, reason=reason))
+                        wire.send(CloseConnection(code=_POLICY_VIOLATION, reason=reason))
                     )
                     return
-        connection.transmit(wire.send(CloseConnection(code=GOING_AWAY)))
+        connection.transmit(wire.send(CloseConnection(code=_GOING_AWAY)))

@@ -27,14 +27,14 @@ from assistant.virtual.irc5.programs import NotPossible
 from assistant.virtual.irc5.rws_files import path_of, unit_path
 from assistant.virtual.irc5.rws_messages import DONE, Answer, Item, Rejected, Request
 
-SYSTEM_OPTIONS: Final = (
+_SYSTEM_OPTIONS: Final = (
     "RobotWare Base",
     "English",
     "616-1 PC Interface",
     "689-1 Externally Guided Motion",
 )
-CONTROLLER_TIME: Final = "%Y-%m-%d T %H:%M:%S"
-CLOCK: Final = ("year", "month", "day", "hour", "min", "sec")
+_CONTROLLER_TIME: Final = "%Y-%m-%d T %H:%M:%S"
+_CLOCK: Final = ("year", "month", "day", "hour", "min", "sec")
 
 
 def system_info(cabinet: Cabinet, request: Request) -> Answer:
@@ -46,19 +46,19 @@ def system_info(cabinet: Cabinet, request: Request) -> Answer:
         "name": cabinet.name,
         "rwversion": version,
         "sysid": SYSTEM_ID,
-        "starttm": cabinet.began.strftime(CONTROLLER_TIME),
+        "starttm": cabinet.began.strftime(_CONTROLLER_TIME),
         "rwversionname": f"{major}.{minor}.00.00",
     }
     own = Item(request.either("sys-system-li", "sys-system"), "system", fields)
     kind = request.either("sys-option-li", "sys-options")
-    inside = tuple(Item(kind, str(i), {"option": one}) for i, one in enumerate(SYSTEM_OPTIONS))
+    inside = tuple(Item(kind, str(i), {"option": one}) for i, one in enumerate(_SYSTEM_OPTIONS))
     listed = Item("sys-options-li", "options", {}, "options", inside, "options")
     return Answer(items=[own], listed=[listed])
 
 
 def system_options(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(
-        items=[Item("sys-option-li", str(i), {"option": o}) for i, o in enumerate(SYSTEM_OPTIONS)]
+        items=[Item("sys-option-li", str(i), {"option": o}) for i, o in enumerate(_SYSTEM_OPTIONS)]
     )
 
 
@@ -79,14 +79,14 @@ def controller_identity(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def read_clock(cabinet: Cabinet, request: Request) -> Answer:
-    fields = {"datetime": cabinet.now().strftime(CONTROLLER_TIME)}
+    fields = {"datetime": cabinet.now().strftime(_CONTROLLER_TIME)}
     return Answer(items=[Item("ctrl-clock-info", "clock", fields)])
 
 
 def set_clock(cabinet: Cabinet, request: Request) -> Answer:
     try:
         wanted = datetime.strptime(
-            " ".join(request.given(f"sys-clock-{part}") for part in CLOCK), "%Y %m %d %H %M %S"
+            " ".join(request.given(f"sys-clock-{part}") for part in _CLOCK), "%Y %m %d %H %M %S"
         )
     except (ValueError, OverflowError):
         raise Rejected(rws_messages.BAD_ARGUMENT, "no time") from None
@@ -156,13 +156,13 @@ def check_backup(cabinet: Cabinet, request: Request) -> Answer:
     return DONE
 
 
-EVENT_DOMAINS: Final = (0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 15)
-EVENTS_PAGE: Final = 50
+_EVENT_DOMAINS: Final = (0, 1, 2, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 15)
+_EVENTS_PAGE: Final = 50
 
 
 def event_domains(cabinet: Cabinet, request: Request) -> Answer:
     listed = []
-    for number in EVENT_DOMAINS:
+    for number in _EVENT_DOMAINS:
         fields = {"numevts": str(len(cabinet.log.of(number))), "buffsize": "1000"}
         listed.append(Item("elog-domain-li", str(number), fields, str(number)))
     return Answer(listed=listed)
@@ -177,7 +177,7 @@ def event_messages(cabinet: Cabinet, request: Request) -> Answer:
     events = cabinet.log.of(domain)
     if newest:
         events.reverse()
-    limit = request.number("limit", 1, EVENTS_PAGE, EVENTS_PAGE)
+    limit = request.number("limit", 1, _EVENTS_PAGE, _EVENTS_PAGE)
     start = request.number("start", 0, 10**6, request.dialect == 1)
     first = max(start - 1, 0) * limit if request.dialect == 1 else start
     words = bool(request.query.get("lang"))
@@ -208,7 +208,7 @@ def clear_events(cabinet: Cabinet, request: Request) -> Answer:
 
 def _event_domain(request: Request) -> int:
     text = request.captures["domain"]
-    if not text.isdecimal() or int(text) not in EVENT_DOMAINS:
+    if not text.isdecimal() or int(text) not in _EVENT_DOMAINS:
         raise Rejected(rws_messages.NO_RESOURCE)
     return int(text)
 
@@ -218,7 +218,7 @@ def _event_item(event: Event, domain: int, words: bool, kind: str) -> Item:
         "msgtype": str(event.kind),
         "code": str(event.code),
         "src-name": "MC0",
-        "tstamp": event.time.strftime(CONTROLLER_TIME),
+        "tstamp": event.time.strftime(_CONTROLLER_TIME),
     }
     if words:
         said = {
@@ -238,7 +238,7 @@ def _event_item(event: Event, domain: int, words: bool, kind: str) -> Item:
     return Item(kind, f"/rw/elog/{domain}/{event.number}", fields, href, arguments, "argv")
 
 
-EDIT_DOMAINS: Final[Mapping[str, tuple[str, ...]]] = {
+_EDIT_DOMAINS: Final[Mapping[str, tuple[str, ...]]] = {
     "edit": ("cfg", "rapid"),
     "motion": ("motion",),
 }
@@ -250,14 +250,14 @@ def _mastership_domains(request: Request) -> tuple[str, ...]:
     name = request.captures.get("domain")
     if name is None:
         return MASTERSHIP_DOMAINS
-    known = {one: (one,) for one in MASTERSHIP_DOMAINS} if request.dialect == 1 else EDIT_DOMAINS
+    known = {one: (one,) for one in MASTERSHIP_DOMAINS} if request.dialect == 1 else _EDIT_DOMAINS
     if name not in known:
         raise Rejected(rws_messages.NO_RESOURCE)
     return known[name]
 
 
 def list_mastership(cabinet: Cabinet, request: Request) -> Answer:
-    names = MASTERSHIP_DOMAINS if request.dialect == 1 else tuple(EDIT_DOMAINS)
+    names = MASTERSHIP_DOMAINS if request.dialect == 1 else tuple(_EDIT_DOMAINS)
     return Answer(
         listed=[Item("msh-resource-li", name, {}, f"mastership/{name}") for name in names]
     )

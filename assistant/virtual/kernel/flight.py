@@ -1,6 +1,6 @@
 """A flight: motions from one standstill to the next, planned together, and their goal joints.
 
-`goals_of` solves the goals of motions, one row each (two of an arc); a `Flight` plans them in one
+`_goals_of` solves the goals of motions, one row each (two of an arc); a `Flight` plans them in one
 course and tells where the arm is at a time.
 """
 
@@ -37,8 +37,8 @@ from assistant.virtual.kernel.task import Task
 
 Reason = Literal["reach", "joints", "configuration", "nowhere"]
 
-ANY_CONFIGURATION: Final = (UNSTATED, 0, 0, 0, 0, 0)
-KIND_OF_MOVE: Final = {"joint": Kind.JOINT, "linear": Kind.LINEAR, "circular": Kind.END}
+_ANY_CONFIGURATION: Final = (UNSTATED, 0, 0, 0, 0, 0)
+_KIND_OF_MOVE: Final = {"joint": Kind.JOINT, "linear": Kind.LINEAR, "circular": Kind.END}
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class Refusal:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Goals:
+class _Goals:
     """Motions in columns: one row each, of an arc two.
 
     rows: (n,) the last row of each motion. moves: of the motions before the first that is refused.
@@ -66,7 +66,7 @@ class Goals:
     refusal: Refusal | None
 
 
-def goals_of(motions: Sequence[Moved], start: Floats, robot: Robot, strict: bool) -> Goals:
+def _goals_of(motions: Sequence[Moved], start: Floats, robot: Robot, strict: bool) -> _Goals:
     """The moves of motions from joints (a,).
 
     strict: whether axes that turn further than a configuration says are refused; else they turn as
@@ -78,7 +78,7 @@ def goals_of(motions: Sequence[Moved], start: Floats, robot: Robot, strict: bool
     count = int(last[-1]) + 1 if len(last) else 0
     joints = joints[:count]
     if not count:
-        return Goals(None, last, refusal)
+        return _Goals(None, last, refusal)
     positions, quaternions = rows.tips(joints)
     of = rows.of[:count]
     how = [motion.how for motion in motions]
@@ -108,7 +108,7 @@ def goals_of(motions: Sequence[Moved], start: Floats, robot: Robot, strict: bool
         entry=np.where(kinds == Kind.VIA, np.inf, column([m.blend for m in motions])),
         leaving=column(behind),
     )
-    return Goals(moves, last, refusal)
+    return _Goals(moves, last, refusal)
 
 
 def _set_times(
@@ -151,7 +151,7 @@ class _GoalRows:
                 kinds.append(Kind.VIA)
             flanges.append(motion.flange)
             of.append(index)
-            kinds.append(KIND_OF_MOVE[motion.kind])
+            kinds.append(_KIND_OF_MOVE[motion.kind])
             tools.setdefault(motion.tool, len(tools))
         self.of, self.kinds = np.array(of), np.array(kinds, dtype=np.uint8)
         self.last = np.searchsorted(self.of, np.arange(len(motions)), side="right") - 1
@@ -180,7 +180,7 @@ class _GoalRows:
         rows = np.flatnonzero(stated)
         if len(rows):
             wanted = np.array(
-                [motions[i].how.configuration or ANY_CONFIGURATION for i in self.of[rows]]
+                [motions[i].how.configuration or _ANY_CONFIGURATION for i in self.of[rows]]
             )
             joints[rows] = robot.joints_of(self.p[rows], self.q[rows], wanted)
             if not strict:
@@ -350,7 +350,7 @@ class Start:
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
     """Model of the moving arm. drive: None for the robot's default with the tools that it carries.
-    strict: see `goals_of`.
+    strict: see `_goals_of`.
     """
 
     robot: Robot
@@ -405,7 +405,7 @@ class Flight:
             return
         start = self.start.joints if self._moves is None else self._moves.joints[-1]
         motions = [order.moved for order in new]
-        goals = goals_of(motions, start, self.model.robot, self.model.strict)
+        goals = _goals_of(motions, start, self.model.robot, self.model.strict)
         if goals.refusal is not None:
             self.refusal = replace(goals.refusal, index=goals.refusal.index + known)
         if goals.moves is not None:

@@ -38,7 +38,7 @@ class Timer:
     cancelled: bool = field(default=False, compare=False)
 
 
-class Timers:
+class _Timers:
     """Timers in order of their times. due: the time of the first one, infinite if there are no
     timers.
     """
@@ -68,7 +68,7 @@ Source = Mapping[str, float] | Callable[[str], float]
 Listener = Callable[[str, float, float], None]
 """Function that gets a signal's name, and its value before and now."""
 
-NO_SIGNALS: Final[Mapping[str, float]] = {}
+_NO_SIGNALS: Final[Mapping[str, float]] = {}
 
 
 @dataclass(slots=True, eq=False)
@@ -228,14 +228,14 @@ class Instant:
 
 
 MOST_STEPS: Final = 100_000
-BUSY: Final = 1000
+_BUSY: Final = 1000
 """Statements that take no time before one takes `busy_time`."""
 NEVER: Final = "a wait for what never comes"
-SLICE: Final = 0.002
+_SLICE: Final = 0.002
 """Seconds of real time after which a task that waits for the outside looks again."""
 
 
-class OutOfSteps(Exception):
+class _OutOfSteps(Exception):
     """More happened than the run may take."""
 
 
@@ -304,7 +304,7 @@ class Kernel:
         self.leaving: list[Callable[[], None]] = []
         """Functions to call when the run is over."""
         self._held: dict[str, float | str] = {}
-        self._timers = Timers()
+        self._timers = _Timers()
         self._handed = 0
         self._handing = False
         self._began: float | None = None
@@ -366,7 +366,7 @@ class Kernel:
                 self._turns()
             if self.kept is not None and self.ending.ended == "end":
                 self._keep(self.ended_in[0], self.kept())
-        except OutOfSteps:
+        except _OutOfSteps:
             self.end(self._too_many())
         finally:
             for task in self.tasks:
@@ -497,10 +497,10 @@ class Kernel:
         """Something happens that a run must not do for ever; raises OutOfSteps."""
         self.steps += 1
         if self.steps > self.most_steps:
-            raise OutOfSteps
+            raise _OutOfSteps
         if self.limit is not None and (ending := self.limit()) is not None:
             self.end(ending)
-            raise OutOfSteps
+            raise _OutOfSteps
 
     def count(self, task: Task) -> None:
         """A statement of a task is about to run; it does not if there were too many."""
@@ -527,7 +527,7 @@ class Kernel:
         """Another statement runs: time passes if it did not for many of them."""
         if self.clock != self._moved or self.motion.behind:
             self._idle = 0
-        elif self._idle < BUSY:
+        elif self._idle < _BUSY:
             self._idle += 1
         else:
             self.clock += self.busy_time
@@ -540,10 +540,10 @@ class Kernel:
         following = min([self._timers.due, latest, *wakes])
         if self._since is not None:
             real, then = self._since
-            passed = max(self.clock + SLICE, then + time.monotonic() - real)
+            passed = max(self.clock + _SLICE, then + time.monotonic() - real)
             following = min(following, passed)
         if self.live is not None and self._looks_outside():
-            following = min(following, max(self.clock + SLICE, self.live.now()))
+            following = min(following, max(self.clock + _SLICE, self.live.now()))
         if math.isinf(following) and self.live is None:
             return False
         if following > self.most_time:

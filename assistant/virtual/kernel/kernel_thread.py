@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from assistant.virtual.kernel.kernel import Kernel
 
 
-PATIENCE: Final = 10.0
+_PATIENCE: Final = 10.0
 """Seconds that a command waits for its turn; a turn takes as long as a motion's planning."""
-MOST_ROWS: Final = 10_000
+_MOST_ROWS: Final = 10_000
 """Rows of the log, after which past events are forgotten."""
 
 T = TypeVar("T")
@@ -72,7 +72,7 @@ class Live:
                 self.do(lambda kernel: kernel.end(Ending("stopped", "the controller is off")))
             self._thread.join()
 
-    def do(self, command: Callable[[Kernel], T], timeout: float = PATIENCE) -> T:
+    def do(self, command: Callable[[Kernel], T], timeout: float = _PATIENCE) -> T:
         """Has a command carried out between two statements; gives what it gives, raises what it
         raises. Raises RuntimeError if the controller is off, TimeoutError if it never has time.
         """
@@ -112,7 +112,7 @@ class Live:
         while self._commands:
             self._commands.popleft()(self.kernel)
             self.kernel.stirred = True
-        if len(self.kernel.log) > MOST_ROWS and self.kernel.motion.stands():
+        if len(self.kernel.log) > _MOST_ROWS and self.kernel.motion.stands():
             self.kernel.forget()
 
     def reach(self, clock: float, moment: float) -> float:
@@ -177,7 +177,7 @@ class Stepped(Live):
             self._freed = self._freed or time.monotonic()
             self._turn.notify_all()
 
-    def advance(self, moment: float, timeout: float = PATIENCE) -> None:
+    def advance(self, moment: float, timeout: float = _PATIENCE) -> None:
         """Lets time pass to a moment, and comes back when all until then has happened.
 
         A moment that is over changes nothing. Raises TimeoutError if it takes too long.

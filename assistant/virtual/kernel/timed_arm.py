@@ -40,44 +40,44 @@ from assistant.virtual.kernel.flight import (
 from assistant.virtual.kernel.kernel import Kernel, Progress, Standing
 from assistant.virtual.kernel.task import Ending, Task
 
-RAPID_REFUSALS: Final[Mapping[Reason, str]] = {
+_RAPID_REFUSALS: Final[Mapping[Reason, str]] = {
     "reach": "50050: the position is outside of reach",
     "joints": "50027: joint {axis} is out of its range",
     "configuration": "50080: the position cannot be reached in the configuration of the target",
     "nowhere": "50050: where the motion leads is not known",
 }
 """ABB, Operating manual Trouble shooting IRC5 (3HAC020738), 5 xxxx."""
-MELFA_REFUSALS: Final[Mapping[Reason, str]] = {
+_MELFA_REFUSALS: Final[Mapping[Reason, str]] = {
     "reach": "error 2602: the destination is outside of reach",
     "joints": "error 2602: joint {axis} is past its limit at the destination",
     "configuration": "error 2602: the destination cannot be reached with its structure flags",
     "nowhere": "error 2802: where the motion leads is not known",
 }
 """CR750/CR751 troubleshooting, BFP-A8871: 2602 `DSTN pos. exceeds the limit`."""
-CORNER_PATH_FAILURE: Final = "50024: corner path failure, the arm stops in the point"
+_CORNER_PATH_FAILURE: Final = "50024: corner path failure, the arm stops in the point"
 """Warning of RAPID: the next motion comes too late for the corner."""
 
 
-def refusal_message(refusal: Refusal, robot: Robot, place: Place | None) -> str:
+def _refusal_message(refusal: Refusal, robot: Robot, place: Place | None) -> str:
     """Why a motion is refused, with the place of its statement."""
-    table = RAPID_REFUSALS if "rapid" in robot.languages else MELFA_REFUSALS
+    table = _RAPID_REFUSALS if "rapid" in robot.languages else _MELFA_REFUSALS
     text = table[refusal.reason].format(axis=refusal.axis)
     return text if place is None else f"{place[0]}:{place[1]}: {text}".lstrip(":")
 
 
-NEVER_LATE: Final = 0.1
+_NEVER_LATE: Final = 0.1
 """Seconds behind the beginning of a corner at which the next motion still comes in time: as if the
 controller had read it ahead. How far they read ahead no reference at hand tells."""
-MOST_AHEAD: Final = 20_000
+_MOST_AHEAD: Final = 20_000
 """Motions that wait to be planned, at most."""
-MOST_ORDERS: Final = 40
-LEAST_ORDERS: Final = 20
+_MOST_ORDERS: Final = 40
+_LEAST_ORDERS: Final = 20
 """Motions of a flight that are planned together, where others wait for the time of each."""
-BRAKING: Final = 0.5
+_BRAKING: Final = 0.5
 """Seconds from a motion on, that the arm has made, in which a later one does not change it."""
-FEW_ORDERS: Final = 4
+_FEW_ORDERS: Final = 4
 """Motions that are worth to be planned no more."""
-GUESSED: Final = "{}: the arm cannot stay in one branch on its way; its joints there are guessed"
+_GUESSED: Final = "{}: the arm cannot stay in one branch on its way; its joints there are guessed"
 
 
 class Timed:
@@ -161,8 +161,8 @@ class Timed:
     def _is_far_ahead(self, kernel: Kernel) -> bool:
         """True if the program must not queue more motions for planning."""
         orders = self._flight.orders
-        late = not orders[-1].stops and kernel.clock - orders[-1].clock > NEVER_LATE
-        return late or len(orders) >= MOST_AHEAD
+        late = not orders[-1].stops and kernel.clock - orders[-1].clock > _NEVER_LATE
+        return late or len(orders) >= _MOST_AHEAD
 
     def _close(self, task: Task) -> None:
         """Before the next order: the arm has come to rest if that comes too late for a corner."""
@@ -171,10 +171,10 @@ class Timed:
         if not self._flight.orders or self._held:
             return
         last = self._flight.orders[-1]
-        if not last.stops and kernel.clock - last.release > NEVER_LATE:
+        if not last.stops and kernel.clock - last.release > _NEVER_LATE:
             self._pass(self._to_rest(), len(self._flight.orders) - 1)
             if "rapid" in self.robot.languages:
-                kernel.tell(task, Noted(CORNER_PATH_FAILURE), last.place)
+                kernel.tell(task, Noted(_CORNER_PATH_FAILURE), last.place)
 
     # -------------------------------------------------------------------------------- time
 
@@ -237,11 +237,11 @@ class Timed:
         made, orders = self._flying, self._flight.orders
         if made is None or self._held or self.kernel is None:
             return
-        over = self.kernel.clock - made.began - BRAKING
-        at = min(int(np.searchsorted(made.ends, over)), len(orders) - FEW_ORDERS)
-        if len(orders) > MOST_ORDERS:
-            at = max(at, len(orders) - LEAST_ORDERS)
-        if at >= FEW_ORDERS:
+        over = self.kernel.clock - made.began - _BRAKING
+        at = min(int(np.searchsorted(made.ends, over)), len(orders) - _FEW_ORDERS)
+        if len(orders) > _MOST_ORDERS:
+            at = max(at, len(orders) - _LEAST_ORDERS)
+        if at >= _FEW_ORDERS:
             leg, start = cut_plan(made, orders, at)
             self.legs.append(leg)
             self._flight.begin(at, start)
@@ -287,7 +287,7 @@ class Timed:
         for index in made.guessed:
             place = self._flight.orders[index].place
             where = "a motion" if place is None else f"{place[0]}:{place[1]}".lstrip(":")
-            kernel.note(GUESSED.format(where))
+            kernel.note(_GUESSED.format(where))
 
     def _schedule(self, kernel: Kernel, made: Planned, order: Order, change: Change) -> None:
         """Has an output set when the arm comes to its place."""
@@ -320,7 +320,7 @@ class Timed:
         del kernel.log[order.row :]
         if kernel.live is not None:
             self._flight.leave_out(refusal.index)
-        text = refusal_message(refusal, self.robot, order.place)
+        text = _refusal_message(refusal, self.robot, order.place)
         kernel.fail(order.task, order.place, Ending("error", text))
 
     # ----------------------------------------------------------------------------- looking
@@ -434,7 +434,7 @@ class Timed:
 
 PERIOD: Final = 0.01
 """Seconds between samples."""
-MOST_SAMPLES: Final = 1_000_000
+_MOST_SAMPLES: Final = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -463,7 +463,7 @@ def track_of(motion: Timed, log: Sequence[Logged], seconds: float, period: float
 
     seconds: that the run took.
     """
-    period = max(period, seconds / MOST_SAMPLES)
+    period = max(period, seconds / _MOST_SAMPLES)
     t = np.arange(int(seconds / period + 1e-9) + 1, dtype=np.float64) * period
     legs = motion.done()
     begins = np.array([leg.begin for leg in legs])
@@ -494,7 +494,7 @@ def _signal_samples(log: Sequence[Logged], t: Floats) -> tuple[tuple[str, ...], 
     return names, signals
 
 
-FULL_OVERRIDE: Final = 100.0
+_FULL_OVERRIDE: Final = 100.0
 
 
 class CrArm(Timed):
@@ -502,10 +502,10 @@ class CrArm(Timed):
 
     def __init__(self, robot: Robot, joints: Sequence[float]) -> None:
         super().__init__(robot, joints=joints)
-        self.override = FULL_OVERRIDE
+        self.override = _FULL_OVERRIDE
 
     def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
-        super().go(task, scaled_speed(moved, self.override / FULL_OVERRIDE), changes)
+        super().go(task, _scaled_speed(moved, self.override / _FULL_OVERRIDE), changes)
 
     def halt(self) -> None:
         """Ends all motions where the arm is."""
@@ -514,12 +514,12 @@ class CrArm(Timed):
             self.lead(self.kernel, self.where()[1])
 
 
-def scaled_speed(moved: Moved, share: float) -> Moved:
+def _scaled_speed(moved: Moved, share: float) -> Moved:
     """A motion at a share of its speed."""
     if share >= 1.0:
         return moved
     how = replace(moved.how, rotation=moved.how.rotation * share)
     if moved.speed is not None:
         return replace(moved, speed=moved.speed * share, how=how)
-    percent = FULL_OVERRIDE if moved.percent is None else moved.percent
+    percent = _FULL_OVERRIDE if moved.percent is None else moved.percent
     return replace(moved, percent=percent * share, how=how)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 Both = TypeVar("Both", Position, Joints)
 
-SIX: Final = 6
+_SIX: Final = 6
 """Elements of a pose; the additional axes follow them."""
 
 
@@ -115,7 +115,7 @@ def _element_pair(
 ) -> float | None:
     if a is not None and b is not None:
         return combine(a, b)
-    if at < SIX:
+    if at < _SIX:
         if a is None and b is None:
             return None
         raise Unknown("a sum with an element that is not defined")
@@ -136,12 +136,12 @@ def same_place(left: Pose | None, right: Pose, tolerance: float = 0.01) -> bool:
     return bool(np.linalg.norm(np.subtract(left.position, right.position)) <= tolerance)
 
 
-def flange_of(shown: Pose, base: Pose, tool: Pose) -> Pose:
+def _flange_of(shown: Pose, base: Pose, tool: Pose) -> Pose:
     """Return the flange in the robot base: shown = base · flange · tool."""
     return base.inverse() @ shown @ tool.inverse()
 
 
-def shown_of(flange: Pose, base: Pose, tool: Pose) -> Pose:
+def _shown_of(flange: Pose, base: Pose, tool: Pose) -> Pose:
     return base @ flange @ tool
 
 
@@ -199,7 +199,7 @@ class Arm:
         """P_Curr."""
         if self.flange is None:
             raise Unknown("where the arm stands")
-        pose = shown_of(self.flange, self.foot, self.tip)
+        pose = _shown_of(self.flange, self.foot, self.tip)
         like = Position(eight(()), self.flags)
         return position_of(pose, like, self.robot)
 
@@ -214,7 +214,7 @@ class Arm:
     def placed(self, shown: Position) -> Pose:
         """The flange for a position as it is shown."""
         pose = pose_of(shown, self.robot)
-        return flange_of(pose, self.foot, self.tip)
+        return _flange_of(pose, self.foot, self.tip)
 
     # ------------------------------------------------------------------------------- moving
 
@@ -252,7 +252,7 @@ class Arm:
         return tuple(six)
 
 
-def arm_moves(world: World) -> bool:
+def _arm_moves(world: World) -> bool:
     """True if the arm is moving for this program."""
     mine = world.slot is None or world.slot.controller.owner is world.slot
     return mine and not world.task.kernel.motion.stands()
@@ -261,7 +261,7 @@ def arm_moves(world: World) -> bool:
 def pause_arm(world: World, late: bool) -> bool:
     """Has the arm stand; whether it has to go on later. late: at the end of its motion."""
     kernel = world.task.kernel
-    if world.paused or not arm_moves(world):
+    if world.paused or not _arm_moves(world):
         return False
     if late:
         kernel.motion.settle(world.task)
@@ -282,7 +282,7 @@ def resume_arm(world: World) -> bool:
 
 def cut_motion(world: World) -> None:
     """Ends the motion where the arm is."""
-    if world.paused or arm_moves(world):
+    if world.paused or _arm_moves(world):
         world.paused = False
         standing = world.task.kernel.motion.cut(world.task)
         if standing is not None:

@@ -43,23 +43,23 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
 
 
-PATH_MEASURES: Final[Mapping[str, tuple[Literal["end", "share"], str]]] = {
+_PATH_MEASURES: Final[Mapping[str, tuple[Literal["end", "share"], str]]] = {
     "M_RDST": ("end", "<"),
     "M_RATIO": ("share", ">"),
 }
 """Variables that measure the progress of a motion, and the comparison with a later position on its
 path.
 """
-PATH_START: Final = OnWay("start", 0.0)
+_PATH_START: Final = OnWay("start", 0.0)
 _MIRRORED: Final = {"<": ">", ">": "<"}
 
 
-def begin_wth(m: Machine, append: s.Append) -> list[Switched]:
+def _begin_wth(m: Machine, append: s.Append) -> list[Switched]:
     """Return the outputs set on the path of the next motion; inputs stay the same until it ends."""
     from assistant.virtual.melfa.statements import execute
 
     condition = append.condition
-    place = PATH_START
+    place = _PATH_START
     if condition is not None and _reads_position(condition):
         place = _trigger_place(m, condition)
     elif condition is not None and not holds(expressions.value(m, condition)):
@@ -76,7 +76,7 @@ class _Skipped(Exception):
     """A motion is broken off."""
 
 
-def is_watched_condition(m: Machine, append: s.Append) -> bool:
+def _is_watched_condition(m: Machine, append: s.Append) -> bool:
     """True if the appended statement waits for its condition while the motion runs."""
     condition = append.condition
     if not isinstance(append.statement, s.Assign):
@@ -91,7 +91,7 @@ def is_watched_condition(m: Machine, append: s.Append) -> bool:
     return on_way or not holds(expressions.value(m, condition))
 
 
-def watch_condition(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
+def _watch_condition(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
     """Runs a motion that `Skip` ends where the arm is, or `Hlt` holds, or on whose way an output is
     set, as soon as a condition is met (COSIROP: SKIP, HLT, WTHIF).
     """
@@ -153,7 +153,7 @@ def _reads_any(condition: s.Expression, names: Container[str]) -> bool:
 
 
 def _reads_position(condition: s.Expression) -> bool:
-    return _reads_any(condition, PATH_MEASURES)
+    return _reads_any(condition, _PATH_MEASURES)
 
 
 def _trigger_place(m: Machine, condition: s.Expression) -> OnWay:
@@ -167,8 +167,12 @@ def _trigger_place(m: Machine, condition: s.Expression) -> OnWay:
             (condition.right, _MIRRORED.get(compared, ""), condition.left),
         )
         for place, way, bound in sides:
-            if isinstance(place, s.Variable) and place.key in PATH_MEASURES and not place.arguments:
-                measure, reached = PATH_MEASURES[place.key]
+            if (
+                isinstance(place, s.Variable)
+                and place.key in _PATH_MEASURES
+                and not place.arguments
+            ):
+                measure, reached = _PATH_MEASURES[place.key]
                 if way == reached and not _reads_position(bound):
                     return OnWay(measure, expressions.plain(m, bound, "a place on the way"))
     raise Unknown("where on its way a motion meets a condition")
@@ -176,7 +180,7 @@ def _trigger_place(m: Machine, condition: s.Expression) -> OnWay:
 
 AXES: Final = 6
 """Elements for the arm's axes in a position or joint position; additional axes follow them."""
-SAME_RADIUS: Final = 0.01
+_SAME_RADIUS: Final = 0.01
 """mm by which the two radii of Mvr3 may differ (COSIROP: MVR3)."""
 
 
@@ -188,7 +192,7 @@ def move(m: Machine, node: s.Motion) -> None:
     if word in m.world.commands:
         m.world.given(word, expressions.values(m, node.arguments))
         return
-    kind = MOVE_KINDS.get(word)
+    kind = _MOVE_KINDS.get(word)
     if kind is None:
         raise Unknown(f"the motion {node.keyword}")
     m.world.needs_mechanism("a motion")
@@ -196,10 +200,10 @@ def move(m: Machine, node: s.Motion) -> None:
     if node.append is None:
         kind(m, node)
         return
-    if is_watched_condition(m, node.append):
-        watch_condition(m, node.append, lambda: kind(m, node))
+    if _is_watched_condition(m, node.append):
+        _watch_condition(m, node.append, lambda: kind(m, node))
         return
-    m.world.on_way, m.world.appended = begin_wth(m, node.append), False
+    m.world.on_way, m.world.appended = _begin_wth(m, node.append), False
     try:
         kind(m, node)
     finally:
@@ -365,11 +369,11 @@ def _to_start(m: Machine, start: Position) -> None:
     if arm.flange is None:
         raise Unknown("where an arc begins")
     tip = arm.flange @ arm.tip
-    if not arm_state.same_place(tip, flange @ arm.tip, START_DISTANCE):
+    if not arm_state.same_place(tip, flange @ arm.tip, _START_DISTANCE):
         _straight(m, start)
 
 
-START_DISTANCE: Final = 0.05
+_START_DISTANCE: Final = 0.05
 """mm between where the arm stands and where an arc begins: rounding of positions."""
 
 
@@ -409,14 +413,14 @@ def _about(m: Machine, node: s.Motion) -> None:
         return
     radii = np.linalg.norm(a - c), np.linalg.norm(b - c)
     circle = circle_about(a, b, c)
-    if abs(radii[0] - radii[1]) > SAME_RADIUS or circle is None:
+    if abs(radii[0] - radii[1]) > _SAME_RADIUS or circle is None:
         raise Failed(2803, "the centre of an arc")
     if _agree(m, node):
         _same_posture(start.flags[0], end.flags[0])
     _move_by_point(m, circle.middle(a, b), end)
 
 
-PASSING_SPEED: Final = 1.0
+_PASSING_SPEED: Final = 1.0
 """mm of the corner half-way round a whole circle, which goes on without a stop."""
 
 
@@ -430,7 +434,7 @@ def _whole_circle(m: Machine, node: s.Motion) -> None:
         raise Failed(2803, "the places of a circle")
     kept = arm_state.pose_of(start, m.world.arm.robot)
     half = arm_state.position_of(Pose(_tuple_of(c), kept.quaternion), start)
-    _move_by_point(m, circle.middle(a, c), half, passing=PASSING_SPEED)
+    _move_by_point(m, circle.middle(a, c), half, passing=_PASSING_SPEED)
     _move_by_point(m, circle.middle(c, a), start)
 
 
@@ -458,7 +462,7 @@ def _move_on_arc(m: Machine, via: Pose, end: Position, passing: float = 0.0) -> 
     _command_motion(m, replace(moved, blend=max(moved.blend, passing)), end.flags)
 
 
-MOVE_KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {
+_MOVE_KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {
     "MOV": _joint,
     "MVS": _linear,
     "MVR": _through,
@@ -544,13 +548,13 @@ def _switch_servo(m: Machine, node: s.Expression, *mechanism: s.Expression | Non
 def _change_turns(m: Machine, node: s.Expression, axis: s.Expression | None = None) -> None:
     """JRC: the joint counts a turn more or less, and the arm stays where it is."""
     turns = expressions.integer(m, node, "the turns of JRC")
-    which = SIXTH_AXIS if axis is None else expressions.integer(m, axis, "the axis of JRC")
+    which = _SIXTH_AXIS if axis is None else expressions.integer(m, axis, "the axis of JRC")
     if turns not in (-1, 0, 1):
         raise out_of_range(f"{turns} turns of JRC")
     if not m.world.options.joint_turns:
         m.world.note("JRC does nothing while the parameter JRCEXE is 0")
         return
-    if which != SIXTH_AXIS:
+    if which != _SIXTH_AXIS:
         raise Unknown("JRC of an axis whose turns a parameter gives")
     if turns == 0:
         raise Failed(3910, "JRC 0 of an axis of the arm")
@@ -562,12 +566,12 @@ def _change_turns(m: Machine, node: s.Expression, axis: s.Expression | None = No
         arm.joints = (*arm.joints[:5], arm.joints[5] + 360.0 * turns, *arm.joints[6:])
     one, two = arm.flags
     if two is not None:
-        nibble = (two >> TURN_SHIFT & 15) + turns & 15
-        arm.flags = (one, two & ~(15 << TURN_SHIFT) | nibble << TURN_SHIFT)
+        nibble = (two >> _TURN_SHIFT & 15) + turns & 15
+        arm.flags = (one, two & ~(15 << _TURN_SHIFT) | nibble << _TURN_SHIFT)
 
 
-SIXTH_AXIS: Final = 6
-TURN_SHIFT: Final = 20
+_SIXTH_AXIS: Final = 6
+_TURN_SHIFT: Final = 20
 """Shift of the four bits of joint 6 in FL2."""
 
 # -------------------------------------------------------------------------------------- hands
@@ -579,14 +583,14 @@ def _move_hand(m: Machine, node: s.Expression, value: float) -> None:
 
 def order_hand(m: Machine, hand: int, value: float) -> None:
     """An order to open (1) or to close (0) a hand."""
-    if not 1 <= hand <= MOST_HANDS:
+    if not 1 <= hand <= _MOST_HANDS:
         raise out_of_range(f"the hand {hand}")
     m.world.arm.hands[hand] = value
-    m.world.task.switch(HAND_SIGNAL.format(hand), value)
+    m.world.task.switch(_HAND_SIGNAL.format(hand), value)
 
 
-MOST_HANDS: Final = 8
-HAND_SIGNAL: Final = "hand{}"
+_MOST_HANDS: Final = 8
+_HAND_SIGNAL: Final = "hand{}"
 """The event of a hand: 1 as it opens, 0 as it closes."""
 
 # ----------------------------------------------------------------------------------- softness

@@ -98,9 +98,9 @@ class Code:
         return statement
 
 
-FUNCTION: Final = "Function"
+_FUNCTION: Final = "Function"
 LOOPS: Final = ("For", "While")
-MISMATCH: Final = {"If": 3252, "For": 3230, "While": 3250, "Select": 3254, "Function": 3220}
+_MISMATCH: Final = {"If": 3252, "For": 3230, "While": 3250, "Select": 3254, "Function": 3220}
 
 
 def code_of(file: s.File) -> Code:
@@ -120,7 +120,7 @@ def code_of(file: s.File) -> Code:
             code.numbers[row.number] = at
         _blocks(code, open_, at, row.statement)
     if open_:
-        raise Failed(MISMATCH[open_[-1].kind], f"a {open_[-1].kind} is not closed")
+        raise Failed(_MISMATCH[open_[-1].kind], f"a {open_[-1].kind} is not closed")
     _scopes(code)
     return code
 
@@ -202,17 +202,17 @@ def constant(node: s.Expression) -> Value | None:
 
 def _blocks(code: Code, open_: list[Block], at: int, statement: s.Statement | None) -> None:
     word = block_word(statement)
-    kind = FUNCTION if isinstance(statement, s.Function) else word.opens
+    kind = _FUNCTION if isinstance(statement, s.Function) else word.opens
     part = word.parts
     if part:
         if not open_ or open_[-1].kind != part:
-            raise Failed(MISMATCH[part], f"a part of a {part} stands outside of one")
+            raise Failed(_MISMATCH[part], f"a part of a {part} stands outside of one")
         open_[-1].parts.append(at)
         code.parted[at] = open_[-1]
-    ends = (FUNCTION,) if statement == s.Command("FEnd") else word.closes
+    ends = (_FUNCTION,) if statement == s.Command("FEnd") else word.closes
     for end in ends:
         if not open_ or open_[-1].kind != end:
-            raise Failed(MISMATCH[end], f"the end of a {end} stands without its beginning")
+            raise Failed(_MISMATCH[end], f"the end of a {end} stands without its beginning")
         block = open_.pop()
         block.end = at
         code.closed.setdefault(at, []).append(block)

@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.world import World
 
 
-ALL_DIGITS: Final = 10_000_000
+_ALL_DIGITS: Final = 10_000_000
 """From here on seven digits are not enough for the whole part of a number."""
 
 # ------------------------------------------------------------------------------------ writing
 
 
-def record_text(value: Value, options: Options) -> str:
+def _record_text(value: Value, options: Options) -> str:
     """One item of Print#."""
     match value:
         case str():
@@ -60,7 +60,7 @@ def record_text(value: Value, options: Options) -> str:
 def _number_record(value: float, options: Options) -> str:
     if not math.isfinite(value):
         raise Unknown("a number that is not finite")
-    if abs(value) >= ALL_DIGITS:
+    if abs(value) >= _ALL_DIGITS:
         return f"{value:.0f}"
     made = f"{value:.{options.printed}g}"
     return made if "e" not in made else f"{value:.12f}".rstrip("0").rstrip(".")
@@ -73,7 +73,7 @@ def _bracket_text(values: Elements, options: Options) -> str:
     return f"({','.join(made)})"
 
 
-def padded_text(text: str, width: int) -> str:
+def _padded_text(text: str, width: int) -> str:
     """Up to the next column that items begin in."""
     return text + " " * (-len(text) % width)
 
@@ -84,7 +84,7 @@ _ITEM: Final = re.compile(r"(?:\([^()]*\)|[^,()])*")
 _POSITION_ITEM: Final = re.compile(r"\s*\(([^()]*)\)\s*(?:\(([^()]*)\))?\s*")
 
 
-def record_items(line: str) -> Iterator[str]:
+def _record_items(line: str) -> Iterator[str]:
     """Items of a line, separated by commas outside brackets."""
     at = 0
     while True:
@@ -99,7 +99,7 @@ def record_items(line: str) -> Iterator[str]:
         at = end + 1
 
 
-def record_value(item: str, kind: Kind) -> Value:
+def _record_value(item: str, kind: Kind) -> Value:
     """An item for a variable of a type; error 3500 if it is of another one."""
     match kind:
         case "text":
@@ -136,13 +136,13 @@ def _position_value(item: str, kind: Kind) -> Value:
     return Position(values, (int(one), int(two)))
 
 
-FILE_NUMBERS: Final = range(1, 9)
-RECORD_END: Final = "\r"
-PREFIX: Final = "PRN"
+_FILE_NUMBERS: Final = range(1, 9)
+_RECORD_END: Final = "\r"
+_PREFIX: Final = "PRN"
 """Prefix of data on a line that takes commands as well (protocol without procedure)."""
 
 
-class Outside(Protocol):
+class _Outside(Protocol):
     """Files and lines that `Open` opens. stored: files by their names."""
 
     stored: dict[str, bytearray]
@@ -168,14 +168,14 @@ class Channel:
     def pull(self) -> None:
         """Read received data; a carriage return ends a line, a line feed after it is ignored."""
         self._buffer += self.line.receive().decode("latin-1")
-        while RECORD_END in self._buffer:
-            one, self._buffer = self._buffer.split(RECORD_END, 1)
+        while _RECORD_END in self._buffer:
+            one, self._buffer = self._buffer.split(_RECORD_END, 1)
             one = one.removeprefix("\n")
-            if self.prefixed and not one.startswith(PREFIX):
+            if self.prefixed and not one.startswith(_PREFIX):
                 continue  # a command to the controller, none of whose programs reads it
             if self.prefixed:
-                one = one.removeprefix(PREFIX).removeprefix(" ")
-            self._items.extend(record_items(one))
+                one = one.removeprefix(_PREFIX).removeprefix(" ")
+            self._items.extend(_record_items(one))
             self.arrived += 1
 
     def has(self, count: int) -> bool:
@@ -194,7 +194,7 @@ class Channel:
 
 def _file_number(m: Machine, node: s.Expression) -> int:
     number = expressions.integer(m, node, "the number of a file")
-    if number not in FILE_NUMBERS:
+    if number not in _FILE_NUMBERS:
         raise out_of_range(f"the file {number}")
     return number
 
@@ -211,7 +211,7 @@ def _open_file(m: Machine, node: s.Open) -> None:
     number = _file_number(m, node.number)
     name = text(expressions.value(m, node.name), "the name of a file").strip().upper()
     slot = m.world.slot
-    outside: Outside = m.world if slot is None else slot.controller
+    outside: _Outside = m.world if slot is None else slot.controller
     line: Line
     if ":" in name:
         line = outside.line(name)
@@ -229,8 +229,8 @@ def _open_file(m: Machine, node: s.Open) -> None:
 
 def _stored_file(files: dict[str, bytearray], name: str, mode: str) -> Stored:
     """A file on the controller."""
-    if len(name) > LONGEST_INPUT:
-        raise Failed(None, f"the name {name} of a file is longer than {LONGEST_INPUT} characters")
+    if len(name) > _LONGEST_INPUT:
+        raise Failed(None, f"the name {name} of a file is longer than {_LONGEST_INPUT} characters")
     match mode:
         case "Output" | "Append":
             return Stored(files.setdefault(name, bytearray()), mode)
@@ -241,7 +241,7 @@ def _stored_file(files: dict[str, bytearray], name: str, mode: str) -> Stored:
     raise Unknown(f"the file {name} in random mode")
 
 
-LONGEST_INPUT: Final = 16
+_LONGEST_INPUT: Final = 16
 """Characters of a file's name (COSIROP: OPEN)."""
 
 
@@ -262,10 +262,10 @@ def _print_record(m: Machine, node: s.Print) -> None:
     for place, (mark, item) in enumerate(node.items):
         goes_on = item is None
         if mark == "," and place > 0:
-            made = padded_text(made, options.columns)
+            made = _padded_text(made, options.columns)
         if item is not None:
-            made += record_text(expressions.value(m, item), options)
-    new = made[len(channel.unfinished) :] + ("" if goes_on else RECORD_END)
+            made += _record_text(expressions.value(m, item), options)
+    new = made[len(channel.unfinished) :] + ("" if goes_on else _RECORD_END)
     channel.unfinished = made if goes_on else ""
     line = channel.line
     if line.full():
@@ -288,7 +288,7 @@ def _input_record(m: Machine, node: s.Input) -> None:
         lambda: channel.has(count), what=f"data on {channel.name}", outside=line.outside
     )
     for variable, item in zip(node.variables, channel.take(count), strict=True):
-        expressions.store(m, variable, record_value(item, _variable_kind(m, variable)))
+        expressions.store(m, variable, _record_value(item, _variable_kind(m, variable)))
 
 
 def _variable_kind(m: Machine, variable: s.Variable) -> Kind:

@@ -15,12 +15,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Literal, Protocol
 
-MOST_UNSENT: Final = 1 << 12
+_MOST_UNSENT: Final = 1 << 12
 """Bytes that wait for a client that does not read, until Print# waits as well."""
-PATIENCE: Final = 1.0
+_PATIENCE: Final = 1.0
 """Seconds that a client tries to connect."""
-AT_ONCE: Final = 1 << 16
-MOST_PORT: Final = 65_535
+_AT_ONCE: Final = 1 << 16
+_MOST_PORT: Final = 65_535
 
 
 class Line(Protocol):
@@ -126,7 +126,7 @@ class Stream:
 
     def full(self) -> bool:
         self._flush()
-        return len(self._unsent) > MOST_UNSENT
+        return len(self._unsent) > _MOST_UNSENT
 
     def send(self, data: bytes) -> None:
         if self.connected():
@@ -189,7 +189,7 @@ class _Tcp(Stream):
         return self._peer is not None
 
     def _read(self) -> bytes:
-        return b"" if self._peer is None else self._peer.recv(AT_ONCE)
+        return b"" if self._peer is None else self._peer.recv(_AT_ONCE)
 
     def _write(self, data: bytes) -> int:
         return 0 if self._peer is None else self._peer.send(data)
@@ -250,7 +250,7 @@ class TcpClient(_Tcp):
     def open(self) -> None:
         """Open a connection; without a server the line is open unconnected, as M_Open shows."""
         with suppress(OSError):
-            self._peer = socket.create_connection(self._target, PATIENCE)
+            self._peer = socket.create_connection(self._target, _PATIENCE)
             self._peer.setblocking(False)
 
 
@@ -286,7 +286,7 @@ class Serial(Stream):
         return self._port is not None
 
     def _read(self) -> bytes:
-        return b"" if self._port is None else os.read(self._port, AT_ONCE)
+        return b"" if self._port is None else os.read(self._port, _AT_ONCE)
 
     def _write(self, data: bytes) -> int:
         return 0 if self._port is None else os.write(self._port, data)
@@ -323,7 +323,7 @@ class Descriptor(Stream):
         self._flush()
 
     def _read(self) -> bytes:
-        data = os.read(self._descriptor, AT_ONCE)
+        data = os.read(self._descriptor, _AT_ONCE)
         if not data:
             raise BlockingIOError
         return data
@@ -414,8 +414,8 @@ def line_to(target: str) -> tuple[Line, Callable[[], None]]:
 
 
 def _port(digits: str) -> int:
-    if len(digits) > len(str(MOST_PORT)) or int(digits) > MOST_PORT:
-        raise OSError(f"a port is a number up to {MOST_PORT}")
+    if len(digits) > len(str(_MOST_PORT)) or int(digits) > _MOST_PORT:
+        raise OSError(f"a port is a number up to {_MOST_PORT}")
     return int(digits)
 
 
@@ -441,11 +441,11 @@ def set_rate(port: int, rate: Rate) -> None:
         raise OSError(f"{error}") from None
 
 
-GREETING: Final = b"GATEWAY 1"
+_GREETING: Final = b"GATEWAY 1"
 """First text that a program sends to a gateway, and a gateway to it."""
-MOST_SENT: Final = 50
+_MOST_SENT: Final = 50
 """Bytes that a gateway hands over at once."""
-ENDLESS: Final = 99_999_000
+_ENDLESS: Final = 99_999_000
 """Milliseconds that stand for no end of a wait."""
 
 
@@ -472,10 +472,10 @@ class SimulatedClient(Wire):
         self._said += data
         while b"\r" in self._said:
             line, _, self._said = self._said.partition(b"\r")
-            if line == GREETING:
+            if line == _GREETING:
                 self.receive()  # what was said before is not for a gateway
                 self._is_gateway = True
-                self._answer(GREETING)
+                self._answer(_GREETING)
             elif self._is_gateway:
                 self._asked(line)
 
@@ -492,10 +492,10 @@ class SimulatedClient(Wire):
                 if taken is not None:
                     self._taken = taken
                     self._answer(b"B%04X" % len(taken))
-                elif int(wait) < ENDLESS:
+                elif int(wait) < _ENDLESS:
                     self._answer(b"T")
             case [b"G"]:
-                piece, self._taken = self._taken[:MOST_SENT], self._taken[MOST_SENT:]
+                piece, self._taken = self._taken[:_MOST_SENT], self._taken[_MOST_SENT:]
                 self._answer(b"D" + piece.hex().upper().encode())
             case [b"P"]:
                 self._answer(b"B%04X" % (len(self._left[0]) if self._left else 0))

@@ -273,7 +273,7 @@ class Controller:
         self.error: Failed | None = None
         self.owner: Slot | None = None
         self.paused: Slot | None = None
-        self.shared = Shared(None if base is None else code_of(base))
+        self.shared = _Shared(None if base is None else code_of(base))
         self._files = {name.upper(): file for name, file in programs.items()}
         self._machines: dict[str, Machine] = {}
         self._library, self._made = library, made
@@ -411,11 +411,11 @@ class _Programs(Mapping[str, Machine]):
         return len(self._controller._files)
 
 
-OWN_VARIABLES: Final = re.compile(r"[PJMC]_[01]\d")
+_OWN_VARIABLES: Final = re.compile(r"[PJMC]_[01]\d")
 """External variables that every controller has, beside its arrays."""
 
 
-class Shared(Memory):
+class _Shared(Memory):
     """Variables of all programs: the controller's own, and those that a base program declares."""
 
     def __init__(self, base: Code | None) -> None:
@@ -427,15 +427,15 @@ class Shared(Memory):
         if name not in self.places:
             if OWN_ARRAY.fullmatch(name):
                 self.scope.sizes[name] = (OWN_ELEMENTS,)
-            elif not OWN_VARIABLES.fullmatch(name) and name not in self.scope.declared | set(
+            elif not _OWN_VARIABLES.fullmatch(name) and name not in self.scope.declared | set(
                 self.scope.kinds
             ):
                 raise Failed(4341, f"no base program declares the external variable {name}")
         return super().place(name)
 
 
-RUN_MODES: Final[Mapping[int, Literal["REP", "CYC"]]] = {0: "REP", 1: "CYC"}
-MOST_LINES: Final = 31
+_RUN_MODES: Final[Mapping[int, Literal["REP", "CYC"]]] = {0: "REP", 1: "CYC"}
+_MOST_LINES: Final = 31
 
 
 def _own_slot(m: Machine) -> Slot:
@@ -470,9 +470,9 @@ def _run_slot(
             raise Unknown("XRun of another program than the one that was stopped")
     if more and more[0] is not None:
         mode = expressions.integer(m, more[0], "the operation mode")
-        if mode not in RUN_MODES:
+        if mode not in _RUN_MODES:
             raise out_of_range(f"the operation mode {mode}")
-        slot.mode = RUN_MODES[mode]
+        slot.mode = _RUN_MODES[mode]
     slot.run()
 
 
@@ -503,7 +503,7 @@ def _release_mechanism(m: Machine) -> None:
 
 def _set_priority(m: Machine, lines: s.Expression, *node: s.Expression) -> None:
     count = expressions.integer(m, lines, "the lines of a turn")
-    if not 1 <= count <= MOST_LINES:
+    if not 1 <= count <= _MOST_LINES:
         raise out_of_range(f"a turn of {count} lines")
     slot = _own_slot(m)
     if node:

@@ -58,14 +58,14 @@ def binary(m: Machine, sign: str, left: Value, right: Value) -> Value:
         return _of_texts(m, sign, left, right)
     if sign in RELATIONS:
         return _truth(m, RELATIONS[sign](number(left), number(right)))
-    if sign in BITWISE:
+    if sign in _BITWISE:
         if isinstance(left, bool) and isinstance(right, bool):
-            return bool(BITWISE[sign](left, right))
-        return BITWISE[sign](whole(left, "an operand"), whole(right, "an operand"))
-    if sign in ARITHMETIC:
-        return _in_range(ARITHMETIC[sign](number(left), number(right)))
-    if sign in OPTION_OPERATORS:
-        return _in_range(OPTION_OPERATORS[sign](m.world.options, number(left), number(right)))
+            return bool(_BITWISE[sign](left, right))
+        return _BITWISE[sign](whole(left, "an operand"), whole(right, "an operand"))
+    if sign in _ARITHMETIC:
+        return _in_range(_ARITHMETIC[sign](number(left), number(right)))
+    if sign in _OPTION_OPERATORS:
+        return _in_range(_OPTION_OPERATORS[sign](m.world.options, number(left), number(right)))
     raise Failed(4220, f"the operator {sign}")
 
 
@@ -82,14 +82,14 @@ def _divided(left: float, right: float) -> float:
     return left / right
 
 
-EXACT_INTEGERS: Final = 1 << 53
+_EXACT_INTEGERS: Final = 1 << 53
 """Whole numbers below it are exact in double precision."""
 
 
 def _in_range(made: int | float) -> int | float:
     """A result in double precision; raises Unknown where that has no number for it."""
     if isinstance(made, int):
-        return made if abs(made) < EXACT_INTEGERS else float(made)
+        return made if abs(made) < _EXACT_INTEGERS else float(made)
     if not math.isfinite(made):
         raise Unknown("a number that is not finite")
     return made
@@ -105,7 +105,7 @@ def _power(options: Options, left: float, right: float) -> int | float:
         raise Unknown(f"{left} to the power of {right}") from None
     if isinstance(made, complex):
         raise Unknown("the power of a negative number to one that is not whole")
-    return int(made) if made.is_integer() and abs(made) < EXACT_INTEGERS else made
+    return int(made) if made.is_integer() and abs(made) < _EXACT_INTEGERS else made
 
 
 def _quotient(options: Options, left: float, right: float) -> int:
@@ -133,14 +133,14 @@ def _remainder(options: Options, left: float, right: float) -> int:
     return a - b * _quotient(options, a, b)
 
 
-WIDEST_SHIFT: Final = 64
+_WIDEST_SHIFT: Final = 64
 
 
 def _shifted(options: Options, left: float, right: float, sign: int) -> int:
     """Shifts are logical: what moves in is 0 (RT ToolBox list); beyond 15 bits by an option."""
     a, b = whole(left), whole(right)
     bits = options.bits
-    if not 0 <= b < WIDEST_SHIFT:
+    if not 0 <= b < _WIDEST_SHIFT:
         raise Unknown(f"a shift by {b} bits")
     if bits is None and (a < 0 or a << b >= 1 << 15):
         raise open_point("a shift beyond fifteen bits", "bits")
@@ -157,13 +157,13 @@ RELATIONS: Final[Mapping[str, Callable[[Any, Any], bool]]] = {
     "=": operator.eq, "<>": operator.ne, "<": operator.lt, "<=": operator.le,
     ">": operator.gt, ">=": operator.ge,
 }  # fmt: skip
-BITWISE: Final[Mapping[str, Callable[[int, int], int]]] = {
+_BITWISE: Final[Mapping[str, Callable[[int, int], int]]] = {
     "AND": operator.and_, "OR": operator.or_, "XOR": operator.xor,
 }  # fmt: skip
-ARITHMETIC: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
+_ARITHMETIC: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": _divided,
 }  # fmt: skip
-OPTION_OPERATORS: Final[Mapping[str, Callable[[Options, Any, Any], int | float]]] = {
+_OPTION_OPERATORS: Final[Mapping[str, Callable[[Options, Any, Any], int | float]]] = {
     "\\": _quotient,
     "MOD": _remainder,
     "^": _power,
@@ -189,14 +189,14 @@ def _of_positions(m: Machine, sign: str, left: Value, right: Value) -> Value:
         if sign in ("*", "/") and isinstance(right, int | float):
             return arm_state.scaled(joints(left), _scale_factor(sign, right))
         if sign in ("+", "-"):
-            return arm_state.elementwise(joints(left), joints(right), ARITHMETIC[sign])
+            return arm_state.elementwise(joints(left), joints(right), _ARITHMETIC[sign])
         raise Failed(4390, f"the operator {sign} between joints")
     if sign in ("*", "/") and isinstance(right, int | float):
         return arm_state.scaled(position(left), _scale_factor(sign, right))
     if sign in ("+", "-"):
         if isinstance(left, Bare) and isinstance(right, Bare):
             raise Unknown("a sum of two constants without flags")
-        return arm_state.elementwise(position(left), position(right), ARITHMETIC[sign])
+        return arm_state.elementwise(position(left), position(right), _ARITHMETIC[sign])
     if sign == "*":
         return arm_state.composed(position(left), position(right), robot)
     if sign == "/":
@@ -227,7 +227,7 @@ def value(m: Machine, node: s.Expression | None) -> Value:
         case s.Unary(operator=sign, operand=operand):
             return unary(sign.upper(), value(m, operand))
         case s.Binary(operator=sign, left=s.Variable() as read, right=s.Number(value=mask)) if (
-            sign.upper() == "AND" and 0 <= mask < SIGN_BIT and (low := _bits(m, read)) is not None
+            sign.upper() == "AND" and 0 <= mask < _SIGN_BIT and (low := _bits(m, read)) is not None
         ):
             return low & whole(mask, "an operand")
         case s.Binary(operator=sign, left=left, right=right):
@@ -238,7 +238,7 @@ def value(m: Machine, node: s.Expression | None) -> Value:
     raise Failed(4220, "an expression that is none")
 
 
-SIGN_BIT: Final = 1 << 15
+_SIGN_BIT: Final = 1 << 15
 """The bit that may be a sign: those below it are the same with and without one."""
 
 
@@ -280,13 +280,13 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
         return m.result()
     if not m.is_own(key):
         if key in m.world.commands:
-            return plugin_value(m, node)
+            return _plugin_value(m, node)
         if key in m.code.functions:
             return m.called(node)
         if key in m.code.definitions:
             return m.defined(node)
         if key in m.code.signals:
-            return io_value(m, m.code.signals[key])
+            return _io_value(m, m.code.signals[key])
         if node.arguments is not None and vocabulary.function(key) is not None:
             return _applied(m, node, node.arguments)
         if is_status(key) and not _is_listed(m, node):
@@ -319,7 +319,7 @@ def store(m: Machine, node: s.Variable, given: Value) -> None:
     place.set(fitted(given, place.kind, node.name, m.world.options), index)
 
 
-def plugin_value(m: Machine, node: s.Variable) -> Value:
+def _plugin_value(m: Machine, node: s.Variable) -> Value:
     """Return the value that a plug-in gives for a function or a status variable."""
     found = m.world.given(node.key, values(m, node.arguments or ()))
     if found is None:
@@ -385,7 +385,7 @@ def reference(m: Machine, node: s.Variable) -> tuple[Storage, Index]:
     return m.memory_of(node.key).place(node.key), index
 
 
-def io_value(m: Machine, definition: s.DefIo) -> int:
+def _io_value(m: Machine, definition: s.DefIo) -> int:
     """The inputs that `Def Io` gave a name."""
     first, width, mask = io_of(m, definition)
     return m.world.read(output=False, first=first, width=width) & mask

@@ -25,7 +25,7 @@ from assistant.virtual.melfa.values import (
 )
 from assistant.virtual.melfa.world import World
 
-CHARACTER_CODES: Final = "latin-1"
+_CHARACTER_CODES: Final = "latin-1"
 """A character is one byte here: what it shows is up to the controller's code page."""
 
 # ------------------------------------------------------------------------------------- parts
@@ -56,7 +56,7 @@ def _find_text(of: Value, sought: Value) -> int:
 
 def _text_bytes(of: Value) -> bytes:
     try:
-        return text(of).encode(CHARACTER_CODES)
+        return text(of).encode(_CHARACTER_CODES)
     except UnicodeEncodeError:
         raise Unknown(f"the codes of the characters of `{text(of)}`") from None
 
@@ -87,7 +87,7 @@ def _reversed_text(of: Value) -> str:
     """Mirror$: all bits of the text in the other order, so that "BJ" becomes "RB"."""
     codes = _text_bytes(of)
     bits = "".join(f"{code:08b}" for code in codes)[::-1]
-    return bytes(int(bits[i : i + 8], 2) for i in range(0, len(bits), 8)).decode(CHARACTER_CODES)
+    return bytes(int(bits[i : i + 8], 2) for i in range(0, len(bits), 8)).decode(_CHARACTER_CODES)
 
 
 def _packed_number(form: str) -> Callable[[Value], str]:
@@ -95,10 +95,10 @@ def _packed_number(form: str) -> Callable[[Value], str]:
 
     def made(given: Value) -> str:
         value = number(given)
-        if form == WHOLE_CODE:
-            return (whole(value) & 0xFFFF).to_bytes(2, "little").decode(CHARACTER_CODES)
+        if form == _WHOLE_CODE:
+            return (whole(value) & 0xFFFF).to_bytes(2, "little").decode(_CHARACTER_CODES)
         try:
-            return struct.pack(form, value).decode(CHARACTER_CODES)
+            return struct.pack(form, value).decode(_CHARACTER_CODES)
         except OverflowError:
             raise Unknown(f"{value} in single precision") from None
 
@@ -116,45 +116,45 @@ def _unpacked_number(form: str) -> Callable[[Value], int | float]:
         (value,) = struct.unpack(form, codes)
         if not math.isfinite(value):
             raise Unknown("a number that is not finite")
-        return int(value) if form == WHOLE_CODE else float(value)
+        return int(value) if form == _WHOLE_CODE else float(value)
 
     return made
 
 
-WHOLE_CODE: Final = "<h"
-SINGLE_CODE: Final = "<f"
-DOUBLE_CODE: Final = "<d"
+_WHOLE_CODE: Final = "<h"
+_SINGLE_CODE: Final = "<f"
+_DOUBLE_CODE: Final = "<d"
 
 # ----------------------------------------------------------------------------------- numbers
 
 
-def number_text(options: Options, value: Value) -> str:
+def _number_text(options: Options, value: Value) -> str:
     """A number as Str$ writes it; of those that are not whole the form is an option."""
     given = number(value)
-    if given == int(given) and abs(given) < LONG_CODE:
+    if given == int(given) and abs(given) < _LONG_CODE:
         return str(int(given))
     if options.digits is None:
         raise open_point("how Str$ writes a number that is not whole", "digits")
     return f"{given:.{options.digits}g}"
 
 
-LONG_CODE: Final = 1 << 31
+_LONG_CODE: Final = 1 << 31
 """From here on a number is no whole one of 32 bits."""
 
 
 def _number_in_text(of: Value) -> int | float:
     given = text(of).strip().upper()
-    if BASED.fullmatch(given):
-        return int(given[2:], BASES[given[1]])
-    value = float(given) if DECIMAL.fullmatch(given) else math.nan
+    if _BASED.fullmatch(given):
+        return int(given[2:], _BASES[given[1]])
+    value = float(given) if _DECIMAL.fullmatch(given) else math.nan
     if not math.isfinite(value):
         raise Unknown(f"the number in the text `{text(of)}`")
     return int(value) if value.is_integer() else value
 
 
-BASED: Final = re.compile(r"&H[0-9A-F]+|&B[01]+")
-BASES: Final = {"H": 16, "B": 2}
-DECIMAL: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(E[+-]?\d+)?", re.ASCII)
+_BASED: Final = re.compile(r"&H[0-9A-F]+|&B[01]+")
+_BASES: Final = {"H": 16, "B": 2}
+_DECIMAL: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(E[+-]?\d+)?", re.ASCII)
 
 
 def _based_digits(options: Options, of: Value, base: str, count: Value | None = None) -> str:
@@ -162,7 +162,7 @@ def _based_digits(options: Options, of: Value, base: str, count: Value | None = 
     given, wanted = whole(of), None if count is None else whole(count)
     if given < 0:
         bits = options.bits
-        if bits is None and base == "X" and wanted is not None and wanted <= SURE_DIGITS:
+        if bits is None and base == "X" and wanted is not None and wanted <= _SURE_DIGITS:
             bits = 16
         if bits is None:
             raise open_point("the digits of a negative number", "bits")
@@ -175,9 +175,9 @@ def _based_digits(options: Options, of: Value, base: str, count: Value | None = 
     return made[-wanted:]
 
 
-SURE_DIGITS: Final = 4
+_SURE_DIGITS: Final = 4
 
-TEXT_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
+_TEXT_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "MID": _middle_text,
     "LEFT": lambda of, count: _text_end(of, count, left=True),
     "RIGHT": lambda of, count: _text_end(of, count, left=False),
@@ -190,16 +190,16 @@ TEXT_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "VAL": _number_in_text,
     "CKSUM": _code_sum,
     "MIRROR": _reversed_text,
-    "MKI": _packed_number(WHOLE_CODE),
-    "MKS": _packed_number(SINGLE_CODE),
-    "MKD": _packed_number(DOUBLE_CODE),
-    "CVI": _unpacked_number(WHOLE_CODE),
-    "CVS": _unpacked_number(SINGLE_CODE),
-    "CVD": _unpacked_number(DOUBLE_CODE),
+    "MKI": _packed_number(_WHOLE_CODE),
+    "MKS": _packed_number(_SINGLE_CODE),
+    "MKD": _packed_number(_DOUBLE_CODE),
+    "CVI": _unpacked_number(_WHOLE_CODE),
+    "CVS": _unpacked_number(_SINGLE_CODE),
+    "CVD": _unpacked_number(_DOUBLE_CODE),
 }
 
-OPTION_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
-    "STR": number_text,
+_OPTION_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
+    "STR": _number_text,
     "HEX": lambda options, of, count=None: _based_digits(options, of, "X", count),
     "BIN": lambda options, of: _based_digits(options, of, "b"),
 }
@@ -211,14 +211,14 @@ def call(name: str, arguments: tuple[Value | None, ...], world: World) -> Value:
 
     name: upper case without `$`. arguments: None for one that is left out.
     """
-    if name in NUMBER_FUNCTIONS and None not in arguments:
-        return NUMBER_FUNCTIONS[name](
+    if name in _NUMBER_FUNCTIONS and None not in arguments:
+        return _NUMBER_FUNCTIONS[name](
             *(number(a, f"an argument of {name}") for a in _required(arguments))
         )
-    if name in TEXT_FUNCTIONS:
-        return TEXT_FUNCTIONS[name](*_required(arguments))
-    if name in OPTION_FUNCTIONS:
-        return OPTION_FUNCTIONS[name](world.options, *_required(arguments))
+    if name in _TEXT_FUNCTIONS:
+        return _TEXT_FUNCTIONS[name](*_required(arguments))
+    if name in _OPTION_FUNCTIONS:
+        return _OPTION_FUNCTIONS[name](world.options, *_required(arguments))
     if name in positions.CONSTRUCTORS:
         return positions.CONSTRUCTORS[name](world, *arguments)
     if name in positions.POSITION_FUNCTIONS:
@@ -242,12 +242,12 @@ def _square_root(x: float) -> float:
 
 
 def _power_of_e(x: float) -> float:
-    if x > LARGEST_POWER:
+    if x > _LARGEST_POWER:
         raise Unknown(f"e to the power of {x}")
     return math.exp(x)
 
 
-LARGEST_POWER: Final = 709.0
+_LARGEST_POWER: Final = 709.0
 """Largest power of e in double precision."""
 
 
@@ -269,7 +269,7 @@ def _arc_tangent(of: Callable[[float], float]) -> Callable[[float], float]:
     return made
 
 
-NUMBER_FUNCTIONS: Final[Mapping[str, Callable[..., int | float]]] = {
+_NUMBER_FUNCTIONS: Final[Mapping[str, Callable[..., int | float]]] = {
     "ABS": abs,
     "SGN": lambda x: (x > 0) - (x < 0),
     "SQR": _square_root,

@@ -21,17 +21,17 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Frame, Machine
     from assistant.virtual.melfa.world import World
 
-NUMBERS: Final = range(1, 9)
-COM_FILES: Final = range(1, 4)
+_NUMBERS: Final = range(1, 9)
+_COM_FILES: Final = range(1, 4)
 COM: Final = 0
 """The rank of interrupts of lines, which come before those of `Def Act` 1 to 8."""
 ON_WAY: Final = frozenset(("P_CURR", "P_FBC", "J_CURR", "J_FBC", "M_RDST", "M_RATIO", "M_RSPD"))
 """Status variables that change while the arm is moving."""
-CYCLE: Final = 0.0071
+_CYCLE: Final = 0.0071
 """Seconds from look to look at what changes while nothing happens: the cycle in which CRn-500
 controllers move (BFP-A3379, MXT).
 """
-LASTING: Final = ("WAIT", "DLY", "HLT")
+_LASTING: Final = ("WAIT", "DLY", "HLT")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class Interrupts:
 
     def _due(self) -> Act | None:
         """The first of those that may interrupt what runs."""
-        rank = self._ranks[-1] if self._ranks else NUMBERS.stop
+        rank = self._ranks[-1] if self._ranks else _NUMBERS.stop
         if rank > COM:
             for file in sorted(self.coms):
                 if self.states.get(file) == "On" and self._has_come(file):
@@ -184,7 +184,7 @@ def _lasts(m: Machine) -> bool:
     """True if the current statement takes time, so that an interrupt can come during it."""
     statement = m.code.rows[m.here].statement
     if isinstance(statement, s.Command):
-        return statement.keyword.upper() in LASTING
+        return statement.keyword.upper() in _LASTING
     return isinstance(statement, s.Motion | s.Input)
 
 
@@ -222,14 +222,14 @@ def attend(m: Machine, *more: s.Expression | None) -> None:
     parts = [part for condition in conditions for part in nodes(condition)]
     asked = {part.key for part in parts if isinstance(part, s.Variable)}
     flies = bool(asked & ON_WAY) and task.kernel.motion.where() is not None
-    task.sampling = CYCLE if flies or "M_TIMER" in asked else None
+    task.sampling = _CYCLE if flies or "M_TIMER" in asked else None
     if known is not None or m.world.monitor is not None:
         task.looks = lambda: look(m.world)
 
 
 def _define(m: Machine, node: s.DefAct) -> None:
     number = expressions.integer(m, node.number, "the number of an interrupt")
-    if number not in NUMBERS:
+    if number not in _NUMBERS:
         raise out_of_range(f"the interrupt {number}")
     stop = node.stop.upper()
     if stop not in ("", "S", "L"):
@@ -243,7 +243,7 @@ def _act(m: Machine, node: s.Expression) -> None:
         raise Failed(4220, "Act without a number and a state")
     number = expressions.integer(m, node.left, "the number of an interrupt")
     state = expressions.integer(m, node.right, "the state of an interrupt")
-    if not 0 <= number < NUMBERS.stop or state not in (0, 1):
+    if not 0 <= number < _NUMBERS.stop or state not in (0, 1):
         raise out_of_range(f"Act {number}={state}")
     own = _own(m)
     if number == 0:
@@ -257,7 +257,7 @@ def _act(m: Machine, node: s.Expression) -> None:
 
 def _file(m: Machine, node: s.Expression | None) -> int:
     number = 1 if node is None else expressions.integer(m, node, "the line of an interrupt")
-    if number not in COM_FILES:
+    if number not in _COM_FILES:
         raise out_of_range(f"an interrupt of line {number}")
     return number
 

@@ -48,9 +48,9 @@ if TYPE_CHECKING:
     from assistant.virtual.melfa.interrupts import Interrupts
 
 
-MOST_SUBROUTINES: Final = 800
-MOST_FUNCTIONS: Final = 16
-MOST_PROGRAMS: Final = {4: 7, 5: 8, 6: 8}
+_MOST_SUBROUTINES: Final = 800
+_MOST_FUNCTIONS: Final = 16
+_MOST_PROGRAMS: Final = {4: 7, 5: 8, 6: 8}
 """Largest depth of calls (CR1D 4-151, COSIROP: FPRM); that of GoSub is about 800."""
 
 
@@ -174,7 +174,7 @@ class Machine:
         self.at = self.code.target(target, self.frame.function)
 
     def gosub(self, target: s.Target) -> None:
-        if len(self.frame.back) >= MOST_SUBROUTINES:
+        if len(self.frame.back) >= _MOST_SUBROUTINES:
             raise Failed(3220, "subroutines call too deep")
         self.frame.back.append(self.at)
         self.jump(target)
@@ -264,7 +264,7 @@ class Machine:
         block = self.code.functions.get(node.key)
         if block is None:
             raise Failed(3600, f"there is no function {node.name}")
-        if len(self.frames) > MOST_FUNCTIONS:
+        if len(self.frames) > _MOST_FUNCTIONS:
             raise Failed(3220, "functions call too deep")
         function = self.code.function_of(block)
         parameters, given = function.parameters or (), node.arguments or ()
@@ -343,7 +343,7 @@ class Machine:
         called = self.programs.get(name.upper())
         if called is None:
             raise Unknown(f"the program {name}, which is not at hand")
-        if self.depth + 1 > MOST_PROGRAMS[self.code.level]:
+        if self.depth + 1 > _MOST_PROGRAMS[self.code.level]:
             raise Failed(3710, "programs call too deep")
         if called.depth or called is self:
             raise Failed(3710, f"the program {name} calls itself")

@@ -114,9 +114,9 @@ class Options:
     timers: int = 0
 
 
-NO_OPTION: Final = error("VC208", "there is no option `{name}`", "{cure}")
-BAD_OPTION: Final = error("VC209", "the option `{name}` cannot be {value}", "write {allowed}")
-SIX_NUMBERS: Final = 6
+_NO_OPTION: Final = error("VC208", "there is no option `{name}`", "{cure}")
+_BAD_OPTION: Final = error("VC209", "the option `{name}` cannot be {value}", "write {allowed}")
+_SIX_NUMBERS: Final = 6
 
 
 def choose(given: Mapping[str, object]) -> Options:
@@ -128,10 +128,10 @@ def choose(given: Mapping[str, object]) -> Options:
         if name not in hints:
             near = get_close_matches(name, hints, n=1, cutoff=0.7)
             cure = f"write `{near[0]}`" if near else f"there are {', '.join(hints)}"
-            findings.append(NO_OPTION(name=name, cure=cure))
+            findings.append(_NO_OPTION(name=name, cure=cure))
         elif (read := _read_option(hints[name], value)) is None:
             allowed = _allowed_text(hints[name])
-            findings.append(BAD_OPTION(name=name, value=repr(value), allowed=allowed))
+            findings.append(_BAD_OPTION(name=name, value=repr(value), allowed=allowed))
         else:
             taken[name] = read
     if findings:
@@ -158,7 +158,7 @@ def _read_frames(value: object) -> object | None:
         return None
     found: dict[int, tuple[float, ...]] = {}
     for number, frame in value.items():
-        if not str(number).isdecimal() or not isinstance(frame, list) or len(frame) != SIX_NUMBERS:
+        if not str(number).isdecimal() or not isinstance(frame, list) or len(frame) != _SIX_NUMBERS:
             return None
         if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in frame):
             return None

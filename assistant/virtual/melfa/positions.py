@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-FLAT: Final = 1e-9
+_FLAT: Final = 1e-9
 """Sine of the angle between two chords below which three places lie on a line."""
 
 
@@ -73,7 +73,7 @@ def circle_through(a: Floats, b: Floats, c: Floats) -> Circle | None:
     p, q = b - a, c - a
     normal = np.cross(p, q)
     size = float(np.linalg.norm(normal))
-    if size <= FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
+    if size <= _FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
         return None
     to = (p @ p * np.cross(q, normal) + q @ q * np.cross(normal, p)) / (2.0 * size**2)
     return Circle(a + to, normal / size)
@@ -84,12 +84,12 @@ def circle_about(a: Floats, b: Floats, centre: Floats) -> Circle | None:
     p, q = a - centre, b - centre
     normal = np.cross(p, q)
     size = float(np.linalg.norm(normal))
-    if size <= FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
+    if size <= _FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
         return None
     return Circle(centre, normal / size)
 
 
-NO_FLAGS: Final = (None, None)
+_NO_FLAGS: Final = (None, None)
 """Flags of a position that the manuals give none."""
 
 
@@ -118,12 +118,12 @@ def _frame_of(world: World, origin: Value, along: Value, beside: Value) -> Posit
     o, x, y = _point_of(origin), _point_of(along), _point_of(beside)
     first, normal = x - o, np.cross(x - o, y - o)
     length, size = float(np.linalg.norm(first)), float(np.linalg.norm(normal))
-    if size <= FLAT * length * float(np.linalg.norm(y - o)):
+    if size <= _FLAT * length * float(np.linalg.norm(y - o)):
         raise Unknown("a frame through places on a line")
     first, normal = first / length, normal / size
     turned = np.stack([first, np.cross(normal, first), normal], axis=-1)
     made = Pose.of(o, rotations.canonical(rotations.from_matrix(turned)))
-    return arm_state.position_of(made, Position(eight(()), NO_FLAGS))
+    return arm_state.position_of(made, Position(eight(()), _NO_FLAGS))
 
 
 def _aligned(world: World, value: Value) -> Position:
@@ -136,7 +136,7 @@ def _aligned(world: World, value: Value) -> Position:
 
 def _right_angle(angle: float) -> float:
     quarters = angle / 90.0
-    if abs(quarters - math.floor(quarters) - 0.5) < HALF_TURN_LIMIT:
+    if abs(quarters - math.floor(quarters) - 0.5) < _HALF_TURN_LIMIT:
         raise Unknown(f"which right angle is nearest to {angle:g} degrees")
     near = 90.0 * round(quarters)
     while abs(near) > 180.0:
@@ -144,7 +144,7 @@ def _right_angle(angle: float) -> float:
     return near + 0.0
 
 
-HALF_TURN_LIMIT: Final = 1e-9
+_HALF_TURN_LIMIT: Final = 1e-9
 
 
 def _middle_position(
@@ -160,17 +160,17 @@ def _middle_position(
         raise Unknown("the middle of a move that is not of equivalent rotation")
     a, b = arm_state.pose_of(first), arm_state.pose_of(last)
     angle = float(rotations.angle_between(a.quaternion, b.quaternion))
-    if whole(detour) != 0 and angle > NO_TURN:
+    if whole(detour) != 0 and angle > _NO_TURN:
         raise Unknown("the middle of a move by the longer way round")
-    if angle > OPPOSITE:
+    if angle > _OPPOSITE:
         raise Unknown("the middle of a turn by half a turn")
     turned = rotations.between(a.quaternion, b.quaternion, 0.5)
     made = Pose.of((_point_of(one) + _point_of(other)) / 2.0, rotations.canonical(turned))
     return arm_state.position_of(made, first)
 
 
-NO_TURN: Final = 1e-6
-OPPOSITE: Final = 179.999
+_NO_TURN: Final = 1e-6
+_OPPOSITE: Final = 179.999
 """Degrees between two postures that are the same, and that every way round is as long between."""
 
 
@@ -244,7 +244,7 @@ def _arm_with_robot(world: World) -> Arm:
     return made
 
 
-def to_position(world: World, value: Value) -> Position:
+def _to_position(world: World, value: Value) -> Position:
     arm = _arm_with_robot(world)
     arm.at_joints(tuple(v for v in joints(value).values if v is not None))
     return arm.shown()
@@ -283,7 +283,7 @@ def _robot_of(world: World) -> Robot:
 
 # -------------------------------------------------------------------------------------- flags
 
-POSTURE_LETTERS: Final = (("L", "R"), ("B", "A"), ("F", "N"))
+_POSTURE_LETTERS: Final = (("L", "R"), ("B", "A"), ("F", "N"))
 """Letters of FL1 for 0 and 1: bits 2, 1 and 0."""
 
 
@@ -291,18 +291,18 @@ def _posture_letter(_: World, value: Value, which: Value) -> str:
     one, at = _posture_flag(value, 0), whole(which)
     if at not in range(3):
         raise out_of_range(f"the structure flag {at}")
-    return POSTURE_LETTERS[at][one >> (2 - at) & 1]
+    return _POSTURE_LETTERS[at][one >> (2 - at) & 1]
 
 
 def _with_posture(_: World, value: Value, letters: Value) -> Position:
     """SetFl1 takes the letters from the last one on: "LR" is L (COSIROP)."""
     given, one = position(value), _posture_flag(value, 0)
     for letter in reversed(text(letters).upper()):
-        place = next((i for i, pair in enumerate(POSTURE_LETTERS) if letter in pair), None)
+        place = next((i for i, pair in enumerate(_POSTURE_LETTERS) if letter in pair), None)
         if place is None:
             raise out_of_range(f"the structure flag {letter}")
         bit = 1 << (2 - place)
-        one = one | bit if POSTURE_LETTERS[place].index(letter) else one & ~bit
+        one = one | bit if _POSTURE_LETTERS[place].index(letter) else one & ~bit
     return Position(given.values, (one, given.flags[1]))
 
 
@@ -343,7 +343,7 @@ def arc_data(one: Value, via: Value, other: Value) -> tuple[int, float, float, f
     spread = max(float(np.linalg.norm(a - b)), float(np.linalg.norm(b - c)))
     if spread == 0.0:
         return -2, -1.0, 0.0, 0.0, _centre(np.zeros(3))
-    if spread < NEAR_RADIUS:
+    if spread < _NEAR_RADIUS:
         raise Unknown("whether an arc goes through places that are so near")
     circle = circle_through(a, b, c)
     if circle is None:
@@ -352,12 +352,12 @@ def arc_data(one: Value, via: Value, other: Value) -> tuple[int, float, float, f
     return 1, radius, angle, radius * angle, _centre(circle.centre)
 
 
-NEAR_RADIUS: Final = 0.01
+_NEAR_RADIUS: Final = 0.01
 """mm; the manual speaks of approximately the same place."""
 
 
 def _centre(place: Floats) -> Position:
-    return Position(eight((*(float(v) for v in place), 0.0, 0.0, 0.0)), NO_FLAGS)
+    return Position(eight((*(float(v) for v in place), 0.0, 0.0, 0.0)), _NO_FLAGS)
 
 
 # --------------------------------------------------------------------------------- the tables
@@ -393,7 +393,7 @@ POSITION_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "ZONE2": _in_capsule,
     "ZONE3": _in_turned_box,
     "POSCQ": _is_reached,
-    "JTOP": to_position,
+    "JTOP": _to_position,
     "PTOJ": _to_joints,
     "RDFL1": _posture_letter,
     "SETFL1": _with_posture,
@@ -407,13 +407,13 @@ CONSTRUCTORS: Final[Mapping[str, Callable[..., Value]]] = {
 """Functions whose arguments may be left out."""
 
 
-ZIGZAG_PALLET: Final = 1
-ARC_PALLET: Final = 3
-FIXED_ORIENTATION: Final = 10
+_ZIGZAG_PALLET: Final = 1
+_ARC_PALLET: Final = 3
+_FIXED_ORIENTATION: Final = 10
 """Added to a direction whose points keep the posture of the start."""
-PALLET_KINDS: Final = (1, 2, 3, 11, 12, 13)
-MOST_PALLETS: Final = 8
-MOST_POINTS: Final = 32767
+_PALLET_KINDS: Final = (1, 2, 3, 11, 12, 13)
+_MOST_PALLETS: Final = 8
+_MOST_POINTS: Final = 32767
 
 
 @dataclass(frozen=True, slots=True)
@@ -434,7 +434,7 @@ class Grid:
 
     @property
     def points(self) -> int:
-        return self.counts[0] if self.direction == ARC_PALLET else self.counts[0] * self.counts[1]
+        return self.counts[0] if self.direction == _ARC_PALLET else self.counts[0] * self.counts[1]
 
 
 def pallet_grid(
@@ -449,27 +449,27 @@ def pallet_grid(
     fixed: whether directions 1 to 3 keep the posture of the start, too.
     """
     start, first, second, opposite = corners
-    if not 1 <= number <= MOST_PALLETS:
+    if not 1 <= number <= _MOST_PALLETS:
         raise out_of_range(f"the pallet {number}")
     if start is None or first is None or second is None:
         raise Failed(3120, "a corner of the pallet is left out")
-    if direction not in PALLET_KINDS:
+    if direction not in _PALLET_KINDS:
         raise out_of_range(f"a pallet of direction {direction}")
-    kind = direction % FIXED_ORIENTATION
+    kind = direction % _FIXED_ORIENTATION
     along, rows = counts
     if (
         along < 1
-        or (rows < 1 and kind != ARC_PALLET)
-        or (kind != ARC_PALLET and along * rows > MOST_POINTS)
+        or (rows < 1 and kind != _ARC_PALLET)
+        or (kind != _ARC_PALLET and along * rows > _MOST_POINTS)
     ):
         raise out_of_range(f"a pallet of {along} by {rows} points")
-    if kind == ARC_PALLET:
+    if kind == _ARC_PALLET:
         opposite = None
     given = [c for c in (start, first, second, opposite) if c is not None]
     if any(None in corner.values[:6] for corner in given):
         raise Failed(3750, "a corner of the pallet is not defined")
     return Grid(
-        start, first, second, opposite, counts, kind, fixed or direction > FIXED_ORIENTATION
+        start, first, second, opposite, counts, kind, fixed or direction > _FIXED_ORIENTATION
     )
 
 
@@ -479,11 +479,11 @@ def pallet_point(of: Grid | None, number: int, at: int) -> Position:
         raise Failed(3850, f"the pallet {number} is not defined")
     if not 1 <= at <= of.points:
         raise out_of_range(f"the point {at} of a pallet of {of.points}")
-    if of.direction == ARC_PALLET:
+    if of.direction == _ARC_PALLET:
         return _arc_position(of, at)
     along, rows = of.counts
     row, column = divmod(at - 1, along)
-    if of.direction == ZIGZAG_PALLET and row % 2:
+    if of.direction == _ZIGZAG_PALLET and row % 2:
         column = along - 1 - column
     i = column / (along - 1) if along > 1 else 0.0
     j = row / (rows - 1) if rows > 1 else 0.0

@@ -68,14 +68,14 @@ def enter_if(m: Machine, node: s.If) -> None:
 
 def check_depth(block: Block) -> None:
     """Raises Failed where blocks stand too deep in each other."""
-    if block.loops > MOST_LOOPS:
-        raise Failed(3240, f"more than {MOST_LOOPS} loops in each other")
-    if block.branches > MOST_BRANCHES:
-        raise Failed(3253, f"more than {MOST_BRANCHES} If in each other")
+    if block.loops > _MOST_LOOPS:
+        raise Failed(3240, f"more than {_MOST_LOOPS} loops in each other")
+    if block.branches > _MOST_BRANCHES:
+        raise Failed(3253, f"more than {_MOST_BRANCHES} If in each other")
 
 
-MOST_LOOPS: Final = 16
-MOST_BRANCHES: Final = 8
+_MOST_LOOPS: Final = 16
+_MOST_BRANCHES: Final = 8
 """CR1D 4-151 and 4-208."""
 
 
@@ -241,13 +241,13 @@ def _clear_variables(m: Machine, kind: s.Expression) -> None:
         raise Unknown("the pattern that outputs are reset to, which stands in parameters")
     if m.code.functions:
         raise Unknown("Clr in a program of functions")
-    for place in _number_variables(m, external=which == EXTERNAL_VARIABLES):
+    for place in _number_variables(m, external=which == _EXTERNAL_VARIABLES):
         extents = place.size if isinstance(place, Cell) else ()
         for index in product(*(range(1, n + 1) for n in extents)):
             place.set(0, index)
 
 
-EXTERNAL_VARIABLES: Final = 3
+_EXTERNAL_VARIABLES: Final = 3
 
 
 def _number_variables(m: Machine, external: bool) -> Iterator[Storage]:
@@ -271,7 +271,7 @@ def _number_variable(m: Machine, node: s.Variable, external: bool) -> Iterator[S
         yield place
 
 
-DATA_WORDS: Final[Mapping[str, Callable[..., None]]] = {
+_DATA_WORDS: Final[Mapping[str, Callable[..., None]]] = {
     "CHRSRCH": _search_array,
     "CLR": _clear_variables,
 }
@@ -282,16 +282,16 @@ def run_command(m: Machine, node: s.Command) -> None:
     word = " ".join(node.keyword.upper().split())
     if m.world.commands and _run_plugin(m, word, node.arguments):
         return
-    if word in BLOCK_WORDS:
-        BLOCK_WORDS[word](m, node)
-    elif word in COMMAND_WORDS:
+    if word in _BLOCK_WORDS:
+        _BLOCK_WORDS[word](m, node)
+    elif word in _COMMAND_WORDS:
         known, count = vocabulary.statement(word), len(node.arguments)
         if known and not known.least <= count <= (count if known.most is None else known.most):
             raise Failed(3120, f"{node.keyword} with {count} arguments")
-        COMMAND_WORDS[word](m, *node.arguments)
-    elif word in TUNING_WORDS:
+        _COMMAND_WORDS[word](m, *node.arguments)
+    elif word in _TUNING_WORDS:
         m.world.note(f"{node.keyword} has no effect on this run")
-    elif word not in WORDS_WITHOUT_EFFECT:
+    elif word not in _WORDS_WITHOUT_EFFECT:
         raise Unknown(f"the statement {node.keyword}")
 
 
@@ -310,14 +310,14 @@ def _run_plugin(m: Machine, word: str, nodes: tuple[s.Expression | None, ...]) -
 def _loose_argument(m: Machine, node: s.Expression) -> Value:
     """The value of an argument of a plug-in; a bare word is a text."""
     word = expressions.bare(node)
-    return word if word in LOOSE_WORDS else expressions.value(m, node)
+    return word if word in _LOOSE_WORDS else expressions.value(m, node)
 
 
-LOOSE_WORDS: Final = frozenset(("On", "Off", "Jnt", "Pos", "Tool"))
+_LOOSE_WORDS: Final = frozenset(("On", "Off", "Jnt", "Pos", "Tool"))
 
-WORDS_WITHOUT_EFFECT: Final = frozenset(("ENDIF", "END SELECT", "TITLE"))
+_WORDS_WITHOUT_EFFECT: Final = frozenset(("ENDIF", "END SELECT", "TITLE"))
 """Ends of blocks, and what is a comment."""
-TUNING_WORDS: Final = frozenset((
+_TUNING_WORDS: Final = frozenset((
     "OADL", "LOADSET", "FINE", "PREC", "MVTUNE", "SPDOPT", "COLCHK", "COLLVL", "CAVCHK", "CMPG",
     "TORQ",
 ))  # fmt: skip
@@ -423,9 +423,9 @@ def _halt_program(m: Machine) -> None:
 
 def _raise_error(m: Machine, node: s.Expression) -> None:
     number = expressions.integer(m, node, "the number of an error")
-    if number not in USER_ERRORS:
+    if number not in _USER_ERRORS:
         raise out_of_range(f"the error {number}")
-    if number < FIRST_CAUTION:
+    if number < _FIRST_CAUTION:
         raise Failed(number, "raised by the program")
     m.world.warn(number)
     m.world.task.tell(Said(f"error {number}"))
@@ -437,8 +437,8 @@ def _reset_error(m: Machine) -> None:
     m.world.warn(0)
 
 
-USER_ERRORS: Final = range(9000, 9300)
-FIRST_CAUTION: Final = 9200
+_USER_ERRORS: Final = range(9000, 9300)
+_FIRST_CAUTION: Final = 9200
 """From here on the program runs on."""
 
 
@@ -446,9 +446,9 @@ def _end_program(_: Machine) -> None:
     raise Ended
 
 
-COMMAND_WORDS: Final[Mapping[str, Callable[..., None]]] = {
+_COMMAND_WORDS: Final[Mapping[str, Callable[..., None]]] = {
     **arm_statements.ARM_WORDS,
-    **DATA_WORDS,
+    **_DATA_WORDS,
     "SPD": _set_speed,
     "OVRD": _set_override,
     "JOVRD": _set_joint_override,
@@ -466,7 +466,7 @@ COMMAND_WORDS: Final[Mapping[str, Callable[..., None]]] = {
     **interrupts.WORDS,
 }
 
-BLOCK_WORDS: Final[Mapping[str, Callable[[Machine, Any], None]]] = {
+_BLOCK_WORDS: Final[Mapping[str, Callable[[Machine, Any], None]]] = {
     "ELSE": skip_rest,
     "DEFAULT": skip_rest,
     "WHILE": test_while,
@@ -480,7 +480,7 @@ def execute(m: Machine, statement: s.Statement) -> None:
     if isinstance(statement, s.Command):
         run_command(m, statement)
         return
-    run = STATEMENT_FORMS.get(type(statement))
+    run = _STATEMENT_FORMS.get(type(statement))
     if run is None:
         raise Unknown(f"the statement {type(statement).__name__}")
     run(m, statement)
@@ -589,7 +589,7 @@ def _run_jump(m: Machine, node: s.Jump) -> None:
 
 def _on_jump(m: Machine, node: s.OnJump) -> None:
     which = expressions.integer(m, node.subject, "the place of a jump")
-    if not 0 <= which <= LARGEST_INDEX:
+    if not 0 <= which <= _LARGEST_INDEX:
         raise out_of_range(f"the place {which} of a jump")
     passed = not 1 <= which <= len(node.targets)
     m.took(0 if passed else which)
@@ -601,7 +601,7 @@ def _on_jump(m: Machine, node: s.OnJump) -> None:
     _run_jump(m, s.Jump(node.keyword, target))
 
 
-LARGEST_INDEX: Final = 32767
+_LARGEST_INDEX: Final = 32767
 
 
 def _call_subroutine(m: Machine, node: s.Call) -> None:
@@ -654,7 +654,7 @@ def _end_function(m: Machine, _: s.Function) -> None:
     m.enter_main(block)
 
 
-STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+_STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.Motion: _run_motion,
     s.Assign: _assign,
     s.If: _run_if,

@@ -37,7 +37,7 @@ def _error_level(slot: Slot) -> Value:
     error = slot.controller.error
     if error is None:
         return 0
-    return 1 if error.number in CAUTION_ERRORS else 3 if error.number in HIGH_ERRORS else 2
+    return 1 if error.number in _CAUTION_ERRORS else 3 if error.number in _HIGH_ERRORS else 2
 
 
 def _error_number(slot: Slot) -> Value:
@@ -49,11 +49,11 @@ def _error_number(slot: Slot) -> Value:
     return error.number
 
 
-CAUTION_ERRORS: Final = range(9200, 9300)
-HIGH_ERRORS: Final = range(9000, 9100)
+_CAUTION_ERRORS: Final = range(9200, 9300)
+_HIGH_ERRORS: Final = range(9000, 9100)
 """Errors of the user's that are of the high level; those that are raised here else are low."""
 
-SLOT_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
+_SLOT_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
     "M_RUN": lambda slot: int(slot.state == "runs"),
     "M_WAI": lambda slot: int(slot.state == "waits"),
     "M_PSA": lambda slot: int(slot.state == "reset"),
@@ -62,7 +62,7 @@ SLOT_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
 }
 """Status variables of a slot, by default of the program's slot."""
 
-ERROR_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
+_ERROR_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
     "M_ERR": lambda slot: int(slot.controller.error is not None),
     "M_ERRLVL": _error_level,
     "M_ERRNO": _error_number,
@@ -70,21 +70,21 @@ ERROR_STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
 """Status variables of the controller."""
 
 
-def read_slot_status(world: World, name: str, index: tuple[int, ...]) -> Value | None:
+def _read_slot_status(world: World, name: str, index: tuple[int, ...]) -> Value | None:
     """A status variable about slots; None for another one, or without a controller."""
     slot = world.slot
     if slot is None or len(index) > 1:
         return None
-    if name in ERROR_STATUS and not index:
-        return ERROR_STATUS[name](slot)
-    if name not in SLOT_STATUS:
+    if name in _ERROR_STATUS and not index:
+        return _ERROR_STATUS[name](slot)
+    if name not in _SLOT_STATUS:
         return None
-    return SLOT_STATUS[name](slot.controller.slot(index[0]) if index else slot)
+    return _SLOT_STATUS[name](slot.controller.slot(index[0]) if index else slot)
 
 
-STANDARD_GRAVITY: Final = 9.80665
+_STANDARD_GRAVITY: Final = 9.80665
 
-ARM_STATUS: Final[Mapping[str, Callable[[Arm], Value]]] = {
+_ARM_STATUS: Final[Mapping[str, Callable[[Arm], Value]]] = {
     "P_CURR": Arm.shown,
     "P_FBC": Arm.shown,
     "J_CURR": Arm.shown_joints,
@@ -108,7 +108,7 @@ def _known_number(number: int | None, what: str) -> int:
     return number
 
 
-SLOT_SETTINGS: Final[Mapping[str, Callable[[World], Value]]] = {
+_SLOT_SETTINGS: Final[Mapping[str, Callable[[World], Value]]] = {
     "M_SPD": lambda world: world.settings.speed,
     "M_OVRD": lambda world: world.settings.override,
     "M_JOVRD": lambda world: world.settings.joint_override,
@@ -122,18 +122,18 @@ SLOT_SETTINGS: Final[Mapping[str, Callable[[World], Value]]] = {
 }
 """Settings of a slot, by default of the program's slot."""
 
-CLOCK_FORMATS: Final[Mapping[str, str]] = {"C_DATE": "%Y/%m/%d", "C_TIME": "%H:%M:%S"}
+_CLOCK_FORMATS: Final[Mapping[str, str]] = {"C_DATE": "%Y/%m/%d", "C_TIME": "%H:%M:%S"}
 """Formats of the date and the time of day: 2007/04/01, 13:01:30 (their manuals)."""
 
-MOTION_STATUS: Final[Mapping[str, Callable[[Progress], float]]] = {
+_MOTION_STATUS: Final[Mapping[str, Callable[[Progress], float]]] = {
     "M_RDST": lambda progress: progress.left,
     "M_RATIO": lambda progress: progress.done,
 }
 
-CONSTANTS: Final[Mapping[str, Value]] = {
+_CONSTANTS: Final[Mapping[str, Value]] = {
     "P_NTOOL": ORIGIN, "P_NBASE": ORIGIN, "P_ZERO": ORIGIN,
     "M_NSPD": OPTIMUM, "M_NOVRD": FULL, "M_NJOVRD": FULL, "M_NACL": FULL, "M_NDACL": FULL,
-    "M_OPOVRD": FULL, "M_PI": math.pi, "M_EXP": math.e, "M_G": STANDARD_GRAVITY,
+    "M_OPOVRD": FULL, "M_PI": math.pi, "M_EXP": math.e, "M_G": _STANDARD_GRAVITY,
     "M_ON": 1, "M_OFF": 0,
 }  # fmt: skip
 """Status variables that never change in a run here: no fault occurs and no operator interferes."""
@@ -162,17 +162,17 @@ def _hand_check(world: World, number: int) -> int:
     """M_HndCq: inputs 900 to 907 (COSIROP: HOPEN)."""
     if number not in range(1, 9):
         raise out_of_range(f"the hand check input {number}")
-    return world.read(output=False, first=FIRST_CHECK + number - 1, width=1)
+    return world.read(output=False, first=_FIRST_CHECK + number - 1, width=1)
 
 
-FIRST_CHECK: Final = 900
-HAND_STATUS: Final[Mapping[str, Callable[[World, int], Value]]] = {
+_FIRST_CHECK: Final = 900
+_HAND_STATUS: Final[Mapping[str, Callable[[World, int], Value]]] = {
     "M_HND": _hand_state,
     "M_HNDCQ": _hand_check,
 }
 """Status variables of hands, by the number of the hand."""
-OWN_MECHANISM: Final = (1,)
-TIMER_NUMBERS: Final = range(1, 9)
+_OWN_MECHANISM: Final = (1,)
+_TIMER_NUMBERS: Final = range(1, 9)
 
 
 def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
@@ -186,27 +186,27 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return world.register(REGISTER_OUTPUTS[name], index[0])
     if name == "M_TIMER" and len(index) == 1:
         return world.timer(timer_number(index[0]))
-    if name in HAND_STATUS and len(index) == 1:
-        return HAND_STATUS[name](world, index[0])
-    about_slots = read_slot_status(world, name, index)
+    if name in _HAND_STATUS and len(index) == 1:
+        return _HAND_STATUS[name](world, index[0])
+    about_slots = _read_slot_status(world, name, index)
     if about_slots is not None:
         return about_slots
     if name == "M_OPEN" and len(index) == 1:
         return _file_state(world, index[0])
-    if name in MOTION_STATUS and index in ((), OWN_MECHANISM):
+    if name in _MOTION_STATUS and index in ((), _OWN_MECHANISM):
         return _motion_progress(world, name)
     if name == "M_RSPD" and len(index) <= 1:
         return _motion_speed(world, *index)
-    if name in SLOT_SETTINGS and len(index) <= 1:
-        return SLOT_SETTINGS[name](world.of_slot(*index))
-    if name in ARM_STATUS and index in ((), OWN_MECHANISM):
-        return ARM_STATUS[name](arm_state.arm_now(world))
-    if name in CLOCK_FORMATS and not index:
+    if name in _SLOT_SETTINGS and len(index) <= 1:
+        return _SLOT_SETTINGS[name](world.of_slot(*index))
+    if name in _ARM_STATUS and index in ((), _OWN_MECHANISM):
+        return _ARM_STATUS[name](arm_state.arm_now(world))
+    if name in _CLOCK_FORMATS and not index:
         return format(
-            kernel.date_at(world.task.kernel.now, world.options.began), CLOCK_FORMATS[name]
+            kernel.date_at(world.task.kernel.now, world.options.began), _CLOCK_FORMATS[name]
         )
-    if name in CONSTANTS and index in ((), OWN_MECHANISM):
-        return CONSTANTS[name]
+    if name in _CONSTANTS and index in ((), _OWN_MECHANISM):
+        return _CONSTANTS[name]
     raise Unknown(f"the status variable {name}")
 
 
@@ -215,7 +215,7 @@ def _motion_progress(world: World, name: str) -> float:
     progress = world.task.kernel.motion.progress()
     if progress is None:
         raise Unknown(f"the status variable {name}")
-    return MOTION_STATUS[name](progress)
+    return _MOTION_STATUS[name](progress)
 
 
 def _motion_speed(world: World, *slot: int) -> float:
@@ -237,7 +237,7 @@ def _file_state(world: World, number: int) -> int:
 
 
 def timer_number(number: int) -> int:
-    if number not in TIMER_NUMBERS:
+    if number not in _TIMER_NUMBERS:
         raise out_of_range(f"the timer {number}")
     return number
 

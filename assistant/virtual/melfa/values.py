@@ -44,7 +44,7 @@ class Redirected(Exception):
         self.nest, self.at = nest, at
 
 
-def number_wanted(what: str) -> Failed:
+def _number_wanted(what: str) -> Failed:
     return Failed(4390, f"{what} is no number")
 
 
@@ -69,7 +69,7 @@ COMPONENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
 FLAGS: Final = ("FL1", "FL2")
 JOINTS: Final = tuple(f"J{axis}" for axis in range(1, 9))
 
-DEFAULT_FLAGS: Final = (7, 0)
+_DEFAULT_FLAGS: Final = (7, 0)
 """Flags of a constant that states none (CR1D 4.3.12)."""
 
 
@@ -78,7 +78,7 @@ class Position:
     """values: eight of COMPONENTS, mm and degrees. flags: FL1 and FL2; None where not known."""
 
     values: Elements
-    flags: tuple[int | None, int | None] = DEFAULT_FLAGS
+    flags: tuple[int | None, int | None] = _DEFAULT_FLAGS
 
 
 ORIGIN: Final = Position((0.0,) * 6 + (None,) * 2, (0, 0))
@@ -108,7 +108,7 @@ class Bare:
 Value = int | float | bool | str | Position | Joints | Bare
 """A truth is what a comparison gives: 1 or 0 where a number is wanted."""
 
-INTEGER_RANGES: Final = {"integer": 1 << 15, "long": 1 << 31}
+_INTEGER_RANGES: Final = {"integer": 1 << 15, "long": 1 << 31}
 """Bound of whole types: 16 and 32 bits with a sign."""
 
 
@@ -125,7 +125,7 @@ def number(value: Value, what: str = "the value") -> int | float:
         return int(value)
     if isinstance(value, int | float):
         return value
-    raise number_wanted(what)
+    raise _number_wanted(what)
 
 
 def whole(value: Value, what: str = "the value") -> int:
@@ -181,9 +181,9 @@ def fitted(value: Value, kind: Kind, what: str, options: Options) -> Value:
     """A value that is to go into a variable: a whole one takes no more than its bits."""
     if isinstance(value, str) and len(value) > options.longest_text:
         raise open_point(f"a text of {len(value)} characters", "longest_text")
-    if kind not in INTEGER_RANGES or isinstance(value, str) or options.overflow is None:
+    if kind not in _INTEGER_RANGES or isinstance(value, str) or options.overflow is None:
         return value
-    bound, rounded = INTEGER_RANGES[kind], whole(value, what)
+    bound, rounded = _INTEGER_RANGES[kind], whole(value, what)
     if -bound <= rounded < bound:
         return rounded
     if options.overflow == "error":
@@ -198,7 +198,7 @@ def converted(value: Value, kind: Kind, what: str) -> Value:
             return number(value, what)
         case "integer" | "long":
             rounded = whole(value, what)
-            if not -INTEGER_RANGES[kind] <= rounded < INTEGER_RANGES[kind]:
+            if not -_INTEGER_RANGES[kind] <= rounded < _INTEGER_RANGES[kind]:
                 raise open_point(f"{rounded} does not fit into {what}", "overflow")
             return rounded
         case "text":
@@ -211,12 +211,12 @@ def converted(value: Value, kind: Kind, what: str) -> Value:
 
 # ---------------------------------------------------------------------------- components
 
-ANGLE_PLACES: Final = 9
+_ANGLE_PLACES: Final = 9
 """Decimals of degrees that are kept of an angle set in radian: 60 degrees are 60 again."""
 
 
 def _degrees(radian: float) -> float:
-    return round(math.degrees(radian), ANGLE_PLACES)
+    return round(math.degrees(radian), _ANGLE_PLACES)
 
 
 def component(value: Value, name: str, options: Options) -> int | float:
@@ -259,14 +259,14 @@ def with_component(value: Value, name: str, new: Value, options: Options) -> Pos
 
 
 def _in_radian(name: str, options: Options) -> bool:
-    if name in ADDITIONAL:
+    if name in _ADDITIONAL:
         if options.slides is None:
             raise open_point("whether an additional axis turns or slides", "slides")
         return not options.slides and not options.degrees
     return name not in ("X", "Y", "Z") and not options.degrees
 
 
-ADDITIONAL: Final = ("L1", "L2", "J7", "J8")
+_ADDITIONAL: Final = ("L1", "L2", "J7", "J8")
 
 
 def _with_element(values: Elements, at: int, value: float) -> Elements:

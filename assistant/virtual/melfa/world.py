@@ -67,9 +67,9 @@ def commands_by_name(commands: Commands | None) -> dict[str, Command]:
 STEP_TIME: Final = 0.001
 """Seconds that a statement takes on the clock of M_Timer."""
 
-MOST_PULSES: Final = 4
+_MOST_PULSES: Final = 4
 """At once (COSIROP: DLY)."""
-REGISTER: Final = 1 << 15
+_REGISTER: Final = 1 << 15
 
 Inputs = Callable[[int], int]
 """The state of an input, 0 or 1, by its number."""
@@ -200,7 +200,7 @@ class World:
         """A register of a field bus, which holds a whole number of 16 bits."""
         if not float(number_of(value)).is_integer():
             raise Unknown(f"what a register makes of {value}, which is no whole number")
-        if not -REGISTER <= number_of(value) < REGISTER:
+        if not -_REGISTER <= number_of(value) < _REGISTER:
             raise Unknown(f"{value} in a register of 16 bits")
         changed = Switched(register(number), float(number_of(value)))
         if self.held is None:
@@ -240,8 +240,8 @@ class World:
             return
         now = self.task.kernel.now
         self.pulses = [pulse for pulse in self.pulses if pulse.time > now]
-        if len(self.pulses) >= MOST_PULSES:
-            raise Failed(None, f"more than {MOST_PULSES} pulses at once")
+        if len(self.pulses) >= _MOST_PULSES:
+            raise Failed(None, f"more than {_MOST_PULSES} pulses at once")
         if self.held is None:
             self.switch(number, 1, value)
             self._end_pulse(number, back, seconds)

@@ -39,7 +39,7 @@ STATEMENT_TIME: Final = 0.002
 """Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
 
 
-LONG_AGO: Final = 1_000_000
+_LONG_AGO: Final = 1_000_000
 """Milliseconds that timers show before a program sets them."""
 Held = dict[str, float | str]
 """Values of shared data, by the names of the source."""
@@ -195,7 +195,7 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
 
     names = [PurePath((tree.source and tree.source.path) or "").stem for tree in side.trees]
     # What is written here is the same if they turn; a timer that nothing sets shows any time.
-    options = Options(slides=True, shared="zero", timers=LONG_AGO)
+    options = Options(slides=True, shared="zero", timers=_LONG_AGO)
     start_slot(
         kernel,
         list(side.trees),
@@ -352,7 +352,7 @@ def _number_text(value: float) -> str:
     return f"{value:.12f}".rstrip("0").rstrip(".")
 
 
-TOOL_PARAMETER: Final = re.compile(r"wk\d+cord|mextl\d+", re.IGNORECASE)
+_TOOL_PARAMETER: Final = re.compile(r"wk\d+cord|mextl\d+", re.IGNORECASE)
 """Names of parameters whose values are in positions with a P before the name."""
 
 
@@ -364,7 +364,7 @@ def _equip_melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set
     changes: list[Change] = []
     found: set[str] = set()
     for name in (*cell.tools, *cell.frames):
-        own = short.get(name, f"P?{name}" if TOOL_PARAMETER.fullmatch(name) else name)
+        own = short.get(name, f"P?{name}" if _TOOL_PARAMETER.fullmatch(name) else name)
         pose = cell.tools[name] if name in cell.tools else cell.frames[name].pose
         if name not in cell.tools and re.search(rf"(?i)\bBase\s+{own}\b", text):
             pose = pose.inverse()

@@ -46,9 +46,9 @@ from assistant.virtual.events import (
     event_text,
 )
 
-CALCULATION_ERROR: Final = 1e-6
+_CALCULATION_ERROR: Final = 1e-6
 """mm and degrees that working numbers out may add."""
-KEY_DECIMALS: Final = 4
+_KEY_DECIMALS: Final = 4
 """Decimals of mm by which a place is known again."""
 
 
@@ -98,7 +98,7 @@ class Rounding:
         """Return the tolerance of a motion around its intended target. reach: mm, the farthest of
         all tips.
         """
-        far, turned, tip = CALCULATION_ERROR, CALCULATION_ERROR, tip_of(move)
+        far, turned, tip = _CALCULATION_ERROR, _CALCULATION_ERROR, _tip_of(move)
         target = None if tip is None else move.frame.inverse() @ tip
         known = None if target is None else self.constants.get(_position_key(target))
         for printed in (known or self._any, self._any):  # the target, and what may turn it
@@ -117,12 +117,12 @@ class Rounding:
             lever = math.dist(tip.position, move.frame.position)
             far += _position_error(printed) + math.radians(printed.angle) * lever
         if move.joints is not None:
-            joints = len(move.joints) * (self.joint + CALCULATION_ERROR)
+            joints = len(move.joints) * (self.joint + _CALCULATION_ERROR)
             far += math.radians(joints) * reach
             turned += joints
         tool = self._printed(move.tool)
         return Allowed(
-            far, turned, _position_error(tool) + CALCULATION_ERROR, tool.angle + CALCULATION_ERROR
+            far, turned, _position_error(tool) + _CALCULATION_ERROR, tool.angle + _CALCULATION_ERROR
         )
 
     @property
@@ -138,46 +138,46 @@ def _position_error(printed: Printed) -> float:
 
 
 def _position_key(pose: Pose) -> tuple[float, ...]:
-    return tuple(round(value, KEY_DECIMALS) + 0.0 for value in pose.position)
+    return tuple(round(value, _KEY_DECIMALS) + 0.0 for value in pose.position)
 
 
-def tip_of(move: Moved) -> Pose | None:
+def _tip_of(move: Moved) -> Pose | None:
     """The tip of the tool where a motion ends, None where only its joints are known."""
     return None if move.flange is None else move.flange @ move.tool
 
 
-def reach_of(moves: Sequence[Moved]) -> float:
+def _reach_of(moves: Sequence[Moved]) -> float:
     """Return the distance of the farthest tip from the base, in mm."""
-    tips = [tip for tip in map(tip_of, moves) if tip is not None]
+    tips = [tip for tip in map(_tip_of, moves) if tip is not None]
     return max((float(np.linalg.norm(tip.position)) for tip in tips), default=0.0)
 
 
 POSITION: Final = 0.02
 """mm. MELFA-BASIC has two decimals of a millimetre, so that a place is off by 0.009 at most, and
 a tool or a frame by as much again; one that was read wrongly is off by far more."""
-ANGLE: Final = 0.02
+_ANGLE: Final = 0.02
 """Degrees, for the same reason. Both where nothing tells what is printed, see `Rounding`."""
 JOINT: Final = 0.02
 SPEED: Final = 1e-3
 """Tolerance as a part of the speed."""
-SINGLE: Final = 2.0**-22
+_SINGLE: Final = 2.0**-22
 """Part of the farthest position: error of a few steps in single precision, as RAPID computes
 positions.
 """
 BLEND: Final = 0.01
 TIME: Final = 1e-3
-SINGLE_TURN: Final = math.degrees(4.0 * 2.0**-24)
+_SINGLE_TURN: Final = math.degrees(4.0 * 2.0**-24)
 """Degrees that the same does to orientations: the four components of a quaternion are each off by
 half of their last bit, 2 to the power of -25, which turns by twice their length; twice, for the
 target and for what the program moves it by."""
-LIMIT: Final = 0.1
-LATE: Final = 0.2
+_LIMIT: Final = 0.1
+_LATE: Final = 0.2
 """Part of the longest time of a wait, and seconds, that statements around it may take."""
-STATEMENTS: Final = 5.0
+_STATEMENTS: Final = 5.0
 """Times as long as those of one program the statements of another may take."""
-SHARED: Final = 1e-5
+_SHARED: Final = 1e-5
 """Part of a value that shared data may be off: some controllers use single precision."""
-BROKEN_OFF: Final[Set[Why]] = frozenset({"steps", "unknown"})
+_BROKEN_OFF: Final[Set[Why]] = frozenset({"steps", "unknown"})
 """Endings of runs that were cut off."""
 
 Uncompared = Literal[
@@ -198,7 +198,7 @@ COMPARED: Final[Mapping[str, str]] = {
     "an output": "its value, where on a move it changes, and after which time: a pulse's length",
     "a wait for inputs": "where it is, and which inputs end it",
     "a longest time of a wait, a condition with a timer": (
-        f"seconds, to {LIMIT:.0%} and {LATE:g} s; a wait that is tried again runs out up to "
+        f"seconds, to {_LIMIT:.0%} and {_LATE:g} s; a wait that is tried again runs out up to "
         "five times"
     ),
     "a delay": "seconds",
@@ -310,9 +310,9 @@ def likeness(
         while len(others) > len(ours) and others[-1].what == Stopped():
             others.pop()
     both = (first.ended, second.ended)
-    if both[0] in BROKEN_OFF:
+    if both[0] in _BROKEN_OFF:
         others = others[: len(ours)]
-    if both[1] in BROKEN_OFF and both != ("stopped", "steps"):
+    if both[1] in _BROKEN_OFF and both != ("stopped", "steps"):
         ours = ours[: len(others)]
     if first.ended == "error" and all(
         isinstance(x.what, Stopped | Kept) for x in others[len(ours) :]
@@ -322,7 +322,7 @@ def likeness(
         if len(others) > len(ours):
             others, halted = others[: len(ours)], True
     told = (*first.events, *second.events)
-    reach = reach_of([row.what for row in ours if isinstance(row.what, Moved)])
+    reach = _reach_of([row.what for row in ours if isinstance(row.what, Moved)])
     comparing = _Comparing((first, second), rounding, reach)
     limits = _Limits((_expired(first), _expired(second)), comparing.left)
     if any(isinstance(event, Said | Reported) for event in told):
@@ -419,8 +419,8 @@ class _Limits:
             return None
         took = [end - start for start, end in zip(before, ends, strict=True)]
         side = stated.index(longest)
-        spare = STATEMENTS * max(took[side] - longest, 0.0)
-        if abs(took[0] - took[1]) <= LIMIT * longest + LATE + spare:
+        spare = _STATEMENTS * max(took[side] - longest, 0.0)
+        if abs(took[0] - took[1]) <= _LIMIT * longest + _LATE + spare:
             return None
         return f"another longest time of a wait, {took[0]:.3g} s and {took[1]:.3g} s"
 
@@ -534,7 +534,7 @@ class _Comparing:
         """Compare the tips of the tools, and the flanges: a different tool may hide a
         difference.
         """
-        first, second = tip_of(one), tip_of(two)
+        first, second = _tip_of(one), _tip_of(two)
         assert first is not None and second is not None
         assert one.flange is not None and two.flange is not None
         if self.rounding is None:
@@ -546,16 +546,16 @@ class _Comparing:
         return None
 
     def _allowed(self, move: Moved) -> Allowed:
-        allowed = Allowed(POSITION, ANGLE, POSITION, ANGLE)
+        allowed = Allowed(POSITION, _ANGLE, POSITION, _ANGLE)
         if self.rounding is not None:
             allowed = self.rounding.allowed(move, self.reach)
-        single = SINGLE * self.reach
+        single = _SINGLE * self.reach
         return replace(
             allowed,
             tip=allowed.tip + single,
             tool=allowed.tool + single,
-            angle=allowed.angle + SINGLE_TURN,
-            tool_angle=allowed.tool_angle + SINGLE_TURN,
+            angle=allowed.angle + _SINGLE_TURN,
+            tool_angle=allowed.tool_angle + _SINGLE_TURN,
         )
 
     def _same_place(self, one: OnWay | None, two: OnWay | None) -> bool:
@@ -576,7 +576,7 @@ class _Comparing:
 
 
 def _end_alike(first: Why, second: Why) -> bool:
-    return first == second or bool(BROKEN_OFF & {first, second})
+    return first == second or bool(_BROKEN_OFF & {first, second})
 
 
 def _end(run: Run) -> str:
@@ -672,7 +672,7 @@ def _same_time(one: float | None, two: float | None) -> bool:
 def _same_value(one: Kept, two: Kept) -> bool:
     if one.name != two.name or isinstance(one.value, str) or isinstance(two.value, str):
         return one == two
-    return math.isclose(one.value, two.value, rel_tol=SHARED, abs_tol=SHARED)
+    return math.isclose(one.value, two.value, rel_tol=_SHARED, abs_tol=_SHARED)
 
 
 def _is_near(one: Sequence[float], two: Sequence[float], most: float) -> bool:

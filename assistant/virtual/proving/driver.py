@@ -22,7 +22,7 @@ from assistant.virtual.kernel.kernel import NEVER
 Wires = tuple[str, ...]
 """Bits of a signal, the lowest first; a signal without numbers is one wire of the same name."""
 
-GROUP_BITS: Final = 16
+_GROUP_BITS: Final = 16
 """Bits of a group of signals of unknown width: those of a controller's word."""
 
 
@@ -42,7 +42,7 @@ class Wiring:
     def bits(self, name: str) -> int:
         """Return the number of bits of the number that a name reads."""
         count = len(self.wires(name))
-        return GROUP_BITS if count == 1 and name in self.wide else count
+        return _GROUP_BITS if count == 1 and name in self.wide else count
 
     def value(self, name: str, state: Mapping[str, float]) -> float:
         """Return the value that a name reads from wires; missing ones are 0."""
@@ -61,23 +61,23 @@ class Wiring:
 
 POLLS: Final = 50
 """Readings at one beat and one position after which a program counts as waiting in a loop."""
-MOST_ANSWERS: Final = 60
+_MOST_ANSWERS: Final = 60
 """Waits that are answered in one run: a program of an endless cycle has seen enough by then."""
-MOST_SAID: Final = 5
+_MOST_SAID: Final = 5
 """Changes of inputs that a finding names."""
-MOST_ITERATIONS: Final = 5
+_MOST_ITERATIONS: Final = 5
 """Evaluations of one condition that are recorded; in a loop a counter may depend on them."""
-TIMED: Final = 10
+_TIMED: Final = 10
 """Evaluations of a condition with a timer, all with one outcome, that are a wait for its time."""
-READ_BEFORE: Final = 3
+_READ_BEFORE: Final = 3
 """Statements before a condition in which what it compares may be read from a timer."""
-MANY_EVALUATIONS: Final = 1000
+_MANY_EVALUATIONS: Final = 1000
 """Evaluations of a wait for a timer after which its time passes faster, so that a long one ends."""
-HASTE: Final = 0.01
+_HASTE: Final = 0.01
 """Part of the time of a wait by which each further evaluation lengthens it."""
 LONG: Final = 1e5
 """Seconds after which such a wait is one for ever."""
-RECENT: Final = 12
+_RECENT: Final = 12
 """Readings before a branch that it may hang on."""
 
 
@@ -129,8 +129,8 @@ class Scenario:
             for _, state in self.changes
             if state
         ]
-        more = "" if len(told) <= MOST_SAID else f", and {len(told) - MOST_SAID} changes more"
-        return (", then ".join(told[:MOST_SAID]) or "all inputs 0") + more
+        more = "" if len(told) <= _MOST_SAID else f", and {len(told) - _MOST_SAID} changes more"
+        return (", then ".join(told[:_MOST_SAID]) or "all inputs 0") + more
 
 
 Readings = tuple[tuple[str, Moment], ...]
@@ -194,7 +194,7 @@ class Driver(Mapping[str, float]):
     def __post_init__(self) -> None:
         self.beat = self.idles = 0
         self.played = self.scenario
-        self._recent: deque[tuple[str, Moment]] = deque(maxlen=RECENT)
+        self._recent: deque[tuple[str, Moment]] = deque(maxlen=_RECENT)
         self._polled: dict[tuple[object, str], int] = {}
         self._since = 0.0
         self._polling: dict[str, None] = {}
@@ -286,11 +286,11 @@ class Driver(Mapping[str, float]):
         self.last[len(self.kernel.log)] = file, at, way
         here = tuple(self._here.items()) if self.kernel.steps == self._step else ()
         iterations = self.iterations.setdefault((file, at), [])
-        if here and len(iterations) < MOST_ITERATIONS and here not in iterations:
+        if here and len(iterations) < _MOST_ITERATIONS and here not in iterations:
             iterations.append(here)
         if (file, at, way) not in self.taken:
             self.taken[file, at, way] = Taken((file, at, way), self.recent, here)
-        if self.kernel.steps - self.kernel.clocked <= READ_BEFORE:
+        if self.kernel.steps - self.kernel.clocked <= _READ_BEFORE:
             self._evaluated((file, at), way)
 
     def _evaluated(self, place: tuple[str, int], way: int) -> None:
@@ -300,7 +300,7 @@ class Driver(Mapping[str, float]):
         if way == before:
             self.timing[place] = since, way, count + 1
             self._hasten(kernel.tasks[0], since, count)
-        elif count >= TIMED:
+        elif count >= _TIMED:
             self.ended_by_timer = True
             self._lasted(kernel.tasks[0], since, count)
 
@@ -313,12 +313,12 @@ class Driver(Mapping[str, float]):
 
     def _hasten(self, task: Task, since: float, count: int) -> None:
         """Let time pass faster in a wait for a timer after many checks."""
-        if count < MANY_EVALUATIONS:
+        if count < _MANY_EVALUATIONS:
             return
         waited = self.kernel.clock - since
         if waited > LONG:
             self.kernel.halt(task, Ending("stopped", task.waits_for or NEVER))
-        self.kernel.clock += HASTE * waited
+        self.kernel.clock += _HASTE * waited
 
     def _lasted(self, task: Task, since: float, count: int) -> None:
         """Only what has passed since the event before can be compared; nothing where that is an
@@ -398,8 +398,8 @@ class Driver(Mapping[str, float]):
         change = dict(given or ())
         for name in self.kernel.board.inputs.watched:
             self.watched.setdefault(name, {})[moment] = None
-        if given is None and self.answering is not None and self.answers >= MOST_ANSWERS:
-            self.kernel.end(Ending("steps", f"more than {MOST_ANSWERS} waits"))
+        if given is None and self.answering is not None and self.answers >= _MOST_ANSWERS:
+            self.kernel.end(Ending("steps", f"more than {_MOST_ANSWERS} waits"))
             return True
         if given is None and self.answering is not None and read:
             change = dict(self.answering.answer(self, task, read))

@@ -28,8 +28,8 @@ from assistant.virtual.pseudo.machine import (
     whole_of,
 )
 
-CLOCK: Final[Mapping[str, str]] = {"date_today": "%Y/%m/%d", "time_of_day": "%H:%M:%S"}
-Called = Callable[[Machine, str, tuple[e.Expression, ...]], Value | None]
+_CLOCK: Final[Mapping[str, str]] = {"date_today": "%Y/%m/%d", "time_of_day": "%H:%M:%S"}
+_Called = Callable[[Machine, str, tuple[e.Expression, ...]], Value | None]
 
 
 def evaluate(m: Machine, node: e.Expression) -> Value:
@@ -124,10 +124,10 @@ def _part(m: Machine, node: e.Member | e.Index) -> Value:
 
 def _binary(m: Machine, node: e.Binary) -> Value:
     left = evaluate(m, node.left)
-    if node.operator in TRUTHS:
+    if node.operator in _TRUTHS:
         other = condition(m, node.right)
         first = left != 0.0 if isinstance(left, float) else truth_of(left)
-        return TRUTHS[node.operator](first, other)
+        return _TRUTHS[node.operator](first, other)
     right = evaluate(m, node.right)
     if node.operator in EQUAL:
         if isinstance(left, bool) != isinstance(right, bool):
@@ -139,14 +139,14 @@ def _binary(m: Machine, node: e.Binary) -> Value:
         return _composed(left, right)
     if node.operator == "+" and isinstance(left, str) and isinstance(right, str):
         return left + right
-    if isinstance(left, str) and isinstance(right, str) and node.operator in ORDERS:
-        return ORDERS[node.operator](left, right)
+    if isinstance(left, str) and isinstance(right, str) and node.operator in _ORDERS:
+        return _ORDERS[node.operator](left, right)
     if isinstance(left, bool) or isinstance(right, bool):
         left, right = float(truth_or(left)), float(truth_or(right))
     if not isinstance(left, float) or not isinstance(right, float):
         raise Fault(f"`{node.operator}` of {kind_of(left)} and {kind_of(right)}")
-    if node.operator in ORDERS:
-        return ORDERS[node.operator](left, right)
+    if node.operator in _ORDERS:
+        return _ORDERS[node.operator](left, right)
     return _number(node.operator, left, right)
 
 
@@ -159,7 +159,7 @@ def truth_or(value: Value) -> float:
 
 def _number(sign: str, left: float, right: float) -> float:
     try:
-        found = NUMBERS[sign](left, right)
+        found = _NUMBERS[sign](left, right)
     except ZeroDivisionError:
         raise Fault("a division by zero") from None
     except (OverflowError, ValueError):
@@ -194,19 +194,19 @@ def _composed(left: Value, right: Value) -> Value:
     raise Fault(f"`@` of {kind_of(left)} and {kind_of(right)}")
 
 
-TRUTHS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
+_TRUTHS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
     "and": operator.and_,
     "or": operator.or_,
     "xor": operator.xor,
 }
 EQUAL: Final = ("=", "<>")
-ORDERS: Final[Mapping[str, Callable[..., bool]]] = {
+_ORDERS: Final[Mapping[str, Callable[..., bool]]] = {
     "<": operator.lt,
     "<=": operator.le,
     ">": operator.gt,
     ">=": operator.ge,
 }
-NUMBERS: Final[Mapping[str, Callable[[float, float], float]]] = {
+_NUMBERS: Final[Mapping[str, Callable[[float, float], float]]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
@@ -238,14 +238,14 @@ def _apply(m: Machine, name: str, arguments: tuple[e.Expression, ...]) -> Value:
         return joints_here(m)
     if key == "broken_off" and not arguments:
         return float(m.broken_off)
-    if key in CLOCK and not arguments:
-        return format(kernel.date_at(m.task.kernel.now), CLOCK[key])
+    if key in _CLOCK and not arguments:
+        return format(kernel.date_at(m.task.kernel.now), _CLOCK[key])
     values = [evaluate(m, one) for one in arguments]
     if key in SHIFTS and values:
         return _shifted(key, values[0], [number_of(one) for one in values[1:]])
-    if key in OF_ARM and len(values) == 1:
-        return OF_ARM[key](m, values[0])
-    function = FUNCTIONS.get(key)
+    if key in _OF_ARM and len(values) == 1:
+        return _OF_ARM[key](m, values[0])
+    function = _FUNCTIONS.get(key)
     if function is None:
         raise NotRun(f"the function `{name}`")
     try:
@@ -294,7 +294,7 @@ def _joints_at(m: Machine, value: Value) -> JointTarget:
     return JointTarget(tuple(map(float, found)), value.external)
 
 
-OF_ARM: Final[Mapping[str, Callable[[Machine, Value], Value]]] = {
+_OF_ARM: Final[Mapping[str, Callable[[Machine, Value], Value]]] = {
     "flange_at": _flange_at, "joints_at": _joints_at,
 }  # fmt: skip
 """Functions that need the robot's arm."""
@@ -381,7 +381,7 @@ def _code(text: Value) -> Value:
     return float(byte)
 
 
-FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
+_FUNCTIONS: Final[Mapping[str, Callable[..., Value]]] = {
     "abs": _one(abs),
     "sqrt": _one(math.sqrt),
     "sin": _one(lambda v: math.sin(math.radians(v))),

@@ -56,7 +56,7 @@ class Returned(Exception):
 
 Value = float | bool | str | Target | JointTarget | Pose | list["Value"]
 """Numbers are doubles; arrays and records are lists."""
-DEFAULTS: Final[dict[ValueType, Value]] = {
+_DEFAULTS: Final[dict[ValueType, Value]] = {
     "number": 0.0,
     "integer": 0.0,
     "truth": False,
@@ -213,8 +213,8 @@ def _joint_index(name: str, count: int) -> int | None:
 def first_value(variable: Variable, initial: Value | None) -> Value | None:
     """Return the first value of a variable; arrays without one are filled."""
     if initial is not None or not variable.size:
-        return DEFAULTS.get(variable.type) if initial is None else copied(initial)
-    return _filled_array(variable.size, DEFAULTS.get(variable.type, []))
+        return _DEFAULTS.get(variable.type) if initial is None else copied(initial)
+    return _filled_array(variable.size, _DEFAULTS.get(variable.type, []))
 
 
 def _filled_array(size: tuple[int, ...], value: Value) -> Value:

@@ -21,8 +21,8 @@ from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, t
 from assistant.virtual.pseudo.machine import Fault, Machine, NotRun
 from assistant.virtual.triggers import move_until, ordered_triggers
 
-Way = Literal["joint", "linear", "circular"]
-KINDS: Final[dict[int, Way]] = {
+_Way = Literal["joint", "linear", "circular"]
+_KINDS: Final[dict[int, _Way]] = {
     Kind.JOINT: "joint",
     Kind.LINEAR: "linear",
     Kind.END: "circular",
@@ -40,7 +40,7 @@ def move(m: Machine, node: p.Move | p.MoveCircular) -> None:
         kind = node.kind
     moved = _moved(
         m,
-        KINDS_BY_NAME[kind],
+        _KINDS_BY_NAME[kind],
         _flange(target.pose, tool, frame),
         (tool, frame),
         _pace(m, node.motion),
@@ -51,7 +51,7 @@ def move(m: Machine, node: p.Move | p.MoveCircular) -> None:
     _go(m, moved, node)
 
 
-KINDS_BY_NAME: Final[dict[str, Way]] = {way: way for way in KINDS.values()}
+_KINDS_BY_NAME: Final[dict[str, _Way]] = {way: way for way in _KINDS.values()}
 
 
 def move_joints(m: Machine, node: p.MoveJoints) -> None:
@@ -86,7 +86,7 @@ def follow(m: Machine, path: Path) -> Iterator[None]:
         pace = m.speed(path.speeds[path.speed[row]]), m.blend(path.blends[path.blend[row]])
         mount = tools[path.tool[row]], frames[path.frame[row]]
         stated = tuple(path.configurations[row].tolist())
-        moved = _moved(m, KINDS[kind], flange, mount, pace, via=via, configuration=stated)
+        moved = _moved(m, _KINDS[kind], flange, mount, pace, via=via, configuration=stated)
         places = tuple(path.external[row].tolist())
         moved = replace(moved, external=_stated(places))
         via = None
@@ -153,7 +153,7 @@ def _flange(pose: Pose, tool: Tool, frame: Frame) -> Pose:
 
 def _moved(
     m: Machine,
-    kind: Way,
+    kind: _Way,
     flange: Pose | None,
     mount: tuple[Tool, Frame],
     pace: tuple[Speed, Blend],

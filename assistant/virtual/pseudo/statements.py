@@ -39,7 +39,7 @@ from assistant.virtual.pseudo.machine import (
     value_text,
 )
 
-LOOK_PERIOD: Final = 0.0071
+_LOOK_PERIOD: Final = 0.0071
 """Seconds between two looks at what time alone changes, as controllers of MELFA-BASIC have it."""
 
 
@@ -109,7 +109,7 @@ class Interrupts:
         task = self.machine.task
         nodes = [node.condition for node, _ in self.known.values()]
         timed = any(isinstance(part, Elapsed) for part in records(tuple(nodes)))
-        task.looks, task.sampling = self.look, LOOK_PERIOD if timed else None
+        task.looks, task.sampling = self.look, _LOOK_PERIOD if timed else None
 
 
 def _interrupts_of(m: Machine) -> Interrupts:
@@ -135,23 +135,23 @@ def _switch_interrupts(m: Machine, node: p.SwitchInterrupts) -> None:
     _interrupts_of(m).open = node.state == "on"
 
 
-INTERRUPT_STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+_INTERRUPT_STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Interrupt: _define_interrupt,
     p.SwitchInterrupt: _switch_interrupt,
     p.SwitchInterrupts: _switch_interrupts,
 }
 
 
-Body = Sequence[p.Statement]
+_Body = Sequence[p.Statement]
 
 
-def execute(m: Machine, body: Body) -> None:
+def _execute(m: Machine, body: _Body) -> None:
     """Runs a body; a jump to a label in it goes on behind that label."""
     start = 0
     while True:
         try:
             for statement in body[start:]:
-                does = STATEMENT_FORMS.get(type(statement))
+                does = _STATEMENT_FORMS.get(type(statement))
                 if does is None:
                     continue
                 m.step(statement)
@@ -194,7 +194,7 @@ def call(m: Machine, procedure: Procedure, arguments: Sequence[Expression]) -> V
             first = None if variable.initial is None else evaluate(m, variable.initial)
             constant = variable.storage == "constant"
             made.names[name.lower()] = Cell(first_value(variable, first), constant)
-        execute(m, procedure.body)
+        _execute(m, procedure.body)
     except Returned as returned:
         return returned.value
     except Jump as jump:
@@ -205,7 +205,7 @@ def call(m: Machine, procedure: Procedure, arguments: Sequence[Expression]) -> V
         m.calls.pop()
 
 
-def call_statement(m: Machine, node: p.Call) -> None:
+def _call_statement(m: Machine, node: p.Call) -> None:
     procedure = m.program.procedure(node.procedure)
     if procedure is None:
         raise Fault(f"there is no procedure `{node.procedure}`")
@@ -294,14 +294,14 @@ def _assign(m: Machine, node: p.Assign) -> None:
 def _if(m: Machine, node: p.If) -> None:
     for branch in node.branches:
         if condition(m, branch.condition):
-            execute(m, branch.body)
+            _execute(m, branch.body)
             return
-    execute(m, node.otherwise)
+    _execute(m, node.otherwise)
 
 
 def _while(m: Machine, node: p.While) -> None:
     while condition(m, node.condition):
-        execute(m, node.body)
+        _execute(m, node.body)
         m.step(node)
 
 
@@ -323,7 +323,7 @@ def _for(m: Machine, node: p.For) -> None:
             own.value = value
         else:
             declared.change(value)
-        execute(m, node.body)
+        _execute(m, node.body)
         m.step(node)
         value += step
     if declared is None:
@@ -334,9 +334,9 @@ def _select(m: Machine, node: p.Switch) -> None:
     subject = evaluate(m, node.subject)
     for case in node.cases:
         if any(subject == evaluate(m, value) for value in case.values):
-            execute(m, case.body)
+            _execute(m, case.body)
             return
-    execute(m, node.otherwise)
+    _execute(m, node.otherwise)
 
 
 def _stop(m: Machine, node: p.Stop) -> None:
@@ -373,7 +373,7 @@ def _vendor_statement(_: Machine, node: p.Opaque) -> None:
     raise NotRun(f"`{lines[0]}`, which is {node.language}")
 
 
-STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+_STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Move: motion.move,
     p.MoveCircular: motion.move,
     p.MoveJoints: motion.move_joints,
@@ -387,7 +387,7 @@ STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Gripper: _gripper,
     p.SetAcceleration: _acceleration,
     p.SetOverride: _override,
-    p.Call: call_statement,
+    p.Call: _call_statement,
     p.Assign: _assign,
     p.If: _if,
     p.While: _while,
@@ -398,13 +398,13 @@ STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     p.Goto: _goto,
     p.Message: _message,
     **dict.fromkeys((p.Attach, p.Detach, p.Send), _channel),
-    **INTERRUPT_STATEMENTS,
+    **_INTERRUPT_STATEMENTS,
     p.Opaque: _vendor_statement,
 }
 """Comments and labels do nothing."""
 
 
-TASK_NAME: Final = "program"
+_TASK_NAME: Final = "program"
 """Name of the program's task."""
 
 
@@ -427,7 +427,7 @@ def start_program(
 
     def body(task: Task) -> Ending:
         machine = Machine(task, program, robot, text, flange=start)
-        machine.interrupts = Interrupts(machine, lambda node: call_statement(machine, node))
+        machine.interrupts = Interrupts(machine, lambda node: _call_statement(machine, node))
         task.where, task.levels = machine.where, machine.levels
         try:
             _declare_variables(machine)
@@ -448,7 +448,7 @@ def start_program(
             return Ending()
         return Ending() if cycles == 1 else Ending("steps", f"more than {cycles} cycles")
 
-    return kernel.task(TASK_NAME, body)
+    return kernel.task(_TASK_NAME, body)
 
 
 def _declare_variables(machine: Machine) -> None:

@@ -87,11 +87,11 @@ class Given:
         return None if value is None else records.record(value, type)
 
 
-def sorted_arguments(
+def _sorted_arguments(
     machine: Machine, arguments: Sequence[s.Argument], name: str, count: int, options: str
 ) -> Given:
     """Arguments sorted; raises NotSimulated for other options, Fault for another count."""
-    found = any_arguments(machine, arguments)
+    found = _any_arguments(machine, arguments)
     unknown = set(found.options) - set(options.split())
     if unknown:
         raise NotSimulated(f"`\\{min(unknown)}` of `{name}`")
@@ -100,7 +100,7 @@ def sorted_arguments(
     return found
 
 
-def any_arguments(machine: Machine, arguments: Sequence[s.Argument]) -> Given:
+def _any_arguments(machine: Machine, arguments: Sequence[s.Argument]) -> Given:
     """Arguments sorted, whatever they are."""
     found = Given(machine, [], {})
     for argument in arguments:
@@ -131,7 +131,7 @@ def table_row(
     """
 
     def call(machine: Machine, arguments: Sequence[s.Argument]) -> Value | None:
-        return does(sorted_arguments(machine, arguments, name, count, options))
+        return does(_sorted_arguments(machine, arguments, name, count, options))
 
     return name.lower(), call
 
@@ -144,12 +144,12 @@ call.
 
 def as_function(does: Ability) -> Function:
     def call(machine: Machine, arguments: Sequence[s.Argument]) -> Value | None:
-        return does(any_arguments(machine, arguments))
+        return does(_any_arguments(machine, arguments))
 
     return call
 
 
-REFERENCE_MODES: Final[Mapping[str, tuple[Storage, ...]]] = {
+_REFERENCE_MODES: Final[Mapping[str, tuple[Storage, ...]]] = {
     "VAR": ("VAR", "IN"),
     "PERS": ("PERS",),
     "INOUT": ("VAR", "IN", "PERS"),
@@ -220,7 +220,7 @@ def _bound_parameter(machine: Machine, one: s.ParameterNode, value: s.Expression
         raise Fault(f"the parameter `{one.name}` is given no value")
     if shape.type.startswith("signal"):
         return Signal(signal(machine, value))
-    if one.mode in REFERENCE_MODES:
+    if one.mode in _REFERENCE_MODES:
         return _reference(machine, one, value, shape)
     found = fitted(copied(evaluate(machine, value, shape)), shape)
     if not is_like(found, shape):
@@ -230,7 +230,7 @@ def _bound_parameter(machine: Machine, one: s.ParameterNode, value: s.Expression
 
 def _reference(machine: Machine, one: s.ParameterNode, value: s.Expression, wanted: Shape) -> Place:
     found = place(machine, value)
-    if found.storage not in REFERENCE_MODES[one.mode]:
+    if found.storage not in _REFERENCE_MODES[one.mode]:
         raise Fault(f"the parameter `{one.name}` refers to what cannot be changed so")
     if found.shape.type != wanted.type or len(found.shape.sizes) != len(wanted.sizes):
         raise Fault(f"{found.shape.type} for the parameter `{one.name}`")

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 MOST_RAISED: Final = 90
 """A program may raise 1 to 90, and what it booked (manual, RAISE)."""
 FIRST_BOOKED: Final = 101
-FIRST_ERROR: Final = 1001
+_FIRST_ERROR: Final = 1001
 ANY_ERROR: Final = "long_jmp_all_err"
 """In the list of a handler, whatever the error is."""
 
 ERROR_NUMBERS: Final[Mapping[str, int]] = {
     name: number
     for number, name in enumerate(
-        (name for name, datum in predefined.data().items() if datum.type == "errnum"), FIRST_ERROR
+        (name for name, datum in predefined.data().items() if datum.type == "errnum"), _FIRST_ERROR
     )
     if name != "errno"
 }

@@ -23,9 +23,9 @@ from assistant.virtual.rapid.disk import Disk
 from assistant.virtual.rapid.scopes import Cell, Known, Meaning, Pending, Storage, Types, Unit
 from assistant.virtual.rapid.values import Shape
 
-MOVE_NAMES: Final = ("MoveJ", "MoveL", "MoveC")
-CIRCULAR_MOVE: Final = 2
-TARGET_PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
+_MOVE_NAMES: Final = ("MoveJ", "MoveL", "MoveC")
+_CIRCULAR_MOVE: Final = 2
+_TARGET_PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
 
 
 def target_data(node: s.TargetRunNode) -> Iterator[s.Data]:
@@ -39,21 +39,21 @@ def move_calls(run: MoveRun) -> Iterator[s.ProcedureCall]:
     for row in range(len(run)):
         kind, how = int(run.kinds[row]), run.motions[row]
         arguments: list[s.Argument] = []
-        if kind == CIRCULAR_MOVE:
+        if kind == _CIRCULAR_MOVE:
             arguments.append(s.Positional(s.NameRef(run.vias.name(row))))
         to = s.NameRef(run.names.name(row)) if run.values is None else _target_data(run.values[row])
         arguments.append(s.Positional(to))
         arguments += [s.Positional(s.NameRef(n)) for n in (how.speed, how.zone, how.tool)]
         if how.frame:
             arguments.append(s.Option("WObj", s.NameRef(how.frame)))
-        yield s.ProcedureCall(MOVE_NAMES[kind], tuple(arguments))
+        yield s.ProcedureCall(_MOVE_NAMES[kind], tuple(arguments))
 
 
 def _target_data(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> s.AggregateNode:
     return s.AggregateNode(
         tuple(
             s.AggregateNode(tuple(_row_number(float(value)) for value in values[start:stop]))
-            for start, stop in TARGET_PARTS
+            for start, stop in _TARGET_PARTS
         )
     )
 
@@ -63,8 +63,8 @@ def _row_number(value: float) -> s.Expression:
     return s.Prefix("-", literal) if value < 0 else literal
 
 
-STORAGE: Final[dict[str, Storage]] = {"VAR": "VAR", "PERS": "PERS", "CONST": "CONST"}
-SETTING_INSTRUCTIONS: Final = frozenset(
+_STORAGE: Final[dict[str, Storage]] = {"VAR": "VAR", "PERS": "PERS", "CONST": "CONST"}
+_SETTING_INSTRUCTIONS: Final = frozenset(
     (
         *("set", "reset", "setdo", "setgo", "setao", "invertdo", "pulsedo"),
         *("waitdo", "waitgo", "waitao", "doutput", "goutput", "aoutput", "goutputdnum"),
@@ -72,22 +72,22 @@ SETTING_INSTRUCTIONS: Final = frozenset(
     )
 )
 """Instructions and functions whose first argument is an output."""
-READING_FUNCTIONS: Final = frozenset(
+_READING_FUNCTIONS: Final = frozenset(
     (
         *("waitdi", "waitgi", "waitai", "testdi", "dinput", "ginput", "ainput", "ginputdnum"),
         *("isignaldi", "isignalgi", "isignalai"),
     )
 )
 """The same of an input."""
-SET_UP_TRIGGERS: Final = frozenset(("triggio", "triggequip"))
+_SET_UP_TRIGGERS: Final = frozenset(("triggio", "triggequip"))
 """Instructions whose options name an output that motions set on their way."""
-CORNER_MOVES: Final = {
+_CORNER_MOVES: Final = {
     f"move{letter}{kind}": place
     for letter, place in (("j", 4), ("l", 4), ("c", 5))
     for kind in ("do", "ao", "go")
 }
 """Motions that set an output, and which argument it is."""
-ALIAS_INSTRUCTIONS: Final = "aliasio"
+_ALIAS_INSTRUCTIONS: Final = "aliasio"
 """Gives data of a signal the one that its first argument is, or names in text."""
 
 
@@ -166,7 +166,7 @@ def _module_names(module: s.Module, unit: Unit) -> Iterator[tuple[bool, str, Mea
 
 
 def _declared_cell(node: s.Data, unit: Unit) -> tuple[bool, str, Meaning]:
-    cell = Cell(Shape(""), STORAGE[node.storage], pending=Pending(node, unit))
+    cell = Cell(Shape(""), _STORAGE[node.storage], pending=Pending(node, unit))
     return node.scope == "LOCAL", node.name, cell
 
 
@@ -179,22 +179,22 @@ def used_signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str
             continue
         name = node.name.lower()
         given = [a.value for a in node.arguments if isinstance(a, s.Positional)]
-        if name in SET_UP_TRIGGERS:
+        if name in _SET_UP_TRIGGERS:
             on_way = (a.value for a in node.arguments if isinstance(a, s.Option))
             named = {one.name.lower() for one in on_way if isinstance(one, s.NameRef)}
             outputs |= named
             known |= named
-        if name == ALIAS_INSTRUCTIONS and given and isinstance(given[0], s.StringLiteral):
+        if name == _ALIAS_INSTRUCTIONS and given and isinstance(given[0], s.StringLiteral):
             known.add(given[0].value.lower())
-        place = CORNER_MOVES.get(name, 0)
+        place = _CORNER_MOVES.get(name, 0)
         if (
-            name in SETTING_INSTRUCTIONS | READING_FUNCTIONS | CORNER_MOVES.keys()
+            name in _SETTING_INSTRUCTIONS | _READING_FUNCTIONS | _CORNER_MOVES.keys()
             and len(given) > place
         ):
             signal = given[place]
             if isinstance(signal, s.NameRef):
                 known.add(signal.name.lower())
-                if name not in READING_FUNCTIONS:
+                if name not in _READING_FUNCTIONS:
                     outputs.add(signal.name.lower())
     return frozenset(outputs), frozenset(known)
 
@@ -212,14 +212,14 @@ def works_signals_out(files: Iterable[s.File]) -> bool:
 def _is_alias(node: object) -> TypeGuard[s.ProcedureCall]:
     if not isinstance(node, s.ProcedureCall) or not isinstance(node.name, str):
         return False
-    return node.name.lower() == ALIAS_INSTRUCTIONS
+    return node.name.lower() == _ALIAS_INSTRUCTIONS
 
 
 Kind = Literal["normal", "static", "semistatic"]
 """Kind of a task: determines how it starts, and its state after power on (RAPID overview,
 Multitasking).
 """
-RETRIES: Final = 4
+_RETRIES: Final = 4
 """The system parameter No Of Retry, as controllers are delivered (reference, 2.1)."""
 
 
@@ -235,7 +235,7 @@ class Options:
     sockets: whether programs may reach anything outside the run at all.
     """
 
-    retries: int = RETRIES
+    retries: int = _RETRIES
     retries_raise: bool = False
     propagates: bool = True
     began: datetime = CLOCK_START

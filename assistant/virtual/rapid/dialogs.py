@@ -22,13 +22,13 @@ from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.values import Array, Record, Shape, Value
 
 T = TypeVar("T")
-Read = Callable[[str], T | None]
+_Read = Callable[[str], T | None]
 """Function that returns the value of an answer; None for an invalid answer."""
 
-LONGEST: Final = 80
-PRESSED: Final = ("", "OK", "Abort", "Retry", "Ignore", "Cancel", "Yes", "No")
+_LONGEST: Final = 80
+_PRESSED: Final = ("", "OK", "Abort", "Retry", "Ignore", "Cancel", "Yes", "No")
 """By btnres from 0."""
-BUTTONS: Final[Mapping[int, tuple[int, ...]]] = {
+_BUTTONS: Final[Mapping[int, tuple[int, ...]]] = {
     -1: (),
     0: (1,),
     1: (2, 3, 4),
@@ -41,7 +41,7 @@ BUTTONS: Final[Mapping[int, tuple[int, ...]]] = {
 
 
 def _ask(
-    given: Given, question: str, read: Read[T], choices: Sequence[str] = (), numbers: bool = False
+    given: Given, question: str, read: _Read[T], choices: Sequence[str] = (), numbers: bool = False
 ) -> T | None:
     """The answer; None where the question is broken off and a BreakFlag tells it.
 
@@ -79,7 +79,7 @@ def _ask(
 
 
 def _at_panel(
-    panel: Panel, task: Task, read: Read[T], choices: Sequence[str], numbers: bool
+    panel: Panel, task: Task, read: _Read[T], choices: Sequence[str], numbers: bool
 ) -> T | None:
     """Return the answer that inputs give; asks again while it is invalid."""
     keys = [place for place, name in enumerate(choices, 1) if name]
@@ -125,7 +125,7 @@ def _number(answer: str) -> float | None:
     return found if math.isfinite(found) else None
 
 
-def _choice(names: Sequence[str]) -> Read[int]:
+def _choice(names: Sequence[str]) -> _Read[int]:
     """One of several, by its name or its number from 1; those without a name cannot be chosen."""
 
     def read(answer: str) -> int | None:
@@ -138,7 +138,7 @@ def _choice(names: Sequence[str]) -> Read[int]:
 
 
 def _text(answer: str) -> str | None:
-    return answer if len(answer) <= LONGEST else None
+    return answer if len(answer) <= _LONGEST else None
 
 
 # ------------------------------------------------------------------------------- questions
@@ -184,10 +184,10 @@ def _press(given: Given, question: str) -> float | None:
         found = _ask(given, question, _choice(own), own)
         return None if found is None else float(found)
     stated = given.optional_number("buttons")
-    shown = BUTTONS.get(whole(0.0 if stated is None else stated, "the buttons of a dialog"))
+    shown = _BUTTONS.get(whole(0.0 if stated is None else stated, "the buttons of a dialog"))
     if shown is None:
         raise Fault(f"the buttons {stated:g} of a dialog")
-    names = [PRESSED[one] for one in shown]
+    names = [_PRESSED[one] for one in shown]
     found = _ask(given, question, _choice(names), names)
     return None if found is None else float(shown[found - 1])
 
@@ -249,8 +249,8 @@ def _list(given: Given) -> float:
     items = array.items if isinstance(array, Array) else ()
     names = [records.text(item.parts["text"]) for item in items if isinstance(item, Record)]
     own, stated = _texts(given, "btnarray"), given.optional_number("buttons")
-    shown = BUTTONS.get(0 if stated is None else int(stated), ())
-    buttons = own or [PRESSED[one] for one in shown]
+    shown = _BUTTONS.get(0 if stated is None else int(stated), ())
+    buttons = own or [_PRESSED[one] for one in shown]
     choose, press = _choice(names), _choice(buttons)
 
     def read(answer: str) -> tuple[int, int] | None:
@@ -271,30 +271,34 @@ def _there(_: Given) -> Value:
     return True
 
 
-BREAKS: Final = (
+_BREAKS: Final = (
     "maxtime dibreak dipassive dobreak dopassive persboolbreak persboolpassive breakflag"
 )
-LOOKS: Final = "header message msgarray wrap icon image uiactivesignal"
+_LOOKS: Final = "header message msgarray wrap icon image uiactivesignal"
 LINES: Final = "msgline2 msgline3 msgline4 msgline5"
-LIMITS: Final = "minvalue maxvalue"
+_LIMITS: Final = "minvalue maxvalue"
 
 DIALOG_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        table_row("TPReadFK", 7, _keys, BREAKS),
-        table_row("TPReadNum", 2, _read_number, BREAKS),
-        table_row("TPReadDnum", 2, _read_number, BREAKS),
-        table_row("UIMsgBox", 1, _box, f"buttons result {LINES} {LOOKS} {BREAKS}"),
+        table_row("TPReadFK", 7, _keys, _BREAKS),
+        table_row("TPReadNum", 2, _read_number, _BREAKS),
+        table_row("TPReadDnum", 2, _read_number, _BREAKS),
+        table_row("UIMsgBox", 1, _box, f"buttons result {LINES} {_LOOKS} {_BREAKS}"),
     )
 )
 DIALOG_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        table_row("UIMessageBox", 0, _message_box, f"buttons btnarray defaultbtn {LOOKS} {BREAKS}"),
-        table_row("UINumEntry", 0, _entry, f"initvalue asinteger {LIMITS} {LOOKS} {BREAKS}"),
-        table_row("UIDnumEntry", 0, _entry, f"initvalue asinteger {LIMITS} {LOOKS} {BREAKS}"),
-        table_row("UINumTune", 2, _tune, f"{LIMITS} {LOOKS} {BREAKS}"),
-        table_row("UIDnumTune", 2, _tune, f"{LIMITS} {LOOKS} {BREAKS}"),
-        table_row("UIAlphaEntry", 0, _write_text, f"initstring {LOOKS} {BREAKS}"),
-        table_row("UIListView", 1, _list, f"result buttons btnarray defaultindex {LOOKS} {BREAKS}"),
+        table_row(
+            "UIMessageBox", 0, _message_box, f"buttons btnarray defaultbtn {_LOOKS} {_BREAKS}"
+        ),
+        table_row("UINumEntry", 0, _entry, f"initvalue asinteger {_LIMITS} {_LOOKS} {_BREAKS}"),
+        table_row("UIDnumEntry", 0, _entry, f"initvalue asinteger {_LIMITS} {_LOOKS} {_BREAKS}"),
+        table_row("UINumTune", 2, _tune, f"{_LIMITS} {_LOOKS} {_BREAKS}"),
+        table_row("UIDnumTune", 2, _tune, f"{_LIMITS} {_LOOKS} {_BREAKS}"),
+        table_row("UIAlphaEntry", 0, _write_text, f"initstring {_LOOKS} {_BREAKS}"),
+        table_row(
+            "UIListView", 1, _list, f"result buttons btnarray defaultindex {_LOOKS} {_BREAKS}"
+        ),
         table_row("UIClientExist", 0, _there),
     )
 )

@@ -49,16 +49,16 @@ LONGEST_TEXT: Final = 80
 
 def infix(sign: str, left: Value, right: Value) -> Value:
     """The value of two operands; raises Fault where a controller stops or refuses them."""
-    if isinstance(left, float) and isinstance(right, float) and sign in NUMBER_OPERATORS:
+    if isinstance(left, float) and isinstance(right, float) and sign in _NUMBER_OPERATORS:
         one, two, kind = paired(left, right)
-        found = NUMBER_OPERATORS[sign](one, two)
+        found = _NUMBER_OPERATORS[sign](one, two)
         if found is True or found is False:
             return found
         if -LARGEST <= found <= LARGEST:
             return single(found) if kind is float else kind(found)
         return kind(_finite(found, kind))
-    if sign in TRUTH_OPERATORS:
-        return TRUTH_OPERATORS[sign](truth(left), truth(right))
+    if sign in _TRUTH_OPERATORS:
+        return _TRUTH_OPERATORS[sign](truth(left), truth(right))
     if sign in ("=", "<>"):
         try:
             return equal(left, right) is (sign == "=")
@@ -120,7 +120,7 @@ def _remainder(left: float, right: float) -> float:
 def _vector_result(sign: str, left: Value, right: Value) -> Value | None:
     """Operators of pos and orient; None for what there is not."""
     if _is_record(left, "pos") and _is_record(right, "pos") and sign in ("+", "-", "*"):
-        return _pos_result(VECTOR_OPERATORS[sign](vector_of(left), vector_of(right)))
+        return _pos_result(_VECTOR_OPERATORS[sign](vector_of(left), vector_of(right)))
     if _is_record(left, "pos") and _are_numbers(right) and sign in ("*", "/"):
         factor = _float(right) if sign == "*" else _divide(1.0, _float(right))
         return _pos_result(np.multiply(vector_of(left), factor))
@@ -157,13 +157,13 @@ def _finite(value: float, kind: type[float]) -> float:
     return value
 
 
-TRUTH_OPERATORS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
+_TRUTH_OPERATORS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
     "AND": operator.and_,
     "OR": operator.or_,
     "XOR": operator.xor,
 }
 """Both sides are worked out: that the second may be left out is not documented."""
-NUMBER_OPERATORS: Final[Mapping[str, Callable[[float, float], Any]]] = {
+_NUMBER_OPERATORS: Final[Mapping[str, Callable[[float, float], Any]]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
@@ -178,15 +178,15 @@ NUMBER_OPERATORS: Final[Mapping[str, Callable[[float, float], Any]]] = {
     "<>": operator.ne,
 }
 """Operators of two numbers that give a number or a truth."""
-VECTOR_OPERATORS: Final[Mapping[str, Callable[..., Floats]]] = {
+_VECTOR_OPERATORS: Final[Mapping[str, Callable[..., Floats]]] = {
     "+": np.add,
     "-": np.subtract,
     "*": np.cross,
 }
 
 
-Indices = tuple[s.Expression | s.Whole, ...]
-PREFIXES = {"0x": 16, "0o": 8, "0b": 2, "0d": 10}
+_Indices = tuple[s.Expression | s.Whole, ...]
+_PREFIXES = {"0x": 16, "0o": 8, "0b": 2, "0d": 10}
 
 
 def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | None = None) -> Value:
@@ -194,7 +194,7 @@ def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | Non
 
     wanted: what it is for, which gives an aggregate its type.
     """
-    worth = WORTH.get(type(node))
+    worth = _WORTH.get(type(node))
     if worth is None:
         raise NotSimulated(f"{type(node).__name__} in an expression")
     return worth(machine, node, wanted)
@@ -211,7 +211,7 @@ def numeric(machine: Machine, node: s.Expression | s.Whole) -> float:
 @lru_cache(4096)
 def literal(text: str) -> float:
     """A number as it is written, `9E9` or `0x1F`."""
-    base = PREFIXES.get(text[:2].lower())
+    base = _PREFIXES.get(text[:2].lower())
     return Exact(text if base is None else int(text[2:], base))
 
 
@@ -313,7 +313,7 @@ def _is_signal(machine: Machine, name: str) -> bool:
     return name.lower() not in predefined.data() and machine.signals.knows(name.lower())
 
 
-def _element(machine: Machine, array: Place, indices: Indices) -> Place:
+def _element(machine: Machine, array: Place, indices: _Indices) -> Place:
     if len(indices) != len(array.shape.sizes):
         raise Fault(f"{len(indices)} indices of an array of {len(array.shape.sizes)} dimensions")
     values: list[int | None] = []
@@ -361,7 +361,7 @@ def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
     return found
 
 
-def _column(machine: Machine, value: Value, indices: Indices) -> Value:
+def _column(machine: Machine, value: Value, indices: _Indices) -> Value:
     """A copy of a part of an array: all elements where an index is `*`."""
     if not indices:
         return copied(value)
@@ -448,13 +448,15 @@ def _call(machine: Machine, node: s.FunctionCall, _: Shape | None) -> Value:
 
 def _number_of(name: str, value: float) -> float:
     """The number that a function of every controller gives."""
-    return Double(value) if name in GIVES_DNUM else single(value)
+    return Double(value) if name in _GIVES_DNUM else single(value)
 
 
-GIVES_DNUM: Final = frozenset(n for n, (line, _) in rows().items() if line.startswith("FUNC dnum "))
+_GIVES_DNUM: Final = frozenset(
+    n for n, (line, _) in rows().items() if line.startswith("FUNC dnum ")
+)
 
 
-WORTH: Final[Mapping[type, Callable[[Machine, Any, Shape | None], Value]]] = {
+_WORTH: Final[Mapping[type, Callable[[Machine, Any, Shape | None], Value]]] = {
     s.NameRef: _variable,
     s.NumberLiteral: lambda _, node, __: literal(node.text),
     s.Infix: _infix,

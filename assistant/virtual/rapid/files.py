@@ -23,7 +23,7 @@ from assistant.virtual.rapid.records import NUMBER_DATA, TEXT_DATA, number
 from assistant.virtual.rapid.value_text import read_value
 from assistant.virtual.rapid.values import NUMBER, Array, Handle, single, text_of
 
-SERIAL: Final = re.compile(r"com\d:", re.IGNORECASE)
+_SERIAL: Final = re.compile(r"com\d:", re.IGNORECASE)
 LINE: Final = "\n"
 ENDS: Final = "\r\n"
 r"""Characters that are always added to those of \Delim."""
@@ -58,7 +58,7 @@ def _stream(given: Given, binary: bool | None = None) -> Stream:
 
 def _open(given: Given) -> None:
     handle, said = _handle(given, "iodev", 1), given.machine.task.kernel.peers
-    if said is not None and SERIAL.fullmatch(given.text(0)):
+    if said is not None and _SERIAL.fullmatch(given.text(0)):
         handle.inside = Stream.of_peer(said, given.has("bin"))
         return
     modes = [mode for mode in MODES if given.has(mode)]
@@ -80,7 +80,7 @@ def _close(given: Given) -> None:
 
 
 def _write(given: Given) -> None:
-    values = [given.optional(kind, kind) for kind in KINDS.split() if given.has(kind)]
+    values = [given.optional(kind, kind) for kind in _KINDS.split() if given.has(kind)]
     texts = [given.text(1), *(text_of(value) for value in values if value is not None)]
     line = "".join(texts) + ("" if given.has("nonewline") else LINE)
     _put(given, line.encode(CODES, "replace"), binary=False)
@@ -159,7 +159,7 @@ def _is_file(given: Given) -> bool:
     """Without a switch whether it exists; with one whether it is of that type."""
     _asks_outside(given)
     path = _path(given, 0)
-    asked = [check for name, check in TYPES.items() if given.has(name)]
+    asked = [check for name, check in _TYPES.items() if given.has(name)]
     if not asked:
         return path.exists()
     if not path.exists():
@@ -234,8 +234,8 @@ def _close_directory(given: Given) -> None:
     _handle(given, "dir").inside = None
 
 
-KINDS: Final = "num bool pos orient dnum"
-TYPES: Final[Mapping[str, Callable[[Path], bool]]] = {
+_KINDS: Final = "num bool pos orient dnum"
+_TYPES: Final[Mapping[str, Callable[[Path], bool]]] = {
     "directory": Path.is_dir,
     "regfile": Path.is_file,
     "fifo": Path.is_fifo,
@@ -247,7 +247,7 @@ FILE_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
         table_row("Open", 2, _open, "file read write append bin"),
         table_row("Close", 1, _close),
-        table_row("Write", 2, _write, f"{KINDS} nonewline"),
+        table_row("Write", 2, _write, f"{_KINDS} nonewline"),
         table_row("WriteBin", 3, _write_bytes),
         table_row("WriteStrBin", 2, _write_text),
         table_row("Rewind", 1, _rewind),
@@ -266,7 +266,7 @@ FILE_FUNCTIONS: Final[Mapping[str, Function]] = dict(
         table_row("ReadNum", 1, _read_number, "delim time"),
         table_row("ReadBin", 1, _read_byte, "time"),
         table_row("ReadStrBin", 2, _read_text, "time"),
-        table_row("IsFile", 1, _is_file, " ".join(TYPES)),
+        table_row("IsFile", 1, _is_file, " ".join(_TYPES)),
         table_row("FileSize", 1, _size),
         table_row("ReadDir", 2, _read_directory),
     )

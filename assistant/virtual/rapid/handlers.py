@@ -178,7 +178,7 @@ def _book_number(given: Given) -> None:
 
 def _write_event(given: Given) -> None:
     lines = [given.text(1)]
-    lines += [records.text(v) for name in MESSAGE_LINES if (v := given.optional(name)) is not None]
+    lines += [records.text(v) for name in _MESSAGE_LINES if (v := given.optional(name)) is not None]
     _report_error(given, given.text(0), lines)
 
 
@@ -213,7 +213,7 @@ def _reset_retries(given: Given) -> None:
     given.machine.frame.retries = given.machine.controller.options.retries
 
 
-MESSAGE_LINES: Final = ("rl2", "rl3", "rl4")
+_MESSAGE_LINES: Final = ("rl2", "rl3", "rl4")
 
 ERROR_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
@@ -252,15 +252,15 @@ def run_trap(machine: Machine, interrupt: Interrupt) -> None:
         intno.value, machine.on_way = before, on_way
 
 
-Occur = Callable[[], None]
+_Occur = Callable[[], None]
 
-LOW, HIGH, EDGE = 0.0, 1.0, 2.0
-LEAST_SINGLE: Final = 0.01
-LEAST_CYCLE: Final = 0.1
+_LOW, HIGH, _EDGE = 0.0, 1.0, 2.0
+_LEAST_SINGLE: Final = 0.01
+_LEAST_CYCLE: Final = 0.1
 """Seconds of a timed interrupt (manual, ITimer)."""
 
 
-def analog_zones(value: float, high: float, low: float) -> Mapping[int, bool]:
+def _analog_zones(value: float, high: float, low: float) -> Mapping[int, bool]:
     """Return for each aiotrigg whether a value meets it (manual, data type aiotrigg)."""
     return {
         1: value > high,
@@ -273,7 +273,7 @@ def analog_zones(value: float, high: float, low: float) -> Mapping[int, bool]:
     }
 
 
-def _order_interrupt(given: Given, index: int, begin: Callable[[Occur], Cancel]) -> None:
+def _order_interrupt(given: Given, index: int, begin: Callable[[_Occur], Cancel]) -> None:
     """index: which argument is the variable of the interrupt."""
     number = whole(given.number(index), "the number of an interrupt")
     single, safe = given.has("single"), given.has("singlesafe")
@@ -286,7 +286,7 @@ def _listen_signal(given: Given, index: int, hears: Callable[[float, float], boo
     board = machine.task.kernel.board
     side = board.outputs if signal in machine.signals.outputs else board.inputs
 
-    def begin(occur: Occur) -> Cancel:
+    def begin(occur: _Occur) -> Cancel:
         machine.task.kernel.catch_up()
 
         def listener(name: str, before: float, now: float) -> None:
@@ -309,9 +309,9 @@ def _listen_signal(given: Given, index: int, hears: Callable[[float, float], boo
 def _order_digital(given: Given) -> None:
     """A signal that has the value already is no interrupt: it has to change to it."""
     value = given.number(1)
-    if value not in (LOW, HIGH, EDGE):
+    if value not in (_LOW, HIGH, _EDGE):
         raise Fault(f"{value:g} as the value of a digital signal that interrupts")
-    _listen_signal(given, 2, lambda _, now: value in (EDGE, now))
+    _listen_signal(given, 2, lambda _, now: value in (_EDGE, now))
 
 
 def _order_group(given: Given) -> None:
@@ -324,7 +324,7 @@ def _order_analog(given: Given) -> None:
     \DPos and \DNeg: only of one direction; the others are remembered alike.
     """
     zone = whole(given.number(1), "the condition of an analog signal")
-    if zone not in analog_zones(0.0, 0.0, 0.0):
+    if zone not in _analog_zones(0.0, 0.0, 0.0):
         raise Fault("a condition of an analog signal that there is not")
     high, low, delta = given.number(2), given.number(3), given.number(4)
     up, down = not given.has("dneg"), not given.has("dpos")
@@ -333,7 +333,7 @@ def _order_analog(given: Given) -> None:
     def hears(_: float, now: float) -> bool:
         nonlocal reference
         difference = now - reference
-        if not analog_zones(now, high, low)[zone] or abs(difference) <= delta:
+        if not _analog_zones(now, high, low)[zone] or abs(difference) <= delta:
             return False
         reference = now
         return up if difference > 0.0 else down
@@ -344,11 +344,11 @@ def _order_analog(given: Given) -> None:
 def _order_timer(given: Given) -> None:
     seconds, kernel = given.number(0), given.machine.task.kernel
     once = given.has("single") or given.has("singlesafe")
-    least = LEAST_SINGLE if once else LEAST_CYCLE
+    least = _LEAST_SINGLE if once else _LEAST_CYCLE
     if seconds < least:
         raise Fault(f"a timed interrupt after {seconds:g} s, which are {least:g} s at least")
 
-    def begin(occur: Occur) -> Cancel:
+    def begin(occur: _Occur) -> Cancel:
         def fire() -> None:
             if not once:
                 timers[0] = kernel.at(timers[0].time + seconds, fire)
@@ -370,7 +370,7 @@ def _order_persistent(given: Given) -> None:
     if watched.storage != "PERS":
         raise Fault("IPers of what is no persistent")
 
-    def begin(occur: Occur) -> Cancel:
+    def begin(occur: _Occur) -> Cancel:
         known: Value = copied(watched.get())
 
         def look() -> None:
@@ -411,18 +411,18 @@ def _enable_all(given: Given) -> None:
     given.machine.interrupts.disable(disabled=False)
 
 
-ONCE: Final = "single singlesafe"
+_ONCE: Final = "single singlesafe"
 
 INTERRUPT_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        *(table_row(f"ISignal{kind}", 3, _order_digital, ONCE) for kind in ("DI", "DO")),
-        *(table_row(f"ISignal{kind}", 2, _order_group, ONCE) for kind in ("GI", "GO")),
+        *(table_row(f"ISignal{kind}", 3, _order_digital, _ONCE) for kind in ("DI", "DO")),
+        *(table_row(f"ISignal{kind}", 2, _order_group, _ONCE) for kind in ("GI", "GO")),
         *(
-            table_row(f"ISignal{kind}", 6, _order_analog, f"{ONCE} dpos dneg")
+            table_row(f"ISignal{kind}", 6, _order_analog, f"{_ONCE} dpos dneg")
             for kind in ("AI", "AO")
         ),
-        table_row("ITimer", 2, _order_timer, ONCE),
-        table_row("IPers", 2, _order_persistent, ONCE),
+        table_row("ITimer", 2, _order_timer, _ONCE),
+        table_row("IPers", 2, _order_persistent, _ONCE),
         table_row("IDelete", 1, _delete_interrupt),
         table_row("ISleep", 1, _sleep_interrupt),
         table_row("IWatch", 1, _watch_interrupt),

@@ -2,7 +2,7 @@
 
 `run` runs one task, `run_tasks` several tasks of one controller; `start_task` starts one in a
 kernel. The tables have the names of built-in instructions and functions in lower case.
-`call_levels` lists the calls and data of a held program for a debugger.
+`_call_levels` lists the calls and data of a held program for a debugger.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ from assistant.virtual.rapid.values import (
     text_of,
 )
 
-INSTRUCTIONS: Final[Mapping[str, Function]] = {
+_INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **motion.MOTION_INSTRUCTIONS,
     **signals_and_waits.SIGNAL_INSTRUCTIONS,
     **run_state.RUN_INSTRUCTIONS,
@@ -79,7 +79,7 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
 }
 
 
-FUNCTIONS: Final[Mapping[str, Function]] = {
+_FUNCTIONS: Final[Mapping[str, Function]] = {
     **scalar_functions.NUMBER_FUNCTIONS,
     **scalar_functions.BIT_FUNCTIONS,
     **scalar_functions.STRING_FUNCTIONS,
@@ -98,7 +98,7 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
 }
 
 
-def call_levels(machine: Machine) -> list[Level]:
+def _call_levels(machine: Machine) -> list[Level]:
     """The routines that run, the innermost first."""
     at, found = machine.at, []
     for frame in reversed(machine.frames):
@@ -152,7 +152,7 @@ def _value_text(value: Value) -> str:
         return "<no value>"
 
 
-ABILITIES: Final = Abilities(FUNCTIONS, INSTRUCTIONS, call_routine)
+_ABILITIES: Final = Abilities(_FUNCTIONS, _INSTRUCTIONS, call_routine)
 Inputs = Source
 
 
@@ -235,7 +235,7 @@ def start_task(
         moves=moves,
     )
     machine.interrupts.run = partial(run_trap, machine)
-    task.where, task.levels = machine.place, lambda: call_levels(machine)
+    task.where, task.levels = machine.place, lambda: _call_levels(machine)
     shared.tasks.append(task)
     cells: list[Cell] = []
 
@@ -301,9 +301,9 @@ def _initial_pose(entry: str, kind: Kind) -> Cycles:
 def _with_abilities(own: Mapping[str, Ability]) -> Abilities:
     """Return the abilities of every controller, and those of this one."""
     if not own:
-        return ABILITIES
+        return _ABILITIES
     added = {name.lower(): as_function(does) for name, does in own.items()}
-    return Abilities({**FUNCTIONS, **added}, {**INSTRUCTIONS, **added}, call_routine)
+    return Abilities({**_FUNCTIONS, **added}, {**_INSTRUCTIONS, **added}, call_routine)
 
 
 def _ending(machine: Machine, does: Callable[[], None]) -> Ending | None:

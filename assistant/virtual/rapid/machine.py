@@ -141,7 +141,7 @@ class Signals:
         self.later[name] = kernel.at(kernel.now + seconds, change)
 
 
-MOST_QUEUED: Final = 100
+_MOST_QUEUED: Final = 100
 """Interrupts that are defined at one time, of a task (RAPID overview, Interrupts)."""
 
 Cancel = Callable[[], None]
@@ -176,8 +176,8 @@ class Interrupts:
         """A new interrupt for a variable with a number: the number that it is given."""
         if number in self.table:
             raise Fault("an interrupt that has a trap routine is connected", "ERR_ALRDYCNT")
-        if len(self.table) >= MOST_QUEUED:
-            raise Fault(f"more than {MOST_QUEUED} interrupts", "ERR_INOMAX")
+        if len(self.table) >= _MOST_QUEUED:
+            raise Fault(f"more than {_MOST_QUEUED} interrupts", "ERR_INOMAX")
         self.count += 1
         self.table[self.count] = Interrupt(self.count, trap)
         return self.count

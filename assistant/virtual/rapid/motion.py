@@ -53,7 +53,7 @@ def move_circular(given: Given) -> None:
     _to_target(given, "circular", 1, via)
 
 
-def move_absolute(given: Given) -> None:
+def _move_absolute(given: Given) -> None:
     """MoveAbsJ: no displacement and no work object changes where the joints go."""
     arm, target = given.machine.arm, given.record(0, "jointtarget")
     tool, frame, before = _tool_argument(given, 3), _frame_argument(given), arm.flange
@@ -205,7 +205,10 @@ def _path_place(move: Callable[[Given], None], place: int) -> Callable[[Given], 
     def does(given: Given) -> None:
         machine = given.machine
         first = given.required.pop(place)
-        taken = [first, *(given.options.pop(n) for n in MORE_OPTIONS.split() if n in given.options)]
+        taken = [
+            first,
+            *(given.options.pop(n) for n in _MORE_OPTIONS.split() if n in given.options),
+        ]
         changes = [_trigger_change(machine, one) for one in taken]
         machine.on_way = changes
         try:
@@ -232,7 +235,7 @@ def _set_up_trigger(delay: bool) -> Callable[[Given], None]:
         trigger = given.place(0).get()
         if not isinstance(trigger, Trigger):
             raise Fault("what is no triggdata is set up as one")
-        outputs = [name for name in TRIGGER_OUTPUTS if name in given.options]
+        outputs = [name for name in _TRIGGER_OUTPUTS if name in given.options]
         if len(outputs) != 1:
             raise NotSimulated("a trigger that sets no output")
         node = given.options[outputs[0]]
@@ -267,7 +270,7 @@ def _set_velocity(given: Given) -> None:
 
 def _set_acceleration(given: Given) -> None:
     """The ramp, how fast an acceleration builds up, has no part in the timing."""
-    given.machine.arm.acceleration = min(max(given.number(0), LEAST_ACCELERATION), 100.0)
+    given.machine.arm.acceleration = min(max(given.number(0), _LEAST_ACCELERATION), 100.0)
 
 
 def _watch_joints(given: Given) -> None:
@@ -289,12 +292,12 @@ def _no_effect(given: Given) -> None:
     """
 
 
-LEAST_ACCELERATION: Final = 20.0
+_LEAST_ACCELERATION: Final = 20.0
 """Percent: AccSet takes 20 to 100."""
-MORE_OPTIONS: Final = "t2 t3 t4 t5 t6 t7 t8"
-TRIGGER_OUTPUTS: Final = ("dop", "gop", "aop")
-TRIGGER_MOVES: Final = f"{MOVE_OPTIONS} {MORE_OPTIONS}"
-ANY_OPTIONS: Final = "on off wrist lockaxis4 finepointramp tunevalue"
+_MORE_OPTIONS: Final = "t2 t3 t4 t5 t6 t7 t8"
+_TRIGGER_OUTPUTS: Final = ("dop", "gop", "aop")
+_TRIGGER_MOVES: Final = f"{MOVE_OPTIONS} {_MORE_OPTIONS}"
+_ANY_OPTIONS: Final = "on off wrist lockaxis4 finepointramp tunevalue"
 
 
 def _tuning_row(name: str) -> Callable[[Given], None]:
@@ -314,7 +317,7 @@ MOTION_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
         table_row("MoveJ", 4, move_joint, MOVE_OPTIONS),
         table_row("MoveL", 4, move_linear, MOVE_OPTIONS),
         table_row("MoveC", 5, move_circular, MOVE_OPTIONS),
-        table_row("MoveAbsJ", 4, move_absolute, MOVE_OPTIONS),
+        table_row("MoveAbsJ", 4, _move_absolute, MOVE_OPTIONS),
         table_row("MoveJDO", 6, _move_and_set(move_joint, 5), MOVE_OPTIONS),
         table_row("MoveLDO", 6, _move_and_set(move_linear, 5), MOVE_OPTIONS),
         table_row("MoveCDO", 7, _move_and_set(move_circular, 6), MOVE_OPTIONS),
@@ -334,24 +337,24 @@ MOTION_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
                 ),
             )
         ),
-        table_row("TriggJ", 5, _path_place(move_joint, 2), TRIGGER_MOVES),
-        table_row("TriggL", 5, _path_place(move_linear, 2), TRIGGER_MOVES),
-        table_row("TriggC", 6, _path_place(move_circular, 3), TRIGGER_MOVES),
+        table_row("TriggJ", 5, _path_place(move_joint, 2), _TRIGGER_MOVES),
+        table_row("TriggL", 5, _path_place(move_linear, 2), _TRIGGER_MOVES),
+        table_row("TriggC", 6, _path_place(move_circular, 3), _TRIGGER_MOVES),
         table_row("TriggIO", 3, _set_up_trigger(delay=False), "start time dop gop aop"),
         table_row("TriggInt", 3, _trigger_interrupt, "start time"),
         table_row("TriggEquip", 4, _set_up_trigger(delay=True), "start dop gop aop"),
         table_row("VelSet", 2, _set_velocity),
-        table_row("AccSet", 2, _set_acceleration, ANY_OPTIONS),
-        table_row("ConfJ", 0, _watch_joints, ANY_OPTIONS),
-        table_row("ConfL", 0, _watch_lines, ANY_OPTIONS),
-        table_row("SingArea", 0, _no_effect, ANY_OPTIONS),
-        table_row("MotionSup", 0, _no_effect, ANY_OPTIONS),
+        table_row("AccSet", 2, _set_acceleration, _ANY_OPTIONS),
+        table_row("ConfJ", 0, _watch_joints, _ANY_OPTIONS),
+        table_row("ConfL", 0, _watch_lines, _ANY_OPTIONS),
+        table_row("SingArea", 0, _no_effect, _ANY_OPTIONS),
+        table_row("MotionSup", 0, _no_effect, _ANY_OPTIONS),
         table_row("CornerPathWarning", 1, _no_effect),
         table_row("GripLoad", 1, _no_effect),
         table_row("ActUnit", 1, _no_effect),
         table_row("DeactUnit", 1, _no_effect),
         table_row("PathAccLim", 2, _no_effect, "accmax decelmax"),
-        table_row("WorldAccLim", 0, _no_effect, ANY_OPTIONS),
+        table_row("WorldAccLim", 0, _no_effect, _ANY_OPTIONS),
         table_row("SoftAct", 2, _tuning_row("SoftAct"), "mechunit ramp"),
         table_row("SoftDeact", 0, _tuning_row("SoftDeact"), "ramp"),
         table_row("TuneServo", 3, _tuning_row("TuneServo"), "type"),

@@ -113,11 +113,11 @@ def _joints_of_target(given: Given) -> Record:
     if joints is None:
         _, excess = machine.robot.solve(*_joint_rows(flange))
         reached = bool((excess <= 0.0).any())
-        raise Fault("a position that the robot does not reach", UNREACHED_ERROR[reached])
+        raise Fault("a position that the robot does not reach", _UNREACHED_ERROR[reached])
     return jointtarget(joints, extjoint_of(target.parts["extax"], arm.offsets))
 
 
-UNREACHED_ERROR: Final = {False: "ERR_OUTSIDE_REACH", True: "ERR_ROBLIMIT"}
+_UNREACHED_ERROR: Final = {False: "ERR_OUTSIDE_REACH", True: "ERR_ROBLIMIT"}
 """By whether the arm is long enough (manual, CalcJointT)."""
 
 
@@ -176,22 +176,22 @@ def _own_task_row(read: Callable[[Given], Record]) -> Callable[[Given], Record]:
     return of_task
 
 
-TASK_OPTIONS: Final = "taskname taskref"
+_TASK_OPTIONS: Final = "taskname taskref"
 ARM_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        table_row("CRobT", 0, _own_task_row(present_target), f"tool wobj {TASK_OPTIONS}"),
+        table_row("CRobT", 0, _own_task_row(present_target), f"tool wobj {_TASK_OPTIONS}"),
         table_row("CPos", 0, lambda given: pos(_current_target(given).position), "tool wobj"),
-        table_row("CJointT", 0, _own_task_row(_current_joints), TASK_OPTIONS),
-        table_row("CTool", 0, _own_task_row(_active_tool), TASK_OPTIONS),
-        table_row("CWObj", 0, _own_task_row(_active_frame), TASK_OPTIONS),
+        table_row("CJointT", 0, _own_task_row(_current_joints), _TASK_OPTIONS),
+        table_row("CTool", 0, _own_task_row(_active_tool), _TASK_OPTIONS),
+        table_row("CWObj", 0, _own_task_row(_active_frame), _TASK_OPTIONS),
         table_row("CalcRobT", 2, _target_of_joints, "wobj"),
         table_row("CalcJointT", 2, _joints_of_target, "wobj usecurwobjpos"),
     )
 )
 
 
-ANGLE_SWITCHES: Final = ("z", "y", "x")
-MOST_REPAIRED: Final = 0.1
+_ANGLE_SWITCHES: Final = ("z", "y", "x")
+_MOST_REPAIRED: Final = 0.1
 """Largest distance of the sum of squares from 1 for NOrient (manual, NOrient)."""
 
 
@@ -233,7 +233,7 @@ def _orientation_of_angles(given: Given) -> Record:
 
 
 def _euler_angle(given: Given) -> float:
-    wanted = [i for i, letter in enumerate(ANGLE_SWITCHES) if given.has(letter)]
+    wanted = [i for i, letter in enumerate(_ANGLE_SWITCHES) if given.has(letter)]
     if len(wanted) != 1:
         raise Fault("EulerZYX takes one of its switches")
     angles = rotations.to_euler(quaternion_of(given.record(0, "orient")), "ZYX")
@@ -243,7 +243,7 @@ def _euler_angle(given: Given) -> float:
 def _normalised_orientation(given: Given) -> Record:
     parts = [number(part) for part in given.record(0, "orient").parts.values()]
     length = math.hypot(*parts)
-    if not abs(length * length - 1.0) <= MOST_REPAIRED:
+    if not abs(length * length - 1.0) <= _MOST_REPAIRED:
         raise Fault("an orientation that is too far from a unit quaternion", UNSURE)
     w, x, y, z = (part / length for part in parts)
     return orient((w, x, y, z))

@@ -28,11 +28,11 @@ from assistant.virtual.rapid.values import (
     kind_of,
 )
 
-MOST_OFF_UNIT: Final = 1e-3
+_MOST_OFF_UNIT: Final = 1e-3
 """Largest distance of an orientation's sum of squares from 1."""
-UNUSED: Final = 9e9
+_UNUSED: Final = 9e9
 """An external axis that is not there."""
-LEAST_UNUSED: Final = 8.9e9
+_LEAST_UNUSED: Final = 8.9e9
 """The same, as rounded as it may be."""
 
 
@@ -68,7 +68,7 @@ def vector_of(value: Value) -> Vector:
 def quaternion_of(value: Value) -> Quaternion:
     """Return a quaternion of unit length; raises Fault for an invalid orientation."""
     q = np.array([number(part) for part in record(value, "orient").parts.values()])
-    if not abs(float(q @ q) - 1.0) <= MOST_OFF_UNIT:
+    if not abs(float(q @ q) - 1.0) <= _MOST_OFF_UNIT:
         raise Fault("an orientation whose squares do not add up to 1", "ERR_ILLQUAT")
     w, x, y, z = (float(part) for part in rotations.canonical(q))
     return w, x, y, z
@@ -103,20 +103,20 @@ def confdata(one: float = 0.0, four: float = 0.0, six: float = 0.0, x: float = 0
 
 
 def extjoint() -> Record:
-    return Record("extjoint", {f"eax_{letter}": UNUSED for letter in "abcdef"})
+    return Record("extjoint", {f"eax_{letter}": _UNUSED for letter in "abcdef"})
 
 
 def axes_of(value: Value) -> list[float | None]:
     """The additional axes of an extjoint, None for those that are not used."""
     axes = [number(part) for part in record(value, "extjoint").parts.values()]
-    return [None if axis >= LEAST_UNUSED else axis for axis in axes]
+    return [None if axis >= _LEAST_UNUSED else axis for axis in axes]
 
 
 def extjoint_of(value: Value, offsets: Sequence[float]) -> Record:
     """An extjoint with an offset of each axis that is used."""
     parts = record(value, "extjoint").parts
     axes = zip(parts, axes_of(value), offsets, strict=True)
-    found = {name: UNUSED if axis is None else axis + more for name, axis, more in axes}
+    found = {name: _UNUSED if axis is None else axis + more for name, axis, more in axes}
     return Record("extjoint", dict(found))
 
 
@@ -152,7 +152,7 @@ SPEEDS: Final = (
     *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),
     *(1000, 1500, 2000, 2500, 3000, 4000, 5000, 6000, 7000),
 )
-ZONES: Final = {
+_ZONES: Final = {
     "z0": (0.3, 0.3, 0.3, 0.03, 0.3, 0.03),
     "z1": (1, 1, 1, 0.1, 1, 0.1),
     "z5": (5, 8, 8, 0.8, 8, 0.8),
@@ -169,7 +169,7 @@ ZONES: Final = {
     "z200": (200, 300, 300, 30, 300, 30),
     "fine": (0, 0, 0, 0, 0, 0),
 }
-ZONE_PARTS: Final = (
+_ZONE_PARTS: Final = (
     *("pzone_tcp", "pzone_ori", "pzone_eax"),
     *("zone_ori", "zone_leax", "zone_reax"),
 )
@@ -182,9 +182,9 @@ NUMBER_DATA: Final = {
     "eof_bin": -1.0,
     "eof_num": 9.998e36,
 }
-ARRAY_SIZES: Final = {"sint": 1, "int": 2, "dint": 4, "lint": 8}
+_ARRAY_SIZES: Final = {"sint": 1, "int": 2, "dint": 4, "lint": 8}
 """Bytes of whole numbers in rawbytes: the constant is negative, that with a `u` in front is not."""
-COUNTED: Final = (
+_COUNTED: Final = (
     (
         1,
         "AIO_ABOVE_HIGH AIO_BELOW_HIGH AIO_ABOVE_LOW AIO_BELOW_LOW AIO_BETWEEN AIO_OUTSIDE "
@@ -213,7 +213,7 @@ COUNTED: Final = (
 icondata, buttondata, btnres, errtype, busstate and iounit_state; of opnum, opcalc and the modes the
 names alone are stated).
 """
-CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
+_CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 TEXT_DATA: Final = {
     "stempty": "",
     "errstr_task": "TASK",
@@ -225,8 +225,8 @@ TEXT_DATA: Final = {
     "diskram": "RAMDISK:",
     "eof": "EOF",
     "str_digit": "0123456789",
-    "str_upper": CAPITALS,
-    "str_lower": CAPITALS.lower(),
+    "str_upper": _CAPITALS,
+    "str_lower": _CAPITALS.lower(),
 }
 """The letters are those of Latin-1 that have both cases."""
 
@@ -236,28 +236,28 @@ def predefined(robot: Robot | None) -> Mapping[str, Cell]:
     fastest = math.inf if robot is None or robot.tcp_speed is None else float(robot.tcp_speed)
     cells = {f"v{v}": _constant_cell(_speed_record(float(v))) for v in SPEEDS}
     cells["vmax"] = _constant_cell(_speed_record(fastest))
-    cells |= {name: _constant_cell(_zone_record(name, sizes)) for name, sizes in ZONES.items()}
+    cells |= {name: _constant_cell(_zone_record(name, sizes)) for name, sizes in _ZONES.items()}
     cells |= {name: _constant_cell(value) for name, value in NUMBER_DATA.items()}
-    cells |= {name: _constant_cell(-float(size)) for name, size in ARRAY_SIZES.items()}
-    cells |= {f"u{name}": _constant_cell(float(size)) for name, size in ARRAY_SIZES.items()}
+    cells |= {name: _constant_cell(-float(size)) for name, size in _ARRAY_SIZES.items()}
+    cells |= {f"u{name}": _constant_cell(float(size)) for name, size in _ARRAY_SIZES.items()}
     cells |= {
         name.lower(): _constant_cell(float(number))
-        for first, names in COUNTED
+        for first, names in _COUNTED
         for number, name in enumerate(names.split(), first)
     }
     cells |= {name: _constant_cell(text) for name, text in TEXT_DATA.items()}
-    cells |= ERROR_DATA
+    cells |= _ERROR_DATA
     cells["errno"] = _constant_cell(0.0)
     cells["intno"] = _constant_cell(0.0)
     cells |= {f"reg{i}": _constant_cell(0.0, "VAR") for i in range(1, 6)}
     cells["clock1"] = Cell(Shape("clock"), "VAR", Clock())
-    cells["load0"] = _constant_cell(load_record(), "PERS")
+    cells["load0"] = _constant_cell(_load_record(), "PERS")
     cells["tool0"] = _constant_cell(tool0(), "PERS")
     cells["wobj0"] = _constant_cell(wobj0(), "PERS")
     return cells
 
 
-def load_record() -> Record:
+def _load_record() -> Record:
     return Record(
         "loaddata",
         {
@@ -270,7 +270,7 @@ def load_record() -> Record:
 
 
 def tool0() -> Record:
-    return Record("tooldata", {"robhold": True, "tframe": pose(IDENTITY), "tload": load_record()})
+    return Record("tooldata", {"robhold": True, "tframe": pose(IDENTITY), "tload": _load_record()})
 
 
 def wobj0() -> Record:
@@ -292,7 +292,7 @@ def _speed_record(tcp: float) -> Record:
 
 
 def _zone_record(name: str, sizes: tuple[float, ...]) -> Record:
-    parts = zip(ZONE_PARTS, map(float, sizes), strict=True)
+    parts = zip(_ZONE_PARTS, map(float, sizes), strict=True)
     return Record("zonedata", {"finep": name == "fine", **dict(parts)})
 
 
@@ -305,6 +305,6 @@ def _constant_cell(value: Value, storage: Storage = "CONST") -> Cell:
     return Cell(Shape("num"), storage, fitted(value, NUMBER))
 
 
-ERROR_DATA: Final[Mapping[str, Cell]] = {
+_ERROR_DATA: Final[Mapping[str, Cell]] = {
     name: _constant_cell(float(n)) for name, n in ERROR_NUMBERS.items()
 }

@@ -19,7 +19,7 @@ from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.scopes import Storage
 from assistant.virtual.rapid.values import Clock, as_kind, paired, text_of
 
-BUS_RUNS: Final = 1.0
+_BUS_RUNS: Final = 1.0
 """BUSSTATE_RUN: nothing is broken here."""
 
 
@@ -49,7 +49,7 @@ def _change_bit(value: bool) -> Callable[[Given], None]:
     return does
 
 
-def clock_argument(given: Given) -> Clock:
+def _clock_argument(given: Given) -> Clock:
     value = given.place(0).get()
     if not isinstance(value, Clock):
         raise Fault("what is no clock is used as one")
@@ -58,12 +58,12 @@ def clock_argument(given: Given) -> Clock:
 
 def _reset_clock(given: Given) -> None:
     """A clock that runs is stopped, too (RAPID reference manual, ClkReset)."""
-    one = clock_argument(given)
+    one = _clock_argument(given)
     one.total, one.since = 0.0, None
 
 
 def _start_clock(given: Given) -> None:
-    one, kernel = clock_argument(given), given.machine.task.kernel
+    one, kernel = _clock_argument(given), given.machine.task.kernel
     if one.since is None:
         one.since = kernel.now
         if kernel.timed is not None:
@@ -71,7 +71,7 @@ def _start_clock(given: Given) -> None:
 
 
 def _stop_clock(given: Given) -> None:
-    one = clock_argument(given)
+    one = _clock_argument(given)
     if one.since is not None:
         one.total += given.machine.task.kernel.now - one.since
         one.since = None
@@ -108,7 +108,7 @@ RUN_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
         table_row("ClkStart", 1, _start_clock),
         table_row("ClkStop", 1, _stop_clock),
         table_row("TPWrite", 1, _write_pendant, "num bool pos orient dnum"),
-        table_row("IOBusState", 2, lambda given: given.place(1).set(BUS_RUNS), "phys logic"),
+        table_row("IOBusState", 2, lambda given: given.place(1).set(_BUS_RUNS), "phys logic"),
         table_row("TPErase", 0, _no_effect),
         table_row("TPShow", 1, _no_effect),
         table_row("Stop", 0, _stop_program, "noregain allmovetasks"),
@@ -146,7 +146,7 @@ def _test_signal(given: Given) -> bool:
 
 
 def _read_clock(given: Given) -> float:
-    one = clock_argument(given)
+    one = _clock_argument(given)
     if one.since is not None:
         given.machine.hangs_on.add("time")
     return one.total + (0.0 if one.since is None else given.machine.task.kernel.now - one.since)
@@ -162,23 +162,23 @@ def _remaining_retries(given: Given) -> float:
 
 def _fastest_speed(given: Given) -> float:
     robot = given.machine.robot
-    return FASTEST_SPEED if robot is None or robot.tcp_speed is None else float(robot.tcp_speed)
+    return _FASTEST_SPEED if robot is None or robot.tcp_speed is None else float(robot.tcp_speed)
 
 
-AUTOMATIC_MODE: Final = 1.0
+_AUTOMATIC_MODE: Final = 1.0
 """OP_AUTO."""
-CONTINUOUS_MODE: Final = 1.0
+_CONTINUOUS_MODE: Final = 1.0
 """RUN_CONT_CYCLE."""
-UNIT_RUNNING: Final = 21.0
+_UNIT_RUNNING: Final = 21.0
 """IOUNIT_PHYS_STATE_RUNNING: nothing is broken here."""
-FASTEST_SPEED: Final = 5000.0
+_FASTEST_SPEED: Final = 5000.0
 """Highest speed of an unknown arm in mm/s."""
-READING_FUNCTIONS: Final = (
+_READING_FUNCTIONS: Final = (
     *("DInput", "DOutput", "GInput", "GOutput", "AInput", "AOutput"),
     *("GInputDnum", "GOutputDnum"),
 )
 
-SYSTEM_INFO: Final = {
+_SYSTEM_INFO: Final = {
     "serialno": "14-21858",
     "swversion": "6.08.00.00",
     "swversionname": "6.08",
@@ -193,7 +193,7 @@ SYSTEM_INFO: Final = {
 
 def _system_info(given: Given) -> str:
     (option,) = given.options
-    return SYSTEM_INFO[option]
+    return _SYSTEM_INFO[option]
 
 
 RUN_FUNCTIONS: Final[Mapping[str, Function]] = dict(
@@ -203,12 +203,12 @@ RUN_FUNCTIONS: Final[Mapping[str, Function]] = dict(
         table_row("IsVar", 1, _is_stored_as("VAR", "IN")),
         table_row("IsPers", 1, _is_stored_as("PERS")),
         table_row("TestDI", 1, _test_signal),
-        *(table_row(name, 1, _read_signal) for name in READING_FUNCTIONS),
+        *(table_row(name, 1, _read_signal) for name in _READING_FUNCTIONS),
         table_row("RobOS", 0, lambda _: False),
-        table_row("GetSysInfo", 0, _system_info, " ".join(SYSTEM_INFO)),
-        table_row("OpMode", 0, lambda _: AUTOMATIC_MODE),
-        table_row("RunMode", 0, lambda _: CONTINUOUS_MODE, "main"),
-        table_row("IOUnitState", 1, lambda _: UNIT_RUNNING, "phys logic"),
+        table_row("GetSysInfo", 0, _system_info, " ".join(_SYSTEM_INFO)),
+        table_row("OpMode", 0, lambda _: _AUTOMATIC_MODE),
+        table_row("RunMode", 0, lambda _: _CONTINUOUS_MODE, "main"),
+        table_row("IOUnitState", 1, lambda _: _UNIT_RUNNING, "phys logic"),
         table_row("UIClientExist", 0, lambda _: True),
         table_row("CSpeedOverride", 0, lambda _: 100.0, "ctask"),
         table_row("MaxRobSpeed", 0, _fastest_speed),
@@ -219,7 +219,7 @@ RUN_FUNCTIONS: Final[Mapping[str, Function]] = dict(
 )
 
 
-TIME_PARTS: Final[Mapping[str, Callable[[datetime], int]]] = {
+_TIME_PARTS: Final[Mapping[str, Callable[[datetime], int]]] = {
     "wday": datetime.isoweekday,
     "hour": lambda moment: moment.hour,
     "min": lambda moment: moment.minute,
@@ -235,16 +235,16 @@ def _time_now(given: Given) -> datetime:
 
 
 def _time_part(given: Given) -> float:
-    named = [name for name in TIME_PARTS if given.has(name)]
+    named = [name for name in _TIME_PARTS if given.has(name)]
     if len(named) != 1:
         raise NotSimulated("GetTime without one part of the time that it is asked for")
-    return float(TIME_PARTS[named[0]](_time_now(given)))
+    return float(_TIME_PARTS[named[0]](_time_now(given)))
 
 
 DATE_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
         table_row("CDate", 0, lambda given: f"{_time_now(given):%Y-%m-%d}"),
         table_row("CTime", 0, lambda given: f"{_time_now(given):%H:%M:%S}"),
-        table_row("GetTime", 0, _time_part, " ".join(TIME_PARTS)),
+        table_row("GetTime", 0, _time_part, " ".join(_TIME_PARTS)),
     )
 )

@@ -17,12 +17,12 @@ from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.value_text import read_value
 from assistant.virtual.rapid.values import LARGEST, Double, single, text_of
 
-NumberFunction = Callable[[float], float]
+_NumberFunction = Callable[[float], float]
 """Makes a num or a dnum of a number."""
 
 
 def _number_function(
-    formula: Callable[..., float], count: int, of: NumberFunction = single
+    formula: Callable[..., float], count: int, of: _NumberFunction = single
 ) -> Callable[[Given], float]:
     """A formula of numbers; raises Fault where it has no value."""
 
@@ -49,7 +49,7 @@ def _power(base: float, exponent: float) -> float:
 
 
 def _shortened(
-    shorten: Callable[[float, float], float], of: NumberFunction = single
+    shorten: Callable[[float, float], float], of: _NumberFunction = single
 ) -> Callable[[Given], float]:
     def does(given: Given) -> float:
         return of(shorten(of(given.number(0)), _decimal_scale(given)))
@@ -72,14 +72,14 @@ def _to_num(given: Given) -> float:
     if abs(value) > LARGEST:
         raise Fault(f"the dnum {value:g} as a num", "ERR_NUM_LIMIT")
     if given.has("integer"):
-        if not -WHOLE_RANGE < value <= WHOLE_RANGE:
+        if not -_WHOLE_RANGE < value <= _WHOLE_RANGE:
             raise Fault(f"the dnum {value:.15g} as a whole num", "ERR_ARGVALERR")
         if not value.is_integer():
             raise Fault(f"the dnum {value:.15g} as a whole number", UNSURE)
     return single(value)
 
 
-WHOLE_RANGE: Final = 8388608
+_WHOLE_RANGE: Final = 8388608
 """The whole numbers of a num are exact from -8388607 to this (reference, 2.1)."""
 
 
@@ -87,7 +87,7 @@ def _decimal_scale(given: Given) -> float:
     return 10.0 ** whole(given.optional_number("dec") or 0.0, "the number of decimals")
 
 
-NUMBER_FORMULAS: Final[Mapping[str, tuple[Callable[..., float], int]]] = {
+_NUMBER_FORMULAS: Final[Mapping[str, tuple[Callable[..., float], int]]] = {
     "Abs": (abs, 1),
     "Sqrt": (math.sqrt, 1),
     "Sin": (lambda angle: math.sin(math.radians(angle)), 1),
@@ -105,11 +105,11 @@ NUMBER_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
         *(
             table_row(name, count, _number_function(does, count))
-            for name, (does, count) in NUMBER_FORMULAS.items()
+            for name, (does, count) in _NUMBER_FORMULAS.items()
         ),
         *(
             table_row(f"{name}Dnum", count, _number_function(does, count, Double))
-            for name, (does, count) in NUMBER_FORMULAS.items()
+            for name, (does, count) in _NUMBER_FORMULAS.items()
         ),
         table_row("Round", 1, _shortened(_rounded), "dec"),
         table_row("RoundDnum", 1, _shortened(_rounded, Double), "dec"),
@@ -123,7 +123,7 @@ NUMBER_FUNCTIONS: Final[Mapping[str, Function]] = dict(
 )
 
 
-BYTE_BITS, DNUM_BITS = 8, 52
+_BYTE_BITS, _DNUM_BITS = 8, 52
 
 
 def _bit_operation(given: Given, index: int, most: int) -> int:
@@ -162,7 +162,7 @@ def _checked_bit(most: int) -> Callable[[Given], bool]:
 
 BIT_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     row
-    for ending, most in (("", BYTE_BITS), ("Dnum", DNUM_BITS))
+    for ending, most in (("", _BYTE_BITS), ("Dnum", _DNUM_BITS))
     for row in (
         table_row(f"BitAnd{ending}", 2, _bit_mask(most, operator.and_)),
         table_row(f"BitOr{ending}", 2, _bit_mask(most, operator.or_)),
@@ -266,7 +266,7 @@ def _text_as_value(given: Given) -> bool:
     return True
 
 
-BYTE_FORMATS: Final[Mapping[str, tuple[int, str]]] = {
+_BYTE_FORMATS: Final[Mapping[str, tuple[int, str]]] = {
     "hex": (16, "02X"),
     "okt": (8, "03o"),
     "bin": (2, "08b"),
@@ -280,7 +280,7 @@ def _byte_text(given: Given) -> str:
         raise Fault(f"{value} as a byte", UNSURE)
     if given.has("char"):
         return chr(value)
-    form = next((form for name, (_, form) in BYTE_FORMATS.items() if given.has(name)), "d")
+    form = next((form for name, (_, form) in _BYTE_FORMATS.items() if given.has(name)), "d")
     return f"{value:{form}}"
 
 
@@ -290,7 +290,7 @@ def _byte_of_text(given: Given) -> float:
         if len(text) != 1:
             raise Fault(f"`{text}` as one character", UNSURE)
         return float(ord(text))
-    base = next((base for name, (base, _) in BYTE_FORMATS.items() if given.has(name)), 10)
+    base = next((base for name, (base, _) in _BYTE_FORMATS.items() if given.has(name)), 10)
     value = _whole_digits(text, base)
     if value > 255:
         raise Fault(f"`{text}` as a byte", UNSURE)
@@ -320,9 +320,9 @@ def _to_base(base: int, form: str) -> Callable[[Given], str]:
 def _compared_digits(given: Given) -> bool:
     """StrDigCmp: numbers of digits alone, up to 4294967295."""
     relation = whole(given.number(1), "a relation")
-    if not 1 <= relation <= len(DIGIT_RELATIONS):
+    if not 1 <= relation <= len(_DIGIT_RELATIONS):
         raise Fault(f"the relation {relation}", UNSURE)
-    return DIGIT_RELATIONS[relation - 1](_digits_argument(given, 0), _digits_argument(given, 2))
+    return _DIGIT_RELATIONS[relation - 1](_digits_argument(given, 0), _digits_argument(given, 2))
 
 
 def _calculated_digits(given: Given) -> str:
@@ -331,14 +331,14 @@ def _calculated_digits(given: Given) -> str:
         whole(given.number(1), "an operation"),
         _digits_argument(given, 2),
     )
-    if not 1 <= sign <= len(DIGIT_OPERATIONS):
+    if not 1 <= sign <= len(_DIGIT_OPERATIONS):
         raise Fault(f"the operation {sign}", UNSURE)
     if sign > 3 and two == 0:
         raise Fault("division of digits by zero", "ERR_CALC_DIVZERO")
-    found = DIGIT_OPERATIONS[sign - 1](one, two)
+    found = _DIGIT_OPERATIONS[sign - 1](one, two)
     if found < 0:
         raise Fault("a negative number of digits", "ERR_CALC_NEG")
-    if found > LARGEST_DIGITS:
+    if found > _LARGEST_DIGITS:
         raise Fault(f"the number {found} of digits", "ERR_CALC_OVERFLOW")
     return str(found)
 
@@ -347,13 +347,13 @@ def _digits_argument(given: Given, index: int) -> int:
     text = given.text(index)
     if not (text.isascii() and text.isdecimal()):
         raise Fault(f"`{text}` as digits", "ERR_INT_NOTVAL")
-    if int(text) > LARGEST_DIGITS:
+    if int(text) > _LARGEST_DIGITS:
         raise Fault(f"the number {text} of digits", "ERR_INT_MAXVAL")
     return int(text)
 
 
-LARGEST_DIGITS: Final = 4294967295
-DIGIT_RELATIONS: Final[Sequence[Callable[[int, int], bool]]] = (
+_LARGEST_DIGITS: Final = 4294967295
+_DIGIT_RELATIONS: Final[Sequence[Callable[[int, int], bool]]] = (
     operator.lt,
     operator.le,
     operator.eq,
@@ -362,12 +362,12 @@ DIGIT_RELATIONS: Final[Sequence[Callable[[int, int], bool]]] = (
     operator.gt,
 )
 """LT, LTEQ, EQ, NOTEQ, GTEQ, GT, which count from 1."""
-DIGIT_OPERATIONS: Final[Sequence[Callable[[int, int], int]]] = (
+_DIGIT_OPERATIONS: Final[Sequence[Callable[[int, int], int]]] = (
     *(operator.add, operator.sub, operator.mul),
     *(operator.floordiv, operator.mod),
 )
 """OpAdd, OpSub, OpMult, OpDiv, OpMod, which count from 1."""
-CHARACTER_SETS: Final = "hex okt bin char"
+_CHARACTER_SETS: Final = "hex okt bin char"
 
 STRING_FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
@@ -382,8 +382,8 @@ STRING_FUNCTIONS: Final[Mapping[str, Function]] = dict(
         table_row("NumToStr", 2, _number_as_text(single), "exp"),
         table_row("DnumToStr", 2, _number_as_text(Double), "exp"),
         table_row("ValToStr", 1, _value_as_text),
-        table_row("ByteToStr", 1, _byte_text, CHARACTER_SETS),
-        table_row("StrToByte", 1, _byte_of_text, CHARACTER_SETS),
+        table_row("ByteToStr", 1, _byte_text, _CHARACTER_SETS),
+        table_row("StrToByte", 1, _byte_of_text, _CHARACTER_SETS),
         table_row("DecToHex", 1, _to_base(10, "X")),
         table_row("HexToDec", 1, _to_base(16, "d")),
         table_row("StrDigCmp", 3, _compared_digits),

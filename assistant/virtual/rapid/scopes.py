@@ -31,7 +31,7 @@ from assistant.virtual.rapid.values import (
 
 Storage = Literal["VAR", "PERS", "CONST", "IN", "LOOP"]
 """`IN`: a parameter's own copy. `LOOP`: the variable of a FOR, which only the loop changes."""
-READ_ONLY = ("CONST", "LOOP")
+_READ_ONLY = ("CONST", "LOOP")
 
 
 @dataclass(slots=True)
@@ -81,7 +81,7 @@ class Place:
 
     def set(self, value: Value) -> None:
         """Stores a copy; raises Fault for constants and values of another type."""
-        if self.storage in READ_ONLY:
+        if self.storage in _READ_ONLY:
             raise Fault("what cannot be changed is assigned to")
         if not is_like(value, self.shape):
             raise Fault(f"{kind_of(value)} is assigned to data of type {self.shape.type}")
@@ -153,7 +153,7 @@ class Frame:
     retries: int = 0
 
 
-PLAIN_TYPES: Mapping[str, Value] = {
+_PLAIN_TYPES: Mapping[str, Value] = {
     "num": 0.0,
     "dnum": 0.0,
     "bool": False,
@@ -161,13 +161,13 @@ PLAIN_TYPES: Mapping[str, Value] = {
     "switch": True,
 }
 """First values of the types without components."""
-MOST_ELEMENTS: Final = 1_000_000
+_MOST_ELEMENTS: Final = 1_000_000
 """Elements of one array or record, including those in its elements: more than a controller's memory
 holds.
 """
-INPUT_TYPES: Final = ("signaldi", "signalgi", "signalai")
+_INPUT_TYPES: Final = ("signaldi", "signalgi", "signalai")
 OUTPUT_TYPES: Final = ("signaldo", "signalgo", "signalao")
-SIGNAL_TYPES: Final = (*INPUT_TYPES, *OUTPUT_TYPES)
+SIGNAL_TYPES: Final = (*_INPUT_TYPES, *OUTPUT_TYPES)
 """Types of data that stands for a signal once AliasIO says which one."""
 
 
@@ -229,18 +229,18 @@ class Types:
     def first(self, shape: Shape) -> Value:
         """The value of data without a first value.
 
-        Raises NotSimulated for types without one, and for more than `MOST_ELEMENTS` elements.
+        Raises NotSimulated for types without one, and for more than `_MOST_ELEMENTS` elements.
         """
-        if self._count(shape) > MOST_ELEMENTS:
+        if self._count(shape) > _MOST_ELEMENTS:
             what = "an array" if shape.sizes else f"a record `{shape.type}`"
-            raise NotSimulated(f"{what} of more than {MOST_ELEMENTS} elements")
+            raise NotSimulated(f"{what} of more than {_MOST_ELEMENTS} elements")
         return self._first(shape)
 
     def _count(self, shape: Shape) -> int:
         """Elements of data, those of the arrays and records in it counted; nothing is built."""
         if shape.sizes:
             return max(1, shape.sizes[0] * self._count(shape.element))
-        if shape.type in PLAIN_TYPES:
+        if shape.type in _PLAIN_TYPES:
             return 1
         if shape.type not in self._counts:
             parts = self.components(shape.type) or {}
@@ -251,8 +251,8 @@ class Types:
     def _first(self, shape: Shape) -> Value:
         if shape.sizes:
             return Array([self._first(shape.element) for _ in range(max(shape.sizes[0], 0))])
-        if shape.type in PLAIN_TYPES:
-            return PLAIN_TYPES[shape.type]
+        if shape.type in _PLAIN_TYPES:
+            return _PLAIN_TYPES[shape.type]
         if shape.type == "clock":
             return Clock()
         if shape.type == "triggdata":

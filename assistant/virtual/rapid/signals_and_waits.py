@@ -22,9 +22,9 @@ from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.scopes import OUTPUT_TYPES, SIGNAL_TYPES, Signal
 from assistant.virtual.rapid.values import Array, Handle, Record
 
-PULSE_LENGTH: Final = 0.2
-SHORTEST_PULSE: Final = 0.001
-LONGEST_PULSE: Final = 2000.0
+_PULSE_LENGTH: Final = 0.2
+_SHORTEST_PULSE: Final = 0.001
+_LONGEST_PULSE: Final = 2000.0
 """Seconds of a pulse: without `PLength`, and with it (reference, 3)."""
 
 
@@ -50,19 +50,19 @@ def _pulse_output(given: Given) -> None:
     signal, signals = given.signal(0), given.machine.signals
     value = 1.0 if given.has("high") else float(signals.read(signal) == 0.0)
     length = given.optional_number("plength")
-    length = PULSE_LENGTH if length is None else length
-    if not SHORTEST_PULSE <= length <= LONGEST_PULSE:
+    length = _PULSE_LENGTH if length is None else length
+    if not _SHORTEST_PULSE <= length <= _LONGEST_PULSE:
         raise Fault(
-            f"a pulse of {length:g} s, which takes {SHORTEST_PULSE:g} to {LONGEST_PULSE:g} s"
+            f"a pulse of {length:g} s, which takes {_SHORTEST_PULSE:g} to {_LONGEST_PULSE:g} s"
         )
     signals.set(signal, value)
-    if has_time(given):
+    if _has_time(given):
         signals.set_later(signal, 1.0 - value, length)
     else:
         signals.set(signal, 1.0 - value, after=length)
 
 
-def has_time(given: Given) -> bool:
+def _has_time(given: Given) -> bool:
     return not isinstance(given.machine.task.kernel.motion, Instant)
 
 
@@ -72,7 +72,7 @@ def _delayed_output(value: Callable[[Given], float]) -> Callable[[Given], None]:
     def does(given: Given) -> None:
         delay = given.optional_number("sdelay")
         signal, signals = given.signal(0), given.machine.signals
-        if delay is None or not has_time(given):
+        if delay is None or not _has_time(given):
             signals.set(signal, value(given), after=delay)
         else:
             signals.set_later(signal, value(given), delay)
@@ -128,13 +128,13 @@ SIGNAL_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
 )
 
 
-LOOK_OPTIONS: Final = (
+_LOOK_OPTIONS: Final = (
     "visualize header message msgarray wrap icon image visualizetime uiactivesignal"
 )
 """Options that change only the display while the program waits."""
-COMPARISONS: Final = {"lt": operator.lt, "gt": operator.gt, "noteq": operator.ne}
-POLL_PERIOD: Final = 0.1
-LEAST_POLL_PERIOD: Final = 0.04
+_COMPARISONS: Final = {"lt": operator.lt, "gt": operator.gt, "noteq": operator.ne}
+_POLL_PERIOD: Final = 0.1
+_LEAST_POLL_PERIOD: Final = 0.04
 """Seconds between checks of a condition: the first value without `PollRate`, the second at least
 (manual, WaitUntil). A condition that only depends on data and signals of this run is checked
 whenever they can change.
@@ -152,7 +152,7 @@ def _wait_time(given: Given) -> None:
 
 def _wait_for(given: Given) -> None:
     """WaitDI and its kin: the signal is to have the value, or to be beyond it."""
-    compare = next((COMPARISONS[name] for name in COMPARISONS if given.has(name)), operator.eq)
+    compare = next((_COMPARISONS[name] for name in _COMPARISONS if given.has(name)), operator.eq)
     signal, value = given.signal(0), given.number(1)
     read = given.machine.signals.read
     what = f"`{signal}` is {read(signal):g}, {value:g} is waited for"
@@ -182,7 +182,7 @@ def _wait_for_condition(given: Given, is_met: Callable[[], bool], what: str) -> 
     if met:
         machine.task.met(asked)
         return
-    for node in (given.options[name] for name in TIMEOUT_VALUES if name in given.options):
+    for node in (given.options[name] for name in _TIMEOUT_VALUES if name in given.options):
         assert node is not None
         place(machine, node).set(machine.signals.read(given.signal(0)))
     machine.task.tell(Waited(longest or 0.0, limit=True))
@@ -196,7 +196,7 @@ def _is_met_in_time(given: Given, asked: Callable[[], bool], longest: float, wha
     It is evaluated again and again as long as it depends on time, or on changes outside the run.
     """
     hangs_on, task = given.machine.hangs_on, given.machine.task
-    poll = max(given.optional_number("pollrate") or POLL_PERIOD, LEAST_POLL_PERIOD)
+    poll = max(given.optional_number("pollrate") or _POLL_PERIOD, _LEAST_POLL_PERIOD)
     since = task.kernel.now
     end = since + longest
     while task.kernel.now < end:
@@ -220,19 +220,19 @@ def _is_met_in_time(given: Given, asked: Callable[[], bool], longest: float, wha
 def _wait_row(
     name: str, does: Callable[[Given], None], count: int, more: str
 ) -> tuple[str, Function]:
-    return table_row(name, count, does, f"maxtime timeflag {more} {LOOK_OPTIONS}")
+    return table_row(name, count, does, f"maxtime timeflag {more} {_LOOK_OPTIONS}")
 
 
-TIMEOUT_VALUES: Final = ("valueattimeout", "dvalueattimeout")
+_TIMEOUT_VALUES: Final = ("valueattimeout", "dvalueattimeout")
 """Options that receive the value of the signal when the longest time is over."""
-WAITED_SIGNALS: Final = ("DI", "DO", "GI", "GO", "AI", "AO")
+_WAITED_SIGNALS: Final = ("DI", "DO", "GI", "GO", "AI", "AO")
 
 WAIT_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
         table_row("WaitTime", 1, _wait_time, "inpos"),
         *(
-            _wait_row(f"Wait{x}", _wait_for, 2, f"lt gt noteq {' '.join(TIMEOUT_VALUES)}")
-            for x in WAITED_SIGNALS
+            _wait_row(f"Wait{x}", _wait_for, 2, f"lt gt noteq {' '.join(_TIMEOUT_VALUES)}")
+            for x in _WAITED_SIGNALS
         ),
         _wait_row("WaitUntil", _wait_until, 1, "inpos pollrate"),
     )

@@ -31,10 +31,10 @@ from assistant.virtual.rapid.records import NUMBER_DATA, number
 from assistant.virtual.rapid.values import Array, Double, Handle, Value
 
 SocketStatus = Literal["created", "connected", "bound", "listening", "closed"]
-RETRY_PERIOD: Final = 0.05
+_RETRY_PERIOD: Final = 0.05
 """Real seconds after which a connection that was refused is tried again."""
-BACKLOG: Final = 5
-MOST_LOOKED_AT: Final = 4096
+_BACKLOG: Final = 5
+_MOST_LOOKED_AT: Final = 4096
 
 
 @dataclass(slots=True, eq=False)
@@ -84,7 +84,7 @@ class Link:
         if self.status == "created":
             raise Fault("a socket listens before it is bound", "ERR_SOCK_NOT_BOUND")
         try:
-            own.listen(BACKLOG)
+            own.listen(_BACKLOG)
         except OSError as error:
             raise Fault(f"the port is not free: {error.strerror}", "ERR_SOCK_ADDR_INUSE") from None
         self.status = "listening"
@@ -125,7 +125,7 @@ class Link:
             if code not in (errno.EINPROGRESS, errno.EALREADY, errno.EWOULDBLOCK):
                 self.close()
                 self.create()
-                again = time.monotonic() + RETRY_PERIOD
+                again = time.monotonic() + _RETRY_PERIOD
             return False
 
         _wait_for_link(task, is_connected, seconds, f"a connection to port {port}")
@@ -163,7 +163,7 @@ class Link:
         """Bytes that came and were not asked for yet."""
         own = self._connected()
         try:
-            return len(self.before) + len(own.recv(MOST_LOOKED_AT, socket.MSG_PEEK))
+            return len(self.before) + len(own.recv(_MOST_LOOKED_AT, socket.MSG_PEEK))
         except BlockingIOError:
             return len(self.before)
         except ConnectionError:
@@ -192,7 +192,7 @@ class Link:
             return True
 
 
-class Peer(Link):
+class _Peer(Link):
     """A socket at whose other end somebody says the same texts each time that it is connected."""
 
     def __init__(self, texts: Iterable[str]) -> None:
@@ -267,7 +267,7 @@ def _wait_for_link(
         raise Fault(f"{what} does not come in time", "ERR_SOCK_TIMEOUT")
 
 
-def host_of(address: str, addresses: Mapping[str, str]) -> str:
+def _host_of(address: str, addresses: Mapping[str, str]) -> str:
     """The real host that an address of a program stands for: this computer, or one that is named.
 
     Raises NotSimulated for others, so that no program reaches further than whoever runs it says.
@@ -288,23 +288,23 @@ def host_of(address: str, addresses: Mapping[str, str]) -> str:
     return address
 
 
-RAW_SIZE: Final = 1024
-HEX_CODES: Final = "latin-1"
-WHOLE_FORMATS: Final = {1: "B", 2: "H", 4: "I", 8: "Q", -1: "b", -2: "h", -4: "i", -8: "q"}
+_RAW_SIZE: Final = 1024
+_HEX_CODES: Final = "latin-1"
+_WHOLE_FORMATS: Final = {1: "B", 2: "H", 4: "I", 8: "Q", -1: "b", -2: "h", -4: "i", -8: "q"}
 """Codes of `struct` by inttypes, whose numbers are the size, negative with a sign."""
 
 
 @dataclass(slots=True)
-class RawBytes:
+class _RawBytes:
     """length: of the bytes from the first on that hold something."""
 
-    data: bytearray = field(default_factory=lambda: bytearray(RAW_SIZE))
+    data: bytearray = field(default_factory=lambda: bytearray(_RAW_SIZE))
     length: int = 0
 
     def put(self, start: int, found: bytes) -> None:
         """start: from 1."""
-        if not 1 <= start <= RAW_SIZE - len(found) + 1:
-            raise Fault(f"{len(found)} bytes from {start} of {RAW_SIZE}", UNSURE)
+        if not 1 <= start <= _RAW_SIZE - len(found) + 1:
+            raise Fault(f"{len(found)} bytes from {start} of {_RAW_SIZE}", UNSURE)
         self.data[start - 1 : start - 1 + len(found)] = found
         self.length = max(self.length, start - 1 + len(found))
 
@@ -314,17 +314,17 @@ class RawBytes:
         return bytes(self.data[start - 1 : start - 1 + count])
 
 
-def raw_of(value: Value) -> RawBytes:
+def _raw_of(value: Value) -> _RawBytes:
     """The bytes of data of type rawbytes."""
     if not isinstance(value, Handle) or value.type != "rawbytes":
         raise Fault("what is no rawbytes is used as some")
-    if not isinstance(value.inside, RawBytes):
-        value.inside = RawBytes()
+    if not isinstance(value.inside, _RawBytes):
+        value.inside = _RawBytes()
     return value.inside
 
 
-def _raw_argument(given: Given, index: int) -> RawBytes:
-    return raw_of(given.place(index).get())
+def _raw_argument(given: Given, index: int) -> _RawBytes:
+    return _raw_of(given.place(index).get())
 
 
 def _first_byte(given: Given, index: int) -> int:
@@ -339,16 +339,16 @@ def _byte_format(given: Given) -> str:
     if given.has("hex1"):
         return order + "B"
     kind = whole(given.optional_number("intx") or 0.0, "a type of whole numbers")
-    if kind not in WHOLE_FORMATS:
+    if kind not in _WHOLE_FORMATS:
         raise Fault("PackRawBytes or UnpackRawBytes without a format", UNSURE)
-    return order + WHOLE_FORMATS[kind]
+    return order + _WHOLE_FORMATS[kind]
 
 
 def _pack_raw(given: Given) -> None:
     value = given.value(0)
     if given.has("ascii"):
         found = value if isinstance(value, str) else chr(whole(number(value), "a character") % 256)
-        packed = found.encode(HEX_CODES, "replace")
+        packed = found.encode(_HEX_CODES, "replace")
     else:
         code = _byte_format(given)
         stated = number(value)
@@ -363,7 +363,7 @@ def _unpack_raw(given: Given) -> None:
     raw, start, target = _raw_argument(given, 0), _first_byte(given, 1), given.place(2)
     if given.has("ascii"):
         count = whole(given.optional_number("ascii") or 0.0, "a number of characters")
-        found = raw.take(start, count).decode(HEX_CODES)
+        found = raw.take(start, count).decode(_HEX_CODES)
         target.set(found if target.shape.type == "string" else float(ord(found[:1] or "\0")))
         return
     if target.shape.type == "string":
@@ -376,7 +376,7 @@ def _unpack_raw(given: Given) -> None:
 def _clear_raw(given: Given) -> None:
     raw = _raw_argument(given, 0)
     first = whole(given.optional_number("fromindex") or 1.0, "the place of a byte")
-    raw.data[first - 1 :] = bytes(RAW_SIZE - first + 1)
+    raw.data[first - 1 :] = bytes(_RAW_SIZE - first + 1)
     raw.length = min(raw.length, first - 1)
 
 
@@ -391,11 +391,11 @@ def _raw_length(given: Given) -> float:
     return float(_raw_argument(given, 0).length)
 
 
-RAW_FORMATS: Final = "network hex1 intx float4 ascii"
+_RAW_FORMATS: Final = "network hex1 intx float4 ascii"
 RAW_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        table_row("PackRawBytes", 3, _pack_raw, RAW_FORMATS),
-        table_row("UnpackRawBytes", 3, _unpack_raw, RAW_FORMATS),
+        table_row("PackRawBytes", 3, _pack_raw, _RAW_FORMATS),
+        table_row("UnpackRawBytes", 3, _unpack_raw, _RAW_FORMATS),
         table_row("ClearRawBytes", 1, _clear_raw, "fromindex"),
         table_row("CopyRawBytes", 4, _copy_raw, "noofbytes"),
     )
@@ -403,11 +403,11 @@ RAW_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
 RAW_FUNCTIONS: Final[Mapping[str, Function]] = dict((table_row("RawBytesLen", 1, _raw_length),))
 
 
-DEFAULT_TIMEOUT: Final = 60.0
-MOST_TEXT: Final = 80
-MOST_BYTES: Final = 1024
-PORT_RANGE: Final = range(1, 65536)
-STATUS_NUMBERS: Final[tuple[SocketStatus, ...]] = (
+_DEFAULT_TIMEOUT: Final = 60.0
+_MOST_TEXT: Final = 80
+_MOST_BYTES: Final = 1024
+_PORT_RANGE: Final = range(1, 65536)
+_STATUS_NUMBERS: Final[tuple[SocketStatus, ...]] = (
     "created",
     "connected",
     "bound",
@@ -423,7 +423,7 @@ def _socket_link(given: Given, index: int = 0) -> Link:
         raise Fault("what is no socket is used as one")
     if not isinstance(handle.inside, Link):
         said = given.machine.task.kernel.peers
-        handle.inside = Link() if said is None else Peer(said)
+        handle.inside = Link() if said is None else _Peer(said)
         given.machine.at_end.append(handle.inside.close)
     return handle.inside
 
@@ -432,19 +432,19 @@ def _socket_timeout(given: Given) -> float | None:
     stated = given.optional_number("time")
     if stated is not None and stated >= NUMBER_DATA["wait_max"]:
         return None
-    return DEFAULT_TIMEOUT if stated is None else stated
+    return _DEFAULT_TIMEOUT if stated is None else stated
 
 
 def _socket_address(given: Given) -> tuple[str, int]:
     port = whole(given.number(2), "a port")
-    if port not in PORT_RANGE:
+    if port not in _PORT_RANGE:
         raise Fault(f"the port {port}", "ERR_SOCK_ADDR_INVALID")
     options = given.machine.controller.options
     if given.machine.task.kernel.peers is not None:
         return "", port
     if not options.sockets:
         raise NotSimulated("a socket where programs are compared, which reach nothing outside")
-    return host_of(given.text(1), options.addresses), port
+    return _host_of(given.text(1), options.addresses), port
 
 
 def _create_socket(given: Given) -> None:
@@ -485,20 +485,20 @@ def _message_bytes(given: Given) -> bytes:
     if given.has("str"):
         return records.text(given.optional("str", "string") or "").encode("latin-1")
     if (node := given.options.get("rawdata")) is not None:
-        raw = raw_of(place(given.machine, node).get())
+        raw = _raw_of(place(given.machine, node).get())
         return raw.take(1, raw.length)
     array = given.optional("data", "")
     if not isinstance(array, Array):
         raise Fault("a socket sends nothing")
     numbers = [whole(records.number(item), "a byte") for item in array.items]
-    if len(numbers) > MOST_BYTES or not all(0 <= number < 256 for number in numbers):
-        raise Fault(f"what is sent are {MOST_BYTES} bytes from 0 to 255 at most")
+    if len(numbers) > _MOST_BYTES or not all(0 <= number < 256 for number in numbers):
+        raise Fault(f"what is sent are {_MOST_BYTES} bytes from 0 to 255 at most")
     return bytes(numbers)
 
 
 def _receive_message(given: Given) -> None:
     asked = given.optional_number("readnoofbytes")
-    most = MOST_TEXT if given.has("str") else MOST_BYTES
+    most = _MOST_TEXT if given.has("str") else _MOST_BYTES
     least = 1 if asked is None else whole(asked, "a count of bytes")
     if not 1 <= least <= most:
         raise Fault(f"{least} bytes are asked for, of 1 to {most}")
@@ -510,7 +510,7 @@ def _receive_message(given: Given) -> None:
         place(given.machine, node).set(data.decode("latin-1"))
         return
     if (node := given.options.get("rawdata")) is not None:
-        raw = raw_of(place(given.machine, node).get())
+        raw = _raw_of(place(given.machine, node).get())
         raw.length = 0
         raw.put(1, data)
         return
@@ -523,7 +523,7 @@ def _receive_message(given: Given) -> None:
 
 
 def _socket_status(given: Given) -> float:
-    return float(STATUS_NUMBERS.index(_socket_link(given).status) + 1)
+    return float(_STATUS_NUMBERS.index(_socket_link(given).status) + 1)
 
 
 def _pending_bytes(given: Given) -> float:

@@ -96,7 +96,7 @@ def _single_gun(given: Given) -> tuple[str, s.Expression]:
 
 
 def _several_guns(given: Given) -> Iterator[tuple[str, s.Expression]]:
-    for name in [name for name in given.options if name in GUNS]:
+    for name in [name for name in given.options if name in _GUNS]:
         spot = given.options.pop(name)
         if spot is None:
             raise Fault(f"no data of a spot for `{name}`")
@@ -146,7 +146,7 @@ def _set_brush(given: Given) -> None:
     given.machine.signals.set("paint_brush", given.number(0))
 
 
-GUNS: Final = ("g1", "g2", "g3", "g4")
+_GUNS: Final = ("g1", "g2", "g3", "g4")
 _ARC_MOVES: Final = f"{motion.MOVE_OPTIONS} weave track seamname corr preprocesstracking"
 _SPOT_MOVES: Final = f"{motion.MOVE_OPTIONS} noconc retract"
 _PROCESS_MOVES: Final[Mapping[str, tuple[Move, int]]] = {
@@ -170,7 +170,7 @@ PROCESS_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
                 f"SpotM{x}",
                 3,
                 _spotting(_PROCESS_MOVES[x][0], several=True),
-                f"{_SPOT_MOVES} {' '.join(GUNS)}",
+                f"{_SPOT_MOVES} {' '.join(_GUNS)}",
             )
             for x in ("L", "J")
         ),
@@ -194,9 +194,9 @@ PROCESS_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
 )
 
 
-STOP_SWITCHES: Final = ("stop", "pstop", "sstop")
-EDGE_SWITCHES: Final = ("flanks", "posflank", "negflank", "highlevel", "lowlevel")
-SEARCH_OPTIONS: Final = " ".join((*STOP_SWITCHES, "sup", *EDGE_SWITCHES, "wobj tload id v t"))
+_STOP_SWITCHES: Final = ("stop", "pstop", "sstop")
+_EDGE_SWITCHES: Final = ("flanks", "posflank", "negflank", "highlevel", "lowlevel")
+_SEARCH_OPTIONS: Final = " ".join((*_STOP_SWITCHES, "sup", *_EDGE_SWITCHES, "wobj tload id v t"))
 
 
 def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
@@ -205,7 +205,7 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
     def does(given: Given) -> None:
         node, _, *targets, speed, tool = given.required
         place = given.place(1)
-        flank = next((one for one in EDGE_SWITCHES if given.has(one)), "")
+        flank = next((one for one in _EDGE_SWITCHES if given.has(one)), "")
         options = {name: x for name, x in given.options.items() if name in ("wobj", "v", "t")}
         plain = Given(given.machine, [*targets, speed, _FINE_ZONE, tool], options)
         asks = _SearchWatch(_search_condition(given, node), flank)
@@ -214,7 +214,7 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
         seen = {"tool": tool} | {x: node for x, node in options.items() if x == "wobj"}
         here = partial(present_target, Given(given.machine, [], seen))
         hits = 0
-        if any(map(given.has, STOP_SWITCHES)):
+        if any(map(given.has, _STOP_SWITCHES)):
             if move_until(given.machine.task, asks.hit, lambda: move(plain)):
                 hits = 1
                 _is_level(given)
@@ -279,13 +279,13 @@ def _is_level(given: Given) -> None:
 
 SEARCH_INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        table_row("SearchL", 5, _search(motion.move_linear), SEARCH_OPTIONS),
-        table_row("SearchC", 6, _search(motion.move_circular), SEARCH_OPTIONS),
+        table_row("SearchL", 5, _search(motion.move_linear), _SEARCH_OPTIONS),
+        table_row("SearchC", 6, _search(motion.move_circular), _SEARCH_OPTIONS),
     )
 )
 
 
-NO_PATH: Final = "`{}`: motions take no time here, so that none is stopped on its way"
+_NO_PATH: Final = "`{}`: motions take no time here, so that none is stopped on its way"
 
 
 def _stop_motion(given: Given) -> None:
@@ -338,7 +338,7 @@ def _stop_row(name: str, does: Callable[[Given], None], options: str = "") -> tu
     def checked(given: Given) -> None:
         kernel = given.machine.task.kernel
         if isinstance(kernel.motion, Instant):
-            kernel.note(NO_PATH.format(name))
+            kernel.note(_NO_PATH.format(name))
         does(given)
 
     return table_row(name, 0, checked, options)

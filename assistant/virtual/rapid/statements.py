@@ -80,7 +80,7 @@ def _label_index(body: Body, label: str) -> int | None:
 def _run_statement(machine: Machine, node: s.StatementNode) -> None:
     if isinstance(node, s.CommentLine | s.Data | s.TargetRunNode | s.LabelMark):
         return
-    does = STATEMENT_FORMS.get(type(node))
+    does = _STATEMENT_FORMS.get(type(node))
     if does is None:
         raise NotSimulated(f"the statement {type(node).__name__}")
     run_with_recovery(machine, node, does, execute)
@@ -262,7 +262,7 @@ def _placeholder(_: Machine, node: s.Placeholder) -> None:
     raise Fault(f"the placeholder `{node.text}`", "ERR_EXECPHR")
 
 
-STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+_STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.Assignment: _assign,
     s.ProcedureCall: _call,
     s.GotoLabel: _goto,
@@ -348,7 +348,7 @@ def branches(files: Sequence[s.File]) -> Branches:
     for file in files:
         path = (file.source.path if file.source else None) or ""
         for node in nodes(file.parts):
-            if file.source is None or not isinstance(node, DECISION_NODES) or node.span is None:
+            if file.source is None or not isinstance(node, _DECISION_NODES) or node.span is None:
                 continue
             start = node.span.start
             line = file.source.line_column(start)[0]
@@ -357,7 +357,7 @@ def branches(files: Sequence[s.File]) -> Branches:
     return found
 
 
-DECISION_NODES = s.IfThen | s.CompactIf | s.ForLoop | s.WhileLoop | s.TestOf
+_DECISION_NODES = s.IfThen | s.CompactIf | s.ForLoop | s.WhileLoop | s.TestOf
 
 
 def _branch_ways(

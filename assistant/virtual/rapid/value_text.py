@@ -43,10 +43,10 @@ def read_value(text: str, shape: Shape, types: Types) -> Value | None:
     return None if rest else value
 
 
-Words = list[re.Match[str]]
+_Words = list[re.Match[str]]
 
 
-def _read_words(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]:
+def _read_words(words: _Words, shape: Shape, types: Types) -> tuple[Value, _Words]:
     """Return the value at the beginning of the words, and the words after it; raises ValueError if
     there is no value.
     """
@@ -83,7 +83,7 @@ def _read_words(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]
     return record, _text_after(rest, "]")
 
 
-def _text_after(words: Words, sign: str) -> Words:
+def _text_after(words: _Words, sign: str) -> _Words:
     if words[0]["sign"] != sign:
         raise ValueError
     return words[1:]

@@ -30,13 +30,13 @@ from assistant.vision.cameras.hand_eye import HandEyeFound, Mounting, find_hand_
 from assistant.vision.cameras.synthetic_pictures import Picture
 from assistant.vision.opencv import opencv, silent
 
-USUAL_DICTIONARY: Final = "5X5_100"
-BOARD_TEXT: Final = re.compile(
+_USUAL_DICTIONARY: Final = "5X5_100"
+_BOARD_TEXT: Final = re.compile(
     r"(?P<kind>chessboard|charuco) (?P<columns>\d{1,3})x(?P<rows>\d{1,3}) (?P<square>\d+(?:\.\d+)?)"
     r"(?: (?P<marker>\d+(?:\.\d+)?))?(?: (?P<dictionary>[4-7]X[4-7]_(?:50|100|250|1000)))?"
 )
-BOARD_EXAMPLES: Final = "write `chessboard 9x6 25`, or `charuco 7x5 40 30`"
-FEWEST_CORNERS: Final = 6
+_BOARD_EXAMPLES: Final = "write `chessboard 9x6 25`, or `charuco 7x5 40 30`"
+_FEWEST_CORNERS: Final = 6
 """Corners of a view that counts."""
 
 
@@ -51,26 +51,28 @@ class Board:
     rows: int
     square: float
     marker: float = 0.0
-    dictionary: str = USUAL_DICTIONARY
+    dictionary: str = _USUAL_DICTIONARY
 
     @staticmethod
     def parse(text: str) -> Board:
         """Parse the text of a board; raises Refused (exit status 2)."""
-        found = BOARD_TEXT.fullmatch(" ".join(text.split()))
+        found = _BOARD_TEXT.fullmatch(" ".join(text.split()))
         if found is None:
-            raise _bad_board(text, "it is none of the two forms", BOARD_EXAMPLES)
+            raise _bad_board(text, "it is none of the two forms", _BOARD_EXAMPLES)
         columns, rows = int(found["columns"]), int(found["rows"])
         square, marker = float(found["square"]), float(found["marker"] or 0.0)
         charuco = found["kind"] == "charuco"
         if not (3 <= columns <= 60 and 3 <= rows <= 60 and 0.1 <= square <= 1000.0):
-            raise _bad_board(text, "its numbers are those of no board", BOARD_EXAMPLES)
+            raise _bad_board(text, "its numbers are those of no board", _BOARD_EXAMPLES)
         if charuco != (0.0 < marker < square):
             raise _bad_board(
-                text, "a marker is smaller than its square, and only ChArUco has it", BOARD_EXAMPLES
+                text,
+                "a marker is smaller than its square, and only ChArUco has it",
+                _BOARD_EXAMPLES,
             )
         if not charuco and found["dictionary"]:
-            raise _bad_board(text, "a chessboard has no dictionary", BOARD_EXAMPLES)
-        named = found["dictionary"] or USUAL_DICTIONARY
+            raise _bad_board(text, "a chessboard has no dictionary", _BOARD_EXAMPLES)
+        named = found["dictionary"] or _USUAL_DICTIONARY
         if charuco and columns * rows // 2 > int(named.partition("_")[2]):
             raise _bad_board(text, f"it has more markers than {named}", "name a larger dictionary")
         kind: Literal["chessboard", "charuco"] = "charuco" if charuco else "chessboard"
@@ -161,7 +163,7 @@ def find_board(board: Board, picture: Picture, name: str) -> BoardView | None:
 def _find_charuco(cv: Any, board: Board, grey: Any) -> tuple[Rows, Floats] | None:
     detector = cv.aruco.CharucoDetector(board._opencv(cv))
     corners, ids, _, _ = detector.detectBoard(grey)
-    if ids is None or len(ids) < FEWEST_CORNERS:
+    if ids is None or len(ids) < _FEWEST_CORNERS:
         return None
     rows = np.asarray(ids).ravel().astype(np.intp)
     pixels = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
@@ -182,19 +184,19 @@ def _bad_board(text: str, reason: str, cure: str) -> Refused:
     return Refused(rules.BAD_BOARD(text=shown, reason=reason, cure=cure), exit_status=2)
 
 
-FEWEST_VIEWS: Final = 4
+_FEWEST_VIEWS: Final = 4
 """Fewest views; each adds six unknowns and the lens has nine."""
-LEAST_TILT: Final = 10.0
+_LEAST_TILT: Final = 10.0
 """Degrees between the most unlike views of a board below which depth and focal length are one."""
-MOST_FOCAL_SIGMA: Final = 1.0
+_MOST_FOCAL_SIGMA: Final = 1.0
 """Percent of the focal length, one sigma."""
-LEAST_K3_SIGMAS: Final = 3.0
+_LEAST_K3_SIGMAS: Final = 3.0
 """Times its sigma from which on the third coefficient of the distortion is one."""
-MOST_LENS_RESIDUAL: Final = 1.0
+_MOST_LENS_RESIDUAL: Final = 1.0
 """Pixels that sharp views do not leave."""
-LEAST_COVERAGE: Final = 0.25
+_LEAST_COVERAGE: Final = 0.25
 """Part of the picture inside of all corners below which the lens is extrapolated."""
-MOST_CENTRE_SIGMA: Final = 1.0
+_MOST_CENTRE_SIGMA: Final = 1.0
 """Percent of the width of the picture, one sigma of the centre."""
 LENS_PARAMETERS: Final = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
 """Parameters of a lens, in the order of `LensFound.sigma`."""
@@ -232,15 +234,15 @@ def find_lens(
     Distortion of high order is left out where the views do not tell it: it would bend the picture
     wildly where there was no board.
     """
-    if len(views) < FEWEST_VIEWS:
-        raise Refused(rules.FEW_VIEWS(count=len(views), least=FEWEST_VIEWS))
+    if len(views) < _FEWEST_VIEWS:
+        raise Refused(rules.FEW_VIEWS(count=len(views), least=_FEWEST_VIEWS))
     cv = opencv()
     objects = [board.corners[view.rows].astype(np.float32) for view in views]
     pixels = [view.pixels.astype(np.float32)[:, None] for view in views]
     lens, found = _fit_lens(cv, objects, pixels, size)
     sigma = np.ravel(found[5])
     poses = tuple(
-        pose_of_opencv(turn, place) for turn, place in zip(found[3], found[4], strict=True)
+        _pose_of_opencv(turn, place) for turn, place in zip(found[3], found[4], strict=True)
     )
     _check_determined(poses, sigma, lens)
     sigma = sigma[: len(LENS_PARAMETERS)]
@@ -248,10 +250,10 @@ def find_lens(
     # OpenCV divides by corners; here it is the mean of u and v, as noise of pixels is told.
     share = 1.0 / np.sqrt(2.0)
     left = float(found[0]) * share
-    unsure = percent > MOST_FOCAL_SIGMA or left > MOST_LENS_RESIDUAL
+    unsure = percent > _MOST_FOCAL_SIGMA or left > _MOST_LENS_RESIDUAL
     findings = [rules.POOR_LENS(name=name, residual=left, percent=percent)] if unsure else []
     coverage, centre = _coverage(cv, views, size), float(sigma[2:4].max())
-    if coverage < LEAST_COVERAGE or centre > MOST_CENTRE_SIGMA / 100.0 * size[0]:
+    if coverage < _LEAST_COVERAGE or centre > _MOST_CENTRE_SIGMA / 100.0 * size[0]:
         findings.append(rules.UNCOVERED_PICTURE(name=name, percent=100.0 * coverage, centre=centre))
     of_views = np.ravel(found[7]) * share
     places = np.reshape(found[6], (len(views), 6))[:, 3:]
@@ -275,7 +277,7 @@ def _fit_lens(cv: Any, objects: Any, pixels: Any, size: tuple[int, int]) -> tupl
         except cv.error:
             raise Refused(rules.VIEWS_ALIKE(what="no lens fits them")) from None
         lens = _lens_of_opencv(size, found[1], np.ravel(found[2]))
-        told = flags or abs(lens.distortion[4]) > LEAST_K3_SIGMAS * float(np.ravel(found[5])[8])
+        told = flags or abs(lens.distortion[4]) > _LEAST_K3_SIGMAS * float(np.ravel(found[5])[8])
         if told and lens.whole:
             break
     return lens, found
@@ -290,7 +292,7 @@ def _lens_of_opencv(size: tuple[int, int], matrix: Floats, k: Floats) -> Lens:
     )
 
 
-def pose_of_opencv(turn: Any, place: Any) -> Pose:
+def _pose_of_opencv(turn: Any, place: Any) -> Pose:
     """The pose that OpenCV writes as a vector of turning (radians) and one of place."""
     vector = np.ravel(np.asarray(turn, dtype=np.float64))
     angle = float(np.linalg.norm(vector))
@@ -302,7 +304,7 @@ def _check_determined(poses: Sequence[Pose], sigma: Floats, lens: Lens) -> None:
     """Raises Refused where the views leave open what the lens is."""
     faces = np.array([rotations.to_matrix(np.array(p.quaternion))[:, 2] for p in poses])
     most = float(np.degrees(np.arccos(np.clip((faces @ faces.T).min(), -1.0, 1.0))))
-    if most < LEAST_TILT:
+    if most < _LEAST_TILT:
         raise Refused(
             rules.VIEWS_ALIKE(what=f"the board is tilted by {most:.1f} degrees between them")
         )
@@ -313,19 +315,19 @@ def _check_determined(poses: Sequence[Pose], sigma: Floats, lens: Lens) -> None:
         raise Refused(rules.VIEWS_ALIKE(what="they leave open what the lens does at the edges"))
 
 
-MOST_PAIR_RESIDUAL: Final = 5.0
+_MOST_PAIR_RESIDUAL: Final = 5.0
 """Pixels left from which on two cameras did not see the same."""
-VIEW_RESIDUAL_RATIO: Final = 5.0
-"""Times what the lenses leave, and `VIEW_RESIDUAL_FLOOR` pixels, from which on one pair of views
+_VIEW_RESIDUAL_RATIO: Final = 5.0
+"""Times what the lenses leave, and `_VIEW_RESIDUAL_FLOOR` pixels, from which on one pair of views
 did not."""
-VIEW_RESIDUAL_FLOOR: Final = 1.0
-LEAST_BASE_LINE: Final = 1.0
+_VIEW_RESIDUAL_FLOOR: Final = 1.0
+_LEAST_BASE_LINE: Final = 1.0
 """mm between two cameras; those that are nearer are one."""
-FEWEST_SHARED_CORNERS: Final = 6
+_FEWEST_SHARED_CORNERS: Final = 6
 """Corners that both see in a pair of views that counts."""
-MOST_PAIR_SIGMA: Final = (0.5, 0.5)
+_MOST_PAIR_SIGMA: Final = (0.5, 0.5)
 """Percent of the base line and degrees, one sigma: depth is wrong by the same percentage."""
-LENS_PARAMETER_COUNT: Final = 9
+_LENS_PARAMETER_COUNT: Final = 9
 """Parameters of a lens: two focal lengths, the centre, five of the distortion."""
 
 
@@ -371,7 +373,7 @@ def find_pair(
     counted = list[tuple[BoardView, BoardView]]()
     for pair in views:
         rows = np.intersect1d(pair[0].rows, pair[1].rows)
-        if len(rows) < FEWEST_SHARED_CORNERS:
+        if len(rows) < _FEWEST_SHARED_CORNERS:
             continue
         objects.append(board.corners[rows].astype(np.float32))
         counted.append(pair)
@@ -379,8 +381,8 @@ def find_pair(
             places = {int(row): i for i, row in enumerate(view.rows)}
             some = view.pixels[[places[int(row)] for row in rows]]
             pixels.append(some.astype(np.float32)[:, None])
-    if len(objects) < FEWEST_VIEWS:
-        raise Refused(rules.FEW_VIEWS(count=len(objects), least=FEWEST_VIEWS))
+    if len(objects) < _FEWEST_VIEWS:
+        raise Refused(rules.FEW_VIEWS(count=len(objects), least=_FEWEST_VIEWS))
     optics = [part for lens in lenses for part in (lens.matrix, np.array(lens.distortion))]
     found = cv.stereoCalibrateExtended(
         *(objects, *seen, *optics, lenses[0].size, np.eye(3), np.zeros(3)),
@@ -391,8 +393,8 @@ def find_pair(
     worst = int(np.argmax(of_views.max(axis=1)))
     most = float(of_views.max()) / np.sqrt(2.0)
     if not (
-        left < MOST_PAIR_RESIDUAL
-        and most < max(VIEW_RESIDUAL_FLOOR, VIEW_RESIDUAL_RATIO * lens_residual)
+        left < _MOST_PAIR_RESIDUAL
+        and most < max(_VIEW_RESIDUAL_FLOOR, _VIEW_RESIDUAL_RATIO * lens_residual)
     ):
         files = [view.name for view in counted[worst]]
         raise Refused(
@@ -406,12 +408,12 @@ def find_pair(
             )
         )
     base_line = float(np.linalg.norm(place))
-    if base_line < LEAST_BASE_LINE:
+    if base_line < _LEAST_BASE_LINE:
         raise Refused(rules.SAME_CAMERA_POSITION(one=names[0], other=names[1]))
     into = Pose.of(place, np.ravel(rotations.from_matrix(turn)))
     open_ones = free or (
-        np.ones(LENS_PARAMETER_COUNT, np.bool_),
-        np.ones(LENS_PARAMETER_COUNT, np.bool_),
+        np.ones(_LENS_PARAMETER_COUNT, np.bool_),
+        np.ones(_LENS_PARAMETER_COUNT, np.bool_),
     )
     covariance = left**2 * _pair_covariance(
         cv, objects, optics, (turn, place), found[9:11], open_ones
@@ -421,7 +423,7 @@ def find_pair(
     degrees = float(np.degrees(np.sqrt(np.trace(covariance[:3, :3]))))
     percent = 100.0 * mm / base_line
     findings: tuple[Diagnostic, ...] = ()
-    if percent > MOST_PAIR_SIGMA[0] or degrees > MOST_PAIR_SIGMA[1]:
+    if percent > _MOST_PAIR_SIGMA[0] or degrees > _MOST_PAIR_SIGMA[1]:
         one, other = names
         said = rules.UNCERTAIN_PAIR(one=one, other=other, mm=mm, percent=percent, degrees=degrees)
         findings = (said,)

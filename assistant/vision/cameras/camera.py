@@ -24,9 +24,9 @@ WORLD: Final = "world"
 """The parent of a camera that stands still."""
 LEAST_DEPTH: Final = 1.0
 """mm in front of the camera; closer points, and points at its back, are not seen."""
-UNDISTORTION_ROUNDS: Final = 20
+_UNDISTORTION_ROUNDS: Final = 20
 """Steps of Newton's method at most, from a pixel to its ray."""
-TANGENT_SAMPLES: Final = np.linspace(0.0, 3.0, 601)
+_TANGENT_SAMPLES: Final = np.linspace(0.0, 3.0, 601)
 """Tangents of angles from the axis at which it is looked how far the lens is one to one."""
 
 
@@ -58,9 +58,9 @@ class Lens:
     def widest(self) -> float:
         """Tangent of the angle from the axis up to which what is farther out is seen so."""
         k1, k2, _, _, k3 = self.distortion
-        r2 = TANGENT_SAMPLES**2
+        r2 = _TANGENT_SAMPLES**2
         rising = 1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)) > 0.0
-        return float(TANGENT_SAMPLES[-1] if rising.all() else TANGENT_SAMPLES[np.argmin(rising)])
+        return float(_TANGENT_SAMPLES[-1] if rising.all() else _TANGENT_SAMPLES[np.argmin(rising)])
 
     @property
     def whole(self) -> bool:
@@ -91,7 +91,7 @@ class Lens:
 
     def _undistorted(self, found: Floats, wanted: Floats) -> Floats:
         """By Newton's method from `found` on, in place."""
-        for _ in range(UNDISTORTION_ROUNDS):
+        for _ in range(_UNDISTORTION_ROUNDS):
             off = self._distorted(found) - wanted
             step = _solve_2x2(self._slope(found), off)
             found -= np.clip(step, -0.3, 0.3)
@@ -213,17 +213,17 @@ def looking_at(eye: ArrayLike, target: ArrayLike, up: Vector = (0.0, 0.0, 1.0)) 
     return Pose.of(np.asarray(eye, dtype=np.float64), rotations.from_matrix(turn))
 
 
-TRIANGULATION_ROUNDS: Final = 15
+_TRIANGULATION_ROUNDS: Final = 15
 """Steps of Gauss and Newton at most; three are usual."""
-CONVERGED_STEP: Final = 1e-9
+_CONVERGED_STEP: Final = 1e-9
 """mm between two of them at which they end."""
-LONGEST_LAST_STEP: Final = 0.01
+_LONGEST_LAST_STEP: Final = 0.01
 """mm that the last of them may be long; others go nowhere, for pixels of different things."""
-LEAST_EIGENVALUE: Final = 1e-10
+_LEAST_EIGENVALUE: Final = 1e-10
 """Part of the largest eigenvalue below which the least one tells nothing."""
-FARTHEST_PIXEL: Final = 1e6
+_FARTHEST_PIXEL: Final = 1e6
 """Pixels from the middle that no camera has; they are as good as none."""
-LEAST_RAY_ANGLE: Final = 0.5
+_LEAST_RAY_ANGLE: Final = 0.5
 """Degrees between two rays below which they tell no depth."""
 
 
@@ -253,7 +253,7 @@ def triangulate(
     seen = [rows_of(one, 2, "pixels") for one in pixels]
     if len(seen) != len(cameras) or len({len(one) for one in seen}) != 1:
         raise ValueError("pixels (n, 2) are wanted for each of the cameras")
-    inside = [np.all(np.abs(one) < FARTHEST_PIXEL, axis=1, keepdims=True) for one in seen]
+    inside = [np.all(np.abs(one) < _FARTHEST_PIXEL, axis=1, keepdims=True) for one in seen]
     seen = [np.where(good, one, np.nan) for good, one in zip(inside, seen, strict=True)]
     rays = np.stack([c.directions(p) for c, p in zip(cameras, seen, strict=True)])
     there: Truths = np.asarray(np.isfinite(rays).all(axis=2))
@@ -261,7 +261,7 @@ def triangulate(
     told = (there.sum(axis=0) >= 2) & np.isfinite(points).all(axis=1)
     normal = np.tile(np.eye(3), (len(points), 1, 1))
     off = np.zeros((len(cameras), len(points), 2))
-    for _ in range(TRIANGULATION_ROUNDS):
+    for _ in range(_TRIANGULATION_ROUNDS):
         matrix, vector = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
         for i, camera in enumerate(cameras):
             rows = there[i] & told
@@ -275,9 +275,9 @@ def triangulate(
         step = np.zeros_like(points)
         step[told] = np.linalg.solve(normal[told], vector[told][..., None])[..., 0]
         points -= step
-        if not (np.abs(step) > CONVERGED_STEP).any():
+        if not (np.abs(step) > _CONVERGED_STEP).any():
             break
-    told &= np.abs(step).max(axis=1) <= LONGEST_LAST_STEP
+    told &= np.abs(step).max(axis=1) <= _LONGEST_LAST_STEP
     told &= _in_front_and_crossing(cameras, points, there)
     points[~told] = np.nan
     covariances = np.full((len(points), 3, 3), np.nan)
@@ -290,7 +290,7 @@ def triangulate(
 
 def _well_conditioned(matrices: Floats) -> Truths:
     values = np.linalg.eigvalsh(matrices)
-    return np.asarray(values[:, 0] > LEAST_EIGENVALUE * values[:, -1])
+    return np.asarray(values[:, 0] > _LEAST_EIGENVALUE * values[:, -1])
 
 
 def _in_front_and_crossing(cameras: Sequence[Camera], points: Floats, there: Truths) -> Truths:
@@ -320,7 +320,7 @@ def _nearly_parallel(across: Floats) -> Truths:
     """
     matrix = across.sum(axis=0)
     least = np.linalg.eigvalsh(matrix)[:, 0] if len(matrix) else np.zeros(0)
-    return np.asarray(~(least > 2.0 * np.sin(np.radians(LEAST_RAY_ANGLE) / 2.0) ** 2))
+    return np.asarray(~(least > 2.0 * np.sin(np.radians(_LEAST_RAY_ANGLE) / 2.0) ** 2))
 
 
 def _nearest_to_rays(cameras: Sequence[Camera], rays: Floats, there: Truths) -> Floats:

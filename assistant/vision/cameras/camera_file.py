@@ -34,9 +34,9 @@ from assistant.program.settings_tables import ENCODINGS, Table, Wrong, kind_of, 
 from assistant.vision import rules
 from assistant.vision.cameras.camera import WORLD, Camera, Lens
 
-MOST_PIXELS: Final = 32_768
+_MOST_PIXELS: Final = 32_768
 """Along one side."""
-LONGEST_FOCAL: Final = 100.0
+_LONGEST_FOCAL: Final = 100.0
 """Focal length as so many times the width of the picture; no lens of a cell is longer."""
 
 
@@ -91,11 +91,11 @@ def cameras_in(source: SourceText, folder: FilePath = FilePath()) -> Rig:
         dict[str, str](),
     )
     for name, table in tables:
-        said = table.read(KEYS)
+        said = table.read(_KEYS)
         if (camera := _camera(name, table, said)) is not None:
             cameras[name] = camera
             records[name] = CalibrationRecord(
-                said.get("calibrated"), *(said.get(key) for key in RESIDUAL_KEYS)
+                said.get("calibrated"), *(said.get(key) for key in _RESIDUAL_KEYS)
             )
             sources[name] = said.get("source", "")
     if not tables:
@@ -124,7 +124,9 @@ def _camera_lines(rig: Rig, name: str) -> list[str]:
         *(("distortion", lens.distortion), ("position", pose.position)),
         *(("quaternion", pose.quaternion), ("parent", camera.parent)),
         ("calibrated", record.date),
-        *zip(RESIDUAL_KEYS, (record.residual, record.pair, record.mm, record.degrees), strict=True),
+        *zip(
+            _RESIDUAL_KEYS, (record.residual, record.pair, record.mm, record.degrees), strict=True
+        ),
         ("source", rig.sources.get(name) or None),
     ]
     return [f"[cameras.{name}]", *(f"{k} = {_toml_value(v)}" for k, v in rows if v is not None)]
@@ -158,7 +160,7 @@ def _numbers(count: int, least: float, most: float) -> settings_tables.Read:
 
 
 def _size(value: Any) -> tuple[int, int]:
-    one = settings_tables.whole(16, MOST_PIXELS)
+    one = settings_tables.whole(16, _MOST_PIXELS)
     if not isinstance(value, list) or len(value) != 2:
         raise Wrong("is no size", "write width and height in pixels: [640, 480]")
     return one(value[0]), one(value[1])
@@ -177,9 +179,9 @@ def _source(value: Any) -> str:
     return settings_tables.text(value)
 
 
-RESIDUAL_KEYS: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
+_RESIDUAL_KEYS: Final = ("residual_px", "pair_px", "hand_eye_mm", "hand_eye_degrees")
 """Keys of the residuals of `CalibrationRecord`, in the order of its fields."""
-KEYS: Final[Mapping[str, settings_tables.Read]] = {
+_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "size": _size,
     "focal": _numbers(2, 1.0, 1e7),
     "centre": _numbers(2, -1e6, 1e6),
@@ -193,16 +195,16 @@ KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "hand_eye_degrees": settings_tables.number("degrees", least=0.0, most=180.0),
     "source": _source,
 }
-NEEDED: Final = ("size", "focal", "centre")
+_NEEDED: Final = ("size", "focal", "centre")
 
 
 def _camera(name: str, table: Table, said: Mapping[str, Any]) -> Camera | None:
-    missing = [key for key in NEEDED if key not in table.content]
+    missing = [key for key in _NEEDED if key not in table.content]
     if missing:
         table.say(
             rules.INCOMPLETE_CAMERA, name=name, keys=" and no ".join(f"`{k}`" for k in missing)
         )
-    if any(key not in said for key in NEEDED):
+    if any(key not in said for key in _NEEDED):
         return None
     lens = Lens(said["size"], said["focal"], said["centre"], said.get("distortion", (0.0,) * 5))
     if (what := _lens_fault(lens)) is not None:
@@ -215,7 +217,7 @@ def _camera(name: str, table: Table, said: Mapping[str, Any]) -> Camera | None:
 def _lens_fault(lens: Lens) -> str | None:
     """Return the fault of a lens that no camera of a cell can have, None if it has none of them."""
     width, height = lens.size
-    if not all(width / 20.0 <= focal <= LONGEST_FOCAL * width for focal in lens.focal):
+    if not all(width / 20.0 <= focal <= _LONGEST_FOCAL * width for focal in lens.focal):
         return f"has a focal length of {max(lens.focal):g} pixels for {width} pixels of width"
     if not max(lens.focal) <= 2.0 * min(lens.focal):
         return "has pixels that are twice as long as they are wide"

@@ -29,14 +29,14 @@ from assistant.vision.cameras.camera import Camera, triangulate
 from assistant.vision.cameras.synthetic_pictures import Picture
 from assistant.vision.opencv import MOST_PIXELS, silent
 
-DARK_LEVEL: Final = 12.0
+_DARK_LEVEL: Final = 12.0
 """Grey level below which half of a picture shows nothing."""
-MOST_SATURATED: Final = 0.25
+_MOST_SATURATED: Final = 0.25
 """Part of a picture that may be as bright as can be."""
-MOST_BYTES: Final = 100_000_000
-STREAM_TIMEOUT: Final = 5000
+_MOST_BYTES: Final = 100_000_000
+_STREAM_TIMEOUT: Final = 5000
 """Milliseconds until a stream that does not answer is given up."""
-VIDEO_SUFFIXES: Final = (
+_VIDEO_SUFFIXES: Final = (
     ".avi",
     ".mp4",
     ".m4v",
@@ -48,9 +48,9 @@ VIDEO_SUFFIXES: Final = (
     ".mjpg",
 )
 """Suffixes of files for the film decoder; lists of other files and addresses are excluded."""
-PICTURE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+_PICTURE_SUFFIXES: Final = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 STREAM_ADDRESS: Final = re.compile(r"(?:rtsp|rtsps|http|https|udp|tcp)://", re.IGNORECASE)
-PICTURE_SIGNATURES: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
+_PICTURE_SIGNATURES: Final = (b"\x89PNG", b"\xff\xd8", b"BM", b"II*\0", b"MM\0*")
 """First bytes of picture files; other files are not passed to the decoder."""
 
 
@@ -94,7 +94,7 @@ def open_frames(
         yield _drawn_frames(camera, path)
     elif is_folder(path):
         yield _folder_frames(camera, path)
-    elif path.suffix.lower() in PICTURE_SUFFIXES:
+    elif path.suffix.lower() in _PICTURE_SUFFIXES:
         yield iter(
             [
                 Frame(
@@ -105,7 +105,7 @@ def open_frames(
                 )
             ]
         )
-    elif path.suffix.lower() in VIDEO_SUFFIXES and is_file(path):
+    elif path.suffix.lower() in _VIDEO_SUFFIXES and is_file(path):
         with _open_device(camera, str(path), str(path)) as frames:
             yield frames
     else:
@@ -116,7 +116,7 @@ def open_frames(
 
 def read_picture(path: str | FilePath) -> Picture:
     """Read a picture (h, w, 3) from a file; raises Refused (exit status 2) for any other file."""
-    data = read_bytes(path, most=MOST_BYTES)
+    data = read_bytes(path, most=_MOST_BYTES)
     reason = _unlike_a_picture(data)
     if reason is None:
         with silent() as cv:
@@ -136,10 +136,10 @@ def exposure_findings(camera: Camera, picture: Picture) -> tuple[Diagnostic, ...
     """Return findings for a dark or saturated picture."""
     found = []
     brightest = picture.max(axis=2)
-    if float(np.median(brightest)) < DARK_LEVEL:
-        found.append(rules.DARK_PICTURE(name=camera.name, level=DARK_LEVEL))
+    if float(np.median(brightest)) < _DARK_LEVEL:
+        found.append(rules.DARK_PICTURE(name=camera.name, level=_DARK_LEVEL))
     part = float((picture.min(axis=2) >= 255).mean())
-    if part > MOST_SATURATED:
+    if part > _MOST_SATURATED:
         found.append(rules.SATURATED_PICTURE(name=camera.name, percent=100.0 * part))
     return tuple(found)
 
@@ -156,7 +156,7 @@ def picture_names(source: str, folder: FilePath = FilePath()) -> list[str] | Non
 
 def pictures_in(folder: str | FilePath) -> list[FilePath]:
     """The pictures of a folder, by the numbers in their names: 2 stands before 10."""
-    files = (one for one in FilePath(folder).iterdir() if one.suffix.lower() in PICTURE_SUFFIXES)
+    files = (one for one in FilePath(folder).iterdir() if one.suffix.lower() in _PICTURE_SUFFIXES)
     return sorted(files, key=lambda one: _number_order(one.name))
 
 
@@ -166,7 +166,7 @@ def _number_order(name: str) -> list[tuple[int, int, str]]:
 
 
 def _unlike_a_picture(data: bytes) -> str | None:
-    start = next((one for one in PICTURE_SIGNATURES if data.startswith(one)), None)
+    start = next((one for one in _PICTURE_SIGNATURES if data.startswith(one)), None)
     if start is None:
         return "it begins like no PNG, JPEG, BMP or TIFF"
     if start == b"\x89PNG" and len(data) >= 24:
@@ -190,7 +190,7 @@ def _with_calibrated_size(camera: Camera, picture: Picture) -> Picture:
 def _folder_frames(camera: Camera, folder: FilePath) -> Iterator[Frame]:
     files = pictures_in(folder)
     if not files:
-        cure = f"put pictures there, as {', '.join(PICTURE_SUFFIXES)}"
+        cure = f"put pictures there, as {', '.join(_PICTURE_SUFFIXES)}"
         raise Refused(_not_opened(camera, str(folder), "it holds none", cure), exit_status=2)
     for number, file in enumerate(files):
         picture = _with_calibrated_size(camera, read_picture(file))
@@ -214,8 +214,8 @@ def _drawn_frames(camera: Camera, cell: FilePath) -> Iterator[Frame]:
 def _open_device(camera: Camera, source: int | str, named: str) -> Iterator[Iterator[Frame]]:
     with silent() as cv:
         if STREAM_ADDRESS.match(named):
-            limits = [cv.CAP_PROP_OPEN_TIMEOUT_MSEC, STREAM_TIMEOUT]
-            limits += [cv.CAP_PROP_READ_TIMEOUT_MSEC, STREAM_TIMEOUT]
+            limits = [cv.CAP_PROP_OPEN_TIMEOUT_MSEC, _STREAM_TIMEOUT]
+            limits += [cv.CAP_PROP_READ_TIMEOUT_MSEC, _STREAM_TIMEOUT]
             device = cv.VideoCapture(source, cv.CAP_FFMPEG, limits)
         else:
             device = cv.VideoCapture(source)
@@ -240,7 +240,7 @@ def _device_frames(camera: Camera, device: Any, named: str) -> Iterator[Frame]:
             if number == 0:
                 cure = "look whether others use it"
                 raise Refused(_not_opened(camera, named, "no picture came", cure), exit_status=2)
-            if not named.lower().endswith(VIDEO_SUFFIXES) or STREAM_ADDRESS.match(named):
+            if not named.lower().endswith(_VIDEO_SUFFIXES) or STREAM_ADDRESS.match(named):
                 raise Refused(rules.CAMERA_LOST(name=camera.name, count=number), exit_status=2)
             return
         yield Frame(_with_calibrated_size(camera, np.asarray(picture)), number, time.monotonic())
@@ -264,7 +264,7 @@ class Agreement:
     mm: float
 
 
-MOST_RESIDUAL = 1.0
+_MOST_RESIDUAL = 1.0
 """Pixels from which on two cameras do not stand as they were calibrated."""
 
 
@@ -286,7 +286,7 @@ def check_agreement(
     mm = float(np.sqrt((off**2).mean()))
     findings = (
         (rules.CAMERAS_DISAGREE(one=names[0], other=names[1], pixels=left),)
-        if left > MOST_RESIDUAL
+        if left > _MOST_RESIDUAL
         else ()
     )
     return Agreement(names, int(good.sum()), left, mm), findings

@@ -24,30 +24,30 @@ from assistant.vision.opencv import opencv
 
 Mounting = Literal["hand", "stand"]
 METHODS: Final = ("TSAI", "PARK", "HORAUD", "ANDREFF", "DANIILIDIS", "SHAH", "LI")
-METHODS_WITH_WORLD: Final = ("SHAH", "LI")
+_METHODS_WITH_WORLD: Final = ("SHAH", "LI")
 """Methods that find the pose of the board at the same time."""
-ROBUST_METHOD: Final = "PARK"
+_ROBUST_METHOD: Final = "PARK"
 """By which samples of the poses are solved: in closed form, and exact for exact poses."""
-FEWEST_POSES: Final = 4
+_FEWEST_POSES: Final = 4
 """Poses; three would do without noise, and would leave nothing to judge by."""
-LEAST_SECOND_TURN: Final = 10.0
+_LEAST_SECOND_TURN: Final = 10.0
 """Degrees about a second axis at least."""
-MOST_HAND_EYE_RESIDUAL: Final = 20.0
+_MOST_HAND_EYE_RESIDUAL: Final = 20.0
 """mm left from which on poses and pictures do not belong together."""
-ROBUST_SAMPLES: Final = 80
-"""Samples of `FEWEST_POSES` poses by which a camera is found that most of the others agree with:
+_ROBUST_SAMPLES: Final = 80
+"""Samples of `_FEWEST_POSES` poses by which a camera is found that most of the others agree with:
 with one pose of four wrong, at least one sample is right in all but 1e-13 of the cases."""
-OUTLIER_SIGMAS: Final = 6.0
+_OUTLIER_SIGMAS: Final = 6.0
 """Robust sigmas from the other poses from which on a pose does not belong to them."""
-OUTLIER_FLOOR: Final = (0.05, 0.01)
+_OUTLIER_FLOOR: Final = (0.05, 0.01)
 """mm and degrees within which poses are not distinguished: rounding, and a handful of poses that
 fit alike.
 """
-MOST_OUTLIERS: Final = 0.25
+_MOST_OUTLIERS: Final = 0.25
 """Part of the poses that may be left out."""
-MEDIAN_LENGTH: Final = 1.538
+_MEDIAN_LENGTH: Final = 1.538
 """Median of the length of three Gaussian numbers of one sigma each."""
-ARM_ACCURACY: Final = 1.0
+_ARM_ACCURACY: Final = 1.0
 """mm that a pose of an arm may be off: the accuracy of arms that were not calibrated."""
 
 
@@ -99,13 +99,13 @@ def find_hand_eye(
     with the least left is best. A single pose that contradicts the others is left out and reported.
     Raises Refused for poses that do not determine the camera, or do not belong together.
     """
-    if len(flanges) != len(boards) or len(flanges) < FEWEST_POSES:
-        raise Refused(rules.FEW_POSES(count=min(len(flanges), len(boards)), least=FEWEST_POSES))
+    if len(flanges) != len(boards) or len(flanges) < _FEWEST_POSES:
+        raise Refused(rules.FEW_POSES(count=min(len(flanges), len(boards)), least=_FEWEST_POSES))
     _check_turns(flanges)
     cv = opencv()
     wrong = _outlier_rows(cv, flanges, boards, mounting)
     titles = names or [str(number + 1) for number in range(len(flanges))]
-    if len(wrong) > MOST_OUTLIERS * len(flanges):
+    if len(wrong) > _MOST_OUTLIERS * len(flanges):
         which = ", ".join(titles[row] for row in wrong)
         raise Refused(rules.MANY_WRONG_POSES(count=len(wrong), total=len(flanges), which=which))
     kept = [row for row in range(len(flanges)) if row not in wrong]
@@ -114,12 +114,12 @@ def find_hand_eye(
         _check_turns(hands)
     solved = _solutions(cv, hands, seen, mounting)
     best = min(solved, key=lambda one: one.mm)
-    if best.mm > MOST_HAND_EYE_RESIDUAL:
+    if best.mm > _MOST_HAND_EYE_RESIDUAL:
         raise Refused(_methods_differ(solved, best))
     findings = list[Diagnostic]()
     for row, mm, degrees in _outlier_distances(flanges, boards, mounting, best.camera, kept, wrong):
         findings.append(rules.WRONG_POSE(name=titles[row], mm=mm, degrees=degrees))
-    if best.mm > ARM_ACCURACY + OUTLIER_SIGMAS / 2.0 * noise:
+    if best.mm > _ARM_ACCURACY + _OUTLIER_SIGMAS / 2.0 * noise:
         findings.append(rules.LARGE_HAND_EYE_RESIDUAL(mm=best.mm, explained=noise))
     held_out, sigma = _leave_one_out(cv, hands, seen, mounting, best.method)
     away = float(np.mean([np.linalg.norm(one.position) for one in seen]))
@@ -133,16 +133,16 @@ def _outlier_rows(
     """Rows that are far from what most poses agree on (least median of squares).
 
     Rousseeuw, Least median of squares regression, 1984: of cameras by samples of the poses the one
-    that has the smallest median deviation; a row that is `OUTLIER_SIGMAS` robust sigmas off it is
+    that has the smallest median deviation; a row that is `_OUTLIER_SIGMAS` robust sigmas off it is
     wrong.
     """
     count = len(flanges)
-    if count <= FEWEST_POSES:
+    if count <= _FEWEST_POSES:
         return []
     draw = np.random.default_rng(1)
     best, scales = None, (np.inf, np.inf)
-    for _ in range(ROBUST_SAMPLES):
-        some = sorted(draw.choice(count, FEWEST_POSES, replace=False).tolist())
+    for _ in range(_ROBUST_SAMPLES):
+        some = sorted(draw.choice(count, _FEWEST_POSES, replace=False).tolist())
         found = _deviations(cv, flanges, boards, mounting, some)
         if found is not None and _robust_sigma(found[0]) < scales[0]:
             best, scales = found, (_robust_sigma(found[0]), _robust_sigma(found[1]))
@@ -151,11 +151,11 @@ def _outlier_rows(
         if best is None:
             return []
         limits = [
-            OUTLIER_SIGMAS * max(one, least)
-            for one, least in zip(scales, OUTLIER_FLOOR, strict=True)
+            _OUTLIER_SIGMAS * max(one, least)
+            for one, least in zip(scales, _OUTLIER_FLOOR, strict=True)
         ]
         good = np.flatnonzero((best[0] <= limits[0]) & (best[1] <= limits[1])).tolist()
-        if good == kept or len(good) < FEWEST_POSES:
+        if good == kept or len(good) < _FEWEST_POSES:
             break
         kept = good
         best = _deviations(cv, flanges, boards, mounting, kept)
@@ -167,8 +167,8 @@ def _outlier_rows(
 def _robust_sigma(deviations: Floats) -> float:
     """One sigma along an axis, of a sample that may hold wrong values."""
     count = len(deviations)
-    few = 1.0 + 5.0 / max(count - FEWEST_POSES, 1)  # Rousseeuw and Leroy 1987, for small samples
-    return float(np.median(deviations)) / MEDIAN_LENGTH * few
+    few = 1.0 + 5.0 / max(count - _FEWEST_POSES, 1)  # Rousseeuw and Leroy 1987, for small samples
+    return float(np.median(deviations)) / _MEDIAN_LENGTH * few
 
 
 def _deviations(
@@ -180,7 +180,7 @@ def _deviations(
 ) -> tuple[Floats, Floats] | None:
     """(n,) mm and (n,) degrees of each row from the mean of some, by the camera of those."""
     camera = _solve(
-        cv, [flanges[i] for i in some], [boards[i] for i in some], mounting, ROBUST_METHOD
+        cv, [flanges[i] for i in some], [boards[i] for i in some], mounting, _ROBUST_METHOD
     )
     if camera is None:
         return None
@@ -229,10 +229,10 @@ def _solutions(
         camera = _solve(cv, flanges, boards, mounting, method)
         if camera is not None:
             found.append(
-                HandEyeSolution(method, camera, *pose_residuals(flanges, boards, mounting, camera))
+                HandEyeSolution(method, camera, *_pose_residuals(flanges, boards, mounting, camera))
             )
     if not found:
-        raise Refused(rules.ONE_ROTATION_AXIS(least=LEAST_SECOND_TURN))
+        raise Refused(rules.ONE_ROTATION_AXIS(least=_LEAST_SECOND_TURN))
     return tuple(found)
 
 
@@ -242,7 +242,7 @@ def _solve(
     """A camera beside the arm is solved as one in the hand, with flanges the other way round."""
     hands = flanges if mounting == "hand" else [one.inverse() for one in flanges]
     try:
-        if method in METHODS_WITH_WORLD:
+        if method in _METHODS_WITH_WORLD:
             turn, place = _solve_with_world(cv, hands, boards, method)
         else:
             number = getattr(cv, f"CALIB_HAND_EYE_{method}")
@@ -277,7 +277,7 @@ def _rotations_and_positions(poses: Sequence[Pose]) -> tuple[list[Floats], list[
     return turns, [np.array(one.position) for one in poses]
 
 
-def pose_residuals(
+def _pose_residuals(
     flanges: Sequence[Pose], boards: Sequence[Pose], mounting: Mounting, camera: Pose
 ) -> tuple[float, float]:
     """Mm and degrees, root mean square, by which the place differs that should be the same."""
@@ -338,8 +338,8 @@ def _check_turns(flanges: Sequence[Pose]) -> None:
         ]
     )
     spread = np.linalg.svd(vectors, compute_uv=False)
-    if len(spread) < 2 or spread[1] / np.sqrt(len(vectors)) < LEAST_SECOND_TURN / 2.0:
-        raise Refused(rules.ONE_ROTATION_AXIS(least=LEAST_SECOND_TURN))
+    if len(spread) < 2 or spread[1] / np.sqrt(len(vectors)) < _LEAST_SECOND_TURN / 2.0:
+        raise Refused(rules.ONE_ROTATION_AXIS(least=_LEAST_SECOND_TURN))
 
 
 def _unit_vector(vector: Floats) -> Floats:
@@ -347,7 +347,7 @@ def _unit_vector(vector: Floats) -> Floats:
     return vector / length if length > 0.0 else vector
 
 
-METHOD_SOURCES: Final[Mapping[str, str]] = {
+_METHOD_SOURCES: Final[Mapping[str, str]] = {
     "TSAI": "Tsai and Lenz 1989",
     "PARK": "Park and Martin 1994",
     "HORAUD": "Horaud and Dornaika 1995",

@@ -48,13 +48,13 @@ def camera_in_world(
     carriers = Carriers(scene.robots)
     body = Body(f"camera {camera.name}", (), camera.pose, camera.parent)
     number, pose = carrier_of(scene, body, carriers)
-    origins, turns = carriers.at(scene_joints(scene, joints))
+    origins, turns = carriers.at(_scene_joints(scene, joints))
     turn = rotations.from_matrix(turns[0, number])
     parent = Pose.of(origins[0, number], np.ravel(turn))
     return Camera(camera.name, camera.lens, parent @ pose)
 
 
-def scene_joints(scene: Scene, joints: Mapping[str, Floats] | None = None) -> Floats:
+def _scene_joints(scene: Scene, joints: Mapping[str, Floats] | None = None) -> Floats:
     """(1, n) joints of all robots of a scene, as `Carriers` takes them."""
     given = dict(joints or {})
     rows = [np.asarray(given.get(p.name, p.robot.home), dtype=np.float64) for p in scene.robots]
@@ -62,9 +62,9 @@ def scene_joints(scene: Scene, joints: Mapping[str, Floats] | None = None) -> Fl
 
 
 Hits = tuple[Floats, Floats]
-PAIRS_AT_ONCE: Final = 2_000_000
+_PAIRS_AT_ONCE: Final = 2_000_000
 """Pairs of rays and triangles that are worked out at once."""
-PARALLEL_SHARE: Final = 1e-12
+_PARALLEL_SHARE: Final = 1e-12
 """Share of a direction along an axis or a face below which it is parallel to the face."""
 
 
@@ -110,7 +110,7 @@ def _tube(radius: float, length: float, eye: Floats, rays: Floats) -> Hits:
         along = -(rays[:, :2] @ eye[:2]) / across
         inside = along**2 - (eye[:2] @ eye[:2] - radius**2) / across
         t = along - np.sqrt(inside)
-        good = (across > PARALLEL_SHARE) & (inside >= 0.0) & (t > 0.0)
+        good = (across > _PARALLEL_SHARE) & (inside >= 0.0) & (t > 0.0)
         good &= np.abs(eye[2] + t * rays[:, 2]) <= length / 2.0
     t[~good] = np.inf
 
@@ -137,10 +137,10 @@ def _halves(normals: Floats, offsets: Floats, eye: Floats, rays: Floats) -> Hits
         toward, rest = rays @ normal, offset - eye @ normal
         with np.errstate(divide="ignore", invalid="ignore"):
             t = rest / toward
-        front = toward < -PARALLEL_SHARE
+        front = toward < -_PARALLEL_SHARE
         later = front & (t > enter)
         enter[later], face[later] = t[later], number
-        back = toward > PARALLEL_SHARE
+        back = toward > _PARALLEL_SHARE
         leave[back] = np.minimum(leave[back], t[back])
         if rest < 0.0:
             leave[~front & ~back] = -np.inf
@@ -171,7 +171,7 @@ def _triangles(mesh: Mesh, eye: Floats, rays: Floats) -> Hits:
                 q = np.cross(eye - a, one)
                 v = some @ q / size
                 t = two @ q / size
-                good = (np.abs(size) > PARALLEL_SHARE) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+                good = (np.abs(size) > _PARALLEL_SHARE) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
                 good &= (t > 0.0) & (t < best[rows])
             best[rows] = np.where(good, t, best[rows])
             face[rows] = np.where(good, number, face[rows])
@@ -181,7 +181,7 @@ def _triangles(mesh: Mesh, eye: Floats, rays: Floats) -> Hits:
 
 
 def _chunks(count: int, across: int) -> Iterator[slice]:
-    step = max(PAIRS_AT_ONCE // max(across, 1), 1024)
+    step = max(_PAIRS_AT_ONCE // max(across, 1), 1024)
     return (slice(start, start + step) for start in range(0, count, step))
 
 
@@ -203,19 +203,19 @@ def _hits_at(eye: Floats, rays: Floats, t: Floats, normal: object) -> Floats:
 
 Picture = NDArray[np.uint8]
 """(h, w, 3): blue, green, red."""
-Colours = NDArray[np.float32]
+_Colours = NDArray[np.float32]
 """(…, 3) grey levels: blue, green, red."""
 Colour = tuple[int, int, int]
-GREY: Final[Colour] = (160, 160, 165)
-RAYS_PER_SIDE: Final = 4
+_GREY: Final[Colour] = (160, 160, 165)
+_RAYS_PER_SIDE: Final = 4
 """Rays along each side of a pixel in which things meet."""
-PIXELS_AT_ONCE: Final = 2048
+_PIXELS_AT_ONCE: Final = 2048
 """Pixels that are drawn of several rays at once: what is worked out fits into a cache."""
-SMALL_BODY: Final = 24
+_SMALL_BODY: Final = 24
 """Pixels across below which all of a thing is drawn of several rays, as single ones may miss it."""
-LOOKUP_WIDTH: Final = 1024
+_LOOKUP_WIDTH: Final = 1024
 """Places of a picture in a row, while they are looked up."""
-EDGE_LEVELS: Final = 6.0
+_EDGE_LEVELS: Final = 6.0
 """Grey levels between two pixels beside each other from which on both are drawn of several rays."""
 
 
@@ -236,7 +236,7 @@ class VisibleBody:
 
     shape: Shape | Card
     pose: Pose = IDENTITY
-    colour: Colour = GREY
+    colour: Colour = _GREY
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,11 +272,11 @@ def draw(
     small = (
         own
         for own, (u0, u1, v0, v1) in zip(rows, regions, strict=True)
-        if min(u1 - u0, v1 - v0) < SMALL_BODY
+        if min(u1 - u0, v1 - v0) < _SMALL_BODY
     )
     edges = np.unique(np.concatenate([_edge_pixels(picture), *small]))
-    for first in range(0, len(edges), PIXELS_AT_ONCE):
-        some = edges[first : first + PIXELS_AT_ONCE]
+    for first in range(0, len(edges), _PIXELS_AT_ONCE):
+        some = edges[first : first + _PIXELS_AT_ONCE]
         flat[some] = _mean_colours(camera, things, regions, some, optics)
     return _with_optics(picture, optics, seed)
 
@@ -292,7 +292,7 @@ def bodies_of_scene(scene: Scene, joints: Mapping[str, Floats] | None = None) ->
     Raises Refused for a body whose parent the scene has not.
     """
     carriers = Carriers(scene.robots)
-    origins, turns = carriers.at(scene_joints(scene, joints))
+    origins, turns = carriers.at(_scene_joints(scene, joints))
     found = []
     for body in scene.all_bodies():
         if body.shown:
@@ -300,7 +300,7 @@ def bodies_of_scene(scene: Scene, joints: Mapping[str, Floats] | None = None) ->
             turn = rotations.from_matrix(turns[0, number])
             carrier = Pose.of(origins[0, number], np.ravel(turn))
             placed = carrier @ pose
-            colour = body.colour or GREY
+            colour = body.colour or _GREY
             found += [VisibleBody(part.shape, placed @ part.pose, colour) for part in body.parts]
     return found
 
@@ -339,11 +339,11 @@ def _subpixel_directions(lens: Lens, pixels: Rows, offsets: Floats) -> Floats:
     return np.asarray(rays.reshape(-1, 3))
 
 
-Region = tuple[int, int, int, int]
+_Region = tuple[int, int, int, int]
 """Columns and rows of the picture, begin and end of each."""
 
 
-def _region(camera: Camera, thing: VisibleBody) -> Region:
+def _region(camera: Camera, thing: VisibleBody) -> _Region:
     width, height = camera.lens.size
     low, high = _body_extent(thing.shape)
     corners = (np.indices((2, 2, 2)).reshape(3, -1).T) * (high - low) + low
@@ -374,7 +374,7 @@ def _cast(
     rays: Floats,
     regions: Sequence[Rows],
     optics: Optics,
-) -> Colours:
+) -> _Colours:
     """Colours (n, 3), blue first, of rays (n, 3) in the frame of the camera."""
     away = np.full(len(rays), np.inf)
     colours = np.empty((len(rays), 3), dtype=np.float32)
@@ -425,10 +425,10 @@ def _interpolated_colours(picture: Picture, places: Floats) -> Floats:
     if not len(places):
         return np.zeros((0, 3))
     cv = opencv()
-    rows = -(-len(places) // LOOKUP_WIDTH)
-    maps = np.zeros((2, rows * LOOKUP_WIDTH), dtype=np.float32)
+    rows = -(-len(places) // _LOOKUP_WIDTH)
+    maps = np.zeros((2, rows * _LOOKUP_WIDTH), dtype=np.float32)
     maps[:, : len(places)] = places.T
-    u, v = maps.reshape(2, rows, LOOKUP_WIDTH)
+    u, v = maps.reshape(2, rows, _LOOKUP_WIDTH)
     found = cv.remap(picture, u, v, cv.INTER_LINEAR, borderMode=cv.BORDER_REPLICATE)
     return np.asarray(found.reshape(-1, 3)[: len(places)], dtype=np.float64)
 
@@ -436,11 +436,11 @@ def _interpolated_colours(picture: Picture, places: Floats) -> Floats:
 # ---------------------------------------------------------------------------------- edges
 
 
-def _edge_pixels(picture: Colours) -> Rows:
+def _edge_pixels(picture: _Colours) -> Rows:
     """Pixels that differ from one beside them, and those around these."""
     edge = np.zeros(picture.shape[:2], dtype=bool)
     for axis in (0, 1):
-        steps = np.abs(np.diff(picture, axis=axis)) > EDGE_LEVELS
+        steps = np.abs(np.diff(picture, axis=axis)) > _EDGE_LEVELS
         unlike = steps[..., 0] | steps[..., 1] | steps[..., 2]
         first, last = [slice(None)] * 2, [slice(None)] * 2
         first[axis], last[axis] = slice(None, -1), slice(1, None)
@@ -452,23 +452,23 @@ def _edge_pixels(picture: Colours) -> Rows:
 def _mean_colours(
     camera: Camera,
     things: Sequence[VisibleBody],
-    regions: Sequence[Region],
+    regions: Sequence[_Region],
     pixels: Rows,
     optics: Optics,
-) -> Colours:
+) -> _Colours:
     """Mean colours (n, 3) of several rays in each of some pixels."""
     width, _ = camera.lens.size
-    steps = (np.arange(RAYS_PER_SIDE) + 0.5) / RAYS_PER_SIDE - 0.5
+    steps = (np.arange(_RAYS_PER_SIDE) + 0.5) / _RAYS_PER_SIDE - 0.5
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     rays = _subpixel_directions(camera.lens, pixels, offsets)
     u, v = pixels % width, pixels // width
     within = [(u >= u0) & (u < u1) & (v >= v0) & (v < v1) for u0, u1, v0, v1 in regions]
-    rows = [np.flatnonzero(np.repeat(inside, RAYS_PER_SIDE * RAYS_PER_SIDE)) for inside in within]
+    rows = [np.flatnonzero(np.repeat(inside, _RAYS_PER_SIDE * _RAYS_PER_SIDE)) for inside in within]
     colours = _cast(camera, things, rays, rows, optics)
-    return np.asarray(colours.reshape(len(pixels), RAYS_PER_SIDE * RAYS_PER_SIDE, 3).mean(axis=1))
+    return np.asarray(colours.reshape(len(pixels), _RAYS_PER_SIDE * _RAYS_PER_SIDE, 3).mean(axis=1))
 
 
-def _with_optics(picture: Colours, optics: Optics, seed: int) -> Picture:
+def _with_optics(picture: _Colours, optics: Optics, seed: int) -> Picture:
     out = (picture * optics.brightness).astype(np.float32)
     if optics.blur > 0.0:
         out = opencv().GaussianBlur(out, (0, 0), optics.blur)
@@ -478,11 +478,11 @@ def _with_optics(picture: Colours, optics: Optics, seed: int) -> Picture:
     return np.asarray(np.clip(np.rint(out), 0, 255), dtype=np.uint8)
 
 
-AXIS_LENGTH: Final = 100.0
+_AXIS_LENGTH: Final = 100.0
 """mm of an axis."""
-AXIS_COLOURS: Final = ((40, 40, 220), (40, 180, 40), (220, 90, 40))
+_AXIS_COLOURS: Final = ((40, 40, 220), (40, 180, 40), (220, 90, 40))
 """Blue, green, red; of x, y, z."""
-AXIS_CHORDS: Final = 16
+_AXIS_CHORDS: Final = 16
 """Chords of an axis, which the lens bends."""
 
 
@@ -494,8 +494,8 @@ def with_axes(camera: Camera, picture: Picture) -> Picture:
     out = picture.copy()
     u, v = (round(value) for value in camera.lens.centre)
     cv.drawMarker(out, (u, v), (255, 255, 255), cv.MARKER_CROSS, 14, 1)
-    for axis, colour in enumerate(AXIS_COLOURS):
-        points = np.outer(np.linspace(0.0, AXIS_LENGTH, AXIS_CHORDS + 1), np.eye(3)[axis])
+    for axis, colour in enumerate(_AXIS_COLOURS):
+        points = np.outer(np.linspace(0.0, _AXIS_LENGTH, _AXIS_CHORDS + 1), np.eye(3)[axis])
         _draw_axis(cv, out, camera.project(points), colour, "xyz"[axis])
     return out
 

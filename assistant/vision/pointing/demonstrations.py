@@ -34,21 +34,21 @@ from assistant.vision.pointing.device_tracking import (
 )
 from assistant.vision.pointing.devices import Device
 
-HOLD_FRAMES: Final = 30
-COMMON_NOISE: Final = 0.02
+_HOLD_FRAMES: Final = 30
+_COMMON_NOISE: Final = 0.02
 """Pixels, one sigma, that the middle of a mark is off in all moments alike."""
-HIDDEN_NOISE: Final = 0.2
+_HIDDEN_NOISE: Final = 0.2
 """More of them for a mark that is hidden, part of it for one that is hidden in part: measured
 against pictures drawn ray by ray, 0.05 px in the mean and 0.14 at most.
 """
-INTENDED_HOLD_RATIO: Final = 5.0
+_INTENDED_HOLD_RATIO: Final = 5.0
 """Times what a hold may be off within which moments were meant as one."""
-MOMENT_SIGMAS: Final = 4.5
+_MOMENT_SIGMAS: Final = 4.5
 """Times the noise of a moment that it may be off beside what a hand may."""
-SETTLING_RATIO: Final = 2.5
-SETTLING_FLOOR: Final = 0.05
+_SETTLING_RATIO: Final = 2.5
+_SETTLING_FLOOR: Final = 0.05
 """mm."""
-CREEP_SHARE: Final = 0.7
+_CREEP_SHARE: Final = 0.7
 """Part of that for the means of the two halves: they are compared once, the moments thirty times.
 """
 
@@ -62,7 +62,7 @@ class HoldLimits:
     position shown before; a closer one does not count as new.
     """
 
-    frames: int = HOLD_FRAMES
+    frames: int = _HOLD_FRAMES
     within: float = 1.5
     creep: float = 0.5
     turned: float = 1.5
@@ -135,7 +135,7 @@ def find_holds(
             before, nearly = found.pose, 0
             window.clear()
             yield found
-        elif found.code in BROKEN_HOLD:
+        elif found.code in _BROKEN_HOLD:
             nearly = _intended_moments(window, still, nearly)
             if nearly == still.frames:
                 tell(found)
@@ -145,7 +145,7 @@ def find_holds(
             window.clear()
 
 
-BROKEN_HOLD: Final = (rules.DEVICE_MOVED.code, rules.DEVICE_TURNED.code)
+_BROKEN_HOLD: Final = (rules.DEVICE_MOVED.code, rules.DEVICE_TURNED.code)
 
 
 def _intended_moments(
@@ -166,7 +166,7 @@ def _intended_moments(
         return still.frames
     return (
         count + 1
-        if _extent(sightings) < INTENDED_HOLD_RATIO * _most_deviation(sightings, still.within)
+        if _extent(sightings) < _INTENDED_HOLD_RATIO * _most_deviation(sightings, still.within)
         else 0
     )
 
@@ -197,7 +197,7 @@ def average_hold(
     turns = np.array([one.pose.quaternion for one in sightings])
     angles = rotations.angle_between(seen.pose.quaternion, turns)
     noise = float(np.sqrt(np.linalg.eigvalsh(seen.covariance[3:, 3:])[-1]))
-    turnable = still.turned + MOMENT_SIGMAS * float(np.degrees(noise))
+    turnable = still.turned + _MOMENT_SIGMAS * float(np.degrees(noise))
     if float(angles.max()) > turnable:
         return rules.DEVICE_TURNED(angle=float(angles.max()), most=turnable)
     away = points - np.array(seen.pose.position)
@@ -225,7 +225,7 @@ def _movement_finding(
         return rules.DEVICE_MOVED(distance=off, most=most)
     half = len(points) // 2
     crept = float(np.linalg.norm(points[:half].mean(axis=0) - points[-half:].mean(axis=0)))
-    most = still.creep + (most - still.within) * float(np.sqrt(2.0 / half)) * CREEP_SHARE
+    most = still.creep + (most - still.within) * float(np.sqrt(2.0 / half)) * _CREEP_SHARE
     return rules.DEVICE_MOVED(distance=crept, most=most) if crept > most else None
 
 
@@ -239,7 +239,7 @@ def _settling_moments(points: Floats) -> int:
     steps = float(np.sqrt((np.diff(half, axis=0) ** 2).sum(axis=1).mean() / 2.0))
     away = np.linalg.norm(points - half.mean(axis=0), axis=1)
     return min(
-        int(np.argmax(away <= SETTLING_RATIO * steps + SETTLING_FLOOR)), len(points) - len(half)
+        int(np.argmax(away <= _SETTLING_RATIO * steps + _SETTLING_FLOOR)), len(points) - len(half)
     )
 
 
@@ -252,7 +252,7 @@ def _most_deviation(sightings: Sequence[Sighting], within: float) -> float:
     mean = np.mean([sighting.covariance[:3, :3] for sighting in sightings], axis=0)
     points = np.array([sighting.pose.position for sighting in sightings])
     steps = float(np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1).mean() / 2.0))
-    return within + MOMENT_SIGMAS * min(float(np.sqrt(np.linalg.eigvalsh(mean)[-1])), steps)
+    return within + _MOMENT_SIGMAS * min(float(np.sqrt(np.linalg.eigvalsh(mean)[-1])), steps)
 
 
 def _noise_ratio(seen: Sighting, away: Floats) -> float:
@@ -265,7 +265,7 @@ def _noise_ratio(seen: Sighting, away: Floats) -> float:
 def _common_variance(sightings: Sequence[Sighting], limits: Limits) -> float:
     """The variance, as part of that of the stated noise, that no number of moments makes less."""
     hidden = 1.0 - float(np.mean([one.confidence for one in sightings]))
-    return float(((COMMON_NOISE + HIDDEN_NOISE * hidden) / limits.noise) ** 2)
+    return float(((_COMMON_NOISE + _HIDDEN_NOISE * hidden) / limits.noise) ** 2)
 
 
 def _distance(one: Pose, other: Pose) -> float:
@@ -278,9 +278,9 @@ def _extent(sightings: Sequence[Sighting]) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-SAME_POINT: Final = 2.0
+_SAME_POINT: Final = 2.0
 """mm within which moments are one point of the way."""
-HELD_RADIUS: Final = 6.0
+_HELD_RADIUS: Final = 6.0
 """mm from a place that was held within which moments belong to it."""
 
 
@@ -296,7 +296,7 @@ class Smoothing:
     shortest: float = 20.0
 
 
-USUAL_SMOOTHING: Final = Smoothing()
+_USUAL_SMOOTHING: Final = Smoothing()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -331,7 +331,7 @@ def find_strokes(
     cameras: Sequence[Camera],
     limits: Limits = USUAL_LIMITS,
     still: HoldLimits = USUAL_HOLD,
-    smoothing: Smoothing = USUAL_SMOOTHING,
+    smoothing: Smoothing = _USUAL_SMOOTHING,
     tell: Callable[[Diagnostic], None] = lambda _: None,
 ) -> Iterator[Stroke]:
     """The ways between two holds, the first, the third … of which begin one.
@@ -352,22 +352,22 @@ def find_strokes(
             first = held
             continue
         between = [s for t, s in seen if first.ended < t < held.began]
-        yield fit_stroke(first, between, held, smoothing)
+        yield _fit_stroke(first, between, held, smoothing)
         first = None
         seen.clear()
 
 
-def fit_stroke(
+def _fit_stroke(
     first: HeldPosition,
     between: Sequence[Sighting],
     last: HeldPosition,
-    smoothing: Smoothing = USUAL_SMOOTHING,
+    smoothing: Smoothing = _USUAL_SMOOTHING,
 ) -> Stroke:
     """The way from one held place past sightings to another one; raises Refused."""
     ends = [np.array(held.pose.position) for held in (first, last)]
     points = np.array([s.pose.position for s in between]).reshape(-1, 3)
     turns = np.array([s.pose.quaternion for s in between]).reshape(-1, 4)
-    near = [np.linalg.norm(points - end, axis=1) < HELD_RADIUS for end in ends]
+    near = [np.linalg.norm(points - end, axis=1) < _HELD_RADIUS for end in ends]
     begin = len(points) - int(np.argmax(near[0][::-1])) if near[0].any() else 0
     end = int(np.argmax(near[1])) if near[1].any() else len(points)
     points, turns = points[begin:end], turns[begin:end]
@@ -395,13 +395,13 @@ def fit_stroke(
 
 
 def _merge_points(points: Floats, weights: Floats) -> tuple[Floats, Rows, Floats]:
-    """Means (k, 3) of points that follow each other within `SAME_POINT`; which of them each point
+    """Means (k, 3) of points that follow each other within `_SAME_POINT`; which of them each point
     of (n,) belongs to; how many belong to each (k,).
     """
     at: Rows = np.zeros(len(points), dtype=np.intp)
     centre, count, number = points[0].copy(), 1, 0
     for i in range(1, len(points)):
-        if np.linalg.norm(points[i] - centre) > SAME_POINT or i == len(points) - 1:
+        if np.linalg.norm(points[i] - centre) > _SAME_POINT or i == len(points) - 1:
             number, centre, count = number + 1, points[i].copy(), 1
         else:
             count += 1
@@ -448,7 +448,7 @@ def _stroke_scatter(nodes: Floats, way: Floats) -> float:
     return float(np.sqrt(least.mean()))
 
 
-def stroke_in_frame(stroke: Stroke, frame: Pose) -> Stroke:
+def _stroke_in_frame(stroke: Stroke, frame: Pose) -> Stroke:
     """The same way in a frame whose pose in the world is given."""
     back = frame.inverse()
     turns = rotations.multiply(np.array(back.quaternion), stroke.quaternions)

@@ -29,12 +29,12 @@ from assistant.vision.cameras.synthetic_pictures import Picture
 from assistant.vision.pointing.devices import Ball, Device, Light
 from assistant.vision.pointing.mark_detection import MarkSpot, find_spots
 
-POSE_ROUNDS: Final = 12
-CONVERGED_STEP: Final = 1e-7
+_POSE_ROUNDS: Final = 12
+_CONVERGED_STEP: Final = 1e-7
 """mm and radians of a step at which the search ends."""
-UNDETERMINED_SHARE: Final = 1e-7
+_UNDETERMINED_SHARE: Final = 1e-7
 """Part of the strongest direction below which the pixels do not tell a direction."""
-ALONG_X_COSINE: Final = np.cos(np.radians(20.0))
+_ALONG_X_COSINE: Final = np.cos(np.radians(20.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,7 @@ def fit_device_poses(
             turn = _without_free_turn(turn, marks)
         positions[good], quaternions[good] = p, rotations.from_matrix(turn)
         covariances[good] = noise**2 * np.linalg.pinv(
-            normal, rcond=UNDETERMINED_SHARE, hermitian=True
+            normal, rcond=_UNDETERMINED_SHARE, hermitian=True
         )
         residuals[good] = np.sqrt(squares / np.maximum(2 * there, 1))
     return DevicePoses(positions, quaternions, covariances, residuals)
@@ -102,7 +102,7 @@ def _refine_poses(
     n, b = len(p), len(marks)
     there = np.asarray(np.isfinite(pixels).all(axis=3))
     normal, squares = np.zeros((n, 6, 6)), np.zeros(n)
-    for _ in range(POSE_ROUNDS):
+    for _ in range(_POSE_ROUNDS):
         arms = np.einsum("nij,bj->nbi", turn, marks)
         points = (p[:, None] + arms).reshape(-1, 3)
         normal, vector, squares = np.zeros((n, 6, 6)), np.zeros((n, 6)), np.zeros(n)
@@ -117,11 +117,11 @@ def _refine_poses(
             normal += np.einsum("nbki,nbkj->nij", slope, slope)
             vector += np.einsum("nbki,nbk->ni", slope, off)
             squares += (off**2).sum(axis=(1, 2))
-        back = np.linalg.pinv(normal, rcond=UNDETERMINED_SHARE, hermitian=True)
+        back = np.linalg.pinv(normal, rcond=_UNDETERMINED_SHARE, hermitian=True)
         step = -np.einsum("nij,nj->ni", back, vector)
         p = p + step[:, :3]
         turn = _rotate_by(turn, step[:, 3:])
-        if not (np.abs(step) > CONVERGED_STEP).any():
+        if not (np.abs(step) > _CONVERGED_STEP).any():
             break
     return p, turn, normal, squares, there.sum(axis=(0, 2)).astype(np.float64)
 
@@ -154,21 +154,21 @@ def _without_free_turn(turn: Floats, marks: Floats) -> Floats:
     if np.abs(away[:, :2]).max() > 1e-6:
         return turn
     z = turn[:, :, 2]
-    wished = np.where(np.abs(z[:, :1]) > ALONG_X_COSINE, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    wished = np.where(np.abs(z[:, :1]) > _ALONG_X_COSINE, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
     y = np.cross(z, wished)
     y /= np.linalg.norm(y, axis=1, keepdims=True)
     return np.stack([np.cross(y, z), y, z], axis=2)
 
 
-DARK_LEVEL: Final = 25.0
+_DARK_LEVEL: Final = 25.0
 """Grey level that half of a picture which shows something is above."""
-SATURATED_LEVEL: Final = 252
+_SATURATED_LEVEL: Final = 252
 """Grey level from which on a pixel tells no more."""
-MOST_SATURATED: Final = 0.3
+_MOST_SATURATED: Final = 0.3
 """Part of a picture."""
 
 
-def size_finding(camera: Camera, picture: Picture) -> Diagnostic | None:
+def _size_finding(camera: Camera, picture: Picture) -> Diagnostic | None:
     width, height = camera.lens.size
     if picture.shape == (height, width, 3):
         return None
@@ -181,22 +181,22 @@ def size_finding(camera: Camera, picture: Picture) -> Diagnostic | None:
     )
 
 
-def brightness_finding(camera: Camera, picture: Picture, *, dark: bool) -> Diagnostic | None:
+def _brightness_finding(camera: Camera, picture: Picture, *, dark: bool) -> Diagnostic | None:
     """dark: whether a dark picture is wrong; a light is seen best in one."""
     brightest = picture[::2, ::2].max(axis=2)
-    if dark and float(np.median(brightest)) < DARK_LEVEL:
-        return rules.TOO_DARK_PICTURE(camera=camera.name, level=DARK_LEVEL)
-    full = float(np.mean(brightest >= SATURATED_LEVEL))
-    if full > MOST_SATURATED:
+    if dark and float(np.median(brightest)) < _DARK_LEVEL:
+        return rules.TOO_DARK_PICTURE(camera=camera.name, level=_DARK_LEVEL)
+    full = float(np.mean(brightest >= _SATURATED_LEVEL))
+    if full > _MOST_SATURATED:
         return rules.TOO_BRIGHT_PICTURE(camera=camera.name, percent=100.0 * full)
     return None
 
 
-RADIUS_TOLERANCE: Final = 0.05
+_RADIUS_TOLERANCE: Final = 0.05
 """Part of its radius that a ball may be seen larger or smaller, beside parts of a pixel."""
-RADIUS_PIXELS: Final = 0.75
+_RADIUS_PIXELS: Final = 0.75
 """Pixels of the outline."""
-MOST_COMBINATIONS: Final = 2000
+_MOST_COMBINATIONS: Final = 2000
 """Largest number of tried combinations of spots of several marks."""
 
 
@@ -249,7 +249,7 @@ def locate_device(
     limits: Limits = USUAL_LIMITS,
 ) -> Seen:
     """Locate the device in pictures of the cameras, in their order, taken at one moment."""
-    sizes = (size_finding(c, p) for c, p in zip(cameras, pictures, strict=True))
+    sizes = (_size_finding(c, p) for c, p in zip(cameras, pictures, strict=True))
     if (wrong := next((finding for finding in sizes if finding), None)) is not None:
         return wrong
     seen = [find_spots(p, c, device.marks) for c, p in zip(cameras, pictures, strict=True)]
@@ -310,9 +310,9 @@ def _mark_positions(
     blind = [i for i, found in enumerate(seen) if not found]
     if len(cameras) - len(blind) < 2:
         camera, picture = cameras[blind[0]], pictures[blind[0]]
-        dazzled = brightness_finding(camera, picture, dark=isinstance(mark, Ball))
+        dazzled = _brightness_finding(camera, picture, dark=isinstance(mark, Ball))
         return dazzled or rules.MARK_NOT_SEEN(camera=camera.name, mark=name)
-    ways = list(itertools.product(*(found or (None,) for found in seen)))[:MOST_COMBINATIONS]
+    ways = list(itertools.product(*(found or (None,) for found in seen)))[:_MOST_COMBINATIONS]
     pixels = np.array(
         [[(np.nan, np.nan) if s is None else s.place for s in way] for way in ways]
     ).swapaxes(0, 1)
@@ -366,7 +366,7 @@ def _radius_fits(way: Sequence[MarkSpot | None], seen: Floats, mark: Ball | Ligh
         return bool((seen <= mark.largest / 2.0).all())
     pixels = min(spot.radius for spot in way if spot is not None)
     off = np.abs(seen - mark.radius) / mark.radius
-    return bool((off <= RADIUS_TOLERANCE + RADIUS_PIXELS / max(pixels, 1.0)).all())
+    return bool((off <= _RADIUS_TOLERANCE + _RADIUS_PIXELS / max(pixels, 1.0)).all())
 
 
 def _distinct_positions(points: Floats, sure: Floats, apart: float) -> Rows:
@@ -403,7 +403,7 @@ def _join_marks(
 ) -> Seen:
     """The marks that lie to each other as those of the device do."""
     counts = [range(len(places.points)) for places in found]
-    ways = np.array(list(itertools.islice(itertools.product(*counts), MOST_COMBINATIONS)))
+    ways = np.array(list(itertools.islice(itertools.product(*counts), _MOST_COMBINATIONS)))
     pixels = np.stack([places.pixels[:, ways[:, b]] for b, places in enumerate(found)], axis=2)
     posed = fit_device_poses(cameras, pixels, device.positions, limits.noise)
     residuals = np.where(np.isfinite(posed.residuals), posed.residuals, np.inf)
@@ -425,11 +425,11 @@ def _least_device_distance(device: Device) -> float:
     return max(m.radius if isinstance(m, Ball) else m.largest for m in device.marks)
 
 
-FASTEST_HAND: Final = 1500.0
+_FASTEST_HAND: Final = 1500.0
 """mm/s that a hand moves a device with."""
-JUMP_SIGMAS: Final = 6.0
+_JUMP_SIGMAS: Final = 6.0
 """Times its uncertainty that a device may be off beside."""
-MOMENTS_TO_FORGET: Final = 5
+_MOMENTS_TO_FORGET: Final = 5
 """Moments without a believed sighting after which the device is searched for anew, everywhere."""
 
 
@@ -454,7 +454,7 @@ def track_device(
     device: Device,
     cameras: Sequence[Camera],
     limits: Limits = USUAL_LIMITS,
-    fastest: float = FASTEST_HAND,
+    fastest: float = _FASTEST_HAND,
 ) -> Iterator[Observation]:
     """A look at each moment, in its time. Raises Refused for cameras that can tell no place."""
     check_cameras(cameras)
@@ -465,7 +465,7 @@ def track_device(
 
 
 def reject_jumps(
-    looks: Iterable[Observation], fastest: float = FASTEST_HAND
+    looks: Iterable[Observation], fastest: float = _FASTEST_HAND
 ) -> Iterator[Observation]:
     """The same looks; a sighting farther away than a hand gets in the time is a finding instead."""
     last: tuple[float, Sighting] | None = None
@@ -476,7 +476,7 @@ def reject_jumps(
             seen = _reject_jump(seen, look.seconds - last[0], last[1], fastest)
         if isinstance(seen, Diagnostic):
             missed += 1
-            if missed >= MOMENTS_TO_FORGET:
+            if missed >= _MOMENTS_TO_FORGET:
                 last = None
         else:
             last, missed = (look.seconds, seen), 0
@@ -486,7 +486,7 @@ def reject_jumps(
 def _reject_jump(seen: Sighting, seconds: float, last: Sighting, fastest: float) -> Seen:
     distance = float(np.linalg.norm(np.subtract(seen.pose.position, last.pose.position)))
     spread = float(np.sqrt(np.trace((seen.covariance + last.covariance)[:3, :3])))
-    if distance <= fastest * seconds + JUMP_SIGMAS * spread:
+    if distance <= fastest * seconds + _JUMP_SIGMAS * spread:
         return seen
     return rules.DEVICE_JUMPED(distance=distance, seconds=seconds)
 

@@ -37,7 +37,7 @@ from assistant.program.settings_tables import ENCODINGS, Table, Wrong, kind_of, 
 from assistant.vision import rules
 from assistant.vision.cameras.synthetic_pictures import Colour, VisibleBody
 
-TOOL_DOWN: Final[Quaternion] = (0.0, 1.0, 0.0, 0.0)
+_TOOL_DOWN: Final[Quaternion] = (0.0, 1.0, 0.0, 0.0)
 """A tool that points down, its x along that of the world."""
 
 
@@ -98,7 +98,7 @@ class Device:
 
     name: str
     marks: tuple[Ball | Light, ...]
-    orientation: Quaternion = field(default=TOOL_DOWN)
+    orientation: Quaternion = field(default=_TOOL_DOWN)
 
     @property
     def positions(self) -> Floats:
@@ -139,9 +139,9 @@ DEVICES: Final[Mapping[str, Callable[[], Device]]] = {"ball": ball, "light": lig
 """Devices that need no file."""
 
 
-LEAST_MARK_DISTANCE: Final = 30.0
+_LEAST_MARK_DISTANCE: Final = 30.0
 """mm between two marks of a wand: nearer ones hide each other."""
-MOST_BALLS_OF_DEVICE: Final = 8
+_MOST_BALLS_OF_DEVICE: Final = 8
 
 
 def device_of(text: str) -> Device:
@@ -158,21 +158,21 @@ def read_device(path: str | FilePath) -> Device:
     """The device of a file; raises Unreadable, or Refused with a finding for each wrong key."""
     source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
     top = read_toml(source)
-    said = top.read(DEVICE_KEYS)
-    light = top.table("light").read(LIGHT_KEYS)
+    said = top.read(_DEVICE_KEYS)
+    light = top.table("light").read(_LIGHT_KEYS)
     entries = top.content.get("balls", [])
     tables = [
         Table(top.page, ("balls", str(i)), entry)
         for i, entry in enumerate(entries if isinstance(entries, list) else [])
         if isinstance(entry, dict)
     ]
-    balls = [_read_ball(table) for table in tables[:MOST_BALLS_OF_DEVICE]]
+    balls = [_read_ball(table) for table in tables[:_MOST_BALLS_OF_DEVICE]]
     if has_errors(top.page.findings):
         raise Refused(*top.page.findings, exit_status=2)
     kind = said.get("kind", "wand" if len(balls) > 1 else "ball")
     lights = (Light(light.get("largest", Light().largest)),)
     marks = lights if kind == "light" else tuple(ball for ball in balls if ball is not None)
-    turn = said["orientation"][0] if "orientation" in said else TOOL_DOWN
+    turn = said["orientation"][0] if "orientation" in said else _TOOL_DOWN
     device = Device(kind, marks, turn)
     if (wrong := _device_fault(device, kind, len(tables))) is not None:
         what, cure = wrong
@@ -181,7 +181,7 @@ def read_device(path: str | FilePath) -> Device:
 
 
 def _read_ball(table: Table) -> Ball | None:
-    said = table.read(BALL_KEYS)
+    said = table.read(_BALL_KEYS)
     if "hue" in said:
         colour, name = HueRange(said["hue"], said.get("width", HueRange(0.0).width)), "coloured"
     elif "colour" in said:
@@ -198,8 +198,8 @@ def _read_ball(table: Table) -> Ball | None:
 def _device_fault(device: Device, kind: str, given: int) -> tuple[str, str] | None:
     """Return a fault that no device may have, with its cure."""
     count = len(device.marks)
-    if given > MOST_BALLS_OF_DEVICE:
-        return f"has {given} balls", f"write {MOST_BALLS_OF_DEVICE} at most"
+    if given > _MOST_BALLS_OF_DEVICE:
+        return f"has {given} balls", f"write {_MOST_BALLS_OF_DEVICE} at most"
     if kind == "ball" and count != 1:
         return f"is a ball and has {count} of them", "write [[balls]] once, or kind = `wand`"
     if kind != "wand":
@@ -209,10 +209,10 @@ def _device_fault(device: Device, kind: str, given: int) -> tuple[str, str] | No
     places = device.positions
     for i in range(count):
         for k in range(i):
-            if float(((places[i] - places[k]) ** 2).sum()) < LEAST_MARK_DISTANCE**2:
+            if float(((places[i] - places[k]) ** 2).sum()) < _LEAST_MARK_DISTANCE**2:
                 return (
                     "has two balls that are hardly apart",
-                    f"put {LEAST_MARK_DISTANCE:g} mm between them",
+                    f"put {_LEAST_MARK_DISTANCE:g} mm between them",
                 )
             if _hues_overlap(device.marks[i], device.marks[k]):
                 return "has two balls of one colour", "give each a colour of its own"
@@ -237,16 +237,16 @@ def _read_position(value: Any) -> tuple[float, ...]:
     return tuple(map(one, value))
 
 
-DEVICE_KEYS: Final[Mapping[str, settings_tables.Read]] = {
+_DEVICE_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "kind": settings_tables.choice("ball", "light", "wand"),
     "orientation": settings_tables.quaternion,
     "balls": lambda value: value,
     "light": lambda value: value,
 }
-LIGHT_KEYS: Final[Mapping[str, settings_tables.Read]] = {
+_LIGHT_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "largest": settings_tables.number("mm", least=0.5, most=200.0),
 }
-BALL_KEYS: Final[Mapping[str, settings_tables.Read]] = {
+_BALL_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "colour": settings_tables.choice(*HUES),
     "hue": settings_tables.number("degrees", least=0.0, most=360.0),
     "width": settings_tables.number("degrees", least=1.0, most=60.0),
@@ -255,7 +255,7 @@ BALL_KEYS: Final[Mapping[str, settings_tables.Read]] = {
 }
 
 
-BALL_PAINTS: Final[dict[str, Colour]] = {
+_BALL_PAINTS: Final[dict[str, Colour]] = {
     "red": (210, 30, 30),
     "orange": (230, 120, 20),
     "yellow": (220, 210, 30),
@@ -264,8 +264,8 @@ BALL_PAINTS: Final[dict[str, Colour]] = {
     "blue": (30, 70, 210),
     "magenta": (200, 40, 180),
 }
-STICK_PAINT: Final[Colour] = (70, 70, 72)
-STICK_RADIUS: Final = 3.0
+_STICK_PAINT: Final[Colour] = (70, 70, 72)
+_STICK_RADIUS: Final = 3.0
 """mm, radius of a stick between two balls."""
 
 
@@ -276,11 +276,11 @@ def bodies_of_device(device: Device, pose: Pose) -> list[VisibleBody]:
         VisibleBody(
             Sphere(one.radius),
             pose @ Pose(one.position),
-            BALL_PAINTS.get(one.colour_name, (200, 200, 200)),
+            _BALL_PAINTS.get(one.colour_name, (200, 200, 200)),
         )
         for one in balls
     ]
     for one in balls[1:]:
-        part = capsule_between(np.array(balls[0].position), np.array(one.position), STICK_RADIUS)
-        found.append(VisibleBody(part.shape, pose @ part.pose, STICK_PAINT))
+        part = capsule_between(np.array(balls[0].position), np.array(one.position), _STICK_RADIUS)
+        found.append(VisibleBody(part.shape, pose @ part.pose, _STICK_PAINT))
     return found

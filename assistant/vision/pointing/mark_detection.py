@@ -45,11 +45,11 @@ class MarkSpot:
     at_edge: bool = False
 
 
-CONE_ROUNDS: Final = 6
+_CONE_ROUNDS: Final = 6
 """Rounds that leave out rays which are not on the cone."""
-FEWEST_RAYS: Final = 8
+_FEWEST_RAYS: Final = 8
 """Fewest rays of an outline that determine a cone."""
-CONE_SAMPLES: Final = 120
+_CONE_SAMPLES: Final = 120
 """Cones through three rays each that are tried."""
 
 
@@ -66,7 +66,7 @@ class Cone:
     scatter: float
 
 
-def fit_cone(rays: Floats, off: float) -> Cone | None:
+def _fit_cone(rays: Floats, off: float) -> Cone | None:
     """The cone that most of some unit rays (n, 3) lie on, or None where they tell none.
 
     off: radians that a ray of it may be off. Where half of a ball is hidden, the others are those
@@ -75,17 +75,17 @@ def fit_cone(rays: Floats, off: float) -> Cone | None:
     then made exact by all that do.
     """
     good = np.flatnonzero(np.isfinite(rays).all(axis=1))
-    if len(good) < FEWEST_RAYS:
+    if len(good) < _FEWEST_RAYS:
         return None
     normal = _best_sampled_cone(rays[good], off)
     on = np.zeros(len(rays), dtype=bool)
     away: Floats = np.full(len(rays), np.nan)
-    for _ in range(CONE_ROUNDS):
+    for _ in range(_CONE_ROUNDS):
         if not np.linalg.norm(normal) > 1.0:
             return None
         away = _angles_outside(rays, normal[None])[0]
         before, on = on, np.abs(away) <= off
-        if on.sum() < FEWEST_RAYS:
+        if on.sum() < _FEWEST_RAYS:
             return None
         if (on == before).all():
             break
@@ -105,12 +105,12 @@ def _angles_outside(rays: Floats, normals: Floats) -> Floats:
 def _best_sampled_cone(rays: Floats, off: float) -> Floats:
     """The cone through three of some rays (n, 3) that the others are nearest to."""
     chosen = (
-        np.random.default_rng(0).random((CONE_SAMPLES, len(rays))).argpartition(2, axis=1)[:, :3]
+        np.random.default_rng(0).random((_CONE_SAMPLES, len(rays))).argpartition(2, axis=1)[:, :3]
     )
     three = rays[chosen]
     with np.errstate(divide="ignore", invalid="ignore"):
         sound = np.abs(np.linalg.det(three)) > 1e-12
-        normals = np.zeros((CONE_SAMPLES, 3))
+        normals = np.zeros((_CONE_SAMPLES, 3))
         normals[sound] = np.linalg.solve(three[sound], np.ones((sound.sum(), 3, 1)))[..., 0]
         sound &= np.linalg.norm(normals, axis=1) > 1.0
     if not sound.any():
@@ -119,47 +119,47 @@ def _best_sampled_cone(rays: Floats, off: float) -> Floats:
     return np.asarray(normals[sound][np.argmin(missed)])
 
 
-LEAST_BALL_AREA: Final = 12
+_LEAST_BALL_AREA: Final = 12
 """Pixels of a ball's colour; what is smaller is noise."""
-MOST_BALLS: Final = 6
+_MOST_BALLS: Final = 6
 """Largest number of balls of one colour that are examined, the largest first."""
-OUTLINE_LINES: Final = 90
+_OUTLINE_LINES: Final = 90
 """From the middle of a ball across its outline."""
-OUTLINE_STEP: Final = 0.25
+_OUTLINE_STEP: Final = 0.25
 """Pixels along such a line."""
-PLATEAU: Final = 1.5
+_PLATEAU: Final = 1.5
 """Pixels at both ends of a line that tell the colour inside and outside."""
-SHADING_NEAR: Final = 2.0
-SHADING_FAR: Final = 4.0
+_SHADING_NEAR: Final = 2.0
+_SHADING_FAR: Final = 4.0
 """Pixels inside of an outline between which it is looked how the light changes."""
-OUTLINE_BLUR: Final = 1.0
+_OUTLINE_BLUR: Final = 1.0
 """Pixels, sigma, of an outline as lenses and smoothing make it."""
-LEAST_CONTRAST: Final = 18.0
+_LEAST_CONTRAST: Final = 18.0
 """Grey levels that colours inside and outside differ by at least."""
-HUE_SMOOTHING: Final = 0.6
+_HUE_SMOOTHING: Final = 0.6
 """Pixels by which noise is smoothed before; the same on both sides of an outline."""
-OUTLINE_TOLERANCE: Final = 0.5
+_OUTLINE_TOLERANCE: Final = 0.5
 """Pixels that a part of the outline may be off."""
-LEAST_CONFIDENCE: Final = 0.45
+_LEAST_CONFIDENCE: Final = 0.45
 """Part of the outline; of less a ball is not told from something else of its colour."""
 
 
-def hues_of(picture: Picture) -> Any:
+def _hues_of(picture: Picture) -> Any:
     """(h, w, 3) hue, saturation and value, smoothed a little; once for all balls of a picture."""
     cv2 = opencv()
     return cv2.cvtColor(cv2.GaussianBlur(picture, (3, 3), 0), cv2.COLOR_BGR2HSV)
 
 
-def find_balls(picture: Picture, hues: Any, camera: Camera, ball: Ball) -> tuple[MarkSpot, ...]:
+def _find_balls(picture: Picture, hues: Any, camera: Camera, ball: Ball) -> tuple[MarkSpot, ...]:
     """Find spots in a picture that may be the ball, the surest first."""
     cv2 = opencv()
     mask = _colour_mask(cv2, hues, ball.colour)
     count, _, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     areas = stats[1:, cv2.CC_STAT_AREA]
-    largest = np.argsort(-areas, kind="stable")[:MOST_BALLS] + 1
+    largest = np.argsort(-areas, kind="stable")[:_MOST_BALLS] + 1
     found = []
     for i in largest[: count - 1]:
-        if stats[i, cv2.CC_STAT_AREA] < LEAST_BALL_AREA:
+        if stats[i, cv2.CC_STAT_AREA] < _LEAST_BALL_AREA:
             break
         x, y, w, h = (int(v) for v in stats[i, :4])
         # Half of a ball may be in the shade, or behind a stick: its box tells more than its area.
@@ -204,7 +204,7 @@ def _patch_around(
     u1, v1 = (min(int(c + half) + 1, most) for c, most in zip(centre, (width, height), strict=True))
     third, hue = np.radians(120.0), np.radians(colour.hue)
     weights = np.array([[np.cos(hue + third), np.cos(hue - third), np.cos(hue)]]) * 2.0 / 3.0
-    soft = cv2.GaussianBlur(picture[v0:v1, u0:u1], (0, 0), HUE_SMOOTHING).astype(np.float32)
+    soft = cv2.GaussianBlur(picture[v0:v1, u0:u1], (0, 0), _HUE_SMOOTHING).astype(np.float32)
     return _Patch(cv2.transform(soft, weights.astype(np.float32)), (u0, v0))
 
 
@@ -216,19 +216,19 @@ def _measure_ball(
     for _ in range(2):
         edge = _ball_outline(cv2, patch, centre, radius)
         scale = float(np.mean(camera.lens.focal))
-        cone = fit_cone(camera.directions(edge), OUTLINE_TOLERANCE / scale)
+        cone = _fit_cone(camera.directions(edge), _OUTLINE_TOLERANCE / scale)
         spot = None if cone is None else _spot_of_cone(camera, cone, edge)
         if spot is None:
             return None
         centre, radius = spot.place, spot.radius
-    return spot if spot is not None and spot.confidence >= LEAST_CONFIDENCE else None
+    return spot if spot is not None and spot.confidence >= _LEAST_CONFIDENCE else None
 
 
 def _ball_outline(cv2: Any, patch: _Patch, centre: tuple[float, float], radius: float) -> Floats:
     """(LINES, 2) pixels of the outline, NaN on lines that cross none."""
     reach = min(4.0 + 0.15 * radius, max(0.7 * radius, 2.5))
-    r = np.arange(max(radius - reach, 0.0), radius + reach + OUTLINE_STEP, OUTLINE_STEP)
-    angles = np.arange(OUTLINE_LINES) * (2.0 * np.pi / OUTLINE_LINES)
+    r = np.arange(max(radius - reach, 0.0), radius + reach + _OUTLINE_STEP, _OUTLINE_STEP)
+    angles = np.arange(_OUTLINE_LINES) * (2.0 * np.pi / _OUTLINE_LINES)
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     at = np.array(centre) + ways[:, None, :] * r[None, :, None]
     u, v = ((at[..., k] - patch.origin[k]).astype(np.float32) for k in (0, 1))
@@ -236,7 +236,7 @@ def _ball_outline(cv2: Any, patch: _Patch, centre: tuple[float, float], radius: 
         patch.levels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=-1e4
     ).astype(np.float64)
     values[values < -1e3] = np.nan
-    ends = int(PLATEAU / OUTLINE_STEP)
+    ends = int(_PLATEAU / _OUTLINE_STEP)
     with np.errstate(invalid="ignore"):
         inside, outside = values[:, :ends].mean(axis=1), values[:, -ends:].mean(axis=1)
         half = (inside + outside) / 2.0
@@ -244,30 +244,30 @@ def _ball_outline(cv2: Any, patch: _Patch, centre: tuple[float, float], radius: 
         half += _shading_offsets(values, first, inside, reach)
         below = values < half[:, None]
         first = np.argmax(below, axis=1)
-        good = below.any(axis=1) & (first > 0) & (inside - outside > LEAST_CONTRAST)
+        good = below.any(axis=1) & (first > 0) & (inside - outside > _LEAST_CONTRAST)
     rows, k = np.flatnonzero(good), first[good]
     before, after = values[rows, k - 1], values[rows, k]
     part = (before - half[rows]) / (before - after)
-    edge = np.full((OUTLINE_LINES, 2), np.nan)
-    edge[rows] = np.array(centre) + ways[rows] * (r[k - 1] + part * OUTLINE_STEP)[:, None]
+    edge = np.full((_OUTLINE_LINES, 2), np.nan)
+    edge[rows] = np.array(centre) + ways[rows] * (r[k - 1] + part * _OUTLINE_STEP)[:, None]
     return edge
 
 
 def _shading_offsets(values: Floats, first: Any, inside: Floats, reach: float) -> Floats:
     """(LINES,) what the level of the outline is higher where light changes across the ball.
 
-    The level inside goes on as it does from `SHADING_FAR` to `SHADING_NEAR` pixels before the
+    The level inside goes on as it does from `_SHADING_FAR` to `_SHADING_NEAR` pixels before the
     outline; a slope s of it, and a blur of sigma b, put the half level off by s b / √(2 π).
     """
-    if reach < SHADING_FAR:
+    if reach < _SHADING_FAR:
         return np.zeros(len(values))
     rows = np.arange(len(values))
     near, far = (
-        np.clip(first - int(d / OUTLINE_STEP), 0, None) for d in (SHADING_NEAR, SHADING_FAR)
+        np.clip(first - int(d / _OUTLINE_STEP), 0, None) for d in (_SHADING_NEAR, _SHADING_FAR)
     )
-    slope = (values[rows, near] - values[rows, far]) / (SHADING_FAR - SHADING_NEAR)
-    level = values[rows, near] + slope * SHADING_NEAR
-    return np.asarray((level - inside) / 2.0 - slope * OUTLINE_BLUR / np.sqrt(2.0 * np.pi))
+    slope = (values[rows, near] - values[rows, far]) / (_SHADING_FAR - _SHADING_NEAR)
+    level = values[rows, near] + slope * _SHADING_NEAR
+    return np.asarray((level - inside) / 2.0 - slope * _OUTLINE_BLUR / np.sqrt(2.0 * np.pi))
 
 
 def _spot_of_cone(camera: Camera, cone: Cone, edge: Floats) -> MarkSpot | None:
@@ -283,24 +283,24 @@ def _spot_of_cone(camera: Camera, cone: Cone, edge: Floats) -> MarkSpot | None:
     width, height = camera.lens.size
     most = (width - 1, height - 1)
     at_edge = bool((place < radius + 1.0).any() or (place > np.array(most) - radius - 1.0).any())
-    confidence = float(np.count_nonzero(cone.on)) / OUTLINE_LINES
+    confidence = float(np.count_nonzero(cone.on)) / _OUTLINE_LINES
     return MarkSpot((float(place[0]), float(place[1])), radius, cone.angle, confidence, at_edge)
 
 
-LIGHT_SMOOTHING: Final = 1.0
+_LIGHT_SMOOTHING: Final = 1.0
 """Pixels, sigma, of the smoothing before the search for bright spots."""
-LEAST_BRIGHTNESS: Final = 60.0
+_LEAST_BRIGHTNESS: Final = 60.0
 """Grey levels above what is around it."""
-SURROUNDINGS_WIDTH: Final = 31
+_SURROUNDINGS_WIDTH: Final = 31
 """Pixels across which the usual brightness of a place is taken, by its median."""
-MOST_LIGHTS: Final = 6
-WEIGHED_RADII: Final = 2.0
+_MOST_LIGHTS: Final = 6
+_WEIGHED_RADII: Final = 2.0
 """Times its radius around a spot in which its brightness is weighed, and 3 pixels more."""
-LEAST_FILL: Final = 0.55
+_LEAST_FILL: Final = 0.55
 """Part of its box that a round spot fills at least; a disc fills 0.79."""
 
 
-def find_lights(picture: Picture) -> tuple[MarkSpot, ...]:
+def _find_lights(picture: Picture) -> tuple[MarkSpot, ...]:
     """Find spots in a picture that may be the light, the surest first.
 
     Its largest size is in mm, which can only be compared with a known distance: see
@@ -308,19 +308,19 @@ def find_lights(picture: Picture) -> tuple[MarkSpot, ...]:
     """
     cv2 = opencv()
     bright = picture.max(axis=2).astype(np.float32)
-    soft = cv2.GaussianBlur(bright, (0, 0), LIGHT_SMOOTHING)
+    soft = cv2.GaussianBlur(bright, (0, 0), _LIGHT_SMOOTHING)
     small = cv2.resize(soft, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
-    usual = cv2.medianBlur(np.round(small).astype(np.uint8), SURROUNDINGS_WIDTH // 2 | 1)
+    usual = cv2.medianBlur(np.round(small).astype(np.uint8), _SURROUNDINGS_WIDTH // 2 | 1)
     height, width = bright.shape
     ground = cv2.resize(usual, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.float32)
     above = soft - ground
     peak = float(above.max())
-    if peak < LEAST_BRIGHTNESS:
+    if peak < _LEAST_BRIGHTNESS:
         return ()
     mask = (above > peak / 2.0).astype(np.uint8)
     _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     found = []
-    for i in np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:MOST_LIGHTS] + 1:
+    for i in np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:_MOST_LIGHTS] + 1:
         spot = _measure_light(bright, labels, int(i), stats[i], above)
         if spot is not None:
             found.append(spot)
@@ -333,10 +333,10 @@ def _measure_light(
     """The middle of a spot, weighed by what it is brighter than the ring around it."""
     x, y, w, h, area = (int(v) for v in stats[:5])
     fill = area / (w * h)
-    if fill < LEAST_FILL or max(w, h) > 3 * min(w, h):
+    if fill < _LEAST_FILL or max(w, h) > 3 * min(w, h):
         return None
     radius = float(np.sqrt(area / np.pi))
-    reach = WEIGHED_RADII * radius + 3.0
+    reach = _WEIGHED_RADII * radius + 3.0
     place: Floats = np.array([x + (w - 1) / 2.0, y + (h - 1) / 2.0])
     height, width = bright.shape
     for _ in range(3):
@@ -355,7 +355,7 @@ def _measure_light(
             return None
         place = np.array([(weight * u).sum(), (weight * v).sum()]) / total
     own = above[labels == number]
-    confidence = min(1.0, float(own.max()) / (2.0 * LEAST_BRIGHTNESS)) * min(1.0, fill / 0.7)
+    confidence = min(1.0, float(own.max()) / (2.0 * _LEAST_BRIGHTNESS)) * min(1.0, fill / 0.7)
     least, most = place - (reach - 0.5), place + (reach - 0.5)
     at_edge = bool((least < 0.0).any() or (most > (width - 1, height - 1)).any())
     return MarkSpot((float(place[0]), float(place[1])), radius, None, confidence, at_edge)
@@ -372,8 +372,8 @@ def find_spots(
     found = []
     for mark in marks:
         if isinstance(mark, Light):
-            found.append(find_lights(picture))
+            found.append(_find_lights(picture))
             continue
-        hues = hues_of(picture) if hues is None else hues
-        found.append(find_balls(picture, hues, camera, mark))
+        hues = _hues_of(picture) if hues is None else hues
+        found.append(_find_balls(picture, hues, camera, mark))
     return found

@@ -56,12 +56,12 @@ from assistant.vision.rules import (
     OTHER_LIBRARY_VERSION,
 )
 
-VERSION: Final = 1
-ARCHIVE_KIND: Final = "known object"
-INDEX_FILE: Final = "library.toml"
-MOST_OBJECTS: Final = 1000
-MOST_POINTS: Final = 100_000
-LARGEST_OBJECT: Final = 1e5
+_VERSION: Final = 1
+_ARCHIVE_KIND: Final = "known object"
+_INDEX_FILE: Final = "library.toml"
+_MOST_OBJECTS: Final = 1000
+_MOST_POINTS: Final = 100_000
+_LARGEST_OBJECT: Final = 1e5
 """mm of an object."""
 
 
@@ -79,7 +79,7 @@ def read_library(folder: str | FilePath) -> Library:
     """
     place = FilePath(folder)
     _check_version(place)
-    names = names_in(place)
+    names = _names_in(place)
     if not names:
         raise Refused(EMPTY_LIBRARY(path=str(folder)), exit_status=2)
     read = [_read_object(place, name) for name in names]
@@ -87,13 +87,13 @@ def read_library(folder: str | FilePath) -> Library:
     return Library(objects, tuple(finding for _, found in read for finding in found))
 
 
-def names_in(folder: FilePath) -> list[str]:
+def _names_in(folder: FilePath) -> list[str]:
     """The objects of a library by the names of their files; raises Refused for too many."""
     names = sorted(
-        one.stem for one in folder.glob("*.toml") if one.name != INDEX_FILE and is_file(one)
+        one.stem for one in folder.glob("*.toml") if one.name != _INDEX_FILE and is_file(one)
     )
-    if len(names) > MOST_OBJECTS:
-        reason = f"it has more than {MOST_OBJECTS} objects"
+    if len(names) > _MOST_OBJECTS:
+        reason = f"it has more than {_MOST_OBJECTS} objects"
         raise Refused(
             NO_OBJECT_LIBRARY(path=str(folder), name=folder, reason=reason), exit_status=2
         )
@@ -104,7 +104,7 @@ def names_in(folder: FilePath) -> list[str]:
 
 def check_name(name: str, path: str | None = None) -> None:
     """Raises Refused for what cannot name an object."""
-    if IDENTIFIER.fullmatch(name) is None or name.lower() == FilePath(INDEX_FILE).stem:
+    if IDENTIFIER.fullmatch(name) is None or name.lower() == FilePath(_INDEX_FILE).stem:
         raise Refused(BAD_OBJECT_NAME(path=path, name=settings_tables.shown(name)), exit_status=2)
 
 
@@ -119,18 +119,18 @@ def add_objects(
     there: set[str] = set()
     if is_folder(place) and any(place.iterdir()):
         _check_version(place)
-        there = {name.lower() for name in names_in(place)}
-    files = {INDEX_FILE: f"version = {VERSION}\n".encode()}
+        there = {name.lower() for name in _names_in(place)}
+    files = {_INDEX_FILE: f"version = {_VERSION}\n".encode()}
     for one in objects:
         check_name(one.name)
         if one.name.lower() in there and not again:
             raise Refused(OBJECT_EXISTS(path=str(folder), name=one.name), exit_status=2)
-        files[f"{one.name}.toml"] = object_toml(one).encode()
+        files[f"{one.name}.toml"] = _object_toml(one).encode()
         files[f"{one.name}.npz"] = _archive(one)
     return write_files(files, place)
 
 
-def object_toml(one: KnownObject) -> str:
+def _object_toml(one: KnownObject) -> str:
     """Return the part of an object that people may edit, as TOML."""
     lines = [f"# {one.source}"] if one.source.isprintable() and one.source else []
     lines += [f"height = {_number(one.height)}  # mm of its face above what it lies on"]
@@ -158,22 +158,22 @@ def _numbers(numbers: Iterable[float], digits: int = 4) -> str:
 
 
 def _check_version(folder: FilePath) -> None:
-    index, name = folder / INDEX_FILE, str(folder)
+    index, name = folder / _INDEX_FILE, str(folder)
     if not is_folder(folder):
         raise Unreadable(
             NO_OBJECT_LIBRARY(path=name, name=folder, reason="there is no such folder")
         )
     if not is_file(index):
         raise Unreadable(
-            NO_OBJECT_LIBRARY(path=name, name=folder, reason=f"it has no {INDEX_FILE}")
+            NO_OBJECT_LIBRARY(path=name, name=folder, reason=f"it has no {_INDEX_FILE}")
         )
     top = read_toml(decode(read_bytes(index, most=SETTINGS_FILE), str(index), ENCODINGS))
     version = top.content.get("version")
     if isinstance(version, bool) or not isinstance(version, int):
-        reason = f"{INDEX_FILE} says no version"
+        reason = f"{_INDEX_FILE} says no version"
         raise Unreadable(NO_OBJECT_LIBRARY(path=str(index), name=folder, reason=reason))
-    if version != VERSION:
-        found = OTHER_LIBRARY_VERSION(path=str(index), version=version, known=VERSION)
+    if version != _VERSION:
+        found = OTHER_LIBRARY_VERSION(path=str(index), version=version, known=_VERSION)
         raise Refused(found, exit_status=2)
 
 
@@ -181,7 +181,7 @@ def _read_object(folder: FilePath, name: str) -> tuple[KnownObject, list[Diagnos
     path = folder / f"{name}.toml"
     source = decode(read_bytes(path, allow_empty=True, most=SETTINGS_FILE), str(path), ENCODINGS)
     top = read_toml(source)
-    found = top.read({"height": HEIGHT, "places": _as_it_is, "lines": _as_it_is})
+    found = top.read({"height": _HEIGHT, "places": _as_it_is, "lines": _as_it_is})
     places = {n: _read_place(t) for n, t in top.table("places").named()}
     lines = {n: _read_line(t) for n, t in top.table("lines").named()}
     if has_errors(top.page.findings):
@@ -197,7 +197,7 @@ def _read_object(folder: FilePath, name: str) -> tuple[KnownObject, list[Diagnos
     return one, top.page.findings
 
 
-HEIGHT: Final = settings_tables.number("mm", least=0.0, most=LARGEST_OBJECT)
+_HEIGHT: Final = settings_tables.number("mm", least=0.0, most=_LARGEST_OBJECT)
 
 
 def _as_it_is(value: Any) -> Any:
@@ -206,9 +206,9 @@ def _as_it_is(value: Any) -> Any:
 
 def _points(value: Any) -> Floats:
     cure = "write points of two or three numbers in brackets"
-    if not isinstance(value, list) or len(value) < 2 or len(value) > MOST_POINTS:
+    if not isinstance(value, list) or len(value) < 2 or len(value) > _MOST_POINTS:
         raise Wrong("is no list of two points and more", cure)
-    one = settings_tables.number("mm", least=-LARGEST_OBJECT, most=LARGEST_OBJECT)
+    one = settings_tables.number("mm", least=-_LARGEST_OBJECT, most=_LARGEST_OBJECT)
     read = []
     for point in value:
         if not isinstance(point, list) or len(point) not in (2, 3):
@@ -220,25 +220,25 @@ def _points(value: Any) -> Floats:
 def _via_numbers(value: Any) -> frozenset[int]:
     if not isinstance(value, list):
         raise Wrong(f"is {kind_of(value)}", "write the numbers of points in brackets")
-    return frozenset(settings_tables.whole(0, MOST_POINTS)(v) for v in value)
+    return frozenset(settings_tables.whole(0, _MOST_POINTS)(v) for v in value)
 
 
-TURN_KEYS: Final[Mapping[str, Read]] = {
+_TURN_KEYS: Final[Mapping[str, Read]] = {
     "quaternion": lambda value: settings_tables.quaternion(value)[0],
     "euler_zyx": settings_tables.euler_zyx,
-    "approach": settings_tables.number("mm", least=0.0, most=LARGEST_OBJECT),
+    "approach": settings_tables.number("mm", least=0.0, most=_LARGEST_OBJECT),
 }
-PLACE_KEYS: Final[Mapping[str, Read]] = {"position": settings_tables.position, **TURN_KEYS}
-LINE_KEYS: Final[Mapping[str, Read]] = {
+_PLACE_KEYS: Final[Mapping[str, Read]] = {"position": settings_tables.position, **_TURN_KEYS}
+_LINE_KEYS: Final[Mapping[str, Read]] = {
     "points": _points,
     "vias": _via_numbers,
     "speed": settings_tables.number("mm/s", above=0.0),
-    **TURN_KEYS,
+    **_TURN_KEYS,
 }
 
 
 def _read_place(table: Table) -> Place:
-    found = table.read(PLACE_KEYS)
+    found = table.read(_PLACE_KEYS)
     pose = Pose(found.get("position", (0.0, 0.0, 0.0)), _read_turn(table, found))
     return Place(pose, found.get("approach", USUAL_APPROACH))
 
@@ -253,7 +253,7 @@ def _read_turn(table: Table, found: Mapping[str, Any]) -> tuple[float, float, fl
 
 
 def _read_line(table: Table) -> Line:
-    found = table.read(LINE_KEYS)
+    found = table.read(_LINE_KEYS)
     points, vias = found.get("points", np.zeros((2, 3))), found.get("vias", frozenset())
     if "points" not in table.content:
         table.say(NO_OBJECT, reason=f"the line `{table.path[-1]}` has no points")
@@ -267,8 +267,8 @@ def _read_line(table: Table) -> Line:
 def _archive(one: KnownObject) -> bytes:
     buffer = io.BytesIO()
     columns: dict[str, Any] = {
-        "kind": np.array(ARCHIVE_KIND),
-        "version": np.array([float(VERSION)]),
+        "kind": np.array(_ARCHIVE_KIND),
+        "version": np.array([float(_VERSION)]),
     }
     if one.outline is not None:
         columns["outline"] = one.outline.points
@@ -285,10 +285,10 @@ def _archive(one: KnownObject) -> bytes:
 
 def _read_features(path: FilePath) -> tuple[Outline | None, Texture | None]:
     arrays, texts = read_npz(read_bytes(path), str(path))
-    reason = "" if texts.get("kind") == ARCHIVE_KIND else "the archive says to be something else"
+    reason = "" if texts.get("kind") == _ARCHIVE_KIND else "the archive says to be something else"
     version = arrays.get("version", np.zeros(0))
-    if not reason and version.shape == (1,) and version[0] != VERSION:
-        told = OTHER_LIBRARY_VERSION(path=str(path), version=f"{version[0]:g}", known=VERSION)
+    if not reason and version.shape == (1,) and version[0] != _VERSION:
+        told = OTHER_LIBRARY_VERSION(path=str(path), version=f"{version[0]:g}", known=_VERSION)
         raise Refused(told, exit_status=2)
     reason = reason or _archive_fault(arrays)
     if reason:
@@ -316,24 +316,24 @@ def _archive_fault(arrays: Mapping[str, Floats]) -> str:
         return "it has neither an outline nor keypoints"
     if "outline" in arrays:
         outline, rings = arrays["outline"], arrays.get("rings", np.zeros(0))
-        if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) > MOST_POINTS:
+        if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) > _MOST_POINTS:
             return "its outline has no two columns"
         if rings.ndim != 1 or not len(rings) or (rings < 3).any() or (rings % 1 != 0).any():
             return "its rings are no numbers of points"
         if rings.sum() != len(outline):
             return "its rings and its outline differ in length"
-        if np.abs(outline).max() > LARGEST_OBJECT or np.ptp(outline, axis=0).min() < 1e-3:
+        if np.abs(outline).max() > _LARGEST_OBJECT or np.ptp(outline, axis=0).min() < 1e-3:
             return "its outline has no area"
     if "points" in arrays:
         points, descriptors = arrays["points"], arrays.get("descriptors", np.zeros(0))
-        if points.ndim != 2 or points.shape[1] != 3 or not 2 <= len(points) <= MOST_POINTS:
+        if points.ndim != 2 or points.shape[1] != 3 or not 2 <= len(points) <= _MOST_POINTS:
             return "its keypoints are no places"
         if descriptors.shape != (len(points), 128):
             return "its descriptors are not one for each keypoint"
         if (
             (descriptors < 0).any()
             or (descriptors > 255).any()
-            or np.abs(points).max() > LARGEST_OBJECT
+            or np.abs(points).max() > _LARGEST_OBJECT
         ):
             return "its descriptors or places are out of range"
     if "picture" in arrays:

@@ -34,11 +34,11 @@ from assistant.vision.rules import (
     SYMMETRIC_OUTLINE,
 )
 
-CHORD_TOLERANCE: Final = 0.02
+_CHORD_TOLERANCE: Final = 0.02
 """mm that chords stand for arcs and free curves by, and over which ends are joined."""
-LEVEL_TOLERANCE: Final = 0.01
+_LEVEL_TOLERANCE: Final = 0.01
 """mm that an outline may be off a level plane."""
-SMALLEST_OUTLINE: Final = 2.0
+_SMALLEST_OUTLINE: Final = 2.0
 """mm of the longer side of an outline."""
 
 
@@ -68,7 +68,7 @@ def read_part(
     given = str(path)
     process = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
     contents = read_contents(FilePath(path), process)
-    chained, joined = chain_curves(contents.curves, CHORD_TOLERANCE * 2.5, path=given)
+    chained, joined = chain_curves(contents.curves, _CHORD_TOLERANCE * 2.5, path=given)
     if has_errors((*contents.findings, *joined)):
         raise Refused(*contents.findings, *joined)
     ways = _lines_of_layers(chained, lines, given)
@@ -80,11 +80,11 @@ def read_part(
         lines={key: _lowered(line, level) for key, line in ways.items()},
         source=f"from {FilePath(path).name}",
     )
-    told = [*contents.findings, *joined, *found, *symmetry_findings(known, given)]
+    told = [*contents.findings, *joined, *found, *_symmetry_findings(known, given)]
     return DrawnObject(known, tuple(told))
 
 
-def symmetry_findings(known: KnownObject, path: str) -> list[Diagnostic]:
+def _symmetry_findings(known: KnownObject, path: str) -> list[Diagnostic]:
     """Return findings about an outline that looks the same after a turn."""
     if known.symmetry == 1:
         return []
@@ -121,12 +121,12 @@ def _outline(contours: Sequence[Contour], path: str) -> tuple[Outline, float]:
     rings: list[Floats] = []
     heights: list[float] = []
     for one in contours:
-        pieces = as_pieces(one, CHORD_TOLERANCE).pieces
+        pieces = as_pieces(one, _CHORD_TOLERANCE).pieces
         if not pieces:
             raise _bad_outline(path, "cannot be followed", "draw it with lines, arcs and splines")
         heights += [z for piece in pieces for z in (piece.start[2], piece.end[2])]
-        rings.append(polyline(pieces, CHORD_TOLERANCE, closed=True))
-    if np.ptp(heights) > LEVEL_TOLERANCE:
+        rings.append(polyline(pieces, _CHORD_TOLERANCE, closed=True))
+    if np.ptp(heights) > _LEVEL_TOLERANCE:
         raise _bad_outline(
             path, f"is not flat: z differs by {np.ptp(heights):.3g} mm", "draw it in one z"
         )
@@ -134,9 +134,9 @@ def _outline(contours: Sequence[Contour], path: str) -> tuple[Outline, float]:
     outer = Polygon(rings[0])
     if not outer.is_valid:
         raise _bad_outline(path, "crosses itself", "mend it in the drawing")
-    if max(np.ptp(rings[0], axis=0)) < SMALLEST_OUTLINE:
+    if max(np.ptp(rings[0], axis=0)) < _SMALLEST_OUTLINE:
         raise _bad_outline(
-            path, f"is smaller than {SMALLEST_OUTLINE:g} mm", "look at the unit of the drawing"
+            path, f"is smaller than {_SMALLEST_OUTLINE:g} mm", "look at the unit of the drawing"
         )
     for ring in rings[1:]:
         hole = Polygon(ring)
@@ -170,7 +170,7 @@ def _lines_of_layers(
             stem = layer.lower() if len(group) == 1 else f"{layer.lower()}_{number}"
             name = identifier(stem, taken)
             taken.add(name)
-            rows = contour_moves(one, CHORD_TOLERANCE)
+            rows = contour_moves(one, _CHORD_TOLERANCE)
             vias = np.nonzero(rows.kinds == Kind.VIA)[0] + 1
             points = np.vstack([rows.start, rows.positions])
             found[name] = Line(points, frozenset(int(v) for v in vias))

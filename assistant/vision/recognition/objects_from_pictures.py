@@ -43,16 +43,16 @@ from assistant.vision.rules import (
     UNRELATED_VIEW,
 )
 
-LARGEST_FACE: Final = 400
+_LARGEST_FACE: Final = 400
 """Pixels of the longer side of a face that is kept."""
-FEWEST_MARKS: Final = 40
-FEWEST_AGREEING: Final = 15
+_FEWEST_MARKS: Final = 40
+_FEWEST_AGREEING: Final = 15
 """Keypoints of another view that agree with the first one."""
-SAME_PICTURE_LEVELS: Final = 1.0
+_SAME_PICTURE_LEVELS: Final = 1.0
 """Grey levels that two views differ by, on average, if they are one picture."""
-RIM_SHARE: Final = 0.04
+_RIM_SHARE: Final = 0.04
 """Part of the length of a thing from its edge within which marks are of what it lies on, too."""
-MOST_MARKS: Final = 6000
+_MOST_MARKS: Final = 6000
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +84,8 @@ def learn_face(
     grey = _scaled_face(cv, cv.cvtColor(first, cv.COLOR_BGR2GRAY))
     tall = width * first.shape[0] / first.shape[1]
     marks = face_keypoints(cv, grey)
-    if len(marks) < FEWEST_MARKS:
-        raise Refused(NO_TEXTURE(path=path, count=len(marks), least=FEWEST_MARKS))
+    if len(marks) < _FEWEST_MARKS:
+        raise Refused(NO_TEXTURE(path=path, count=len(marks), least=_FEWEST_MARKS))
     texture = Texture(
         _positions_on_face(marks.pixels, grey, width, tall), marks.descriptors, grey, (width, tall)
     )
@@ -123,7 +123,7 @@ def learn_lying(
     back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     inside = [(ring - [x, y]) @ back.T for ring in rings]
     outline = Outline(
-        tuple(_simplified_ring(cv, ring, 0.4 * wide / LARGEST_FACE) for ring in inside)
+        tuple(_simplified_ring(cv, ring, 0.4 * wide / _LARGEST_FACE) for ring in inside)
     )
     pose = plane.pose @ Pose.of(
         np.array([x, y, height]), rotations.canonical(rotations.about((0.0, 0.0, 1.0), turn))
@@ -132,8 +132,8 @@ def learn_lying(
     marks = face_keypoints(cv, grey)
     texture = None
     places = _positions_on_face(marks.pixels, grey, wide, tall)
-    own = _well_inside(outline, places, RIM_SHARE * wide)
-    if own.sum() >= FEWEST_MARKS:
+    own = _well_inside(outline, places, _RIM_SHARE * wide)
+    if own.sum() >= _FEWEST_MARKS:
         texture = Texture(places[own], marks.descriptors[own], grey, (wide, tall))
         for other in views[1:]:
             texture = _with_view(cv, texture, other)
@@ -153,7 +153,7 @@ def _well_inside(outline: Outline, places: Floats, clear: float) -> Truths:
 
 
 def _scaled_face(cv: ModuleType, grey: Picture) -> Picture:
-    part = LARGEST_FACE / max(grey.shape)
+    part = _LARGEST_FACE / max(grey.shape)
     if part >= 1.0:
         return grey
     return np.asarray(cv.resize(grey, None, fx=part, fy=part, interpolation=cv.INTER_AREA))
@@ -172,7 +172,7 @@ def _repeated_views(views: Sequence[ObjectView]) -> tuple[Diagnostic, ...]:
     first = views[0].picture.astype(np.int16)
     others = [view.picture for view in views[1:]]
     same = [
-        one.shape == first.shape and np.abs(one - first).mean() < SAME_PICTURE_LEVELS
+        one.shape == first.shape and np.abs(one - first).mean() < _SAME_PICTURE_LEVELS
         for one in others
     ]
     return (REPEATED_VIEWS(path=views[0].name),) if others and all(same) else ()
@@ -184,13 +184,13 @@ def _with_view(cv: ModuleType, texture: Texture, view: ObjectView) -> Texture:
     owners = np.zeros(len(texture.points), np.intp)
     here, there = match_keypoints(cv, seen, texture.descriptors, owners, texture.points)
     map, good = None, None
-    if len(here) >= FEWEST_AGREEING:
+    if len(here) >= _FEWEST_AGREEING:
         cv.setRNGSeed(1)
         map, good = cv.findHomography(
             seen.pixels[here], texture.points[there, :2], cv.RANSAC, _most_keypoint_error(texture)
         )
     agreed = 0 if good is None else int(good.sum())
-    if map is None or agreed < FEWEST_AGREEING:
+    if map is None or agreed < _FEWEST_AGREEING:
         raise Refused(UNRELATED_VIEW(path=view.name, count=agreed))
     places = cv.perspectiveTransform(seen.pixels[None], map)[0]
     assert texture.size is not None
@@ -199,7 +199,7 @@ def _with_view(cv: ModuleType, texture: Texture, view: ObjectView) -> Texture:
     )
     more = Keypoints(places[on], seen.descriptors[on], seen.sizes[on])
     points = np.column_stack([more.pixels, np.zeros(len(more))])
-    room = max(MOST_MARKS - len(texture.points), 0)
+    room = max(_MOST_MARKS - len(texture.points), 0)
     return replace(
         texture,
         points=np.concatenate([texture.points, points[:room]]),
@@ -223,7 +223,7 @@ def _rectified_face(
     cv: ModuleType, camera: Camera, picture: Picture, pose: Pose, wide: float, tall: float
 ) -> Picture:
     """The face as it is from straight above, in grey levels."""
-    step = max(wide, tall) / LARGEST_FACE
+    step = max(wide, tall) / _LARGEST_FACE
     width, height = max(round(wide / step), 16), max(round(tall / step), 16)
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     pixels = np.column_stack([u.ravel(), v.ravel()]).astype(np.float64)
@@ -233,13 +233,13 @@ def _rectified_face(
     return np.asarray(cv.remap(grey, seen[..., 0], seen[..., 1], cv.INTER_CUBIC))
 
 
-MUTUAL_RATIO: Final = 0.85
+_MUTUAL_RATIO: Final = 0.85
 """Distance to the nearest descriptor by that to the next one, at most."""
-MOST_KEYPOINT_RESIDUAL: Final = 1.0
+_MOST_KEYPOINT_RESIDUAL: Final = 1.0
 """Pixels that a mark may leave in both pictures."""
-MOST_POSITION_SIGMA: Final = 1.5
+_MOST_POSITION_SIGMA: Final = 1.5
 """mm, one sigma, that the place of a mark may be unsure by."""
-MOST_BELOW_PLANE: Final = 2.0
+_MOST_BELOW_PLANE: Final = 2.0
 """mm that a mark may seem to be below the plane."""
 
 
@@ -261,11 +261,11 @@ def learn_solid(
     located = triangulate([one.camera, other.camera], pixels, 0.3)
     local = plane.pose.inverse().moved(np.nan_to_num(located.points))
     with np.errstate(invalid="ignore"):
-        good = (located.residuals < MOST_KEYPOINT_RESIDUAL) & (local[:, 2] > -MOST_BELOW_PLANE)
+        good = (located.residuals < _MOST_KEYPOINT_RESIDUAL) & (local[:, 2] > -_MOST_BELOW_PLANE)
         sure = np.linalg.eigvalsh(np.nan_to_num(located.covariances, nan=1e6))[:, -1]
-        good &= sure < MOST_POSITION_SIGMA**2
-    if good.sum() < FEWEST_MARKS:
-        raise Refused(NO_TEXTURE(path=one.name, count=int(good.sum()), least=FEWEST_MARKS))
+        good &= sure < _MOST_POSITION_SIGMA**2
+    if good.sum() < _FEWEST_MARKS:
+        raise Refused(NO_TEXTURE(path=one.name, count=int(good.sum()), least=_FEWEST_MARKS))
     middle = np.median(local[good], axis=0)
     points: Floats = local[good] - [middle[0], middle[1], 0.0]
     descriptors = [seen[0].descriptors[first[good]], seen[1].descriptors[second[good]]]
@@ -292,7 +292,7 @@ def _mutual_matches(cv: ModuleType, one: Descriptors, other: Descriptors) -> tup
     pairs = [
         (m.queryIdx, m.trainIdx)
         for m, n in there
-        if m.distance < MUTUAL_RATIO * n.distance and back[m.trainIdx] == m.queryIdx
+        if m.distance < _MUTUAL_RATIO * n.distance and back[m.trainIdx] == m.queryIdx
     ]
     rows = np.array(pairs, dtype=np.intp).reshape(-1, 2)
     return rows[:, 0], rows[:, 1]

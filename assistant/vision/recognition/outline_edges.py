@@ -24,20 +24,20 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
-PROFILE_STEP: Final = 0.5
+_PROFILE_STEP: Final = 0.5
 """Pixels between samples across an edge."""
-LEAST_RISE: Final = 5.0
+_LEAST_RISE: Final = 5.0
 """Grey levels a pixel that an edge rises by at least."""
-LEAST_RISE_SIGMAS: Final = 5.0
+_LEAST_RISE_SIGMAS: Final = 5.0
 """Times the noise that it rises by as well."""
 SAMPLE_SPACING: Final = 3.0
 """Pixels between samples of an outline."""
 CORNER_CLEARANCE: Final = 3.0
 """Pixels from a corner within which edges are ignored: a corner is round in the picture."""
-SIDE_DISTANCE: Final = 3.5
+_SIDE_DISTANCE: Final = 3.5
 """Pixels from the outline at which both sides of it are examined."""
-MOSTLY_BACKGROUND: Final = 0.7
-MOST_EDGE_SLOPE: Final = 0.12
+_MOSTLY_BACKGROUND: Final = 0.7
+_MOST_EDGE_SLOPE: Final = 0.12
 """Pixels that an edge may leave the outline by a pixel along it; more is the edge of another thing
 that crosses there."""
 
@@ -105,7 +105,7 @@ class FoundEdges:
     slopes: Floats
 
 
-def find_edges(
+def _find_edges(
     cv: ModuleType,
     photo: Photo,
     samples: OutlineSamples,
@@ -128,7 +128,7 @@ def find_edges(
     offs = _edge_offsets(cv, photo, pixels, normals, reach)
     offs[~photo.camera.within(pixels, reach)] = np.nan
     if along:
-        offs = np.where(_edge_slopes(offs, pixels) > MOST_EDGE_SLOPE, np.nan, offs)
+        offs = np.where(_edge_slopes(offs, pixels) > _MOST_EDGE_SLOPE, np.nan, offs)
     return FoundEdges(offs, pixels, normals, np.einsum("nk,nkj->nj", normals, slopes))
 
 
@@ -145,7 +145,7 @@ def measure_edges(
 
     def rows(pose: Pose) -> PixelErrors:
         near = left.pop(0) if left else 2.0
-        found = find_edges(cv, photo, samples, pose, near, along=not left)
+        found = _find_edges(cv, photo, samples, pose, near, along=not left)
         offs = found.offs if left else _background_edges(photo, found)
         unsure = 0.5 * np.maximum(_foot_offsets(photo, samples, pose, found, height), 0.0)
         return PixelErrors(-offs, found.slopes, along=True, unsure=unsure)
@@ -167,9 +167,9 @@ def _background_edges(photo: Photo, found: FoundEdges) -> Floats:
     """Offs of edges to the background alone, where these are most: an edge to another thing may be
     that of the thing, which lies upon it.
     """
-    clear = ~photo.is_foreground(found.pixels + SIDE_DISTANCE * found.normals)
+    clear = ~photo.is_foreground(found.pixels + _SIDE_DISTANCE * found.normals)
     told = np.isfinite(found.offs)
-    if (told & clear).sum() < MOSTLY_BACKGROUND * told.sum():
+    if (told & clear).sum() < _MOSTLY_BACKGROUND * told.sum():
         return found.offs
     return np.where(clear, found.offs, np.nan)
 
@@ -190,16 +190,16 @@ def _edge_offsets(
     cv: ModuleType, photo: Photo, pixels: Floats, normals: Floats, reach: float
 ) -> Floats:
     """The nearest of the strong rises along each normal, by a parabola through its top."""
-    half = int(np.ceil(reach / PROFILE_STEP)) + 3
-    t = np.arange(-half, half + 1) * PROFILE_STEP
+    half = int(np.ceil(reach / _PROFILE_STEP)) + 3
+    t = np.arange(-half, half + 1) * _PROFILE_STEP
     places = np.nan_to_num(pixels)[:, None, :] + t[None, :, None] * normals[:, None, :]
     grid = places.astype(np.float32)
     values = cv.remap(
         photo.smooth, grid[..., 0], grid[..., 1], cv.INTER_LINEAR, borderMode=cv.BORDER_REPLICATE
     )
-    rise = np.linalg.norm(values[:, 4:] - values[:, :-4], axis=2) / (4 * PROFILE_STEP)
+    rise = np.linalg.norm(values[:, 4:] - values[:, :-4], axis=2) / (4 * _PROFILE_STEP)
     t = t[2:-2]
-    least = max(LEAST_RISE, LEAST_RISE_SIGMAS * photo.noise / (2.0 * PROFILE_STEP * 4) * 2.0)
+    least = max(_LEAST_RISE, _LEAST_RISE_SIGMAS * photo.noise / (2.0 * _PROFILE_STEP * 4) * 2.0)
     middle = rise[:, 1:-1]
     top = (middle >= rise[:, :-2]) & (middle > rise[:, 2:]) & (middle > least)
     top &= np.abs(t[1:-1]) <= reach
@@ -210,15 +210,15 @@ def _edge_offsets(
     a, b, c = rise[rows, best], rise[rows, best + 1], rise[rows, best + 2]
     curve = a - 2.0 * b + c
     part = np.where(curve < 0.0, 0.5 * (a - c) / np.minimum(curve, -1e-9), 0.0)
-    offs = t[1:-1][best] + np.clip(part, -1.0, 1.0) * PROFILE_STEP
+    offs = t[1:-1][best] + np.clip(part, -1.0, 1.0) * _PROFILE_STEP
     return np.where(value[rows, best] > 0.0, offs, np.nan)
 
 
-SUPPORTING_DISTANCE: Final = 1.6
+_SUPPORTING_DISTANCE: Final = 1.6
 """Pixels that an edge of the picture is at most from the outline that it supports."""
-MOST_COLOUR_DIFFERENCE: Final = 30.0
+_MOST_COLOUR_DIFFERENCE: Final = 30.0
 """Units of L*a*b* from which no two colours are of one plain thing, however mottled."""
-INNER_GRID: Final = 28
+_INNER_GRID: Final = 28
 """Positions along the longer side of an outline at which its inside is sampled."""
 
 
@@ -262,7 +262,7 @@ def face_appearance(photo: Photo, inner: Floats, pose: Pose) -> FaceAppearance:
     own = np.median(colours, axis=0)
     away = np.linalg.norm(colours - own, axis=1)
     spread = 2.0 * 1.4826 * float(np.median(away))
-    close = min(max(photo.different * 1.25, spread), MOST_COLOUR_DIFFERENCE)
+    close = min(max(photo.different * 1.25, spread), _MOST_COLOUR_DIFFERENCE)
     return FaceAppearance(own, close, float((away < close).sum()) / len(inner), empty)
 
 
@@ -270,11 +270,11 @@ def judge_outline(
     cv: ModuleType, photo: Photo, inner: Floats, samples: OutlineSamples, pose: Pose
 ) -> OutlineSupport:
     """Judge an outline at a pose in a picture; inner: as in `face_appearance`."""
-    found = find_edges(cv, photo, samples, pose, 3.0, along=True)
-    held = np.isfinite(found.offs) & (np.abs(found.offs) <= SUPPORTING_DISTANCE)
+    found = _find_edges(cv, photo, samples, pose, 3.0, along=True)
+    held = np.isfinite(found.offs) & (np.abs(found.offs) <= _SUPPORTING_DISTANCE)
     face = face_appearance(photo, inner, pose)
     own, close = face.colour, face.close
-    inside, outside = (found.pixels + side * SIDE_DISTANCE * found.normals for side in (-1.0, 1.0))
+    inside, outside = (found.pixels + side * _SIDE_DISTANCE * found.normals for side in (-1.0, 1.0))
     like_in = _shows_own_colour(photo, inside, own, close) & photo.is_foreground(inside)
     like_out = _shows_own_colour(photo, outside, own, close) & photo.is_foreground(outside)
     nothing = ~photo.is_foreground(inside) & photo.camera.within(inside)
@@ -291,7 +291,7 @@ def judge_outline(
     )
 
 
-def inner_points(outline: Outline, count: int = INNER_GRID) -> Floats:
+def inner_points(outline: Outline, count: int = _INNER_GRID) -> Floats:
     """(n, 3) places inside of an outline, on a grid of which none is near to its edge."""
     low, high = outline.rings[0].min(axis=0), outline.rings[0].max(axis=0)
     step = float((high - low).max()) / count
@@ -335,14 +335,14 @@ def _shows_own_colour(photo: Photo, pixels: Floats, own: Floats, close: float) -
         return np.asarray(np.linalg.norm(photo.colours(pixels) - own, axis=1) < close)
 
 
-MOST_SYMMETRY: Final = 24
-"""Turns of a full one that are tried; what looks the same by `DISC_SYMMETRIES` of them is a
+_MOST_SYMMETRY: Final = 24
+"""Turns of a full one that are tried; what looks the same by `_DISC_SYMMETRIES` of them is a
 disc."""
-DISC_SYMMETRIES: Final = (11, 13)
-SAME_OFFSET: Final = 0.004
+_DISC_SYMMETRIES: Final = (11, 13)
+_SAME_OFFSET: Final = 0.004
 """Part of its size by which a turned outline may be off itself."""
 
-NEARLY_SAME_OFFSET: Final = 0.02
+_NEARLY_SAME_OFFSET: Final = 0.02
 """Part of its size by which it is off itself on average, where it looks nearly the same."""
 
 
@@ -356,26 +356,26 @@ def outline_centre(outline: Outline) -> Floats:
 
 def symmetry_of(outline: Outline) -> int:
     """The ways, 1 for none but itself, 0 for a disc, which can be turned by any angle."""
-    if all(off.max() < SAME_OFFSET for off in _turned_offsets(outline, DISC_SYMMETRIES)):
+    if all(off.max() < _SAME_OFFSET for off in _turned_offsets(outline, _DISC_SYMMETRIES)):
         return 0
-    ways = range(MOST_SYMMETRY, 1, -1)
+    ways = range(_MOST_SYMMETRY, 1, -1)
     alike = (
         k
         for k, off in zip(ways, _turned_offsets(outline, ways), strict=True)
-        if off.max() < SAME_OFFSET
+        if off.max() < _SAME_OFFSET
     )
     return next(alike, 1)
 
 
 def near_symmetry_of(outline: Outline) -> int:
     """In how many ways it looks nearly the same, but for something small; 1 for none."""
-    ways = range(2, MOST_SYMMETRY + 1)
+    ways = range(2, _MOST_SYMMETRY + 1)
     means = [float(off.mean()) for off in _turned_offsets(outline, ways)]
     least = min(means)
-    if least > NEARLY_SAME_OFFSET:
+    if least > _NEARLY_SAME_OFFSET:
         return 1
     return max(
-        k for k, off in zip(ways, means, strict=True) if off <= 1.5 * least + SAME_OFFSET / 2.0
+        k for k, off in zip(ways, means, strict=True) if off <= 1.5 * least + _SAME_OFFSET / 2.0
     )
 
 

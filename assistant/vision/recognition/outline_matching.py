@@ -42,20 +42,20 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
-PAIRED_POINTS: Final = 96
+_PAIRED_POINTS: Final = 96
 """Points of an outline that form pairs."""
-VOTING_POINTS: Final = 28
+_VOTING_POINTS: Final = 28
 """Points of a seen contour that vote."""
-PARTNER_POINTS: Final = 120
+_PARTNER_POINTS: Final = 120
 """Points of a seen contour that they are paired with."""
-DISTANCE_STEPS: Final = 24
+_DISTANCE_STEPS: Final = 24
 """Steps of distances up to the largest of an outline."""
-ANGLE_STEPS: Final = 24
+_ANGLE_STEPS: Final = 24
 """Steps of a full turn."""
-MOST_CANDIDATES: Final = 4
+_MOST_CANDIDATES: Final = 4
 """Poses of an outline in a contour that are examined closely."""
-CONTOUR_FIT_ROUNDS: Final = 10
-LEAST_NEAR_CONTOUR: Final = 0.3
+_CONTOUR_FIT_ROUNDS: Final = 10
+_LEAST_NEAR_CONTOUR: Final = 0.3
 """Part of an outline that lies near to a contour where a pose that is voted for is worth more."""
 
 
@@ -85,7 +85,7 @@ class Contour:
     normals: Floats
 
 
-def sample_contour(rings: tuple[Floats, ...], count: int = PARTNER_POINTS) -> Contour:
+def _sample_contour(rings: tuple[Floats, ...], count: int = _PARTNER_POINTS) -> Contour:
     """Points evenly spaced on closed rings (n, 2), material to their left."""
     lengths = [np.linalg.norm(np.roll(r, -1, axis=0) - r, axis=1) for r in rings]
     total = sum(float(one.sum()) for one in lengths)
@@ -126,7 +126,7 @@ class PairTable:
         perimeter = sum(
             float(np.linalg.norm(np.roll(r, -1, axis=0) - r, axis=1).sum()) for r in outline.rings
         )
-        samples = sample_outline(outline, perimeter / PAIRED_POINTS)
+        samples = sample_outline(outline, perimeter / _PAIRED_POINTS)
         contour = Contour(samples.points[:, :2], samples.normals[:, :2])
         count = len(contour.points)
         gaps = np.linalg.norm(contour.points[:, None] - contour.points[None], axis=2)
@@ -134,15 +134,15 @@ class PairTable:
         first, second = np.nonzero(gaps > 0.04 * largest)
         cells, _ = _table_cells(contour, contour, first, second, largest)
         order = np.argsort(cells, kind="stable")
-        counts = np.bincount(cells, minlength=DISTANCE_STEPS * ANGLE_STEPS * ANGLE_STEPS)
+        counts = np.bincount(cells, minlength=_DISTANCE_STEPS * _ANGLE_STEPS * _ANGLE_STEPS)
         assert count
         starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
         return PairTable(contour, largest, first[order], starts, counts)
 
-    def poses(self, seen: Contour, kept: int = MOST_CANDIDATES) -> list[PlanePose]:
+    def poses(self, seen: Contour, kept: int = _MOST_CANDIDATES) -> list[PlanePose]:
         """Poses that the most pairs of a seen contour vote for, the best first."""
         count = len(seen.points)
-        firsts = evenly_spaced(count, VOTING_POINTS)
+        firsts = evenly_spaced(count, _VOTING_POINTS)
         one, other = (a.ravel() for a in np.meshgrid(firsts, np.arange(count), indexing="ij"))
         gap = np.linalg.norm(seen.points[one] - seen.points[other], axis=1)
         near = (gap > 0.04 * self.largest) & (gap < self.largest)
@@ -199,8 +199,8 @@ class PairTable:
         gap, share = 0.1 * self.largest, 0.0
         middle = self.contour.points.mean(axis=0)
         squares = (seen.points**2).sum(axis=1)
-        for number in range(CONTOUR_FIT_ROUNDS):
-            some = slice(None, None, 1 if number >= CONTOUR_FIT_ROUNDS - 3 else 3)
+        for number in range(_CONTOUR_FIT_ROUNDS):
+            some = slice(None, None, 1 if number >= _CONTOUR_FIT_ROUNDS - 3 else 3)
             points = pose.moved(self.contour.points[some])
             normals = self.contour.normals[some] @ pose.matrix.T
             away = squares - 2.0 * points @ seen.points.T + (points**2).sum(axis=1)[:, None]
@@ -208,7 +208,7 @@ class PairTable:
             near = away.argmin(axis=1)
             good = away[np.arange(len(near)), near] < gap**2
             share = float(good.mean())
-            if good.sum() < 8 or (share < LEAST_NEAR_CONTOUR and number == 0):
+            if good.sum() < 8 or (share < _LEAST_NEAR_CONTOUR and number == 0):
                 return pose, 0.0
             # Distances along the normals of what is seen: points slide along edges freely.
             across = seen.normals[near[good]]
@@ -238,16 +238,16 @@ def _table_cells(
     line = other.points[second] - one.points[first]
     gap = np.linalg.norm(line, axis=1)
     heading = np.arctan2(line[:, 1], line[:, 0])
-    step = (gap / largest * DISTANCE_STEPS).astype(np.int64)
+    step = (gap / largest * _DISTANCE_STEPS).astype(np.int64)
     cells = step
     for normals in (one.normals[first], other.normals[second]):
         angle = np.arctan2(normals[:, 1], normals[:, 0]) - heading
-        part = np.mod(np.rint(angle / (2.0 * np.pi) * ANGLE_STEPS), ANGLE_STEPS).astype(np.int64)
-        cells = cells * ANGLE_STEPS + part
-    return np.where(step < DISTANCE_STEPS, cells, 0), step < DISTANCE_STEPS
+        part = np.mod(np.rint(angle / (2.0 * np.pi) * _ANGLE_STEPS), _ANGLE_STEPS).astype(np.int64)
+        cells = cells * _ANGLE_STEPS + part
+    return np.where(step < _DISTANCE_STEPS, cells, 0), step < _DISTANCE_STEPS
 
 
-ROUND_DIFFERENCE: Final = 0.03
+_ROUND_DIFFERENCE: Final = 0.03
 """Difference of the two radii of gyration, as a part of the larger, below which they determine no
 direction.
 """
@@ -268,7 +268,7 @@ class ContourMoments:
 
     @property
     def round(self) -> bool:
-        return self.radii[0] - self.radii[1] < ROUND_DIFFERENCE * self.radii[0]
+        return self.radii[0] - self.radii[1] < _ROUND_DIFFERENCE * self.radii[0]
 
     def like(self, other: ContourMoments, part: float = 0.06) -> bool:
         """True if size and stretch differ by at most that part."""
@@ -325,31 +325,31 @@ def _central_moments(m: dict[str, float], x: float, y: float) -> dict[str, float
     return {**mu, **nu}
 
 
-LEAST_SUPPORT: Final = 0.45
+_LEAST_SUPPORT: Final = 0.45
 """Part of an outline that has to be supported by edges, less twice what speaks against it."""
-SUPPORT_TO_TRY_TURNS: Final = 0.4
+_SUPPORT_TO_TRY_TURNS: Final = 0.4
 """Supported part of an outline from which on other turns of it are tried as well."""
-MOST_CONTRADICTED: Final = 0.08
+_MOST_CONTRADICTED: Final = 0.08
 """Part of an outline that a picture may contradict."""
-MOST_EMPTY: Final = 0.06
+_MOST_EMPTY: Final = 0.06
 """Part of the face at which there may be nothing."""
-LEAST_INSIDE: Final = 0.5
+_LEAST_INSIDE: Final = 0.5
 """Part of the face that shows one colour."""
-LEAST_INSIDE_AT_START: Final = 0.4
+_LEAST_INSIDE_AT_START: Final = 0.4
 """The same, before an outline is brought onto its edges."""
-LEAST_ON_CONTOUR: Final = 0.36
+_LEAST_ON_CONTOUR: Final = 0.36
 """Least part of an outline on a contour of the picture for a closer examination."""
-EDGE_REACH: Final = 6.0
+_EDGE_REACH: Final = 6.0
 """Pixels from the outline placed by the contour within which its edges are searched."""
-LEAST_OWN_EDGES: Final = 0.8
+_LEAST_OWN_EDGES: Final = 0.8
 """Part of the supported edges of an object that no other one has before."""
-RIVAL_CONFIDENCE: Final = 0.03
+_RIVAL_CONFIDENCE: Final = 0.03
 """Difference of confidence within which two poses are ambiguous."""
-POSES_TRIED: Final = 3
+_POSES_TRIED: Final = 3
 """Poses of an object in a region that are examined closely."""
-COVERED_EDGE: Final = 0.7
+_COVERED_EDGE: Final = 0.7
 """Part of a region's edge that lies on faces which are known already, from which it is left out."""
-FEWEST_SAMPLES: Final = 24
+_FEWEST_SAMPLES: Final = 24
 """Samples of an outline below which it is too small in a picture to be known by it."""
 
 
@@ -367,10 +367,10 @@ class OutlineFound:
 
     @property
     def confidence(self) -> float:
-        return confidence_of(self.judged)
+        return _confidence_of(self.judged)
 
 
-def confidence_of(judged: OutlineSupport) -> float:
+def _confidence_of(judged: OutlineSupport) -> float:
     """Part of the outline that is seen, less twice what speaks against it."""
     return max(judged.supported - 2.0 * judged.contradicted, 0.0)
 
@@ -413,13 +413,13 @@ def find_outlines(
     """
     possible: list[OutlineFound] = []
     for rings in photo.regions if shapes else ():
-        if any(points_in_ring(face, rings[0]).mean() > COVERED_EDGE for face in faces):
+        if any(points_in_ring(face, rings[0]).mean() > _COVERED_EDGE for face in faces):
             continue
-        by_height: dict[float, PlaneRegion | None] = {}
+        by_height: dict[float, _PlaneRegion | None] = {}
         for shape in shapes:
             height = shape.object.height
             if height not in by_height:
-                by_height[height] = PlaneRegion.of(cv, photo, rings, plane, height)
+                by_height[height] = _PlaneRegion.of(cv, photo, rings, plane, height)
             region = by_height[height]
             if region is None or region.moments.area < 0.3 * shape.moments.area:
                 continue
@@ -428,7 +428,7 @@ def find_outlines(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlaneRegion:
+class _PlaneRegion:
     """A region of the picture in the plane of a face. scale: mm a pixel."""
 
     contour: Contour
@@ -438,7 +438,7 @@ class PlaneRegion:
     @staticmethod
     def of(
         cv: ModuleType, photo: Photo, rings: tuple[Floats, ...], plane: Plane, height: float
-    ) -> PlaneRegion | None:
+    ) -> _PlaneRegion | None:
         """None where the picture does not show the plane."""
         flat = [pixels_on_plane(photo.camera, ring, plane, height) for ring in rings]
         if not flat or not np.isfinite(flat[0]).all():
@@ -451,7 +451,7 @@ class PlaneRegion:
             return None
         pixels = abs(signed_area(rings[0]))
         scale = float(np.sqrt(abs(signed_area(flat[0])) / max(pixels, 1.0)))
-        return PlaneRegion(sample_contour(tuple(flat)), found, scale)
+        return _PlaneRegion(_sample_contour(tuple(flat)), found, scale)
 
 
 def pixels_on_plane(camera: Camera, pixels: Floats, plane: Plane, height: float) -> Floats:
@@ -467,7 +467,7 @@ def pixels_on_plane(camera: Camera, pixels: Floats, plane: Plane, height: float)
 
 
 def _find_shape(
-    cv: ModuleType, photo: Photo, shape: OutlineShape, region: PlaneRegion, plane: Plane
+    cv: ModuleType, photo: Photo, shape: OutlineShape, region: _PlaneRegion, plane: Plane
 ) -> Iterator[OutlineFound]:
     """Poses of one object in one region that the picture agrees with."""
     settled = [shape.pairs.settled(region.contour, one) for one in _poses_by_moments(shape, region)]
@@ -476,20 +476,20 @@ def _find_shape(
         settled += [shape.pairs.settled(region.contour, one) for one in voted]
     tried: list[PlanePose] = []
     for pose, share in sorted(settled, key=lambda one: -one[1]):
-        if len(tried) >= POSES_TRIED * shape.nearly:
+        if len(tried) >= _POSES_TRIED * shape.nearly:
             return
-        if share < LEAST_ON_CONTOUR or any(_same_pose(pose, one, shape) for one in tried):
+        if share < _LEAST_ON_CONTOUR or any(_same_pose(pose, one, shape) for one in tried):
             continue
         first, *others = _turned_ways(shape, pose)
         tried += [first, *others]
         seen = [_fit_outline(cv, photo, shape, first, region, plane)]
-        if seen[0] is None or seen[0].judged.supported < SUPPORT_TO_TRY_TURNS:
+        if seen[0] is None or seen[0].judged.supported < _SUPPORT_TO_TRY_TURNS:
             continue
         seen += [_fit_outline(cv, photo, shape, one, region, plane) for one in others]
         agreed = (one for one in seen if one is not None and _agrees(one.judged))
         found = sorted(agreed, key=lambda one: -one.confidence)
         if found:
-            close = len(found) > 1 and found[1].confidence > found[0].confidence - RIVAL_CONFIDENCE
+            close = len(found) > 1 and found[1].confidence > found[0].confidence - _RIVAL_CONFIDENCE
             yield replace(found[0], doubtful=close)
 
 
@@ -504,7 +504,7 @@ def _turned_ways(shape: OutlineShape, pose: PlanePose) -> list[PlanePose]:
     return ways
 
 
-def _poses_by_moments(shape: OutlineShape, region: PlaneRegion) -> list[PlanePose]:
+def _poses_by_moments(shape: OutlineShape, region: _PlaneRegion) -> list[PlanePose]:
     """Poses of a shape that is seen whole: its main axis along that of the region, either way."""
     if not region.moments.like(shape.moments):
         return []
@@ -533,7 +533,7 @@ def _fit_outline(
     photo: Photo,
     shape: OutlineShape,
     flat: PlanePose,
-    region: PlaneRegion,
+    region: _PlaneRegion,
     plane: Plane,
 ) -> OutlineFound | None:
     known = shape.object
@@ -541,16 +541,16 @@ def _fit_outline(
     turn = rotations.about((0.0, 0.0, 1.0), np.degrees(flat.turn))
     pose = plane.pose @ Pose.of(np.array([flat.x, flat.y, known.height]), rotations.canonical(turn))
     face = face_appearance(photo, shape.inner, pose)
-    if face.alike < LEAST_INSIDE_AT_START or face.empty > 3.0 * MOST_EMPTY:
+    if face.alike < _LEAST_INSIDE_AT_START or face.empty > 3.0 * _MOST_EMPTY:
         return None
     samples = sample_outline(
         known.outline, SAMPLE_SPACING * region.scale, CORNER_CLEARANCE * region.scale
     )
-    if len(samples) < FEWEST_SAMPLES:
+    if len(samples) < _FEWEST_SAMPLES:
         return None
     estimate = fit_pose(
         pose,
-        [measure_edges(cv, photo, samples, EDGE_REACH, known.height)],
+        [measure_edges(cv, photo, samples, _EDGE_REACH, known.height)],
         plane,
         known.height,
         any_turn=known.symmetry == 0,
@@ -564,10 +564,10 @@ def _fit_outline(
 def _agrees(judged: OutlineSupport) -> bool:
     """True if a picture shows enough of an outline, and little that contradicts it."""
     return (
-        confidence_of(judged) >= LEAST_SUPPORT
-        and judged.contradicted <= MOST_CONTRADICTED
-        and judged.empty <= MOST_EMPTY
-        and judged.inside >= LEAST_INSIDE
+        _confidence_of(judged) >= _LEAST_SUPPORT
+        and judged.contradicted <= _MOST_CONTRADICTED
+        and judged.empty <= _MOST_EMPTY
+        and judged.inside >= _LEAST_INSIDE
     )
 
 
@@ -582,8 +582,8 @@ def _without_shared_edges(possible: list[OutlineFound]) -> list[OutlineFound]:
             away = np.sqrt(((own[:, None] - taken[None]) ** 2).sum(axis=2).min(axis=1))
         free = float((away > 2.0).mean())
         if (
-            free * one.judged.supported < LEAST_SUPPORT * LEAST_OWN_EDGES
-            or free < LEAST_OWN_EDGES - 0.2
+            free * one.judged.supported < _LEAST_SUPPORT * _LEAST_OWN_EDGES
+            or free < _LEAST_OWN_EDGES - 0.2
         ):
             kept = [replace(k, doubtful=k.doubtful or _rivals(k, one)) for k in kept]
             continue
@@ -596,7 +596,7 @@ def _rivals(kept: OutlineFound, other: OutlineFound) -> bool:
     """True if another pose of the same object at the same position is about as likely."""
     if kept.object is not other.object or kept.object.symmetry != 1:
         return False
-    if other.confidence < kept.confidence - RIVAL_CONFIDENCE:
+    if other.confidence < kept.confidence - _RIVAL_CONFIDENCE:
         return False
     points = kept.samples.points[::8]
     one, two = kept.estimate.pose.moved(points), other.estimate.pose.moved(points)

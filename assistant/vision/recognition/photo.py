@@ -30,17 +30,17 @@ if TYPE_CHECKING:
 Picture = NDArray[np.uint8]
 """(h, w, 3), blue, green, red."""
 
-LEAST_COLOUR_DIFFERENCE: Final = 8.0
+_LEAST_COLOUR_DIFFERENCE: Final = 8.0
 """Units of CIE L*a*b* that colours differ by to be two, beside what noise does."""
-NOISE_SIGMAS: Final = 4.0
+_NOISE_SIGMAS: Final = 4.0
 """Times the noise of the smoothed picture that they differ by as well."""
-LEAST_REGION_AREA: Final = 120
+_LEAST_REGION_AREA: Final = 120
 """Pixels of a region; smaller ones are left out."""
-PICTURE_SMOOTHING: Final = 1.2
+_PICTURE_SMOOTHING: Final = 1.2
 """Pixels, sigma, by which the picture is smoothed before colours are compared."""
-BACKGROUND_STRIDE: Final = 4
+_BACKGROUND_STRIDE: Final = 4
 """Every so many pixels along and across tell the background."""
-BACKGROUND_ROUNDS: Final = 6
+_BACKGROUND_ROUNDS: Final = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,14 +82,14 @@ class Photo:
 
 def analyse_picture(cv: ModuleType, camera: Camera, picture: Picture) -> Photo:
     """Compute all data of a picture that do not depend on the known objects."""
-    noise = picture_noise(cv, picture)
+    noise = _picture_noise(cv, picture)
     exact = picture.astype(np.float32)
     smooth = cv.GaussianBlur(exact, (0, 0), 0.7)
-    lab = _lab(cv, cv.GaussianBlur(cv.medianBlur(picture, 3), (0, 0), PICTURE_SMOOTHING))
+    lab = _lab(cv, cv.GaussianBlur(cv.medianBlur(picture, 3), (0, 0), _PICTURE_SMOOTHING))
     # Noise of L*, which follows grey levels by 100 / 255, after smoothing by a Gaussian.
-    rest = noise * 100.0 / 255.0 / (2.0 * np.sqrt(np.pi) * PICTURE_SMOOTHING)
-    different = LEAST_COLOUR_DIFFERENCE + NOISE_SIGMAS * rest
-    away = np.linalg.norm(lab - fit_background(lab), axis=2)
+    rest = noise * 100.0 / 255.0 / (2.0 * np.sqrt(np.pi) * _PICTURE_SMOOTHING)
+    different = _LEAST_COLOUR_DIFFERENCE + _NOISE_SIGMAS * rest
+    away = np.linalg.norm(lab - _fit_background(lab), axis=2)
     foreground = _without_specks(cv, away > different)
     found, areas, pieces = _regions(cv, lab, foreground, rest)
     return Photo(
@@ -98,7 +98,7 @@ def analyse_picture(cv: ModuleType, camera: Camera, picture: Picture) -> Photo:
     )
 
 
-def picture_noise(cv: ModuleType, picture: Picture) -> float:
+def _picture_noise(cv: ModuleType, picture: Picture) -> float:
     """Grey levels, one sigma, of white noise in a picture, robustly.
 
     By the mask that knows no planes (Immerkær, Fast noise variance estimation, 1996).
@@ -109,25 +109,26 @@ def picture_noise(cv: ModuleType, picture: Picture) -> float:
     return float(1.4826 * np.median(found) / 6.0)
 
 
-def fit_background(lab: Singles) -> Singles:
+def _fit_background(lab: Singles) -> Singles:
     """(h, w, 3) the colour of the background everywhere: a cubic in the places of pixels that
     fits most of those that are near to the commonest colour.
     """
     height, width = lab.shape[:2]
     rows, columns = np.mgrid[0:height, 0:width].astype(np.float32)
     terms = _cubic_terms(columns / width - 0.5, rows / height - 0.5)
-    some = terms[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].reshape(-1, terms.shape[2])
-    colours = lab[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].reshape(-1, 3)
+    some = terms[::_BACKGROUND_STRIDE, ::_BACKGROUND_STRIDE].reshape(-1, terms.shape[2])
+    colours = lab[::_BACKGROUND_STRIDE, ::_BACKGROUND_STRIDE].reshape(-1, 3)
     near = (
-        np.linalg.norm(colours - _commonest_colour(colours), axis=1) < 3.0 * LEAST_COLOUR_DIFFERENCE
+        np.linalg.norm(colours - _commonest_colour(colours), axis=1)
+        < 3.0 * _LEAST_COLOUR_DIFFERENCE
     )
     fit = np.zeros((some.shape[1], 3), np.float32)
     fit[0] = np.median(colours[near], axis=0)
-    for i in range(BACKGROUND_ROUNDS):
+    for i in range(_BACKGROUND_ROUNDS):
         away = np.linalg.norm(colours - some @ fit, axis=1)
         near = away < max(
-            LEAST_COLOUR_DIFFERENCE,
-            3.0 * LEAST_COLOUR_DIFFERENCE * (1.0 - i / (BACKGROUND_ROUNDS - 2)),
+            _LEAST_COLOUR_DIFFERENCE,
+            3.0 * _LEAST_COLOUR_DIFFERENCE * (1.0 - i / (_BACKGROUND_ROUNDS - 2)),
         )
         if near.sum() < 10 * some.shape[1]:
             break
@@ -168,7 +169,7 @@ def _regions(
 ) -> tuple[tuple[tuple[Floats, ...], ...], tuple[int, ...], int]:
     """Boundaries and areas: of each piece of foreground, and of its parts of one colour."""
     count, pieces, stats, _ = cv.connectedComponentsWithStats(foreground.astype(np.uint8))
-    whole = [i for i in range(1, count) if stats[i, cv.CC_STAT_AREA] >= LEAST_REGION_AREA]
+    whole = [i for i in range(1, count) if stats[i, cv.CC_STAT_AREA] >= _LEAST_REGION_AREA]
     parts = _parts_of_one_colour(cv, lab, foreground, rest)
     found: list[tuple[Floats, ...]] = []
     areas: list[int] = []
@@ -190,10 +191,10 @@ def _regions(
 def _parts_of_one_colour(cv: ModuleType, lab: Singles, foreground: Truths, rest: float) -> Any:
     """(h, w) numbers of parts of one colour, grown from where nothing changes; 0 for others."""
     slope = np.hypot(cv.Sobel(lab, -1, 1, 0, ksize=3), cv.Sobel(lab, -1, 0, 1, ksize=3)).max(axis=2)
-    calm = foreground & (slope / 8.0 < 1.5 + NOISE_SIGMAS * rest / 2.0)
+    calm = foreground & (slope / 8.0 < 1.5 + _NOISE_SIGMAS * rest / 2.0)
     calm = cv.erode(calm.astype(np.uint8), np.ones((3, 3), np.uint8))
     count, cores, stats, _ = cv.connectedComponentsWithStats(calm, connectivity=4)
-    small = stats[:, cv.CC_STAT_AREA] < LEAST_REGION_AREA / 4
+    small = stats[:, cv.CC_STAT_AREA] < _LEAST_REGION_AREA / 4
     cores[small[cores]] = 0
     cores[calm == 0] = 0
     markers = np.where(foreground, cores, count).astype(np.int32)
@@ -208,7 +209,7 @@ def _parts_of_one_colour(cv: ModuleType, lab: Singles, foreground: Truths, rest:
 
 
 def _large_regions(labels: Any) -> list[int]:
-    return [i for i, n in enumerate(np.bincount(labels.ravel())) if i and n >= LEAST_REGION_AREA]
+    return [i for i, n in enumerate(np.bincount(labels.ravel())) if i and n >= _LEAST_REGION_AREA]
 
 
 def _boxes(labels: Any) -> list[tuple[slice, slice]]:

@@ -20,37 +20,37 @@ from assistant.base.arrays import Floats, Truths
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 
-FIT_ROUNDS: Final = 12
-CONVERGED_SIGMAS: Final = 0.02
+_FIT_ROUNDS: Final = 12
+_CONVERGED_SIGMAS: Final = 0.02
 """Sigmas of a step at which they end."""
-TUKEY_SIGMAS: Final = 4.685
+_TUKEY_SIGMAS: Final = 4.685
 """Sigmas beyond which a measurement counts nothing: 95 % of the efficiency of least squares for
 Gaussian noise (Huber, Robust Statistics, 1981)."""
-LEAST_PIXEL_SIGMA: Final = 0.02
+_LEAST_PIXEL_SIGMA: Final = 0.02
 """Pixels that no measurement is surer than: of rounding to grey levels and to pixels."""
-SCATTER_FLOORS: Final = (2.0, 1.0, 0.5, 0.15)
+_SCATTER_FLOORS: Final = (2.0, 1.0, 0.5, 0.15)
 """Pixels, one sigma, that measurements are at least taken to scatter by where they are weighted: in
 the first steps, and in all after them. Else one edge that agrees with itself drives others out."""
-EDGE_SHIFT_SIGMA: Final = 0.3
+_EDGE_SHIFT_SIGMA: Final = 0.3
 """Pixels, one sigma, that all edges of an outline may lie out of the material."""
-SIDE_SIGMA: Final = 0.008
+_SIDE_SIGMA: Final = 0.008
 """Pixels, one sigma, that a whole side of an outline is off by what no noise is: the grid of
 pixels, corners, the lens. It is not less for more samples of that side."""
-SIDES: Final = 6.0
-SURE_ROW_SIGMA: Final = 0.05
+_SIDES: Final = 6.0
+_SURE_ROW_SIGMA: Final = 0.05
 """Pixels, one sigma, that a row counts wholly to which nothing else is unsure."""
-FEWEST_MEASUREMENTS: Final = 6
-LEAST_AGREEING: Final = 0.3
+_FEWEST_MEASUREMENTS: Final = 6
+_LEAST_AGREEING: Final = 0.3
 """Part of all measurements that have to agree with a pose."""
-KEYPOINT_OVERLAP: Final = 1.4
+_KEYPOINT_OVERLAP: Final = 1.4
 """Rows of keypoints with the information of one independent row: their surroundings overlap, and
 all share the errors of their learnt positions (measured on drawn scenes, tests/vision/recognition).
 """
-ANY_TURN_SIGMA: Final = 104.0
+_ANY_TURN_SIGMA: Final = 104.0
 """Degrees, one sigma, of what may be turned by any angle: 180 / √3."""
-UNKNOWN_HEIGHT_SIGMA: Final = 1e3
+_UNKNOWN_HEIGHT_SIGMA: Final = 1e3
 """mm, one sigma, of a plane whose height is left to what is seen."""
-FREE_DIRECTION_SHARE: Final = 1e-9
+_FREE_DIRECTION_SHARE: Final = 1e-9
 """Part of the largest eigenvalue below which measurements tell nothing of a direction."""
 
 
@@ -121,18 +121,18 @@ def fit_pose(
     however it is turned in its face, so that nothing tells how it is.
     """
     wide = _any_turn_information(pose) if any_turn else np.zeros((6, 6))
-    weights, scatter = np.zeros(0), LEAST_PIXEL_SIGMA
-    for number in range(FIT_ROUNDS):
-        coarse = SCATTER_FLOORS[min(number, len(SCATTER_FLOORS) - 1)]
+    weights, scatter = np.zeros(0), _LEAST_PIXEL_SIGMA
+    for number in range(_FIT_ROUNDS):
+        coarse = _SCATTER_FLOORS[min(number, len(_SCATTER_FLOORS) - 1)]
         found = _fit_step(pose, measures, plane, height, coarse, wide)
         if found is None:
             return None
         step, matrix, scatter, weights = found
-        if number == len(SCATTER_FLOORS) and float((weights > 0.0).mean()) < LEAST_AGREEING:
+        if number == len(_SCATTER_FLOORS) and float((weights > 0.0).mean()) < _LEAST_AGREEING:
             return None
         pose = moved_pose(pose, step)
-        small = float(step @ matrix @ step) < CONVERGED_SIGMAS**2
-        if small and number >= len(SCATTER_FLOORS):
+        small = float(step @ matrix @ step) < _CONVERGED_SIGMAS**2
+        if small and number >= len(_SCATTER_FLOORS):
             break
     units = np.array([1.0, 1.0, 1.0, *[180.0 / np.pi] * 3])
     covariance = np.asarray(np.linalg.inv(matrix) * np.outer(units, units), dtype=np.float64)
@@ -169,7 +169,7 @@ def fit_by_size(
 
     None where the measurements do not determine its size.
     """
-    unknown = replace(plane, sigma=UNKNOWN_HEIGHT_SIGMA)
+    unknown = replace(plane, sigma=_UNKNOWN_HEIGHT_SIGMA)
     found = fit_pose(on_plane.pose, measures, unknown, height, any_turn=any_turn)
     if found is None:
         return None
@@ -216,7 +216,9 @@ def measure_points(camera: Camera, points: Floats, pixels: Floats) -> Measure:
 
     def rows(pose: Pose) -> PixelErrors:
         at, slopes = pixels_and_slopes(camera, pose, points)
-        return PixelErrors((at - pixels).reshape(-1), slopes.reshape(-1, 6), alike=KEYPOINT_OVERLAP)
+        return PixelErrors(
+            (at - pixels).reshape(-1), slopes.reshape(-1, 6), alike=_KEYPOINT_OVERLAP
+        )
 
     return rows
 
@@ -246,7 +248,7 @@ def _fit_step(
     # Millimetres and radians differ by the size of what is looked at.
     scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     values = np.linalg.eigvalsh(matrix * np.outer(scale, scale))
-    if values[0] < FREE_DIRECTION_SHARE * values[-1]:
+    if values[0] < _FREE_DIRECTION_SHARE * values[-1]:
         return None
     step = np.asarray(-np.linalg.solve(matrix, vector), dtype=np.float64)
     return step, matrix, float(np.sqrt(squares / total)), np.concatenate(weights)
@@ -264,44 +266,44 @@ class _NormalEquations:
 
 def _normal_equations(rows: PixelErrors, coarse: float) -> _NormalEquations:
     good = np.isfinite(rows.offs) & np.isfinite(rows.slopes).all(axis=1)
-    if good.sum() < FEWEST_MEASUREMENTS:
+    if good.sum() < _FEWEST_MEASUREMENTS:
         return _NormalEquations(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
     offs, slopes = np.where(good, rows.offs, 0.0), np.where(good[:, None], rows.slopes, 0.0)
     middle = float(np.median(offs[good])) if rows.along else 0.0
     centred = np.where(good, offs - middle, 0.0)
     typical = max(1.4826 * float(np.median(np.abs(centred[good]))), coarse)
     weight = np.where(
-        good, np.maximum(1.0 - (centred / (TUKEY_SIGMAS * typical)) ** 2, 0.0) ** 2, 0.0
+        good, np.maximum(1.0 - (centred / (_TUKEY_SIGMAS * typical)) ** 2, 0.0) ** 2, 0.0
     )
     if rows.unsure is not None:
-        weight = weight / (1.0 + (rows.unsure / SURE_ROW_SIGMA) ** 2)
+        weight = weight / (1.0 + (rows.unsure / _SURE_ROW_SIGMA) ** 2)
     count = float((weight > 0.0).sum())
-    if count < FEWEST_MEASUREMENTS:
+    if count < _FEWEST_MEASUREMENTS:
         return _NormalEquations(np.zeros((6, 6)), np.zeros(6), np.zeros(len(good)), 0.0)
     if rows.along:
         centred = np.where(good, offs - float((weight * offs).sum() / weight.sum()), 0.0)
-    variance = float((weight * centred**2).sum() / weight.sum()) / TUKEY_SHRINKAGE
-    variance = max(variance * count / max(count - 6.0, 1.0), LEAST_PIXEL_SIGMA**2)
+    variance = float((weight * centred**2).sum() / weight.sum()) / _TUKEY_SHRINKAGE
+    variance = max(variance * count / max(count - 6.0, 1.0), _LEAST_PIXEL_SIGMA**2)
     scatter = variance
     variance *= rows.alike
     if rows.along:
         variance *= _correlation_factor(centred, weight > 0.0)
-        variance += SIDE_SIGMA**2 * count / SIDES
+        variance += _SIDE_SIGMA**2 * count / _SIDES
     matrix = (slopes * weight[:, None]).T @ slopes / variance
     vector = (slopes * weight[:, None]).T @ offs / variance
     if rows.along:
         # All edges may lie a little out of the material or in it, as light and lens have it: an
-        # unknown shift, of which `EDGE_SHIFT_SIGMA` is known before, is taken out of both.
+        # unknown shift, of which `_EDGE_SHIFT_SIGMA` is known before, is taken out of both.
         shift = slopes.T @ weight / variance
-        sure = float(weight.sum()) / variance + 1.0 / EDGE_SHIFT_SIGMA**2
+        sure = float(weight.sum()) / variance + 1.0 / _EDGE_SHIFT_SIGMA**2
         matrix -= np.outer(shift, shift) / sure
         vector -= shift * float(weight @ offs) / variance / sure
     return _NormalEquations(matrix, vector, weight, scatter)
 
 
-TUKEY_SHRINKAGE: Final = 0.828
-"""∫ w(x) x² φ / ∫ w(x) φ of Tukey's weights at `TUKEY_SIGMAS` sigmas."""
-MOST_CORRELATED_NEIGHBOURS: Final = 8
+_TUKEY_SHRINKAGE: Final = 0.828
+"""∫ w(x) x² φ / ∫ w(x) φ of Tukey's weights at `_TUKEY_SIGMAS` sigmas."""
+_MOST_CORRELATED_NEIGHBOURS: Final = 8
 
 
 def _correlation_factor(offs: Floats, used: Truths) -> float:
@@ -313,7 +315,7 @@ def _correlation_factor(offs: Floats, used: Truths) -> float:
     if power <= 0.0:
         return 1.0
     more = 1.0
-    for lag in range(1, min(MOST_CORRELATED_NEIGHBOURS, len(values) - 1) + 1):
+    for lag in range(1, min(_MOST_CORRELATED_NEIGHBOURS, len(values) - 1) + 1):
         part = float((values[lag:] * values[:-lag]).sum()) / power
         if part <= 0.05:
             break
@@ -322,10 +324,10 @@ def _correlation_factor(offs: Floats, used: Truths) -> float:
 
 
 def _any_turn_information(pose: Pose) -> Floats:
-    """(6, 6) that a turn about the normal of the face is known to `ANY_TURN_SIGMA` degrees only."""
+    """(6, 6): a turn about the normal of the face is known to `_ANY_TURN_SIGMA` degrees only."""
     axis = rotations.rotate(np.array(pose.quaternion), np.array([0.0, 0.0, 1.0]))
     known = np.zeros((6, 6))
-    known[3:, 3:] = np.outer(axis, axis) / np.radians(ANY_TURN_SIGMA) ** 2
+    known[3:, 3:] = np.outer(axis, axis) / np.radians(_ANY_TURN_SIGMA) ** 2
     return known
 
 

@@ -50,24 +50,24 @@ from assistant.vision.rules import (
     UNKNOWN_OBJECT,
 )
 
-LEVEL_PLANE: Final = Plane()
+_LEVEL_PLANE: Final = Plane()
 """x and y of the world."""
-SAME_OBJECT_SHARE: Final = 0.5
+_SAME_OBJECT_SHARE: Final = 0.5
 """Part of the shorter side of an object: what two cameras put nearer together is one, as two of a
 kind would lie in each other."""
-SAME_OBJECT_SIGMAS: Final = 4.0
+_SAME_OBJECT_SIGMAS: Final = 4.0
 """Added to that, of how sure both are."""
-DISAGREEING_SIGMAS: Final = 6.0
+_DISAGREEING_SIGMAS: Final = 6.0
 """Sigmas, and mm below, from which cameras disagree."""
-DISAGREEING_MM: Final = 0.5
-SURE_CONFIDENCE: Final = 0.6
+_DISAGREEING_MM: Final = 0.5
+_SURE_CONFIDENCE: Final = 0.6
 """Part of an object that is seen, and agrees, from which nobody doubts that it is this one."""
-COVERED_SHARE: Final = 0.3
+_COVERED_SHARE: Final = 0.3
 """Part of a thing that known objects cover from which it is not unknown."""
-CONTRADICTING_SIZE: Final = (4.0, 0.5)
+_CONTRADICTING_SIZE: Final = (4.0, 0.5)
 """Sigmas, and percent of its size, by which an object on the plane looks larger or smaller than it
 is: from there on its pose is wrong, or it is another object."""
-LEAST_UNKNOWN_AREA: Final = 0.1
+_LEAST_UNKNOWN_AREA: Final = 0.1
 """Part of the area of the smallest known object below which a thing is not worth a word."""
 
 
@@ -141,7 +141,7 @@ class Recogniser:
         self,
         pictures: Mapping[str, Picture],
         cameras: Mapping[str, Camera],
-        plane: Plane = LEVEL_PLANE,
+        plane: Plane = _LEVEL_PLANE,
     ) -> Recognition:
         """Recognise objects in one picture of each of some cameras in the world.
 
@@ -153,7 +153,7 @@ class Recogniser:
             for name, picture in pictures.items()
         }
         for name in photos:
-            check_plane_seen(cameras[name], plane)
+            _check_plane_seen(cameras[name], plane)
         ones = [one for photo in photos.values() for one in self._in_photo(photo, plane)]
         groups = _group_by_object(ones)
         findings: list[Diagnostic] = []
@@ -211,7 +211,7 @@ class Recogniser:
             for o in (self.marks.objects if self.marks else ())
             if o.texture is not None and o.texture.size is not None
         ]
-        least = LEAST_UNKNOWN_AREA * min(sizes, default=100.0)
+        least = _LEAST_UNKNOWN_AREA * min(sizes, default=100.0)
         things: list[UnknownThing] = []
         pieces = self.cv.connectedComponents(photo.foreground.astype(np.uint8))[1]
         for rings in photo.regions[: photo.pieces]:
@@ -221,7 +221,7 @@ class Recogniser:
             if number == 0:
                 continue
             mask = pieces == number
-            if covered[mask].mean() > COVERED_SHARE:
+            if covered[mask].mean() > _COVERED_SHARE:
                 continue
             flat = pixels_on_plane(photo.camera, rings[0], plane, 0.0)
             if not np.isfinite(flat).all() or abs(signed_area(flat)) < least:
@@ -231,7 +231,7 @@ class Recogniser:
         return things
 
 
-def check_plane_seen(camera: Camera, plane: Plane) -> None:
+def _check_plane_seen(camera: Camera, plane: Plane) -> None:
     """Raises Refused where the plane is behind a camera, or seen from below."""
     width, height = camera.lens.size
     grid = np.array([[u, v] for u in (0.25, 0.5, 0.75) for v in (0.25, 0.5, 0.75)])
@@ -282,7 +282,7 @@ def _group_by_object(ones: Sequence[_CameraObject]) -> list[list[_CameraObject]]
             away = np.linalg.norm(_object_position(one) - _object_position(first))
             sure = np.hypot(one.estimate.sigma_mm, first.estimate.sigma_mm)
             size = float(np.ptp(object_rim(one.object)[:, :2], axis=0).min())
-            if away < SAME_OBJECT_SHARE * size + SAME_OBJECT_SIGMAS * sure:
+            if away < _SAME_OBJECT_SHARE * size + _SAME_OBJECT_SIGMAS * sure:
                 if all(other.camera != one.camera for other in group):
                     group.append(one)
                 break
@@ -322,7 +322,7 @@ def _join_cameras(
             covariance = (one.estimate.covariance + best.estimate.covariance)[:3, :3]
             sigmas = float(np.sqrt(off @ np.linalg.solve(covariance, off)))
             mm = float(np.linalg.norm(off))
-            if sigmas > DISAGREEING_SIGMAS and mm > DISAGREEING_MM:
+            if sigmas > _DISAGREEING_SIGMAS and mm > _DISAGREEING_MM:
                 findings.append(POSES_DISAGREE(name=best.object.name, mm=mm, sigmas=sigmas))
         best = replace(best, doubtful=False)
     size = None
@@ -344,7 +344,7 @@ def _numbered_objects(
         settled = replace(estimate, pose=_with_least_turn(estimate.pose, known))
         photo = photos[joined.cameras[0]]
         rim = photo.camera.project(settled.pose.moved(object_rim(known)))
-        confidence, larger = min(joined.confidence / SURE_CONFIDENCE, 1.0), None
+        confidence, larger = min(joined.confidence / _SURE_CONFIDENCE, 1.0), None
         if joined.size is not None:
             larger = _percent_larger(joined.size, settled.pose, photo.camera)
         if joined.size is not None and larger is not None:
@@ -352,7 +352,7 @@ def _numbered_objects(
             shift = joined.size.shift
             wider = settled.covariance + np.outer(shift, shift)
             settled = replace(settled, covariance=wider)
-            confidence *= CONTRADICTING_SIZE[0] / joined.size.sigmas
+            confidence *= _CONTRADICTING_SIZE[0] / joined.size.sigmas
         found.append(FoundObject(name, known, settled, confidence, joined.cameras, rim, larger))
     return found
 
@@ -362,7 +362,7 @@ def _percent_larger(size: SizeFit, pose: Pose, camera: Camera) -> float | None:
     away = float(np.linalg.norm(np.subtract(camera.pose.position, pose.position)))
     nearer = float(np.linalg.norm(camera.pose.position - (pose.position + size.shift[:3])))
     percent = 100.0 * (away / nearer - 1.0)
-    wrong = size.sigmas > CONTRADICTING_SIZE[0] and abs(percent) > CONTRADICTING_SIZE[1]
+    wrong = size.sigmas > _CONTRADICTING_SIZE[0] and abs(percent) > _CONTRADICTING_SIZE[1]
     return percent if wrong else None
 
 

@@ -33,9 +33,9 @@ from assistant.vision.recognition.recogniser import (
 )
 from assistant.vision.rules import FOREIGN_FILE
 
-FILE_HEAD: Final = "# Seen by robot-assistant"
+_FILE_HEAD: Final = "# Seen by robot-assistant"
 """First words of files that `see` writes, and replaces."""
-MM_DECIMALS: Final = 4
+_MM_DECIMALS: Final = 4
 """Decimals of mm."""
 
 
@@ -52,7 +52,7 @@ class OutputFrame:
         return self.pose.inverse() @ pose
 
 
-WORLD_FRAME: Final = OutputFrame()
+_WORLD_FRAME: Final = OutputFrame()
 
 
 def targets_text(
@@ -68,7 +68,7 @@ def targets_text(
     tool. Poses are in the frame of the object, so that a build with another sighting only changes
     frames.
     """
-    lines = [f"{FILE_HEAD} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
+    lines = [f"{_FILE_HEAD} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
     lines += ["", f'robot = "{robot}"'] if robot else []
     for one in found:
         pose = base.of(one.pose)
@@ -86,7 +86,7 @@ def found_text(found: Iterable[FoundObject], base: OutputFrame, when: datetime.d
     """Return the poses of objects: [found.NAME] with pose, standard deviations, covariance,
     confidence.
     """
-    lines = [f"{FILE_HEAD}: where known objects are, in mm."]
+    lines = [f"{_FILE_HEAD}: where known objects are, in mm."]
     for one in found:
         pose = base.of(one.pose)
         lines += ["", f"[found.{one.name}]", f'object = "{one.object.name}"']
@@ -99,12 +99,12 @@ def found_text(found: Iterable[FoundObject], base: OutputFrame, when: datetime.d
         cameras = ", ".join(f'"{name}"' for name in one.cameras)
         lines += [f"cameras = [{cameras}]"]
         lines += ["covariance = [  # mm along and degrees about x, y and z of the frame"]
-        rows = covariance_in_frame(one.estimate.covariance, base)
+        rows = _covariance_in_frame(one.estimate.covariance, base)
         lines += [f"    [{', '.join(f'{v:.4g}' for v in row)}]," for row in rows] + ["]"]
     return "\n".join(lines) + "\n"
 
 
-def covariance_in_frame(covariance: Floats, base: OutputFrame) -> Floats:
+def _covariance_in_frame(covariance: Floats, base: OutputFrame) -> Floats:
     """A covariance (6, 6) along and about the axes of the world, for those of a base."""
     from assistant.base import rotations
 
@@ -116,7 +116,7 @@ def covariance_in_frame(covariance: Floats, base: OutputFrame) -> Floats:
 def write_seen_files(files: dict[FilePath, str]) -> tuple[FilePath, ...]:
     """Writes files, all or none; raises Refused if one of another origin is there."""
     for path in files:
-        if is_file(path) and not read_bytes(path, allow_empty=True).startswith(FILE_HEAD.encode()):
+        if is_file(path) and not read_bytes(path, allow_empty=True).startswith(_FILE_HEAD.encode()):
             raise Refused(FOREIGN_FILE(path=str(path), name=path.name), exit_status=2)
     return write_all({path: text.encode() for path, text in files.items()})
 
@@ -155,17 +155,17 @@ def _target_lines(
         yield f"speed = {speed:g}"
 
 
-def _numbers(numbers: Iterable[float], digits: int = MM_DECIMALS) -> str:
+def _numbers(numbers: Iterable[float], digits: int = _MM_DECIMALS) -> str:
     return "[" + ", ".join(repr(round(float(n), digits) + 0.0) for n in numbers) + "]"
 
 
-OUTLINE_COLOUR: Final = (80, 220, 80)
-AXIS_COLOURS: Final = ((60, 60, 240), (80, 200, 80), (240, 120, 60))
+_OUTLINE_COLOUR: Final = (80, 220, 80)
+_AXIS_COLOURS: Final = ((60, 60, 240), (80, 200, 80), (240, 120, 60))
 """Colours of x, y and z; blue, green, red."""
-LINE_COLOUR: Final = (220, 50, 200)
-AXIS_LENGTH: Final = 20.0
+_LINE_COLOUR: Final = (220, 50, 200)
+_AXIS_LENGTH: Final = 20.0
 """mm of an axis."""
-SUBPIXEL_BITS: Final = 4
+_SUBPIXEL_BITS: Final = 4
 
 
 def draw_found(cv: ModuleType, camera: Camera, picture: Picture, sight: Recognition) -> Picture:
@@ -174,14 +174,14 @@ def draw_found(cv: ModuleType, camera: Camera, picture: Picture, sight: Recognit
     for one in sight.found:
         for ring in _outline_rings(one):
             _draw_polygon(
-                cv, drawn, camera.project(one.pose.moved(ring)), OUTLINE_COLOUR, closed=True
+                cv, drawn, camera.project(one.pose.moved(ring)), _OUTLINE_COLOUR, closed=True
             )
         for line in one.object.lines.values():
             _draw_polygon(
                 cv,
                 drawn,
                 camera.project(one.pose.moved(_line_points(line))),
-                LINE_COLOUR,
+                _LINE_COLOUR,
                 closed=False,
             )
         _draw_axes(cv, drawn, camera, one)
@@ -218,9 +218,9 @@ def _line_points(line: Line) -> Floats:
 
 
 def _draw_axes(cv: ModuleType, drawn: Picture, camera: Camera, one: FoundObject) -> None:
-    tips = np.vstack([np.zeros(3), AXIS_LENGTH * np.eye(3)])
+    tips = np.vstack([np.zeros(3), _AXIS_LENGTH * np.eye(3)])
     seen = camera.project(one.pose.moved(tips))
-    for number, colour in enumerate(AXIS_COLOURS, 1):
+    for number, colour in enumerate(_AXIS_COLOURS, 1):
         _draw_polygon(cv, drawn, seen[[0, number]], colour, closed=False)
 
 
@@ -233,5 +233,5 @@ def _draw_polygon(
     closed: bool,
 ) -> None:
     if np.isfinite(pixels).all():
-        whole = np.rint(pixels * (1 << SUBPIXEL_BITS)).astype(np.int32)
-        cv.polylines(drawn, [whole], closed, colour, 2, cv.LINE_AA, SUBPIXEL_BITS)
+        whole = np.rint(pixels * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+        cv.polylines(drawn, [whole], closed, colour, 2, cv.LINE_AA, _SUBPIXEL_BITS)

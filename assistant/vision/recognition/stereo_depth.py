@@ -20,16 +20,16 @@ from assistant.vision.recognition.outline_matching import pixels_on_plane
 from assistant.vision.recognition.photo import Picture, analyse_picture
 from assistant.vision.recognition.pose_estimation import Plane
 
-BLOCK_SIZE: Final = 5
+_BLOCK_SIZE: Final = 5
 """Pixels along the side of what is compared."""
-FEWEST_FACE_PIXELS: Final = 300
+_FEWEST_FACE_PIXELS: Final = 300
 """Fewest pixels of a face for a measurement of its depth."""
-DISPARITY_UNITS: Final = 16.0
+_DISPARITY_UNITS: Final = 16.0
 """Disparities are whole numbers of these."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Depths:
+class _Depths:
     """points: (h, w, 3) mm in the world of the pixels of the first picture as it was turned, NaN
     where both show no same thing. disparity: (h, w) pixels. pixels: (h, w, 2) of the first picture
     itself.
@@ -40,13 +40,13 @@ class Depths:
     pixels: Floats
 
 
-def stereo_depths(
+def _stereo_depths(
     cv: ModuleType,
     cameras: tuple[Camera, Camera],
     pictures: tuple[Picture, Picture],
     nearest: float,
     farthest: float,
-) -> Depths:
+) -> _Depths:
     """Depths between the two distances from the first camera, mm."""
     one, other = cameras
     local = other.pose.inverse() @ one.pose
@@ -87,7 +87,7 @@ def stereo_depths(
     back = local_points @ r1  # turned back into the frame of the first camera
     points = one.pose.moved(back.reshape(-1, 3)).reshape(back.shape)
     assert maps is not None
-    return Depths(points, np.asarray(found), np.stack(maps, axis=2).astype(np.float64))
+    return _Depths(points, np.asarray(found), np.stack(maps, axis=2).astype(np.float64))
 
 
 def match_rows(cv: ModuleType, left: Picture, right: Picture, least: float, most: float) -> Floats:
@@ -99,9 +99,9 @@ def match_rows(cv: ModuleType, left: Picture, right: Picture, least: float, most
     matcher = cv.StereoSGBM_create(
         minDisparity=first,
         numDisparities=count,
-        blockSize=BLOCK_SIZE,
-        P1=8 * BLOCK_SIZE**2,
-        P2=32 * BLOCK_SIZE**2,
+        blockSize=_BLOCK_SIZE,
+        P1=8 * _BLOCK_SIZE**2,
+        P2=32 * _BLOCK_SIZE**2,
         disp12MaxDiff=1,
         uniquenessRatio=8,
         speckleWindowSize=80,
@@ -112,12 +112,12 @@ def match_rows(cv: ModuleType, left: Picture, right: Picture, least: float, most
     padded = [cv.copyMakeBorder(one, 0, 0, count + max(first, 0), 0, cv.BORDER_REPLICATE)
               for one in (left, right)]  # fmt: skip
     found = (
-        matcher.compute(*padded)[:, count + max(first, 0) :].astype(np.float64) / DISPARITY_UNITS
+        matcher.compute(*padded)[:, count + max(first, 0) :].astype(np.float64) / _DISPARITY_UNITS
     )
     return np.where(found < first + 0.5, np.nan, found)
 
 
-def heights_above(found: Depths, plane: Plane) -> Floats:
+def _heights_above(found: _Depths, plane: Plane) -> Floats:
     """(h, w) mm of what is seen above a plane."""
     local = plane.pose.inverse().moved(found.points.reshape(-1, 3))
     return np.asarray(local[:, 2].reshape(found.points.shape[:2]))
@@ -145,7 +145,7 @@ def face_height(
     if not len(away):
         return None
     nearest, farthest = 0.55 * float(away.min()), 1.1 * float(np.percentile(away, 75))
-    found = stereo_depths(cv, cameras, pictures, nearest, max(farthest, 1.5 * nearest))
+    found = _stereo_depths(cv, cameras, pictures, nearest, max(farthest, 1.5 * nearest))
     mask = np.zeros((height, width), np.uint8)
     largest = photo.regions[int(np.argmax(photo.areas))][0]
     cv.fillPoly(mask, [np.rint(largest).astype(np.int32)], 1)
@@ -153,8 +153,8 @@ def face_height(
     u, v = np.moveaxis(np.rint(found.pixels).astype(np.intp), 2, 0)
     inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
     inside &= mask[np.clip(v, 0, height - 1), np.clip(u, 0, width - 1)] > 0
-    told = heights_above(found, plane)[inside]
+    told = _heights_above(found, plane)[inside]
     told = told[np.isfinite(told)]
-    if len(told) < FEWEST_FACE_PIXELS or len(told) < 0.2 * inside.sum():
+    if len(told) < _FEWEST_FACE_PIXELS or len(told) < 0.2 * inside.sum():
         return None
     return float(np.median(told))

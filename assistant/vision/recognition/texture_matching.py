@@ -33,15 +33,15 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
-MOST_KEYPOINTS: Final = 4000
+_MOST_KEYPOINTS: Final = 4000
 """Largest number of keypoints of a picture in which objects are searched."""
-MOST_LEARNT_KEYPOINTS: Final = 700
+_MOST_LEARNT_KEYPOINTS: Final = 700
 """Keypoints of one look at a face that is learnt."""
-NEAREST_RATIO: Final = 0.82
+_NEAREST_RATIO: Final = 0.82
 """Distance to the nearest descriptor by that to the nearest one of another place, at most."""
-FARTHEST_DESCRIPTOR: Final = 180.0
+_FARTHEST_DESCRIPTOR: Final = 180.0
 """Distance of descriptors that are of one thing: of 512 between those that share nothing."""
-LEARNT_TILTS: Final = ((1.0, 0.0), (1.6, 0.0), (1.6, 45.0), (1.6, 90.0), (1.6, 135.0))
+_LEARNT_TILTS: Final = ((1.0, 0.0), (1.6, 0.0), (1.6, 45.0), (1.6, 90.0), (1.6, 135.0))
 """Shortening of a face in an oblique view, and the direction of the shortening."""
 
 Grey = NDArray[np.uint8]
@@ -61,7 +61,7 @@ class Keypoints:
 
 
 def find_keypoints(
-    cv: ModuleType, grey: Grey, most: int = MOST_KEYPOINTS, mask: Grey | None = None
+    cv: ModuleType, grey: Grey, most: int = _MOST_KEYPOINTS, mask: Grey | None = None
 ) -> Keypoints:
     """Find the keypoints of a picture (h, w) of grey levels; mask: the searched part."""
     points, found = cv.SIFT_create(
@@ -82,7 +82,7 @@ def face_keypoints(cv: ModuleType, grey: Grey) -> Keypoints:
     face.
     """
     looks = [
-        _to_face_pixels(find_keypoints(cv, one, MOST_LEARNT_KEYPOINTS, mask), turned)
+        _to_face_pixels(find_keypoints(cv, one, _MOST_LEARNT_KEYPOINTS, mask), turned)
         for one, mask, turned in _tilted_faces(cv, grey)
     ]
     return Keypoints(
@@ -95,7 +95,7 @@ def face_keypoints(cv: ModuleType, grey: Grey) -> Keypoints:
 def _tilted_faces(cv: ModuleType, grey: Grey) -> Iterator[tuple[Grey, Grey | None, Floats]]:
     """The face as it looks from aside, where it is in that picture, and the map (2, 3) to it."""
     height, width = grey.shape
-    for tilt, along in LEARNT_TILTS:
+    for tilt, along in _LEARNT_TILTS:
         if tilt == 1.0:
             yield grey, None, np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
             continue
@@ -131,7 +131,7 @@ def match_keypoints(
     """
     if not len(seen) or len(known) < 2:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
-    nearest = min(2 * len(LEARNT_TILTS), len(known))
+    nearest = min(2 * len(_LEARNT_TILTS), len(known))
     matcher = cv.FlannBasedMatcher({"algorithm": 1, "trees": 4}, {"checks": 160})
     cv.setRNGSeed(1)
     found = matcher.knnMatch(seen.descriptors.astype(np.float32), known.astype(np.float32), nearest)
@@ -143,32 +143,32 @@ def match_keypoints(
     rival = (owners[at] != owners[best][:, None]) | (away > 0.03 * spread[owners[best]][:, None])
     second = np.where(rival, gap, np.inf).min(axis=1)
     second = np.where(np.isfinite(second), second, gap[:, -1] * 1.02)
-    good = (gap[:, 0] < NEAREST_RATIO * second) & (gap[:, 0] < FARTHEST_DESCRIPTOR)
+    good = (gap[:, 0] < _NEAREST_RATIO * second) & (gap[:, 0] < _FARTHEST_DESCRIPTOR)
     return np.nonzero(good)[0], best[good]
 
 
-FEWEST_KEYPOINTS: Final = 9
+_FEWEST_KEYPOINTS: Final = 9
 """Keypoints that agree on a pose."""
-MOST_REPROJECTION_ERROR: Final = 4.0
+_MOST_REPROJECTION_ERROR: Final = 4.0
 """Pixels that a keypoint may be off the pose that others agree on."""
-RANSAC_ROUNDS: Final = 2000
-FACE_CELLS: Final = 6
+_RANSAC_ROUNDS: Final = 2000
+_FACE_CELLS: Final = 6
 """A face is compared with the picture in so many cells along each side."""
-LEAST_CORRELATION: Final = 0.6
+_LEAST_CORRELATION: Final = 0.6
 """Correlation of a cell of the face with the picture from which it is the same."""
-PLAIN_CELL_SIGMA: Final = 4.0
+_PLAIN_CELL_SIGMA: Final = 4.0
 """Grey levels, one sigma, below which a cell has no texture to compare."""
-LEAST_MATCHING_CELLS: Final = 0.45
+_LEAST_MATCHING_CELLS: Final = 0.45
 """Part of the cells that have to be the same."""
-SURE_KEYPOINTS: Final = 30.0
+_SURE_KEYPOINTS: Final = 30.0
 """Keypoints that agree on the pose of what is not flat, from which nobody doubts it."""
-MOST_OF_KIND: Final = 6
+_MOST_OF_KIND: Final = 6
 """Largest number of objects of one kind searched in a picture."""
-LYING_SIGMAS: Final = 4.0
+_LYING_SIGMAS: Final = 4.0
 """Sigmas that an object on the plane may seem to be off it, beside mm and degrees of
-`LYING_TOLERANCE`."""
-LYING_TOLERANCE: Final = (2.0, 2.0)
-FLIPPED_RATIO: Final = 1.5
+`_LYING_TOLERANCE`."""
+_LYING_TOLERANCE: Final = (2.0, 2.0)
+_FLIPPED_RATIO: Final = 1.5
 """Factor by which the other pose of a flat face, which looks nearly the same, must fit worse."""
 
 
@@ -234,8 +234,8 @@ def _find_object(
     plane: Plane | None,
 ) -> Iterator[TextureFound]:
     left, before = np.ones(len(here), dtype=np.bool_), list[TextureFound]()
-    for _ in range(MOST_OF_KIND):
-        if left.sum() < FEWEST_KEYPOINTS:
+    for _ in range(_MOST_OF_KIND):
+        if left.sum() < _FEWEST_KEYPOINTS:
             return
         pixels = seen.pixels[here[left]]
         agreed = _consensus_pose(cv, photo.camera, points[left], pixels, known)
@@ -247,7 +247,7 @@ def _find_object(
         # Those that nearly agree are of the same thing, and must not make a second one of it.
         near = np.linalg.norm(photo.camera.project(pose.moved(points[left])) - pixels, axis=1)
         left[rows[good]] = False
-        left[rows[near < 4.0 * MOST_REPROJECTION_ERROR]] = False
+        left[rows[near < 4.0 * _MOST_REPROJECTION_ERROR]] = False
         if found is not None and not _on_another(photo.camera, found, before):
             before.append(found)
             yield found
@@ -275,10 +275,10 @@ def _consensus_pose(
     assert known.texture is not None
     straight = camera.lens.tangents(pixels)
     good = np.isfinite(straight).all(axis=1)
-    if good.sum() < FEWEST_KEYPOINTS:
+    if good.sum() < _FEWEST_KEYPOINTS:
         return None
     rows = np.nonzero(good)[0]
-    limit = MOST_REPROJECTION_ERROR / float(np.mean(camera.lens.focal))
+    limit = _MOST_REPROJECTION_ERROR / float(np.mean(camera.lens.focal))
     flat = known.texture.flat
     cv.setRNGSeed(1)
     if flat:
@@ -287,19 +287,22 @@ def _consensus_pose(
             straight[rows],
             cv.RANSAC,
             limit,
-            maxIters=RANSAC_ROUNDS,
+            maxIters=_RANSAC_ROUNDS,
             confidence=0.999,
         )
         inliers = None if mask is None else np.nonzero(mask.ravel())[0]
     else:
         done, _, _, inliers = cv.solvePnPRansac(
             *(points[rows], straight[rows], np.eye(3), None),
-            iterationsCount=RANSAC_ROUNDS,
+            iterationsCount=_RANSAC_ROUNDS,
             reprojectionError=limit,
             flags=cv.SOLVEPNP_EPNP,
         )
         inliers = inliers.ravel() if done and inliers is not None else None
-    if inliers is None or len(np.unique(points[rows[inliers]].round(3), axis=0)) < FEWEST_KEYPOINTS:
+    if (
+        inliers is None
+        or len(np.unique(points[rows[inliers]].round(3), axis=0)) < _FEWEST_KEYPOINTS
+    ):
         return None
     chosen = rows[inliers]
     poses = _perspective_poses(cv, camera, points[chosen], straight[chosen], flat)
@@ -351,7 +354,7 @@ def _refine_pose(
         doubtful = any(
             other is not None
             and free is not None
-            and other.scatter < FLIPPED_RATIO * free.scatter
+            and other.scatter < _FLIPPED_RATIO * free.scatter
             and _angle_between(other.pose, free.pose) > 3.0
             for other in others
         )
@@ -365,10 +368,10 @@ def _refine_pose(
     if free is None:
         return None
     if texture.flat:
-        confidence = face_similarity(cv, photo, texture, free.pose)
+        confidence = _face_similarity(cv, photo, texture, free.pose)
     else:
-        confidence = min(1.0, len(points) / SURE_KEYPOINTS)
-    if confidence < LEAST_MATCHING_CELLS or _seen_from_behind(photo.camera, texture, free.pose):
+        confidence = min(1.0, len(points) / _SURE_KEYPOINTS)
+    if confidence < _LEAST_MATCHING_CELLS or _seen_from_behind(photo.camera, texture, free.pose):
         return None
     return TextureFound(known, free, confidence, points, pixels, lying, doubtful)
 
@@ -390,12 +393,12 @@ def lies_on_plane(found: PoseEstimate, plane: Plane, height: float) -> bool:
     tilt = float(np.degrees(np.arccos(np.clip(up[2], -1.0, 1.0))))
     off = abs(local.position[2] - height)
     return (
-        off <= LYING_TOLERANCE[0] + LYING_SIGMAS * found.sigma_mm
-        and tilt <= LYING_TOLERANCE[1] + LYING_SIGMAS * found.sigma_deg
+        off <= _LYING_TOLERANCE[0] + _LYING_SIGMAS * found.sigma_mm
+        and tilt <= _LYING_TOLERANCE[1] + _LYING_SIGMAS * found.sigma_deg
     )
 
 
-def face_similarity(cv: ModuleType, photo: Photo, texture: Texture, pose: Pose) -> float:
+def _face_similarity(cv: ModuleType, photo: Photo, texture: Texture, pose: Pose) -> float:
     """Part of a flat face, 0 to 1, that looks in the picture as it was shown.
 
     The picture is drawn as the face would be seen from straight above; correlations of cells do not
@@ -417,13 +420,13 @@ def face_similarity(cv: ModuleType, photo: Photo, texture: Texture, pose: Pose) 
     coarser = max(width / max(float(sides[0]), 1.0), height / max(float(sides[1]), 1.0), 1.0)
     blurred = cv.GaussianBlur(face.astype(np.float32), (0, 0), 0.8 * coarser)
     same, cells = 0, 0
-    for rows in np.array_split(np.arange(height), FACE_CELLS):
-        for columns in np.array_split(np.arange(width), FACE_CELLS):
+    for rows in np.array_split(np.arange(height), _FACE_CELLS):
+        for columns in np.array_split(np.arange(width), _FACE_CELLS):
             part = np.ix_(rows, columns)
             a, b = blurred[part].ravel(), seen[part].ravel()
-            if a.std() < PLAIN_CELL_SIGMA:
+            if a.std() < _PLAIN_CELL_SIGMA:
                 continue
             cells += 1
-            if inside[part].all() and b.std() > 0.25 * PLAIN_CELL_SIGMA:
-                same += float(np.corrcoef(a, b)[0, 1]) > LEAST_CORRELATION
+            if inside[part].all() and b.std() > 0.25 * _PLAIN_CELL_SIGMA:
+                same += float(np.corrcoef(a, b)[0, 1]) > _LEAST_CORRELATION
     return same / cells if cells else 0.0

@@ -17,17 +17,17 @@ from assistant.robots import Robot
 from assistant.vision import rules
 from assistant.vision.servoing.interaction import flange_of, jacobian
 
-POSTURES: Final = 256
+_POSTURES: Final = 256
 """Number of random postures of an arm at which the full speed of its tool is computed."""
-SHARES: Final = (0.8, 0.6, 0.4, 0.2, 0.1)
+_SHARES: Final = (0.8, 0.6, 0.4, 0.2, 0.1)
 """Parts of a change that are tried one after the other where all of it leads out of the box."""
-RESERVE: Final = 0.95
+_RESERVE: Final = 0.95
 """Requested share of the tool's speed limit: during a step an arm reaches postures in which the
 same speeds of its axes give a higher tool speed.
 """
-ROUNDING: Final = 0.02
+_ROUNDING: Final = 0.02
 """Degrees or mm by which a reported position of an axis at its end may exceed the limit."""
-PLACES: Final = (0.25, 0.5, 0.75, 1.0)
+_PLACES: Final = (0.25, 0.5, 0.75, 1.0)
 """On the way to a stop, at which it is looked whether the tip is in the box."""
 
 
@@ -104,7 +104,7 @@ class Guard:
         """Return the limit that joints (a,) exceed, in words; "" if all are kept."""
         low, high = self.robot.limits.T
         for i, axis in enumerate(self.robot.axes):
-            if not low[i] - ROUNDING <= joints[i] <= high[i] + ROUNDING:
+            if not low[i] - _ROUNDING <= joints[i] <= high[i] + _ROUNDING:
                 return f"{axis} is at {joints[i]:.2f}"
         if not self._in_box(joints):
             x, y, z = self._tip(joints)
@@ -122,7 +122,7 @@ class Guard:
         wanted: the velocity that would be best. before: that of the step before.
         """
         self.barred = ""
-        velocity = wanted * min(1.0, RESERVE * self._scale(wanted, joints))
+        velocity = wanted * min(1.0, _RESERVE * self._scale(wanted, joints))
         velocity = self._risen(velocity, before, seconds)
         room = np.where(velocity > 0.0, self._high - joints, joints - self._low).tolist()
         each = zip(room, self.rises.tolist(), strict=True)
@@ -163,7 +163,7 @@ class Guard:
         self.barred = "the box of the tool"
         part = float((self.rises * seconds / np.maximum(np.abs(before), 1e-12)).min())
         braking = before * max(0.0, 1.0 - part)
-        for share in SHARES:
+        for share in _SHARES:
             mixed = braking + share * (velocity - braking)
             if self._stops_within(mixed, joints, seconds):
                 return np.asarray(mixed)
@@ -174,7 +174,7 @@ class Guard:
         part = float((self.rises * seconds / np.maximum(np.abs(velocity), 1e-12)).min())
         n = np.floor(1.0 / part)
         whole = (n + 1.0 - part * n * (n + 1.0) / 2.0) * seconds * velocity
-        return all(self._in_box(joints + place * whole) for place in PLACES)
+        return all(self._in_box(joints + place * whole) for place in _PLACES)
 
     def _in_box(self, joints: Floats) -> bool:
         if self.bounds.box is None:
@@ -195,7 +195,7 @@ class Guard:
         chance = np.random.default_rng(0)
         low, high = self.robot.limits.T
         fastest = turning = 0.0
-        for joints in chance.uniform(low, high, (POSTURES, len(low))):
+        for joints in chance.uniform(low, high, (_POSTURES, len(low))):
             slopes = jacobian(self.robot, joints) * self.robot.speeds
             arm = self._tip(joints) - np.array(flange_of(self.robot, joints).position)
             ways = slopes[:3] + np.cross(slopes[3:].T, arm).T

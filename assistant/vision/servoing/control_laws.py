@@ -37,7 +37,7 @@ from assistant.vision.servoing.visual_targets import (
     pose_difference,
 )
 
-ARM_LENGTH: Final = 100.0
+_ARM_LENGTH: Final = 100.0
 """mm by which a turn is weighed against a way: one degree as 1.7 mm."""
 
 
@@ -89,15 +89,15 @@ class ServoTask:
         if np.isfinite(self.pixels):
             return self.pixels
         turn = 0.0 if np.isnan(self.turn) else np.radians(self.turn)
-        return float(self.distance + ARM_LENGTH * turn)
+        return float(self.distance + _ARM_LENGTH * turn)
 
     @property
     def condition(self) -> float:
         """Condition number of the directions that the task determines.
 
-        Turns are weighted by `ARM_LENGTH`.
+        Turns are weighted by `_ARM_LENGTH`.
         """
-        scaled = self.slopes / np.array([1.0] * 3 + [ARM_LENGTH] * 3)
+        scaled = self.slopes / np.array([1.0] * 3 + [_ARM_LENGTH] * 3)
         values = np.linalg.svd(scaled, compute_uv=False)
         if len(values) < self.rank or not values[self.rank - 1] > 0.0:
             return float("inf")
@@ -116,19 +116,19 @@ class ControlLaw(Protocol):
         """Forget earlier sightings: they are of another time."""
 
 
-TOOL_FREEDOMS: Final = 6
+_TOOL_FREEDOMS: Final = 6
 """Directions in which a tool moves; a point in a picture tells two."""
-EDGE_ZONE: Final = 60.0
+_EDGE_ZONE: Final = 60.0
 """Pixels from the edge of a picture from which on it is looked whether a point will leave it."""
-LEAST_EDGE_DISTANCE: Final = 15.0
+_LEAST_EDGE_DISTANCE: Final = 15.0
 """Pixels from the edge that it must keep."""
-LOOKED_AHEAD_SHARE: Final = 0.4
+_LOOKED_AHEAD_SHARE: Final = 0.4
 """Share of the error over which the path of the points is predicted."""
-SHRUNK_SHARE: Final = 0.8
+_SHRUNK_SHARE: Final = 0.8
 """Predicted distance from the middle and size of the seen points, as a factor of the present
 ones.
 """
-FEWEST_VISIBLE_POINTS: Final = 4
+_FEWEST_VISIBLE_POINTS: Final = 4
 """Points of which none may be hidden."""
 
 
@@ -148,13 +148,13 @@ class ImageInHand:
         if not _enough_points(all_of(np.isfinite(moment.sight.target[camera.name]))):
             return "the target is not seen"
         now = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
-        return now if isinstance(now, str) else image_task(moment, self.target, self.goal, now)
+        return now if isinstance(now, str) else _image_task(moment, self.target, self.goal, now)
 
     def forget(self) -> None:
         self.tracked.forget()
 
 
-def image_task(
+def _image_task(
     moment: ServoMoment, target: VisualTarget, goal: Pose, now: TargetPose | None
 ) -> ServoTask:
     """Return the task for the error in the picture of a camera in the hand.
@@ -173,11 +173,11 @@ def image_task(
         rest = pose_difference(moment.flange, now.pose @ goal)
     tangents, goals = camera.lens.tangents(pixels[good]), wanted[:, :2] / wanted[:, 2:]
     error, slopes = (tangents - goals).ravel(), _mean_slopes(tangents, depths, goals, wanted[:, 2])
-    if not camera.within(pixels[good], EDGE_ZONE).all():
+    if not camera.within(pixels[good], _EDGE_ZONE).all():
         slopes, error = _keep_in_picture(camera, tangents, depths, slopes, error)
     slopes = slopes @ carried_twist(camera.pose, moment.flange)
     off = float(np.sqrt(_pixel_squares(camera, tangents, goals).mean()))
-    return ServoTask(error, slopes, min(TOOL_FREEDOMS, 2 * len(goals)), off, *rest)
+    return ServoTask(error, slopes, min(_TOOL_FREEDOMS, 2 * len(goals)), off, *rest)
 
 
 def _keep_in_picture(
@@ -190,11 +190,11 @@ def _keep_in_picture(
     does not either, all of them go towards the middle of the picture, and shrink.
     """
     here = interaction_matrix(tangents, depths)
-    middle = ((1.0 - SHRUNK_SHARE) * tangents).ravel()
+    middle = ((1.0 - _SHRUNK_SHARE) * tangents).ravel()
     for slopes, wrong in ((mean, error), (here, error), (here, middle)):
-        step = -LOOKED_AHEAD_SHARE * np.linalg.lstsq(slopes, wrong, rcond=1e-6)[0]
+        step = -_LOOKED_AHEAD_SHARE * np.linalg.lstsq(slopes, wrong, rcond=1e-6)[0]
         if camera.within(
-            camera.lens.pixels(tangents + (here @ step).reshape(-1, 2)), LEAST_EDGE_DISTANCE
+            camera.lens.pixels(tangents + (here @ step).reshape(-1, 2)), _LEAST_EDGE_DISTANCE
         ).all():
             return slopes, wrong
     return here, middle
@@ -233,7 +233,7 @@ class ImageToHand:
         errors, slopes, squares = zip(*parts, strict=True)
         error, off = np.concatenate(errors), float(np.sqrt(np.concatenate(squares).mean()))
         # One point in any number of cameras tells a place, two tell all but one turn.
-        rank = min(len(error), (3, 5)[len(points) - 1] if len(points) < 3 else TOOL_FREEDOMS)
+        rank = min(len(error), (3, 5)[len(points) - 1] if len(points) < 3 else _TOOL_FREEDOMS)
         return ServoTask(error, np.concatenate(slopes), rank, off)
 
     def _of(
@@ -265,7 +265,7 @@ def _mean_slopes(tangents: Floats, depths: Floats, goals: Floats, goal_depths: F
 def _enough_points(good: Truths) -> bool:
     """True if enough points are seen: all of a few points; of many points, one may be hidden."""
     return bool(good.all()) or (
-        len(good) > FEWEST_VISIBLE_POINTS and int(good.sum()) >= FEWEST_VISIBLE_POINTS
+        len(good) > _FEWEST_VISIBLE_POINTS and int(good.sum()) >= _FEWEST_VISIBLE_POINTS
     )
 
 
@@ -275,9 +275,9 @@ def _pixel_squares(camera: Camera, tangents: Floats, goals: Floats) -> Floats:
     return np.asarray((off**2).sum(axis=1))
 
 
-LEAVING_EDGE: Final = 40.0
+_LEAVING_EDGE: Final = 40.0
 """Pixels from the edge of a picture at which a point is about to leave it."""
-FEWEST_FOR_TURN: Final = 3
+_FEWEST_FOR_TURN: Final = 3
 """Points of a thing from which on it tells how it is turned."""
 
 
@@ -301,8 +301,8 @@ class PoseInHand:
         found = self.tracked.pose_of(moment.cameras, moment.sight.target, self.target.points)
         if found is None or isinstance(found, str):
             return found or "the target is not seen"
-        if not camera.within(moment.sight.target[camera.name], LEAVING_EDGE).all():
-            return replace(image_task(moment, self.target, self.goal, found), pixels=np.nan)
+        if not camera.within(moment.sight.target[camera.name], _LEAVING_EDGE).all():
+            return replace(_image_task(moment, self.target, self.goal, found), pixels=np.nan)
         mount = moment.flange.inverse() @ camera.pose
         now, wanted = camera.pose.inverse() @ found.pose, (self.goal @ mount).inverse()
         place = np.array(now.position)
@@ -313,8 +313,8 @@ class PoseInHand:
         )
         moves = np.zeros((6, 6))
         moves[:3, :3], moves[:3, 3:] = -np.eye(3), cross(place)
-        moves[3:, 3:] = ARM_LENGTH * np.eye(3)
-        error = np.concatenate([place - np.array(wanted.position), ARM_LENGTH * turn])
+        moves[3:, 3:] = _ARM_LENGTH * np.eye(3)
+        error = np.concatenate([place - np.array(wanted.position), _ARM_LENGTH * turn])
         slopes = moves @ carried_twist(camera.pose, moment.flange)
         return ServoTask(
             error, slopes, 6, np.nan, *pose_difference(moment.flange, found.pose @ self.goal)
@@ -354,9 +354,9 @@ class PoseToHand:
         if seen is None or isinstance(seen, str):
             return seen or "the mark on the tool is not seen"
         mark = near @ self.beside.take(near.inverse() @ seen.pose)
-        if len(self.mark.points) < FEWEST_FOR_TURN:
+        if len(self.mark.points) < _FEWEST_FOR_TURN:
             return self._place_alone(moment.flange, mark, goal)
-        return goal_task(moment.flange, mark @ self.mount.inverse(), goal, self.tip)
+        return _goal_task(moment.flange, mark @ self.mount.inverse(), goal, self.tip)
 
     def forget(self) -> None:
         self.tracked.forget()
@@ -378,13 +378,13 @@ class JointsToGoal:
     tip: Pose = IDENTITY
 
     def task(self, moment: ServoMoment) -> ServoTask:
-        return goal_task(moment.flange, moment.flange, self.goal, self.tip)
+        return _goal_task(moment.flange, moment.flange, self.goal, self.tip)
 
     def forget(self) -> None:
         """Nothing is remembered."""
 
 
-def goal_task(flange: Pose, seen: Pose, goal: Pose, tip: Pose) -> ServoTask:
+def _goal_task(flange: Pose, seen: Pose, goal: Pose, tip: Pose) -> ServoTask:
     """The way of a tip in the base, and its turn.
 
     flange: by the joints of the arm. seen: where it is, goal: where it should be.
@@ -398,8 +398,8 @@ def goal_task(flange: Pose, seen: Pose, goal: Pose, tip: Pose) -> ServoTask:
     )
     slopes = np.zeros((6, 6))
     slopes[:3] = _point_slopes(np.array((flange @ tip).position), flange)
-    slopes[3:, 3:] = ARM_LENGTH * np.eye(3)
-    error = np.concatenate([at - np.array(wanted.position), ARM_LENGTH * turn])
+    slopes[3:, 3:] = _ARM_LENGTH * np.eye(3)
+    error = np.concatenate([at - np.array(wanted.position), _ARM_LENGTH * turn])
     return ServoTask(error, slopes, 6, np.nan, *pose_difference(now, wanted))
 
 

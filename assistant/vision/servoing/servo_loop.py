@@ -37,16 +37,16 @@ from assistant.vision.servoing.interaction import flange_of, jacobian
 from assistant.vision.servoing.simulation import Clock
 from assistant.vision.servoing.visual_targets import VisualTarget
 
-MOMENTS_KEPT: Final = 200
+_MOMENTS_KEPT: Final = 200
 """Moments that are remembered, of which each picture takes two."""
 
 
 @dataclass(slots=True)
-class JointHistory:
+class _JointHistory:
     """Moments (seconds of any clock, joints (a,)), one after the other."""
 
     _moments: deque[tuple[float, Floats]] = field(
-        default_factory=lambda: deque(maxlen=MOMENTS_KEPT)
+        default_factory=lambda: deque(maxlen=_MOMENTS_KEPT)
     )
 
     def add(self, seconds: float, joints: Floats) -> None:
@@ -66,21 +66,21 @@ class JointHistory:
         return np.asarray(before + share * (behind - before))
 
 
-PICTURES_TO_LOSE: Final = 2
+_PICTURES_TO_LOSE: Final = 2
 """Pictures in a row without a sighting: the first one stops the arm, this number ends servoing."""
-DAMPING: Final = 1e-3
+_DAMPING: Final = 1e-3
 """Part of the best direction by which others are damped, so that none asks for endless speed."""
-GROWN_ERROR: Final = 2.0
+_GROWN_ERROR: Final = 2.0
 """Largest ratio of an error to its first value."""
-GROWING_PICTURES: Final = 5
+_GROWING_PICTURES: Final = 5
 """Pictures in a row with such an error."""
-BARRED_PICTURES: Final = 15
+_BARRED_PICTURES: Final = 15
 """Pictures in a row in which a limit lets nothing be done."""
-BARRED_SHARE: Final = 0.02
+_BARRED_SHARE: Final = 0.02
 """Part of what is wanted that is as good as nothing."""
-SHORTEST_STEP: Final = 0.004
+_SHORTEST_STEP: Final = 0.004
 """Seconds of a step at least."""
-LONGEST_STEP: Final = 1.0
+_LONGEST_STEP: Final = 1.0
 """Seconds of a step at most, however long a picture was waited for."""
 
 
@@ -215,7 +215,7 @@ class _Loop:
     before: float = 0.0
     """When the picture before was taken."""
     velocity: Floats = field(init=False)
-    past: JointHistory = field(default_factory=JointHistory)
+    past: _JointHistory = field(default_factory=_JointHistory)
     seen_at: Floats = field(init=False)
     """(a,) where the arm was when the last picture was taken."""
     task: ServoTask | None = None
@@ -246,7 +246,7 @@ class _Loop:
                 lost, good = lost + 1, 0
                 self._rest()
                 self._record(sight, joints, None)
-                if lost >= PICTURES_TO_LOSE:
+                if lost >= _PICTURES_TO_LOSE:
                     raise self._lost(sight, task)
                 continue
             assert sight is not None
@@ -256,8 +256,8 @@ class _Loop:
                 self._record(sight, joints, task)
                 raise self._broken(rules.SINGULAR_INTERACTION, condition=task.condition)
             good = good + 1 if self._is_there(task) else 0
-            growing = growing + 1 if size > GROWN_ERROR * first else 0
-            if growing >= GROWING_PICTURES:
+            growing = growing + 1 if size > _GROWN_ERROR * first else 0
+            if growing >= _GROWING_PICTURES:
                 self._record(sight, joints, task)
                 raise self._broken(rules.ERROR_GROWS, first=first, now=size)
             if good >= self.settings.hold:
@@ -267,7 +267,7 @@ class _Loop:
             held_back = self._step(task, sight)
             barred = barred + 1 if held_back else 0
             self._record(sight, joints, task)
-            if barred >= BARRED_PICTURES:
+            if barred >= _BARRED_PICTURES:
                 raise self._broken(rules.BARRED_BY_LIMIT, what=self.guard.barred)
             if self.clock() - self.began > self.settings.timeout:
                 raise self._broken(rules.SERVO_TIMEOUT, seconds=self.settings.timeout)
@@ -321,7 +321,7 @@ class _Loop:
     def _step(self, task: ServoTask, sight: TargetSighting) -> bool:
         """Takes one; whether a limit lets nothing be done."""
         since = sight.seconds - self.before
-        seconds = float(np.clip(since, max(self.carrier.period, SHORTEST_STEP), LONGEST_STEP))
+        seconds = float(np.clip(since, max(self.carrier.period, _SHORTEST_STEP), _LONGEST_STEP))
         self.before = sight.seconds
         told = self.carrier.told()
         wanted = self._wanted(task, told, seconds)
@@ -334,7 +334,7 @@ class _Loop:
         if not self.guard.barred:
             return False
         speed = float(np.abs(self.velocity).max())
-        return speed <= BARRED_SHARE * float(np.abs(wanted).max())
+        return speed <= _BARRED_SHARE * float(np.abs(wanted).max())
 
     def _wanted(self, task: ServoTask, joints: Floats, seconds: float) -> Floats:
         """Return (a,) velocities that remove the error; axes at their ends are left out.
@@ -402,7 +402,7 @@ def _damped_least_squares(slopes: Floats, error: Floats) -> Floats:
     left, values, right = np.linalg.svd(slopes, full_matrices=False)
     if not values.size or not values[0] > 0.0:
         return np.zeros(slopes.shape[1])
-    damped = values / (values**2 + (DAMPING * values[0]) ** 2)
+    damped = values / (values**2 + (_DAMPING * values[0]) ** 2)
     return np.asarray(right.T @ (damped * (left.T @ error)))
 
 
@@ -413,9 +413,9 @@ def _error_text(pixels: float, distance: float, turn: float) -> str:
     return ", ".join(parts) or "an unknown way"
 
 
-JOINT_PERIOD: Final = 1.0 / 30.0
+_JOINT_PERIOD: Final = 1.0 / 30.0
 """Seconds from look to look at the joints."""
-JOINT_SETTINGS: Final = ServoSettings(distance=0.1, turn=0.1, gain=4.0, share=0.6)
+_JOINT_SETTINGS: Final = ServoSettings(distance=0.1, turn=0.1, gain=4.0, share=0.6)
 """For joints, which have no noise to speak of."""
 
 
@@ -442,16 +442,16 @@ def lead_to(
     clock = clock or Clock()
     flange = goal @ guard.tip.inverse()
     if eyes is None or mark is None:
-        eyes, law = NoCameras(clock), JointsToGoal(flange, guard.tip)
+        eyes, law = _NoCameras(clock), JointsToGoal(flange, guard.tip)
         return servo(
-            eyes, law, carrier, guard, settings or JOINT_SETTINGS, clock=clock, progress=progress
+            eyes, law, carrier, guard, settings or _JOINT_SETTINGS, clock=clock, progress=progress
         )
     seen = PoseToHand(mark[0], mark[1], flange, tip=guard.tip)
     return servo(eyes, seen, carrier, guard, settings, clock=clock, progress=progress)
 
 
 @dataclass(slots=True)
-class NoCameras:
+class _NoCameras:
     """Eyes without cameras; they return moments at which the joints are read."""
 
     clock: Clock = field(default_factory=Clock)
@@ -459,6 +459,6 @@ class NoCameras:
     _number: int = -1
 
     def look(self, after: float, patience: float) -> TargetSighting:  # noqa: ARG002 - one always comes
-        self.clock.wait(max(after + JOINT_PERIOD - self.clock(), 0.0))
+        self.clock.wait(max(after + _JOINT_PERIOD - self.clock(), 0.0))
         self._number += 1
         return TargetSighting(self.clock(), self._number)

@@ -66,8 +66,10 @@ from assistant.vision.servoing.simulation import DrawnEyes, ServoWorld
 from assistant.vision.servoing.visual_targets import DeviceMarks, Marker, VisualTarget
 from assistant.vision.servoing.visual_targets import VisualTarget as Sought
 
-DICTIONARY_SIZES: Final = (50, 100, 250, 1000)
-DICTIONARIES: Final = tuple(f"{n}X{n}_{count}" for n in (4, 5, 6, 7) for count in DICTIONARY_SIZES)
+_DICTIONARY_SIZES: Final = (50, 100, 250, 1000)
+_DICTIONARIES: Final = tuple(
+    f"{n}X{n}_{count}" for n in (4, 5, 6, 7) for count in _DICTIONARY_SIZES
+)
 """Dictionaries of markers, as OpenCV names them."""
 
 
@@ -100,17 +102,17 @@ def read_servo(path: str | FilePath, *, led_elsewhere: bool = False) -> ServoFil
     """
     data = read_bytes(path, most=SETTINGS_FILE)
     source = decode(data, str(path), ENCODINGS)
-    return servo_in(source, FilePath(path).parent, led_elsewhere=led_elsewhere)
+    return _servo_in(source, FilePath(path).parent, led_elsewhere=led_elsewhere)
 
 
-def servo_in(
+def _servo_in(
     source: SourceText, folder: FilePath = FilePath(), *, led_elsewhere: bool = False
 ) -> ServoFile:
     """folder: in which files of devices stand."""
     top = read_toml(source)
-    said = top.read(SERVO_KEYS)
-    tables = {name: top.table(name) for name in TABLE_KEYS}
-    read = {name: tables[name].read(keys) for name, keys in TABLE_KEYS.items()}
+    said = top.read(_SERVO_KEYS)
+    tables = {name: top.table(name) for name in _TABLE_KEYS}
+    read = {name: tables[name].read(keys) for name, keys in _TABLE_KEYS.items()}
     if not read["target"] and not led_elsewhere:
         top.say(
             rules.BAD_SERVO_FILE, what="has no [target]", cure="write what is led to, or a place"
@@ -160,7 +162,7 @@ def _read_target(table: Table, said: Mapping[str, Any], folder: FilePath) -> Vis
             rules.BAD_SERVO_FILE, what="has a marker without a size", cure="write mm of its edge"
         )
         return None
-    dictionary = said.get("dictionary", DICTIONARIES[0])
+    dictionary = said.get("dictionary", _DICTIONARIES[0])
     if said["marker"] >= int(dictionary.partition("_")[2]):
         what = f"has marker {said['marker']}, which {dictionary} has not"
         table.say(rules.BAD_SERVO_FILE, what=what, cure="name its dictionary, or another marker")
@@ -179,16 +181,16 @@ def _positive_number(unit: str) -> settings_tables.Read:
     return settings_tables.number(unit, above=0.0)
 
 
-TARGET_KEYS: Final[Mapping[str, settings_tables.Read]] = {
+_TARGET_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "marker": settings_tables.whole(0, 999),
     "size": settings_tables.number("mm", least=1.0, most=2000.0),
-    "dictionary": settings_tables.choice(*DICTIONARIES),
+    "dictionary": settings_tables.choice(*_DICTIONARIES),
     "device": settings_tables.text,
     **PLACE_KEYS,
 }
-TABLE_KEYS: Final[Mapping[str, Mapping[str, settings_tables.Read]]] = {
-    "target": TARGET_KEYS,
-    "mark": TARGET_KEYS,
+_TABLE_KEYS: Final[Mapping[str, Mapping[str, settings_tables.Read]]] = {
+    "target": _TARGET_KEYS,
+    "mark": _TARGET_KEYS,
     **dict.fromkeys(("tool", "goal", "base", "drawn"), PLACE_KEYS),
     "limits": {
         "speed": _positive_number("mm/s"),
@@ -211,14 +213,14 @@ TABLE_KEYS: Final[Mapping[str, Mapping[str, settings_tables.Read]]] = {
         "opening": _positive_number("seconds"),
     },
 }
-SERVO_KEYS: Final[Mapping[str, settings_tables.Read]] = {
+_SERVO_KEYS: Final[Mapping[str, settings_tables.Read]] = {
     "law": settings_tables.choice("image", "pose"),
     "cameras": settings_tables.texts,
-    **dict.fromkeys(TABLE_KEYS, lambda value: value),
+    **dict.fromkeys(_TABLE_KEYS, lambda value: value),
 }
 
 
-FEWEST_FOR_ONE_CAMERA: Final = 4
+_FEWEST_FOR_ONE_CAMERA: Final = 4
 """Points by which one camera alone tells a pose."""
 
 
@@ -280,9 +282,9 @@ def set_up_servo(file: ServoFile, rig: Rig, robot: Robot) -> ServoSetup:
 def _check_points(file: ServoFile, cameras: int) -> None:
     """Raises Refused for what one camera alone does not tell."""
     for name, thing in (("mark", file.mark), ("target", file.target)):
-        few = thing is not None and len(thing.points) < FEWEST_FOR_ONE_CAMERA
+        few = thing is not None and len(thing.points) < _FEWEST_FOR_ONE_CAMERA
         if few and cameras < 2:
-            least = FEWEST_FOR_ONE_CAMERA
+            least = _FEWEST_FOR_ONE_CAMERA
             what = f"has a [{name}] of fewer than {least} points, which one camera does not place"
             raise _bad_servo_file(what, "use a marker, or two cameras")
 

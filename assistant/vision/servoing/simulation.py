@@ -24,7 +24,7 @@ from assistant.vision.servoing.control_laws import TargetSighting
 from assistant.vision.servoing.interaction import flange_of
 from assistant.vision.servoing.visual_targets import VisualTarget as Sought
 
-PICTURE_RATE: Final = 30.0
+_PICTURE_RATE: Final = 30.0
 """Pictures a second."""
 
 
@@ -72,7 +72,7 @@ class ProjectedEyes:
     world: ServoWorld
     clock: Clock = field(default_factory=Clock)
     noise: float = 0.2
-    rate: float = PICTURE_RATE
+    rate: float = _PICTURE_RATE
     seed: int = 0
     hidden: Callable[[int], bool] = lambda _: False
     delay: Callable[[int], float] = lambda _: 0.0
@@ -122,7 +122,7 @@ class DrawnEyes:
     still: Callable[[Floats], Sequence[VisibleBody]] = lambda _: ()
     clock: Clock = field(default_factory=Clock)
     optics: Optics = CLEAR
-    rate: float = PICTURE_RATE
+    rate: float = _PICTURE_RATE
     seed: int = 0
     hidden: Callable[[int], bool] = lambda _: False
     _number: int = -1

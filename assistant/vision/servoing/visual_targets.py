@@ -24,15 +24,15 @@ from assistant.vision.pointing.devices import Device
 from assistant.vision.pointing.mark_detection import find_spots
 from assistant.vision.servoing.interaction import cross
 
-EDGE_MARGIN: Final = 2.0
+_EDGE_MARGIN: Final = 2.0
 """Pixels from the edge of a picture within which a corner is not measured as it is."""
-MARKER_BORDER: Final = 6
+_MARKER_BORDER: Final = 6
 """Part of its edge, 1 in so many, that a marker has white around it."""
-LEAST_SQUARE_DISTANCE: Final = 0.05
+_LEAST_SQUARE_DISTANCE: Final = 0.05
 """Least distance of two squares, as a part of the outline: with a larger value, the edge of the
 paper around a small marker counts as the marker.
 """
-RIVAL_CONFIDENCE: Final = 0.9
+_RIVAL_CONFIDENCE: Final = 0.9
 """Part of the confidence of the surest spot that another one must not have."""
 
 
@@ -68,7 +68,7 @@ class Marker:
         cv = opencv()
         settings = cv.aruco.DetectorParameters()
         settings.cornerRefinementMethod = cv.aruco.CORNER_REFINE_SUBPIX
-        settings.minMarkerDistanceRate = LEAST_SQUARE_DISTANCE
+        settings.minMarkerDistanceRate = _LEAST_SQUARE_DISTANCE
         detector = cv.aruco.ArucoDetector(self._dictionary(cv), settings)
         corners, numbers, _ = detector.detectMarkers(cv.cvtColor(picture, cv.COLOR_BGR2GRAY))
         none = np.full((4, 2), np.nan)
@@ -76,19 +76,19 @@ class Marker:
         if len(found) != 1:  # two of one number are one of them and something else
             return none
         pixels = np.asarray(corners[int(found[0])], dtype=np.float64).reshape(4, 2)
-        return pixels if camera.within(pixels, EDGE_MARGIN).all() else none
+        return pixels if camera.within(pixels, _EDGE_MARGIN).all() else none
 
     @property
     def edge(self) -> float:
         """Edge length of `picture`, in mm."""
-        return self.size * (1.0 + 2.0 / MARKER_BORDER)
+        return self.size * (1.0 + 2.0 / _MARKER_BORDER)
 
     def picture(self, dots: int = 240) -> Picture:
         """The marker with a white border of a sixth of its edge, to print or to draw."""
         cv = opencv()
         inner = np.asarray(cv.aruco.generateImageMarker(self._dictionary(cv), self.number, dots))
         return np.repeat(
-            np.pad(inner, dots // MARKER_BORDER, constant_values=255)[..., None], 3, axis=2
+            np.pad(inner, dots // _MARKER_BORDER, constant_values=255)[..., None], 3, axis=2
         )
 
     def _dictionary(self, cv: Any) -> Any:
@@ -109,7 +109,7 @@ class DeviceMarks:
         pixels = np.full((len(self.device.marks), 2), np.nan)
         for row, found in enumerate(find_spots(picture, camera, self.device.marks)):
             sure = [
-                spot for spot in found if spot.confidence >= RIVAL_CONFIDENCE * found[0].confidence
+                spot for spot in found if spot.confidence >= _RIVAL_CONFIDENCE * found[0].confidence
             ]
             if len(sure) == 1 and not sure[0].at_edge:
                 pixels[row] = sure[0].place
@@ -126,16 +126,16 @@ class GivenPoints:
         return np.full((len(self.points), 2), np.nan)
 
 
-POSE_ROUNDS: Final = 12
-CONVERGED_STEP: Final = 1e-7
+_POSE_ROUNDS: Final = 12
+_CONVERGED_STEP: Final = 1e-7
 """mm (and mm at the size of the thing) of a step from which on it is found."""
-FLATNESS: Final = 1e-6
+_FLATNESS: Final = 1e-6
 """Part of its size by which a thing may be uneven and still be flat."""
-FEWEST_FOR_POSE: Final = 3
+_FEWEST_FOR_POSE: Final = 3
 """Fewest points that tell a pose; fewer ones tell a place."""
-FEWEST_FOR_ONE_CAMERA: Final = 4
+_FEWEST_FOR_ONE_CAMERA: Final = 4
 """Fewest points by which one camera alone tells a pose."""
-LEAST_RANK_SHARE: Final = 1e-4
+_LEAST_RANK_SHARE: Final = 1e-4
 """Part of the best determined direction from which on another one counts as determined."""
 
 
@@ -177,19 +177,19 @@ def estimate_pose(
             other = (found[1].pose, found[1].residual)
         return TargetPose(found[0].pose, found[0].residual, other) if found else None
     told = sum(int(good.sum()) for _, _, good in seen)
-    if told * 2 < (3 if len(points) < FEWEST_FOR_POSE else 6):
+    if told * 2 < (3 if len(points) < _FEWEST_FOR_POSE else 6):
         return None
     return _least_squares(seen, points, guess)
 
 
-SeenPoints = Sequence[tuple[Camera, Floats, Truths]]
+_SeenPoints = Sequence[tuple[Camera, Floats, Truths]]
 
 
-def _least_squares(seen: SeenPoints, points: Floats, start: Pose) -> TargetPose | None:
+def _least_squares(seen: _SeenPoints, points: Floats, start: Pose) -> TargetPose | None:
     """Gauss and Newton from a start; turns are scaled by the size of the thing."""
     pose, size = start, _target_size(points)
     residuals = np.zeros(0)
-    for _ in range(POSE_ROUNDS):
+    for _ in range(_POSE_ROUNDS):
         placed = pose.moved(points)
         around = placed - np.array(pose.position)
         rows, offs = [], []
@@ -201,13 +201,13 @@ def _least_squares(seen: SeenPoints, points: Floats, start: Pose) -> TargetPose 
         residuals = np.concatenate(offs)
         if not np.isfinite(residuals).all():
             return None
-        step = np.linalg.lstsq(np.concatenate(rows), residuals, rcond=LEAST_RANK_SHARE)[0]
+        step = np.linalg.lstsq(np.concatenate(rows), residuals, rcond=_LEAST_RANK_SHARE)[0]
         turn = step[3:] / size
         angle = float(np.linalg.norm(turn))
         by = rotations.about(turn / angle if angle > 0.0 else (1.0, 0.0, 0.0), np.degrees(angle))
         quaternion = rotations.multiply(by, np.array(pose.quaternion))
         pose = Pose.of(np.array(pose.position) + step[:3], quaternion)
-        if float(np.abs(step).max()) < CONVERGED_STEP:
+        if float(np.abs(step).max()) < _CONVERGED_STEP:
             break
     return TargetPose(pose, float(np.sqrt((residuals**2).mean() * 2.0)))
 
@@ -217,11 +217,11 @@ def _target_size(points: Floats) -> float:
     return away if away > 0.0 else 1.0
 
 
-def _start_poses(seen: SeenPoints, points: Floats) -> list[Pose]:
+def _start_poses(seen: _SeenPoints, points: Floats) -> list[Pose]:
     both = [one for one in seen if one[2].all()]
     if len(both) > 1:
         return [_triangulated_pose([c for c, _, _ in both], [p for _, p, _ in both], points)]
-    if len(both) == 1 and len(points) >= FEWEST_FOR_ONE_CAMERA:
+    if len(both) == 1 and len(points) >= _FEWEST_FOR_ONE_CAMERA:
         return _poses_of_one_camera(both[0][0], both[0][1], points)
     return []
 
@@ -230,7 +230,7 @@ def _triangulated_pose(cameras: Sequence[Camera], pixels: Sequence[Floats], poin
     """Each point by all cameras, then the turn that fits them best (Kabsch, 1976)."""
     placed = triangulate(cameras, pixels, 1.0).points
     middle, away = placed.mean(axis=0), points.mean(axis=0)
-    if len(points) < FEWEST_FOR_POSE:
+    if len(points) < _FEWEST_FOR_POSE:
         return Pose.of(middle - away, np.array([1.0, 0.0, 0.0, 0.0]))
     left, _, right = np.linalg.svd((placed - middle).T @ (points - away))
     sign = np.diag([1.0, 1.0, np.linalg.det(left @ right)])
@@ -242,7 +242,8 @@ def _poses_of_one_camera(camera: Camera, pixels: Floats, points: Floats) -> list
     """Both poses of a flat thing, or the one of another, by OpenCV (IPPE and SQPNP)."""
     cv = opencv()
     flat = (
-        np.linalg.matrix_rank(points - points.mean(axis=0), tol=FLATNESS * _target_size(points)) < 3
+        np.linalg.matrix_rank(points - points.mean(axis=0), tol=_FLATNESS * _target_size(points))
+        < 3
     )
     method = cv.SOLVEPNP_IPPE if flat else cv.SOLVEPNP_SQPNP
     tangents = camera.lens.tangents(pixels)
@@ -260,16 +261,16 @@ def _pose_of_opencv(cv: Any, turn: Any, place: Any) -> Pose:
     return Pose.of(np.ravel(place), rotations.from_matrix(np.asarray(matrix)))
 
 
-MOST_RESIDUAL: Final = 2.0
+_MOST_RESIDUAL: Final = 2.0
 """Pixels, root mean square, that points may be beside where those of the thing would be."""
-AMBIGUOUS_ANGLE: Final = 10.0
+_AMBIGUOUS_ANGLE: Final = 10.0
 """Degrees between two poses from which on it matters which one is true."""
-BETTER_FIT_RATIO: Final = 1.5
-BETTER_FIT_PIXELS: Final = 0.15
+_BETTER_FIT_RATIO: Final = 1.5
+_BETTER_FIT_PIXELS: Final = 0.15
 """Ratio, and pixels, by which the second pose must fit worse for the first to be taken."""
 
 
-LEAST_NEW_SHARE: Final = 0.2
+_LEAST_NEW_SHARE: Final = 0.2
 """Part of what is seen anew that counts, once so many pictures were seen that their mean is no
 better: what stands still is known the better the longer it is seen.
 """
@@ -285,7 +286,7 @@ class MeanPose:
     def take(self, pose: Pose) -> Pose:
         """The mean with one more."""
         self.seen += 1
-        part = max(LEAST_NEW_SHARE, 1.0 / self.seen)
+        part = max(_LEAST_NEW_SHARE, 1.0 / self.seen)
         self.pose = pose if self.pose is None else _interpolated_pose(self.pose, pose, part)
         return self.pose
 
@@ -314,11 +315,11 @@ class PoseTracker:
         found = None
         if (near := guess or self.mean.pose) is not None:
             found = estimate_pose(cameras, pixels, points, near)
-        if found is None or not found.residual <= MOST_RESIDUAL:
+        if found is None or not found.residual <= _MOST_RESIDUAL:
             found = estimate_pose(cameras, pixels, points)
         if found is None:
             return None
-        if not found.residual <= MOST_RESIDUAL:
+        if not found.residual <= _MOST_RESIDUAL:
             self.forget()
             return f"what is seen is {found.residual:.1f} pixels beside what it should be"
         if (angle := _ambiguous_angle(found)) is not None:
@@ -348,7 +349,7 @@ def _ambiguous_angle(found: TargetPose) -> float | None:
     if found.other is None:
         return None
     pose, residual = found.other
-    if residual > BETTER_FIT_RATIO * found.residual + BETTER_FIT_PIXELS:
+    if residual > _BETTER_FIT_RATIO * found.residual + _BETTER_FIT_PIXELS:
         return None
     _, angle = pose_difference(found.pose, pose)
-    return angle if angle > AMBIGUOUS_ANGLE else None
+    return angle if angle > _AMBIGUOUS_ANGLE else None

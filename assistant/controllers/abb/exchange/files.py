@@ -39,14 +39,14 @@ Configuration = tuple[int, int, int, int]
 """cf1, cf4, cf6, cfx of a robtarget."""
 
 LARGEST_NUMBER: Final = 999_999
-UNUSED: Final = 9e8
+_UNUSED: Final = 9e8
 """RAPID writes 9E9 for an external axis that is not there."""
 UNREAD: Final = 0
 """Number of the answer to a request whose own number could not be read."""
 _NUMBERS: Final = re.compile(r"\[(.*)\]")
 _ANSWER_LINES: Final = 8
 _SUM: Final = "SUM"
-LONGEST_ANSWER: Final = 4096
+_LONGEST_ANSWER: Final = 4096
 """Bytes of an answer; each of its lines has 80 at most, as a RAPID string has."""
 
 
@@ -103,7 +103,7 @@ def is_of(answer: Answer, number: int) -> bool:
 
 def parse_answer(data: bytes) -> Answer | None:
     """Parse an answer file, None if it is incomplete, altered or not an answer."""
-    if len(data) > LONGEST_ANSWER:
+    if len(data) > _LONGEST_ANSWER:
         return None
     lines = data.decode("latin-1").replace("\r", "").split("\n")
     after, lines = lines[_ANSWER_LINES:], lines[:_ANSWER_LINES]
@@ -125,7 +125,7 @@ def parse_answer(data: bytes) -> Answer | None:
         return None
     if not math.isfinite(motion) or abs(length - 1.0) > 1e-3:
         return None
-    axes = tuple(math.nan if abs(value) > UNUSED else value for value in external)
+    axes = tuple(math.nan if abs(value) > _UNUSED else value for value in external)
     pose = Pose((x, y, z), (w, a, b, c))
     return Answer(number, lines[1], pose, (cf1, cf4, cf6, cfx), axes, motion, checked)
 
@@ -143,12 +143,12 @@ def _values(line: str, count: int) -> tuple[float, ...]:
     return values
 
 
-LONGEST_CLAIM: Final = 2000
+_LONGEST_CLAIM: Final = 2000
 """Bytes of the claimant's file that are read."""
 
 
 @dataclass(frozen=True, slots=True)
-class Claimant:
+class _Claimant:
     """Who holds the claim. key: random, of one claim. machine, process: where it runs."""
 
     key: str = ""
@@ -172,7 +172,7 @@ class Claimant:
     def parse(cls, data: bytes | None) -> Self:
         """Read a claimant's file; an unknown one where it is missing or damaged."""
         try:
-            content = json.loads((data or b"")[:LONGEST_CLAIM])
+            content = json.loads((data or b"")[:_LONGEST_CLAIM])
             key, who, since, machine = (
                 visible(str(content[name])[:200]) for name in ("key", "who", "since", "machine")
             )
@@ -238,7 +238,7 @@ class Claim:
         self._files = files
         self._disk = files.programs if isinstance(files.programs, Disk) else None
         self._folder, self._file = f"{prefix}_claim", f"{prefix}_claimant.txt"
-        self._own = Claimant.here()
+        self._own = _Claimant.here()
         self.held = False
 
     def take(self) -> None:
@@ -281,8 +281,8 @@ class Claim:
             self._files.remove(self._file)
             self._disk.release(self._folder)
 
-    def _holder(self) -> Claimant:
-        return Claimant.parse(self._files.look(self._file))
+    def _holder(self) -> _Claimant:
+        return _Claimant.parse(self._files.look(self._file))
 
 
 def _machine() -> str:

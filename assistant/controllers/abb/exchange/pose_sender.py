@@ -29,7 +29,7 @@ from assistant.program.geometry import Pose
 from assistant.program.motion import Kind, Path
 
 _PLACE, _TURN = ("x", "y", "z"), ("w", "x", "y", "z")
-RECORDED_FIELDS: Final[dict[str, Sequence[str]]] = {
+_RECORDED_FIELDS: Final[dict[str, Sequence[str]]] = {
     "seconds": (),
     "number": (),
     "position": _PLACE,
@@ -100,14 +100,14 @@ Progress = Callable[[int, int, Answer], None]
 UNREADABLE_AFTER: Final = 1.0
 """Seconds after which an answer that cannot be read stays unreadable: a damaged transfer is read
 again until then."""
-UNIT_TOLERANCE: Final = 1e-3
+_UNIT_TOLERANCE: Final = 1e-3
 """Most that the length of a quaternion may differ from 1; it is normalised."""
-LARGEST_CONFIGURATION: Final = 99_999_999
+_LARGEST_CONFIGURATION: Final = 99_999_999
 """cfx of arms that have several digits; cf1, cf4 and cf6 are quarters of a turn."""
 _ROWS: Final = "state positions (n, 3) in mm and quaternions (n, 4)"
-FARTHEST: Final = 100_000.0
+_FARTHEST: Final = 100_000.0
 """Largest coordinate in mm: no robot reaches beyond."""
-ARRIVAL_TOLERANCE: Final = 1.0
+_ARRIVAL_TOLERANCE: Final = 1.0
 """Most mm and degrees between a requested pose and the answered one, of a robot at rest."""
 
 
@@ -126,7 +126,7 @@ class PoseSender(ABC):
         self.programs = programs
         self._files = Files(programs)
         self._claim = Claim(self._files, prefix)
-        self.recording: Final = Recording(RECORDED_FIELDS)
+        self.recording: Final = Recording(_RECORDED_FIELDS)
         self.spent = Spent()
         """Times of the last round trip."""
         self.stopped: Answer | None = None
@@ -227,7 +227,7 @@ class PoseSender(ABC):
         controller choose the nearest one. Raises Refused if the pose must not be sent, or the robot
         does not go there; it then stays where it was.
         """
-        positions, quaternions = checked_poses([pose.position], [pose.quaternion], self._check)
+        positions, quaternions = _checked_poses([pose.position], [pose.quaternion], self._check)
         return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)
 
     def follow(
@@ -247,15 +247,15 @@ class PoseSender(ABC):
             arcs = np.flatnonzero(np.isin(trajectory.kinds, (Kind.VIA, Kind.END)))
             if arcs.size:
                 raise Refused(
-                    bad_pose(int(arcs[0]), "it is a part of an arc", "divide arcs into lines")
+                    _bad_pose(int(arcs[0]), "it is a part of an arc", "divide arcs into lines")
                 )
             columns: tuple[ArrayLike, ArrayLike] = trajectory.positions, trajectory.quaternions
         else:
             columns = trajectory
-        positions, quaternions = checked_poses(columns[0], columns[1], self._check)
+        positions, quaternions = _checked_poses(columns[0], columns[1], self._check)
         if configurations is not None and len(configurations) != len(positions):
             raise Refused(
-                bad_pose(
+                _bad_pose(
                     min(len(configurations), len(positions)),
                     f"there are {len(positions)} poses and {len(configurations)} configurations",
                     "state one for each pose, or none",
@@ -279,7 +279,7 @@ class PoseSender(ABC):
         if configuration is not None:  # at the edge of a quarter the controller tells either
             pairs = zip(answer.configuration[:3], configuration[:3], strict=True)
             quarters = max(abs(one - int(other)) for one, other in pairs)
-        if distance <= ARRIVAL_TOLERANCE and angle <= ARRIVAL_TOLERANCE and quarters <= 1:
+        if distance <= _ARRIVAL_TOLERANCE and angle <= _ARRIVAL_TOLERANCE and quarters <= 1:
             return
         off = [f"{distance:.1f} mm and {angle:.1f} degrees"]
         if quarters > 1:
@@ -295,33 +295,33 @@ class PoseSender(ABC):
         )
 
 
-def checked_poses(
+def _checked_poses(
     positions: ArrayLike, quaternions: ArrayLike, check: Check | None
 ) -> tuple[Floats, Floats]:
     """Return the columns of poses that may be sent; raises Refused for the first that must not."""
     place, turn = _columns(positions, 3), _columns(quaternions, 4)
     if len(place) != len(turn):
         reason = f"there are {len(place)} positions and {len(turn)} quaternions"
-        raise Refused(bad_pose(min(len(place), len(turn)), reason, "state both for each pose"))
+        raise Refused(_bad_pose(min(len(place), len(turn)), reason, "state both for each pose"))
     if not len(place):
         return place, turn
     finite = np.isfinite(place).all(axis=1) & np.isfinite(turn).all(axis=1)
-    near = (np.abs(place) <= FARTHEST).all(axis=1)
-    unit = np.abs(np.sqrt((turn * turn).sum(axis=1)) - 1.0) <= UNIT_TOLERANCE
+    near = (np.abs(place) <= _FARTHEST).all(axis=1)
+    unit = np.abs(np.sqrt((turn * turn).sum(axis=1)) - 1.0) <= _UNIT_TOLERANCE
     for good, reason, cure in (
         (finite, "it holds a number that is not finite", "correct the number"),
-        (near, f"it is farther than {FARTHEST:g} mm away", "state positions in mm"),
+        (near, f"it is farther than {_FARTHEST:g} mm away", "state positions in mm"),
         (unit, "its quaternion is not of unit length", "state unit quaternions (w, x, y, z)"),
     ):
         wrong = np.flatnonzero(~good)
         if wrong.size:
-            raise Refused(bad_pose(int(wrong[0]), reason, cure))
+            raise Refused(_bad_pose(int(wrong[0]), reason, cure))
     turn = rotations.canonical(turn)
     refused = dict(check(place, turn)) if check is not None else {}
     if refused:
         row = min(refused)
         more = f" ({len(refused)} poses are refused)" if len(refused) > 1 else ""
-        raise Refused(bad_pose(row, refused[row] + more, "choose a pose that may be sent"))
+        raise Refused(_bad_pose(row, refused[row] + more, "choose a pose that may be sent"))
     return place, turn
 
 
@@ -331,13 +331,13 @@ def checked_configuration(given: Configuration | None) -> None:
         return
     whole = len(given) == 4 and all(
         isinstance(one, (int, float, np.integer))
-        and abs(one) <= LARGEST_CONFIGURATION
+        and abs(one) <= _LARGEST_CONFIGURATION
         and one == int(one)
         for one in given
     )
     if not whole:
         reason = f"its configuration is {given!r:.60}"
-        raise Refused(bad_pose(0, reason, "state four whole numbers: cf1, cf4, cf6, cfx"))
+        raise Refused(_bad_pose(0, reason, "state four whole numbers: cf1, cf4, cf6, cfx"))
 
 
 def _columns(rows: ArrayLike, width: int) -> Floats:
@@ -345,11 +345,11 @@ def _columns(rows: ArrayLike, width: int) -> Floats:
     try:
         found = reals(rows)
     except ValueError as error:
-        raise Refused(bad_pose(0, f"it is no row of numbers ({error})", _ROWS)) from None
+        raise Refused(_bad_pose(0, f"it is no row of numbers ({error})", _ROWS)) from None
     if found.size == 0:
         return found.reshape(0, width)
     if found.ndim != 2 or found.shape[1] != width:
-        raise Refused(bad_pose(0, f"its columns are of the shape {found.shape}", _ROWS))
+        raise Refused(_bad_pose(0, f"its columns are of the shape {found.shape}", _ROWS))
     return found
 
 
@@ -359,6 +359,6 @@ def position_text(pose: Pose) -> str:
     return f"({x:g}, {y:g}, {z:g}) mm"
 
 
-def bad_pose(row: int, reason: str, cure: str) -> Diagnostic:
+def _bad_pose(row: int, reason: str, cure: str) -> Diagnostic:
     """The finding that a row, from 0, cannot be sent."""
     return rules.BAD_POSE(row=row + 1, reason=reason, cure=cure)

@@ -266,9 +266,9 @@ def _next_number(number: int) -> int:
     return number % files.LARGEST_NUMBER + 1
 
 
-LONGEST_PLAIN_FILE: Final = 1000
+_LONGEST_PLAIN_FILE: Final = 1000
 """Most bytes of an answer's file."""
-Texts = tuple[bytes, bytes, bytes]
+_Texts = tuple[bytes, bytes, bytes]
 """Position, orientation, configuration."""
 
 
@@ -364,7 +364,7 @@ class PlainExchange(PoseSender):
         if stays is not None:
             raise Refused(rules.STALE(place=self._place, name=stays))
 
-    def _hand_over(self, texts: Texts) -> None:
+    def _hand_over(self, texts: _Texts) -> None:
         """Puts the files there, each whole, the first one last; takes them back if one fails."""
         self._asked = True
         try:
@@ -455,7 +455,7 @@ class PlainExchange(PoseSender):
             self.ended = "no pose is under way; the program waits for the next"
 
 
-def _plain_question(pose: Pose | None, configuration: Configuration | None) -> Texts:
+def _plain_question(pose: Pose | None, configuration: Configuration | None) -> _Texts:
     """The three files; an empty line where there is nothing to state."""
     if pose is None:
         return b"\n", b"\n", b"\n"
@@ -489,7 +489,7 @@ def _plain_values(text: bytes, count: int) -> tuple[float, ...] | None:
 
     Commas are between numbers: a line with another use of them, as for decimals, is not read.
     """
-    if len(text) > LONGEST_PLAIN_FILE or not text.endswith(b"\n"):
+    if len(text) > _LONGEST_PLAIN_FILE or not text.endswith(b"\n"):
         return None
     line = text.decode("latin-1").strip()
     row = re.fullmatch(r"\[(.*)\]", line)

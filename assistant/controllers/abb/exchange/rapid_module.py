@@ -19,20 +19,20 @@ from assistant.controllers.abb.files import TEXTS
 from assistant.resources import resource
 
 LANGUAGE: Final = "rapid"
-TEMPLATE: Final = "pose_exchange.mod"
-PLAIN_TEMPLATE: Final = "plain_exchange.mod"
-FILES: Final = ("request", "taken", "answer", "stop", "stopped")
-LONGEST_NAME: Final = 32
-LONGEST_FOLDER: Final = 40
+_TEMPLATE: Final = "pose_exchange.mod"
+_PLAIN_TEMPLATE: Final = "plain_exchange.mod"
+_FILES: Final = ("request", "taken", "answer", "stop", "stopped")
+_LONGEST_NAME: Final = 32
+_LONGEST_FOLDER: Final = 40
 """A RAPID string has 80 characters at most, and the names of the files follow."""
-RESERVED: Final = re.compile(
+_RESERVED: Final = re.compile(
     "alias|and|backward|case|connect|const|default|div|do|else|elseif|endfor|endfunc|endif|"
     "endmodule|endproc|endrecord|endtest|endtrap|endwhile|error|exit|false|for|from|func|goto|if|"
     "inout|local|mod|module|nostepin|not|noview|or|pers|proc|raise|readonly|record|retry|return|"
     "step|sysmodule|task|test|then|to|trap|true|trynext|undo|var|viewonly|while|with|xor"
 )
 """Reserved words of RAPID (technical reference manual, RAPID kernel)."""
-LEAST_POLL, LEAST_LOOK = 0.04, 0.1
+_LEAST_POLL, _LEAST_LOOK = 0.04, 0.1
 """Seconds: WaitUntil looks as often as that, ITimer comes as often as that (RAPID instructions)."""
 
 
@@ -83,8 +83,8 @@ def _no_file(name: str, names: Sequence[str]) -> str:
     """Why a name cannot be that of a file of the plain protocol; empty if it can."""
     if re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*(\.[A-Za-z0-9]+)?", name) is None:
         return "it must be safe on every disk"
-    if len(name) > LONGEST_NAME:
-        return f"it has more than {LONGEST_NAME} characters"
+    if len(name) > _LONGEST_NAME:
+        return f"it has more than {_LONGEST_NAME} characters"
     if name.lower().removesuffix(".txt").endswith(("_claim", "_claimant")):
         return "what keeps other computers away has such a name"
     if name.lower().endswith((*TEXTS, ".new")):
@@ -114,7 +114,7 @@ class Module:
     folder: str = "HOME:"
     prefix: str = "exchange"
     longest: float = 240.0
-    poll: float = LEAST_POLL
+    poll: float = _LEAST_POLL
     look: float = 0.2
     plain: PlainFiles | None = None
 
@@ -151,7 +151,7 @@ class Module:
 
     @property
     def _template(self) -> str:
-        return TEMPLATE if self.plain is None else PLAIN_TEMPLATE
+        return _TEMPLATE if self.plain is None else _PLAIN_TEMPLATE
 
     def _wrong_names(self) -> list[Diagnostic]:
         found = []
@@ -168,13 +168,13 @@ class Module:
                     )
                 )
         if re.fullmatch(r"[A-Za-z0-9]+:(/[A-Za-z0-9_-]+)*/?", self.folder) is None or (
-            len(self.folder) > LONGEST_FOLDER
+            len(self.folder) > _LONGEST_FOLDER
         ):
             found.append(
                 rules.BAD_NAME(
                     given=self.folder,
                     what="folder",
-                    reason=f"it is no folder of a unit in {LONGEST_FOLDER} characters",
+                    reason=f"it is no folder of a unit in {_LONGEST_FOLDER} characters",
                     wanted="`HOME:` or `HOME:/folder`",
                 )
             )
@@ -183,8 +183,8 @@ class Module:
     def _wrong_numbers(self) -> list[Diagnostic]:
         checks = (
             ("longest wait", self.longest, 1.0),
-            ("time between looks for a request", self.poll, LEAST_POLL),
-            ("time between looks for a stop", self.look, LEAST_LOOK),
+            ("time between looks for a request", self.poll, _LEAST_POLL),
+            ("time between looks for a stop", self.look, _LEAST_LOOK),
         )
         found = [
             rules.BAD_NUMBER(given=given, what=what, wanted=f"{least:g} to 100000 seconds")
@@ -206,7 +206,7 @@ class Module:
 
 
 def file_names(prefix: str) -> dict[str, str]:
-    """Names of the files by what they are, `FILES`; raises Refused for a prefix that is unsafe."""
+    """Names of the files by what they are, `_FILES`; raises Refused for a prefix that is unsafe."""
     if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,19}", prefix) is None:
         raise Refused(
             rules.BAD_NAME(
@@ -216,16 +216,16 @@ def file_names(prefix: str) -> dict[str, str]:
                 wanted="a letter, then at most 19 letters, digits and `_`",
             )
         )
-    return {file: f"{prefix}_{file}.txt" for file in FILES}
+    return {file: f"{prefix}_{file}.txt" for file in _FILES}
 
 
 def _no_name(given: str, template: str) -> str:
     """Why a text is not a RAPID name that the module can use; empty if it is."""
     if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", given) is None:
         return "it is no name of ASCII letters, digits and `_`"
-    if len(given) > LONGEST_NAME:
-        return f"it has more than {LONGEST_NAME} characters"
-    if RESERVED.fullmatch(given.lower()):
+    if len(given) > _LONGEST_NAME:
+        return f"it has more than {_LONGEST_NAME} characters"
+    if _RESERVED.fullmatch(given.lower()):
         return "the word is reserved"
     if given.lower() != "fine" and given.lower() in _own_words(template):
         return "the module uses the word itself"

@@ -28,25 +28,25 @@ from assistant.controllers.abb.rws.rapid import Rapid
 from assistant.controllers.abb.rws.session import Mastership, NotThere, Session
 from assistant.controllers.abb.rws.system import Panel
 
-KIND: Final = "abb"
-VOLUME: Final = "BACKUP:"
-PATIENCE: Final = 600.0
+_KIND: Final = "abb"
+_VOLUME: Final = "BACKUP:"
+_PATIENCE: Final = 600.0
 """Seconds that a controller is granted for writing its backup, unless the time-out is longer."""
-INFO_FILE: Final = "backinfo/backinfo.txt"
+_INFO_FILE: Final = "backinfo/backinfo.txt"
 """A file that every backup has."""
-FIRST_POLL: Final = 0.2
-SLOWEST_POLL: Final = 2.0
+_FIRST_POLL: Final = 0.2
+_SLOWEST_POLL: Final = 2.0
 """Seconds between two looks whether the backup is written: the first, and at most."""
-FAILED: Final = ("error", "invalid")
-UNDER_WAY: Final = ("progress", "pending", "init", "running", "none")
+_FAILED: Final = ("error", "invalid")
+_UNDER_WAY: Final = ("progress", "pending", "init", "running", "none")
 """Parts of the words for the state of a backup: `Backup in Progress`, `Error during backup`, …"""
 
 
 def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str, ...]:
     """Writes a backup into a new folder, which appears whole or not at all; its files."""
-    with backup_folder.appearing_folder(folder, KIND) as place:
+    with backup_folder.appearing_folder(folder, _KIND) as place:
         name = f"assistant_{datetime.now():%Y%m%d_%H%M%S_%f}"
-        path = f"{VOLUME}/{name}"
+        path = f"{_VOLUME}/{name}"
         try:
             _make(session, files, path)
             for found, size in files.tree(path):
@@ -55,8 +55,8 @@ def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str
             if session.connected:
                 files.discard(path)
         written = backup_folder.backup_files(place)
-        if not any(one.lower() == INFO_FILE for one in written):
-            raise session.garbled("reading the backup", f"it has no `{INFO_FILE}`")
+        if not any(one.lower() == _INFO_FILE for one in written):
+            raise session.garbled("reading the backup", f"it has no `{_INFO_FILE}`")
         return written
 
 
@@ -65,16 +65,16 @@ def _make(session: Session, files: Files, path: str) -> None:
     form = {"backup": f"/fileservice/{files.path(path)}"}
     answer = session.ask("back up", doing=doing, form=form)
     number = answer.location.rpartition("/progress/")[2]
-    patience = max(PATIENCE, session.timeout)
+    patience = max(_PATIENCE, session.timeout)
     until = time.monotonic() + patience
-    pause = FIRST_POLL
+    pause = _FIRST_POLL
     while not _ready(session, number if number.isalnum() else ""):
         if time.monotonic() + pause > until:
             state = "the backup may still be under way on the controller"
             place = str(session.address)
             raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=patience, state=state))
         time.sleep(pause)
-        pause = min(2 * pause, SLOWEST_POLL)
+        pause = min(2 * pause, _SLOWEST_POLL)
 
 
 def _ready(session: Session, number: str) -> bool:
@@ -90,9 +90,9 @@ def _ready(session: Session, number: str) -> bool:
             "make a backup", "it does not tell when one is whole", "make it on the FlexPendant"
         )
     for state in told:
-        if any(word in state for word in FAILED):
+        if any(word in state for word in _FAILED):
             raise session.refusal("make a backup", state, "look into its event log; free its disk")
-    return not any(word in state for state in told for word in UNDER_WAY)
+    return not any(word in state for state in told for word in _UNDER_WAY)
 
 
 def _state_word(
@@ -114,7 +114,7 @@ def _read(session: Session, files: Files, name: str, size: int | None) -> bytes:
     return data
 
 
-LEFT_OUT: Final = {
+_LEFT_OUT: Final = {
     "SYSPAR/MOC.cfg": "calibration offsets and other data of this very arm",
     "SYSPAR/*calib*": "calibration of this very arm",
     "SYSPAR/SIO.cfg": "addresses of the network",
@@ -125,15 +125,15 @@ LEFT_OUT: Final = {
     "RAPID/TASK0/*": "modules that all tasks share, which the system installs",
 }
 """Files that are restored only if they are named, with why; patterns ignore case."""
-INFO_PATTERNS: Final = ("BACKINFO/*", "backinfo.txt", "system.xml", "*/version.xml")
+_INFO_PATTERNS: Final = ("BACKINFO/*", "backinfo.txt", "system.xml", "*/version.xml")
 """Files that describe the backup itself."""
-TASK_LINE: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
+_TASK_LINE: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
 """Which folder is of which task, in `BACKINFO/backinfo.txt`: `>>TASK1: (T_ROB1,,)`."""
-MODULE_FILE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
-PARAMETER_FILE: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
-DOMAIN_HEAD: Final = re.compile(rb"\s*(\w+):CFG_", re.ASCII)
+_MODULE_FILE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
+_PARAMETER_FILE: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
+_DOMAIN_HEAD: Final = re.compile(rb"\s*(\w+):CFG_", re.ASCII)
 """Beginning of a parameter file: this, and not its name, determines which domain it replaces."""
-LOADING_VOLUME: Final = "TEMP:"
+_LOADING_VOLUME: Final = "TEMP:"
 """Volume that modules and parameters are loaded from."""
 
 
@@ -162,9 +162,9 @@ class Restore:
         self._parts = parts
         self._now = now
         self._then = then
-        self._tasks = dict(TASK_LINE.findall(_backinfo(then)))
+        self._tasks = dict(_TASK_LINE.findall(_backinfo(then)))
         differing = [
-            n for n in sorted(then) if now.get(n) != then[n] and not _matches(n, INFO_PATTERNS)
+            n for n in sorted(then) if now.get(n) != then[n] and not _matches(n, _INFO_PATTERNS)
         ]
         self.left_out: Mapping[str, str] = {
             name: why for name in differing if (why := self._why_not(name, wanted)) is not None
@@ -178,7 +178,7 @@ class Restore:
     @property
     def needs_restart(self) -> bool:
         """True if the controller applies some of it only after a restart."""
-        return any(PARAMETER_FILE.fullmatch(name) for name in self.changes)
+        return any(_PARAMETER_FILE.fullmatch(name) for name in self.changes)
 
     def apply(self) -> None:
         """Restore all changes, or put back the previous state."""
@@ -232,19 +232,19 @@ class Restore:
         A folder that holds other files does not name it. A parameter file also counts as the domain
         in its text.
         """
-        domain = DOMAIN_HEAD.match(self._then[name]) if PARAMETER_FILE.fullmatch(name) else None
+        domain = _DOMAIN_HEAD.match(self._then[name]) if _PARAMETER_FILE.fullmatch(name) else None
         names = [name, *([f"SYSPAR/{domain[1].decode('ascii')}.cfg"] if domain is not None else [])]
         unnamed = [
-            n for n in names if not any(_is_meant(n, asked, tuple(LEFT_OUT)) for asked in wanted)
+            n for n in names if not any(_is_meant(n, asked, tuple(_LEFT_OUT)) for asked in wanted)
         ]
         return next(
-            (why for n in unnamed for one, why in LEFT_OUT.items() if _matches(n, (one,))), None
+            (why for n in unnamed for one, why in _LEFT_OUT.items() if _matches(n, (one,))), None
         )
 
     def _known(self, name: str) -> bool:
-        module = MODULE_FILE.fullmatch(name)
+        module = _MODULE_FILE.fullmatch(name)
         task = module is not None and module[1].upper() in self._tasks
-        return name.startswith("HOME/") or task or PARAMETER_FILE.fullmatch(name) is not None
+        return name.startswith("HOME/") or task or _PARAMETER_FILE.fullmatch(name) is not None
 
     def _difference(self, name: str) -> str:
         before, after = self._now.get(name, b""), self._then[name]
@@ -260,7 +260,7 @@ class Restore:
 
     def _put(self, name: str, data: bytes) -> None:
         """Brings one file to where it belongs."""
-        module, settings = MODULE_FILE.fullmatch(name), PARAMETER_FILE.fullmatch(name)
+        module, settings = _MODULE_FILE.fullmatch(name), _PARAMETER_FILE.fullmatch(name)
         if name.startswith("HOME/"):
             folder, _, last = self._home(name).rpartition("/")
             self._parts.files.make_folder(folder)
@@ -288,7 +288,7 @@ class Restore:
 
 def restore(parts: RestoreParts, folder: str | FilePath, only: Sequence[str]) -> Restore:
     """Compare a backup with a new backup of the controller; return the differences."""
-    then = backup_folder.backup_contents(folder, KIND)
+    then = backup_folder.backup_contents(folder, _KIND)
     for one in only:
         if not any(_is_meant(name, one) for name in then):
             known = ", ".join(f"`{name}`" for name in sorted(then)[:10])
@@ -296,13 +296,13 @@ def restore(parts: RestoreParts, folder: str | FilePath, only: Sequence[str]) ->
     with tempfile.TemporaryDirectory(prefix="robot-assistant-") as place:
         current = FilePath(place) / "now"
         back_up(parts.session, parts.files, current)
-        return Restore(parts, backup_folder.backup_contents(current, KIND), then, only)
+        return Restore(parts, backup_folder.backup_contents(current, _KIND), then, only)
 
 
 @contextmanager
 def _laid_down(files: Files, name: str, data: bytes) -> Iterator[str]:
     """The path of a file on the controller, for as long as something is loaded from it."""
-    path = f"{LOADING_VOLUME}/{name}"
+    path = f"{_LOADING_VOLUME}/{name}"
     try:
         files.put(path, data, "nothing of it is loaded")
         yield path

@@ -22,15 +22,15 @@ from websockets.protocol import State
 from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
-LARGEST: Final = 1 << 24
+_LARGEST: Final = 1 << 24
 """Bytes of one event after which it counts as garbage."""
-FAREWELL: Final = 1.0
+_FAREWELL: Final = 1.0
 """Seconds to wait for the other side's good-bye."""
-LEAST: Final = 1e-3
+_LEAST: Final = 1e-3
 """Least seconds of a wait: a socket that never waits reports it in other ways."""
-CHUNK: Final = 1 << 12
+_CHUNK: Final = 1 << 12
 """Bytes read at once: the time-out is checked between two chunks."""
-CONTENTS: Final = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
+_CONTENTS: Final = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
 
 class Channel:
@@ -68,7 +68,7 @@ class Channel:
             if self._is(State.OPEN):
                 self._protocol.send_close(1000)
                 self._send()
-            self._read_until(lambda: not self._is(State.CLOSING), FAREWELL)
+            self._read_until(lambda: not self._is(State.CLOSING), _FAREWELL)
 
     def _is(self, state: State) -> bool:
         return self._protocol.state is state
@@ -82,20 +82,20 @@ class Channel:
         """Raises TimeoutError after these seconds, however much came of what nobody waits for."""
         until = time.monotonic() + timeout
         while not over():
-            self._read(max(until - time.monotonic(), LEAST))
+            self._read(max(until - time.monotonic(), _LEAST))
             if time.monotonic() > until and not over():
                 raise TimeoutError("timed out")
 
     def _read(self, timeout: float) -> None:
         self._line.settimeout(timeout)
-        data = self._line.recv(CHUNK)
+        data = self._line.recv(_CHUNK)
         if data:
             self._protocol.receive_data(data)
         else:
             self._protocol.receive_eof()
         self._send()
         for one in self._protocol.events_received():
-            if isinstance(one, Frame) and one.opcode in CONTENTS:
+            if isinstance(one, Frame) and one.opcode in _CONTENTS:
                 self._part += one.data
                 if one.fin:
                     self._messages.append(bytes(self._part))
@@ -116,7 +116,7 @@ def opened(
     No redirection is followed: it would take cookies to another host. Raises OSError, ValueError.
     """
     protocol = ClientProtocol(
-        parse_uri(uri), subprotocols=[Subprotocol(subprotocol)], max_size=LARGEST
+        parse_uri(uri), subprotocols=[Subprotocol(subprotocol)], max_size=_LARGEST
     )
     with ExitStack() as stack:
         line = stack.enter_context(socket.create_connection(place, timeout=timeout))

@@ -27,9 +27,9 @@ from assistant.controllers.abilities import Rests
 from assistant.controllers.address import Address, Credentials
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
-UNIT: Final = "ROB_1"
+_UNIT: Final = "ROB_1"
 """The arm of a controller that has one."""
-STANDING: Final = ("motoron", "motoroff")
+_STANDING: Final = ("motoron", "motoroff")
 """Controller states from which programs can be started, at most after switching the motors on."""
 
 
@@ -48,7 +48,7 @@ class Rws(RapidFiles):
         *,
         timeout: float = 30.0,
         certificate: str | FilePath | None = None,
-        unit: str = UNIT,
+        unit: str = _UNIT,
     ) -> None:
         self.address = address
         self._session = Session(address, credentials, timeout=timeout, certificate=certificate)
@@ -162,7 +162,7 @@ class Rws(RapidFiles):
         none, and an emergency stop or guard stop is reset where it was set.
         """
         motors = self._panel.motors()
-        if motors not in STANDING:
+        if motors not in _STANDING:
             raise self._session.refusal(
                 "reset that from here",
                 f"its state is `{motors}`",

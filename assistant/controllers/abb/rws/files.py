@@ -17,9 +17,9 @@ from assistant.controllers.abb.files import MOST_ENTRIES, asides, first_differen
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.controllers.abilities import Rests
 
-TEMPORARY: Final = "~{name}"
+_TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole."""
-DEEPEST: Final = 30
+_DEEPEST: Final = 30
 """Levels of folders after which a volume counts as faulty."""
 
 
@@ -75,7 +75,7 @@ class Files:
                     raise self._session.garbled(f"listing `{folder}`", f"{count} entries")
                 if not found.folder:
                     yield name, found.size
-                elif name.count("/") < DEEPEST:
+                elif name.count("/") < _DEEPEST:
                     waiting.append(f"{name}/")
                 else:
                     raise self._session.garbled(f"listing `{folder}`", f"folders down to `{name}`")
@@ -115,7 +115,7 @@ class Files:
 
     def write(self, folder: str, name: str, data: bytes) -> None:
         """Puts a file into a folder, whole or not at all."""
-        temporary = TEMPORARY.format(name=name)
+        temporary = _TEMPORARY.format(name=name)
         state = f"`{name}` there is as it was"
         try:
             self.put(f"{folder}/{temporary}", data, state)
@@ -147,7 +147,7 @@ class Files:
         """See `abilities.Disk`."""
         there = {found.name.lower(): found.name for found in self.listing(folder)}
         for name, contents in known.items():
-            temporary = there.get(TEMPORARY.format(name=name).lower())
+            temporary = there.get(_TEMPORARY.format(name=name).lower())
             if temporary is not None:
                 self.remove(f"{folder}/{temporary}")
             for aside in asides(name, there.values()):

@@ -21,7 +21,7 @@ from xml.etree import ElementTree
 
 Domain = Literal["", "rapid", "cfg"]
 """Domains of mastership; RWS 2.0 has one for both."""
-FORM_TYPE: Final = "application/x-www-form-urlencoded"
+_FORM_TYPE: Final = "application/x-www-form-urlencoded"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,18 +50,18 @@ def post(path: str, action: str = "", *, domain: Domain = "", accept: str = "") 
 
 
 XHTML: Final = "application/xhtml+xml;v=2.0"
-HAL: Final = "application/hal+json;v=2.0"
+_HAL: Final = "application/hal+json;v=2.0"
 ANYTHING: Final = "*/*"
-NEWEST_FIRST: Final = "application/hal+json;v=2.1"
+_NEWEST_FIRST: Final = "application/hal+json;v=2.1"
 """The only form in which RWS 2.0 lists the newest events first."""
 
-FILES: Final = "/fileservice/{path}"
+_FILES: Final = "/fileservice/{path}"
 CFG: Final = "/rw/cfg/{domain}/{type}/instances"
-SIGNALS: Final = "/rw/iosystem/signals"
-SYMBOL: Final = "RAPID/{task}/{module}/{name}"
+_SIGNALS: Final = "/rw/iosystem/signals"
+_SYMBOL: Final = "RAPID/{task}/{module}/{name}"
 TASK: Final = "/rw/rapid/tasks/{task}"
-UNIT: Final = "/rw/motionsystem/mechunits/{unit}"
-BLOCK: Final = {"view": "block", "vartyp": "any", "symtyp": "any", "recursive": "TRUE"}
+_UNIT: Final = "/rw/motionsystem/mechunits/{unit}"
+_BLOCK: Final = {"view": "block", "vartyp": "any", "symtyp": "any", "recursive": "TRUE"}
 START: Final = {
     "regain": "continue",
     "execmode": "continue",
@@ -80,15 +80,15 @@ _SHARED_OPERATIONS: Final = {
     "execution": get("/rw/rapid/execution"),
     "tasks": get("/rw/rapid/tasks"),
     "pointer": get(f"{TASK}/pcp"),
-    "unit": get(UNIT),
-    "joints": get(f"{UNIT}/jointtarget"),
-    "pose": get(f"{UNIT}/robtarget"),
-    "read file": Operation("GET", FILES, accept=ANYTHING),
-    "list folder": Operation("GET", FILES, accept=XHTML),
-    "write file": Operation("PUT", FILES),
-    "delete file": Operation("DELETE", FILES),
-    "signals": get(SIGNALS),
-    "signal": get(f"{SIGNALS}/{{path}}"),
+    "unit": get(_UNIT),
+    "joints": get(f"{_UNIT}/jointtarget"),
+    "pose": get(f"{_UNIT}/robtarget"),
+    "read file": Operation("GET", _FILES, accept=ANYTHING),
+    "list folder": Operation("GET", _FILES, accept=XHTML),
+    "write file": Operation("PUT", _FILES),
+    "delete file": Operation("DELETE", _FILES),
+    "signals": get(_SIGNALS),
+    "signal": get(f"{_SIGNALS}/{{path}}"),
     "events": get("/rw/elog/{path}", lang="en"),
     "instances": get(CFG),
     "progress": get("/progress/{path}"),
@@ -99,7 +99,7 @@ _SHARED_OPERATIONS: Final = {
     "unsubscribe": Operation("DELETE", "/subscription/{path}"),
 }
 
-RWS_1: Final[Mapping[str, Operation]] = {
+_RWS_1: Final[Mapping[str, Operation]] = {
     **_SHARED_OPERATIONS,
     "motors": get("/rw/panel/ctrlstate"),
     "set motors": post("/rw/panel/ctrlstate", "setctrlstate"),
@@ -112,38 +112,38 @@ RWS_1: Final[Mapping[str, Operation]] = {
     "to main": post("/rw/rapid/execution", "resetpp", domain="rapid"),
     "start": Operation("POST", "/rw/rapid/execution", "start", form=START),
     "stop": Operation("POST", "/rw/rapid/execution", "stop", form={"stopmode": "stop"}),
-    "value": get(f"/rw/rapid/symbol/data/{SYMBOL}"),
-    "properties": get(f"/rw/rapid/symbol/properties/{SYMBOL}"),
-    "set value": post(f"/rw/rapid/symbol/data/{SYMBOL}", "set", domain="rapid"),
+    "value": get(f"/rw/rapid/symbol/data/{_SYMBOL}"),
+    "properties": get(f"/rw/rapid/symbol/properties/{_SYMBOL}"),
+    "set value": post(f"/rw/rapid/symbol/data/{_SYMBOL}", "set", domain="rapid"),
     "check value": post("/rw/rapid/symbol/data", "validate"),
     "find symbol": Operation(
         "POST",
         "/rw/rapid/symbols",
         "search-symbols",
-        form={**BLOCK, "skipshared": "FALSE", "onlyused": "FALSE", "stack": "0", "posl": "0"}
+        form={**_BLOCK, "skipshared": "FALSE", "onlyused": "FALSE", "stack": "0", "posl": "0"}
         | {"posc": "0"},
     ),
-    "find signal": post(SIGNALS, "signal-search"),
-    "set signal": post(f"{SIGNALS}/{{path}}", "set"),
+    "find signal": post(_SIGNALS, "signal-search"),
+    "set signal": post(f"{_SIGNALS}/{{path}}", "set"),
     "set instance": post(f"{CFG}/{{instance}}", "set", domain="cfg"),
     "check settings": post("/rw/cfg", "validate"),
     "load settings": post("/rw/cfg", "load", domain="cfg"),
-    "make folder": Operation("POST", FILES, form={"fs-action": "create"}),
-    "rename file": Operation("POST", FILES, form={"fs-action": "rename"}),
+    "make folder": Operation("POST", _FILES, form={"fs-action": "create"}),
+    "rename file": Operation("POST", _FILES, form={"fs-action": "rename"}),
     "back up": post("/ctrl/backup", "backup"),
     "backup state": get("/ctrl/backup", action="backupstate"),
     "take": post("/rw/mastership/{domain}", "request"),
     "give back": post("/rw/mastership/{domain}", "release"),
 }
 
-RWS_2: Final[Mapping[str, Operation]] = {
+_RWS_2: Final[Mapping[str, Operation]] = {
     **_SHARED_OPERATIONS,
     "motors": get("/rw/panel/ctrl-state"),
     "set motors": post("/rw/panel/ctrl-state"),
     "set override": post("/rw/panel/speedratio", "setspeedratio", domain="rapid"),
     "modules": get(f"{TASK}/modules"),
     "text": get(f"{TASK}/modules/{{module}}/text"),
-    "load module": post(f"{TASK}/loadmod", domain="rapid", accept=HAL),
+    "load module": post(f"{TASK}/loadmod", domain="rapid", accept=_HAL),
     "unload module": post(f"{TASK}/unloadmod", domain="rapid"),
     "load program": post(f"{TASK}/program/load", domain="rapid"),
     "to main": post("/rw/rapid/execution/resetpp", domain="rapid"),
@@ -151,20 +151,20 @@ RWS_2: Final[Mapping[str, Operation]] = {
     "stop": Operation(
         "POST", "/rw/rapid/execution/stop", form={"stopmode": "stop", "usetsp": "normal"}
     ),
-    "value": get(f"/rw/rapid/symbol/{SYMBOL}/data"),
-    "properties": get(f"/rw/rapid/symbol/{SYMBOL}/properties"),
-    "set value": post(f"/rw/rapid/symbol/{SYMBOL}/data", domain="rapid"),
+    "value": get(f"/rw/rapid/symbol/{_SYMBOL}/data"),
+    "properties": get(f"/rw/rapid/symbol/{_SYMBOL}/properties"),
+    "set value": post(f"/rw/rapid/symbol/{_SYMBOL}/data", domain="rapid"),
     "check value": post("/rw/rapid/symbol/RAPID/{task}/data", "validate"),
-    "find symbol": Operation("POST", "/rw/rapid/symbols/search", form=BLOCK),
-    "find signal": post(f"{SIGNALS}/signal-search"),
-    "set signal": post(f"{SIGNALS}/{{path}}/set-value"),
+    "find symbol": Operation("POST", "/rw/rapid/symbols/search", form=_BLOCK),
+    "find signal": post(f"{_SIGNALS}/signal-search"),
+    "set signal": post(f"{_SIGNALS}/{{path}}/set-value"),
     "set instance": post(f"{CFG}/{{instance}}", domain="cfg"),
     "load settings": post("/rw/cfg/load", domain="cfg"),
     "newest events": Operation(
-        "GET", "/rw/elog/{path}", query={"lang": "en", "order": "lifo"}, accept=NEWEST_FIRST
+        "GET", "/rw/elog/{path}", query={"lang": "en", "order": "lifo"}, accept=_NEWEST_FIRST
     ),
-    "make folder": post(f"{FILES}/create"),
-    "rename file": post(f"{FILES}/rename"),
+    "make folder": post(f"{_FILES}/create"),
+    "rename file": post(f"{_FILES}/rename"),
     "back up": post("/ctrl/backup/create"),
     "backup state": get("/ctrl/backup/state"),
     "take": post("/rw/mastership/{domain}/request"),
@@ -176,7 +176,7 @@ RWS_2: Final[Mapping[str, Operation]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Dialect:
+class _Dialect:
     """unit: prefix of a volume. accept, accept_written: content types for reading and for the rest.
 
     form, upload: content types. subprotocol: of the WebSocket. domains: of mastership, by purpose.
@@ -207,36 +207,36 @@ _EVENT_RESOURCES: Final = {
 }
 
 DIALECTS: Final = {
-    "rws": Dialect(
+    "rws": _Dialect(
         name="RWS 1.0",
         secure=False,
         unit="$",
         accept="application/xhtml+xml",
         accept_written="application/xhtml+xml",
-        form=FORM_TYPE,
+        form=_FORM_TYPE,
         upload="application/octet-stream",
         subprotocol="robapi2_subscription",
         domains={"rapid": "rapid", "cfg": "cfg"},
         quoted_text=True,
-        operations=RWS_1,
+        operations=_RWS_1,
         events={
             **_EVENT_RESOURCES,
             "motors": "/rw/panel/ctrlstate;ctrlstate",
             "variable": "/rw/rapid/symbol/data/RAPID/{};value",
         },
     ),
-    "rwss": Dialect(
+    "rwss": _Dialect(
         name="RWS 2.0",
         secure=True,
         unit="",
-        accept=HAL,
+        accept=_HAL,
         accept_written=XHTML,
-        form=f"{FORM_TYPE};v=2.0",
+        form=f"{_FORM_TYPE};v=2.0",
         upload="text/plain;v=2.0",
         subprotocol="rws_subscription",
         domains={"rapid": "edit", "cfg": "edit"},
         quoted_text=False,
-        operations=RWS_2,
+        operations=_RWS_2,
         events={
             **_EVENT_RESOURCES,
             "motors": "/rw/panel/ctrl-state;ctrlstate",
@@ -247,11 +247,11 @@ DIALECTS: Final = {
 """Scheme of an address → the dialect that is spoken there."""
 
 
-DEEPEST_ANSWER: Final = 50
+_DEEPEST_ANSWER: Final = 50
 """Levels of an answer after which it counts as garbage."""
-DOCTYPE: Final = re.compile(r"<!DOCTYPE [^\[\]<>]*>")
+_DOCTYPE: Final = re.compile(r"<!DOCTYPE [^\[\]<>]*>")
 """A document type without internal declarations."""
-SOURCE_PLACE: Final = re.compile(r"(?:[A-Za-z]:\\|\w)[^\s\[\]]*\.cpp\[\d+\]:?")
+_SOURCE_PLACE: Final = re.compile(r"(?:[A-Za-z]:\\|\w)[^\s\[\]]*\.cpp\[\d+\]:?")
 """Location of an error in RobotWare's source, as its messages begin."""
 
 
@@ -301,7 +301,7 @@ def parse_answer(data: bytes) -> tuple[tuple[Row, ...], str, int | None, str]:
 
 
 def _of_xhtml(text: str) -> tuple[tuple[Row, ...], str, int | None, str]:
-    text = DOCTYPE.sub("", text, count=1)
+    text = _DOCTYPE.sub("", text, count=1)
     if "<!" in text.replace("<!--", ""):  # no entity of a stranger is ever expanded
         raise ValueError("it declares entities")
     try:
@@ -328,7 +328,7 @@ def _row(item: ElementTree.Element) -> Row:
 
 def _spans(item: ElementTree.Element, depth: int = 0) -> Iterator[tuple[str, str]]:
     """Values below an element, but those of list items inside it."""
-    if depth > DEEPEST_ANSWER:
+    if depth > _DEEPEST_ANSWER:
         raise ValueError("it is nested too deep")
     for below in item:
         name = _local(below)
@@ -362,7 +362,7 @@ def _of_json(text: str) -> tuple[tuple[Row, ...], str, int | None, str]:
 
 
 def _objects(node: object, depth: int) -> Iterator[Row]:
-    if depth > DEEPEST_ANSWER:
+    if depth > _DEEPEST_ANSWER:
         raise ValueError("it is nested too deep")
     if isinstance(node, list):
         for item in node:
@@ -393,7 +393,7 @@ def _number(text: str) -> int | None:
 
 def plain_message(message: str) -> str:
     """A controller's message without the places in its own source, and on one line."""
-    said = re.sub(r"\bERROR:\s*", "", SOURCE_PLACE.sub("", message))
+    said = re.sub(r"\bERROR:\s*", "", _SOURCE_PLACE.sub("", message))
     said = re.sub(r"[\x00-\x1f\x7f]+|\s+", " ", said)
     return re.sub(r"\s*\bi?code:\s*-?\d+", "", said).strip(" ;:")
 
@@ -409,59 +409,59 @@ def numbers(row: Row, names: Sequence[str]) -> tuple[float, ...]:
     return tuple(found)
 
 
-HELD: Final = -1073445862
+_HELD: Final = -1073445862
 NO_MASTERSHIP: Final = -1073445859
-REJECTED: Final = -1073445881
-NO_ACCESS: Final = -1073445867
+_REJECTED: Final = -1073445881
+_NO_ACCESS: Final = -1073445867
 NOT_NOW: Final = -1073442809
-NO_MODULE: Final = -1073442813
-NO_SYMBOL: Final = -1073442816
-NO_RESOURCE: Final = -1073414146
-NO_SIGNAL: Final = -1073445866
-NO_PATH: Final = -1073438713
-NO_VOLUME: Final = -1073438716
-NO_FILE: Final = -1073438708
-ARGUMENT: Final = -1073445879
-NO_STATION: Final = -1073435873
-STATION_TAKEN: Final = -1073435870
+_NO_MODULE: Final = -1073442813
+_NO_SYMBOL: Final = -1073442816
+_NO_RESOURCE: Final = -1073414146
+_NO_SIGNAL: Final = -1073445866
+_NO_PATH: Final = -1073438713
+_NO_VOLUME: Final = -1073438716
+_NO_FILE: Final = -1073438708
+_ARGUMENT: Final = -1073445879
+_NO_STATION: Final = -1073435873
+_STATION_TAKEN: Final = -1073435870
 
-GRANT_CURE: Final = (
+_GRANT_CURE: Final = (
     "give the user the grant in the controller's User Authorization System; in manual mode "
     "request remote access and confirm it on the pendant"
 )
-RELEASE_CURE: Final = (
+_RELEASE_CURE: Final = (
     "release the write access where it is held (FlexPendant, RobotStudio or another program), "
     "or wait until what is under way has ended"
 )
 
 ERROR_CURES: Final = {
-    HELD: RELEASE_CURE,
-    NO_MASTERSHIP: RELEASE_CURE,
-    STATION_TAKEN: RELEASE_CURE,
-    NO_STATION: RELEASE_CURE,
-    REJECTED: GRANT_CURE,
-    NO_ACCESS: GRANT_CURE,
+    _HELD: _RELEASE_CURE,
+    NO_MASTERSHIP: _RELEASE_CURE,
+    _STATION_TAKEN: _RELEASE_CURE,
+    _NO_STATION: _RELEASE_CURE,
+    _REJECTED: _GRANT_CURE,
+    _NO_ACCESS: _GRANT_CURE,
     NOT_NOW: "stop the programs, or load one and switch the motors on, then run it again",
-    NO_MODULE: "check the names of task and module",
-    NO_SYMBOL: "check the names of task, module and data",
-    NO_RESOURCE: "check the names; the option may be missing on this controller",
-    NO_SIGNAL: "check the name of the signal",
-    NO_PATH: "check the name of the file",
-    NO_VOLUME: "check the folder of the address",
-    NO_FILE: "check the name of the file and that its text has no errors",
-    ARGUMENT: "check the value and what the controller accepts there",
+    _NO_MODULE: "check the names of task and module",
+    _NO_SYMBOL: "check the names of task, module and data",
+    _NO_RESOURCE: "check the names; the option may be missing on this controller",
+    _NO_SIGNAL: "check the name of the signal",
+    _NO_PATH: "check the name of the file",
+    _NO_VOLUME: "check the folder of the address",
+    _NO_FILE: "check the name of the file and that its text has no errors",
+    _ARGUMENT: "check the value and what the controller accepts there",
 }
 OTHER_CURE: Final = "put right what it says, then run it again"
 
 ERROR_TEXTS: Final = {
-    HELD: "the resource is held by someone else",
+    _HELD: "the resource is held by someone else",
     NO_MASTERSHIP: "the user does not have the mastership",
-    REJECTED: "rejected",
+    _REJECTED: "rejected",
     NOT_NOW: "not allowed in the state that the programs are in",
-    NO_FILE: "the file cannot be loaded",
-    NO_SYMBOL: "not found",
+    _NO_FILE: "the file cannot be loaded",
+    _NO_SYMBOL: "not found",
 }
 """Texts for answers without a text."""
 
-ABSENT: Final = frozenset({NO_MODULE, NO_SYMBOL, NO_RESOURCE, NO_SIGNAL, NO_PATH})
+ABSENT: Final = frozenset({_NO_MODULE, _NO_SYMBOL, _NO_RESOURCE, _NO_SIGNAL, _NO_PATH})
 """Errors which say that there is no such thing."""

@@ -14,9 +14,9 @@ from assistant.controllers.abb.rws.protocol import Row
 from assistant.controllers.abb.rws.session import Mastership, NotNow, NotThere, Session
 from assistant.controllers.states import TaskState
 
-IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
-PROGRAM_SUFFIX: Final = ".pgf"
-RUNNING_WORDS: Final = frozenset({"running", "started"})
+_IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
+_PROGRAM_SUFFIX: Final = ".pgf"
+_RUNNING_WORDS: Final = frozenset({"running", "started"})
 """Words of the two dialects for a task that runs."""
 
 
@@ -98,7 +98,7 @@ class Rapid:
         where = self.task(task)
         doing = f"loading `{path}` into `{where}`"
         self._stopped(doing)
-        program = path.lower().endswith(PROGRAM_SUFFIX)
+        program = path.lower().endswith(_PROGRAM_SUFFIX)
         with self._mastership.of("rapid", doing):
             if program:
                 form = {"progpath": self._files.path(path), "loadmode": "replace"}
@@ -173,7 +173,7 @@ class Rapid:
 
     def checked(self, name: str, what: str) -> str:
         """The name, if RAPID can have it."""
-        if not IDENTIFIER.fullmatch(name):
+        if not _IDENTIFIER.fullmatch(name):
             reason = "it is no name of RAPID: a letter, then letters, digits and `_`, 32 at most"
             raise Refused(
                 rules.BAD_VALUE(
@@ -233,7 +233,7 @@ class Rapid:
         return row.get("name") or row.title
 
     def _runs(self, row: Row) -> bool:
-        return row.get("excstate").lower() in RUNNING_WORDS
+        return row.get("excstate").lower() in _RUNNING_WORDS
 
 
 def _as_file(text: str, *, quoted: bool) -> bytes:
@@ -250,11 +250,11 @@ def _foreground(row: Row) -> bool:
     return row.get("type").lower() not in ("static", "semistatic", "semi", "stat")
 
 
-SYMBOL_PROPERTIES: Final = tuple(
+_SYMBOL_PROPERTIES: Final = tuple(
     f"rap-symprop{kind}" for kind in ("var", "pers", "const", "per", "con")
 )
-DATA_KINDS: Final = frozenset({"var", "per", "con", "pers", "const", "any", ""})
-CONSTANT_KINDS: Final = frozenset({"con", "const"})
+_DATA_KINDS: Final = frozenset({"var", "per", "con", "pers", "const", "any", ""})
+_CONSTANT_KINDS: Final = frozenset({"con", "const"})
 
 
 class Data:
@@ -298,10 +298,10 @@ class Data:
         shown = _shown(fields)
         rows = self._session.ask(
             "properties", doing=f"asking for the type of {shown}", at=fields
-        ).of(*SYMBOL_PROPERTIES)
+        ).of(*_SYMBOL_PROPERTIES)
         if not rows:
             return ""
-        constant = rows[0].get("symtyp").lower() in CONSTANT_KINDS
+        constant = rows[0].get("symtyp").lower() in _CONSTANT_KINDS
         if constant or rows[0].get("ro", "rdonly").lower() == "true":
             raise self._session.refusal(
                 f"set {shown}",
@@ -347,7 +347,7 @@ class Data:
         modules = []
         for row in answer.rows:
             parts = (row.get("symburl") or row.title).strip("/").split("/")
-            if row.get("symtyp").lower() in DATA_KINDS and len(parts) == 4:
+            if row.get("symtyp").lower() in _DATA_KINDS and len(parts) == 4:
                 if parts[3].lower() == name.lower():
                     modules.append(parts[2])
         return sorted(set(modules))

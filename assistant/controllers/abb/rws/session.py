@@ -41,13 +41,13 @@ if TYPE_CHECKING:
     import httpx
 
 
-RATE: Final = 50_000.0
+_RATE: Final = 50_000.0
 """Bytes a second that are granted for sending a long file, beside the time-out."""
-BUSY: Final = 503
+_BUSY: Final = 503
 """Answered to more than 20 requests a second and to the 71st session."""
-WAITS: Final = 3
+_WAITS: Final = 3
 """Time-outs until an answer has begun: for connecting, for the way to log in, for the answer."""
-AGAIN_AFTER: Final = 0.1
+_AGAIN_AFTER: Final = 0.1
 """Seconds until a busy controller is asked again."""
 
 
@@ -110,7 +110,7 @@ class Transport:
         """Return the response to a request; repeat it on a busy controller until the time-out."""
         import httpx
 
-        granted = self._timeout + len(body or b"") / RATE
+        granted = self._timeout + len(body or b"") / _RATE
         until = time.monotonic() + granted
         while True:
             try:
@@ -122,9 +122,9 @@ class Transport:
             except (KeyError, NotImplementedError, ValueError) as error:
                 # A way of logging in that httpx has not, or a header that is none.
                 raise Broken(f"the answer cannot be used: {error}") from error
-            if response.status != BUSY or time.monotonic() + AGAIN_AFTER > until:
+            if response.status != _BUSY or time.monotonic() + _AGAIN_AFTER > until:
                 return response
-            time.sleep(AGAIN_AFTER)
+            time.sleep(_AGAIN_AFTER)
 
     def _received(
         self,
@@ -140,7 +140,7 @@ class Transport:
         request = self._client.build_request(
             method, self._root + address, content=body, headers=said, timeout=granted
         )
-        with TransferDeadline(WAITS * granted, self._client.close):
+        with TransferDeadline(_WAITS * granted, self._client.close):
             response = self._client.send(request, stream=True)
         pieces: list[bytes] = []
         try:
@@ -174,9 +174,9 @@ def _broken(error: Exception) -> Broken:
     return Broken(str(error) or type(error).__name__)
 
 
-UNCHANGED: Final = "nothing was changed by that"
-UNLESS: Final = ", unless the controller did it before the line was cut"
-FAREWELL: Final = 2.0
+_UNCHANGED: Final = "nothing was changed by that"
+_UNLESS: Final = ", unless the controller did it before the line was cut"
+_FAREWELL: Final = 2.0
 """Seconds that logging a lost session out may take at most."""
 MOST_PAGES: Final = 1000
 """Pages of an answer after which it counts as garbage."""
@@ -184,7 +184,7 @@ STATUS: Final = {
     404: "there is no such resource",
     405: "the controller does not do that",
     410: "the controller does not do that any more",
-    BUSY: "the controller is busy, or has 70 sessions open",
+    _BUSY: "the controller is busy, or has 70 sessions open",
 }
 """Meaning of a status without a text."""
 
@@ -269,7 +269,7 @@ class Session:
     def close(self) -> None:
         """Logs out: a controller has 70 sessions at most. A lost session gets one more try."""
         if self._transport is None and self._cookies:
-            self._transport = self._connection(min(self.timeout, FAREWELL))
+            self._transport = self._connection(min(self.timeout, _FAREWELL))
         if self._transport is not None and self._cookies:
             try:
                 self.ask("logout", doing="logging out")
@@ -288,7 +288,7 @@ class Session:
         name: str,
         *,
         doing: str,
-        state: str = UNCHANGED,
+        state: str = _UNCHANGED,
         form: Mapping[str, str] | None = None,
         query: Mapping[str, str] | None = None,
         body: bytes | None = None,
@@ -331,7 +331,7 @@ class Session:
             if len(seen) >= MOST_PAGES:
                 raise self.garbled(doing, f"more than {MOST_PAGES} pages")
             seen.add(address)
-            found.append(self._asked(operation, address, None, doing, UNCHANGED))
+            found.append(self._asked(operation, address, None, doing, _UNCHANGED))
         return found
 
     def refusal(self, what: str, reason: str, cure: str) -> Refused:
@@ -342,7 +342,7 @@ class Session:
             )
         )
 
-    def garbled(self, doing: str, answer: str, state: str = UNCHANGED) -> Refused:
+    def garbled(self, doing: str, answer: str, state: str = _UNCHANGED) -> Refused:
         """That an answer makes no sense."""
         said = self._credentials.hidden(answer)[:200]
         return Refused(
@@ -425,14 +425,14 @@ class Session:
         state: str,
     ) -> Response:
         if self._transport is None:
-            self.lost("waiting", "there is no session", UNCHANGED)
+            self.lost("waiting", "there is no session", _UNCHANGED)
         try:
             return self._transport.send(method, address, body, headers)
         except Broken as error:
             if error.untrusted:
                 self._untrusted(str(error))
-            acted = method in ("POST", "DELETE") and state != UNCHANGED
-            self.lost(doing, str(error), f"{state}{UNLESS}" if acted else state)
+            acted = method in ("POST", "DELETE") and state != _UNCHANGED
+            self.lost(doing, str(error), f"{state}{_UNLESS}" if acted else state)
         finally:
             if self._transport is not None:
                 self._cookies = self._transport.cookies
@@ -505,8 +505,8 @@ def _form(values: Mapping[str, str]) -> bytes:
     return urlencode(values, quote_via=quote, safe="$/:;[],").encode()
 
 
-STATION: Final = "robot-assistant"
-PIN: Final = "1234"
+_STATION: Final = "robot-assistant"
+_PIN: Final = "1234"
 """PIN with which a remote control station of RobotWare 8 registers; any four digits."""
 
 
@@ -590,9 +590,9 @@ class Mastership:
 
     def _register(self, doing: str) -> None:
         form = {
-            "control-station-name": STATION,
+            "control-station-name": _STATION,
             "control-station-id": f"{{{str(uuid.uuid4()).upper()}}}",
-            "pincode": PIN,
+            "pincode": _PIN,
         }
         self._session.ask("register", doing=doing, form=form)
 
@@ -637,7 +637,7 @@ class Mastership:
         return error
 
 
-REMOTE_POLL: Final = 0.5
+_REMOTE_POLL: Final = 0.5
 GRANTED: Final = frozenset({"modify", "exec", "exclusive"})
 
 
@@ -649,7 +649,7 @@ def ask_remote_access(session: Session, wait: float) -> None:
     session.ask("ask privilege", doing=doing, form={"privilege": "modify"})
     until = time.monotonic() + wait
     while not _granted(session):
-        if time.monotonic() + REMOTE_POLL > until:
+        if time.monotonic() + _REMOTE_POLL > until:
             raise Refused(
                 rules.NOT_DONE(
                     place=str(session.address),
@@ -658,7 +658,7 @@ def ask_remote_access(session: Session, wait: float) -> None:
                     state="nobody confirmed it on the pendant",
                 )
             )
-        time.sleep(REMOTE_POLL)
+        time.sleep(_REMOTE_POLL)
         session.ask("poll privilege", doing=doing)
 
 

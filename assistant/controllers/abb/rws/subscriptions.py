@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from assistant.controllers.abb.rws.channel import Channel
 
 
-GROUP_ADDRESS: Final = re.compile(r"/(?:poll|subscription)/([\w-]+)")
-RESOURCE_ADDRESS: Final = re.compile(r"[\w/.;$:-]+")
+_GROUP_ADDRESS: Final = re.compile(r"/(?:poll|subscription)/([\w-]+)")
+_RESOURCE_ADDRESS: Final = re.compile(r"[\w/.;$:-]+")
 PRIORITY: Final = {"log": "1", "signal": "2", "variable": "2"}
 """Highest priorities that the kinds of resources may have; the others have 1 at most."""
 
@@ -86,7 +86,7 @@ def subscribed(
     doing = f"subscribing to {', '.join(names)}"
     answer = session.ask("subscribe", doing=doing, body="&".join(form).encode())
     where = answer.location or _link(answer)
-    group = GROUP_ADDRESS.search(where)
+    group = _GROUP_ADDRESS.search(where)
     if group is None:
         raise session.garbled(doing, f"the place of the events is `{where}`")
     with ExitStack() as stack:
@@ -111,7 +111,7 @@ def _resource(session: Session, signals: Signals, name: str) -> tuple[str, str]:
         place = session.dialect.events[kind].format(about)
     else:
         place = ""
-    if not RESOURCE_ADDRESS.fullmatch(place):
+    if not _RESOURCE_ADDRESS.fullmatch(place):
         known = ", ".join(f"`{known}`" for known in sorted(session.dialect.events))
         raise Refused(
             rules.BAD_VALUE(
@@ -166,9 +166,9 @@ def _of_rows(rows: Sequence[Row]) -> list[Event]:
     return found
 
 
-WATCHED_RESOURCES: Final = ("motors", "mode", "override", "execution")
+_WATCHED_RESOURCES: Final = ("motors", "mode", "override", "execution")
 """Resources that report changes by events instead of a request at each sample."""
-FULL_LOOK_INTERVAL: Final = 1.0
+_FULL_LOOK_INTERVAL: Final = 1.0
 """Seconds after which the state is requested in any case."""
 
 
@@ -195,7 +195,7 @@ def watch(
             told = list(_waiting_events(events))
             running = panel.running()
             old = events is None or running or running != state.running or bool(told)
-            if old or time.monotonic() > asked + FULL_LOOK_INTERVAL:
+            if old or time.monotonic() > asked + _FULL_LOOK_INTERVAL:
                 state, asked = panel.state(rapid.tasks()), time.monotonic()
             if names and (events is None or not values or any(_of_signal(e) for e in told)):
                 values = signals.values(names, frozenset())
@@ -208,7 +208,7 @@ def _subscription(
     session: Session, signals: Signals, names: Sequence[str], stack: ExitStack
 ) -> Events | None:
     """Return a subscription; None if the controller refuses, so that all is requested."""
-    wanted = [*WATCHED_RESOURCES, *(f"signal:{signals.known(name)}" for name in names)]
+    wanted = [*_WATCHED_RESOURCES, *(f"signal:{signals.known(name)}" for name in names)]
     try:
         return stack.enter_context(subscribed(session, signals, wanted))
     except rules.Lost:

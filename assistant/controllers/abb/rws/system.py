@@ -19,9 +19,9 @@ from assistant.controllers.abb.rws.protocol import Answer, Row, numbers
 from assistant.controllers.abb.rws.session import Mastership, NotThere, Session
 from assistant.controllers.states import Fault, Identity, Mode, Position, State, TaskState
 
-OPERATING_MODES: Final[dict[str, Mode]] = {"AUTO": "automatic", "MANR": "manual", "MANF": "manual"}
+_OPERATING_MODES: Final[dict[str, Mode]] = {"AUTO": "automatic", "MANR": "manual", "MANF": "manual"}
 """MANR: manual at reduced speed, MANF: at full speed; others are on the way to one."""
-STANDSTILLS: Final = {
+_STANDSTILLS: Final = {
     "guardstop": Fault(
         10012, "safety guard stop", cure="close the guard, then switch the motors on"
     ),
@@ -36,11 +36,11 @@ STANDSTILLS: Final = {
     "sysfail": Fault(10014, "system failure", cure="look into the event log, restart"),
 }
 """Controller state → the event that the controller logs with it."""
-UNUSED: Final = 8.9e9
-NO_EXTERNAL_AXIS: Final = "9E+09"
+_UNUSED: Final = 8.9e9
+_NO_EXTERNAL_AXIS: Final = "9E+09"
 """Text of a missing external axis in RAPID; controllers round it a little."""
 AXES: Final = tuple(f"rax_{n}" for n in range(1, 7))
-EXTERNAL_AXES: Final = tuple("abcdef")
+_EXTERNAL_AXES: Final = tuple("abcdef")
 CONFIGURATION: Final = ("cf1", "cf4", "cf6", "cfx")
 
 
@@ -70,7 +70,7 @@ class Panel:
 
     def state(self, tasks: tuple[TaskState, ...]) -> State:
         mode, motors, running, override = self.lamps()
-        fault = STANDSTILLS.get(motors)
+        fault = _STANDSTILLS.get(motors)
         return State(
             mode=mode,
             motors=motors == "motoron",
@@ -88,7 +88,7 @@ class Panel:
         motors = self.motors()
         mode = self._one("mode", doing, "pnl-opmode").get("opmode").upper()
         ratio = self._one("override", doing, "pnl-speedratio").get("speedratio")
-        return OPERATING_MODES.get(mode, ""), motors, self.running(), _whole(ratio)
+        return _OPERATING_MODES.get(mode, ""), motors, self.running(), _whole(ratio)
 
     def motors(self) -> str:
         """Controller state: `motoron`, `motoroff`, `guardstop`, `emergencystop`, …"""
@@ -166,8 +166,8 @@ def _external(joints: Row, total: int | None, inside: int) -> tuple[float | None
     """External axes; those that the unit lacks read 9E9, or 0 beside a number of axes."""
     if total is not None and total <= inside:
         return ()
-    names = [f"eax_{axis}" for axis in EXTERNAL_AXES if f"eax_{axis}" in joints.values]
-    values = [value if abs(value) < UNUSED else None for value in numbers(joints, names)]
+    names = [f"eax_{axis}" for axis in _EXTERNAL_AXES if f"eax_{axis}" in joints.values]
+    values = [value if abs(value) < _UNUSED else None for value in numbers(joints, names)]
     while values and values[-1] is None:
         values.pop()
     return tuple(values)
@@ -178,7 +178,9 @@ def _robtarget(pose: Row) -> str:
     groups = (("x", "y", "z"), ("q1", "q2", "q3", "q4"), CONFIGURATION)
     if any(name not in pose.values for group in groups for name in group):
         return ""
-    told = [pose.get(f"eax{a}", f"eax_{a}", f"ej{n}") for n, a in enumerate(EXTERNAL_AXES, start=1)]
+    told = [
+        pose.get(f"eax{a}", f"eax_{a}", f"ej{n}") for n, a in enumerate(_EXTERNAL_AXES, start=1)
+    ]
     parts = [*(",".join(pose.get(name) for name in group) for group in groups), _axes(told)]
     return f"[{','.join(f'[{part}]' for part in parts)}]"
 
@@ -188,21 +190,21 @@ def _axes(told: Sequence[str]) -> str:
     found = []
     for text in told:
         try:
-            used = abs(float(text)) < UNUSED
+            used = abs(float(text)) < _UNUSED
         except ValueError:
             used = False
-        found.append(text if used else NO_EXTERNAL_AXIS)
+        found.append(text if used else _NO_EXTERNAL_AXIS)
     return ",".join(found)
 
 
-COMMON_LOG: Final = "0"
+_COMMON_LOG: Final = "0"
 """Domain of the log that holds the events of all others."""
-EVENT_LEVELS: Final[dict[str, Literal["error", "warning", "info"]]] = {
+_EVENT_LEVELS: Final[dict[str, Literal["error", "warning", "info"]]] = {
     "1": "info",
     "2": "warning",
     "3": "error",
 }
-EVENT_TIME: Final = re.compile(r"(\d{4}-\d\d-\d\d)\s*T\s*(\d\d:\d\d:\d\d)")
+_EVENT_TIME: Final = re.compile(r"(\d{4}-\d\d-\d\d)\s*T\s*(\d\d:\d\d:\d\d)")
 
 
 def latest_events(session: Session, most: int) -> tuple[Fault, ...]:
@@ -213,7 +215,7 @@ def latest_events(session: Session, most: int) -> tuple[Fault, ...]:
 
 
 def _event_pages(session: Session, most: int) -> list[Answer]:
-    doing, at = "reading the event log", {"path": COMMON_LOG}
+    doing, at = "reading the event log", {"path": _COMMON_LOG}
     if "newest events" in session.dialect.operations:
         try:
             return session.pages("newest events", doing=doing, at=at, enough=most)
@@ -232,12 +234,12 @@ def _event_number(row: Row) -> int:
 
 def _event_fault(row: Row) -> Fault:
     code = row.get("code")
-    told = EVENT_TIME.search(row.get("tstamp"))
+    told = _EVENT_TIME.search(row.get("tstamp"))
     parts = (row.get("title"), row.get("desc"))
     return Fault(
         number=int(code) if code.isdecimal() else 0,
         text=": ".join(part for part in parts if part),
-        level=EVENT_LEVELS.get(row.get("msgtype"), "info"),
+        level=_EVENT_LEVELS.get(row.get("msgtype"), "info"),
         cure=row.get("actions"),
         time=_event_time(*told.groups()) if told else None,
     )
@@ -250,10 +252,10 @@ def _event_time(day: str, clock: str) -> datetime | None:
         return None
 
 
-SIGNAL_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
+_SIGNAL_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,31}")
 INPUTS: Final = frozenset({"DI", "AI", "GI"})
 OUTPUTS: Final = frozenset({"DO", "AO", "GO"})
-LARGEST_GROUP: Final = 2**32 - 1
+_LARGEST_GROUP: Final = 2**32 - 1
 
 
 class Signals:
@@ -289,7 +291,7 @@ class Signals:
         whole = math.isfinite(value) and value == int(value)
         good = {
             "DO": value in (0, 1),
-            "GO": whole and 0 <= value <= LARGEST_GROUP,
+            "GO": whole and 0 <= value <= _LARGEST_GROUP,
             "AO": math.isfinite(value),
         }
         if not good[kind]:
@@ -343,7 +345,7 @@ class Signals:
 
     def _place(self, name: str) -> tuple[str, str]:
         """Address and type of a signal; looked for once, for they stay until a restart."""
-        if not SIGNAL_NAME.fullmatch(name):
+        if not _SIGNAL_NAME.fullmatch(name):
             reason = "a letter, then letters, digits and `_`, 32 at most"
             raise Refused(
                 rules.BAD_VALUE(
@@ -371,8 +373,8 @@ def _checked_signal_name(row: Row) -> str:
     return row.get("name") or row.title.rpartition("/")[2]
 
 
-PARAMETER_PART: Final = re.compile(r"[A-Za-z0-9_.\- ]+")
-UNSAFE_IN_VALUE: Final = re.compile(r"[\x00-\x1f\x7f&%+\[\]\"]")
+_PARAMETER_PART: Final = re.compile(r"[A-Za-z0-9_.\- ]+")
+_UNSAFE_IN_VALUE: Final = re.compile(r"[\x00-\x1f\x7f&%+\[\]\"]")
 """Characters that would start another attribute, or end the value, in the form of RWS 2.0."""
 
 
@@ -407,7 +409,7 @@ class Configuration:
     def set(self, name: str, value: str) -> None:
         """Sets an attribute; most take hold after the controller has been restarted."""
         domain, kind, instance, attribute = self._parts(name, 4)
-        if UNSAFE_IN_VALUE.search(value):
+        if _UNSAFE_IN_VALUE.search(value):
             raise Refused(
                 rules.BAD_VALUE(
                     place=name, value=value, what=f"the value of `{name}`",
@@ -429,7 +431,7 @@ class Configuration:
     def _parts(self, name: str, least: int) -> list[str]:
         parts = name.split("/")
         if not least <= len(parts) <= 4 or not all(
-            PARAMETER_PART.fullmatch(part) for part in parts
+            _PARAMETER_PART.fullmatch(part) for part in parts
         ):
             raise Refused(
                 rules.BAD_VALUE(

@@ -35,7 +35,7 @@ Named = s.Variable | s.Target
 """Nodes that know where they stand."""
 
 _HEADING: Final = re.compile(r"'\s*robot-assistant:", re.IGNORECASE)
-HEADING_LINES: Final = 40
+_HEADING_LINES: Final = 40
 """Lines at the top of a file, one of which tells that it was compiled."""
 
 
@@ -155,7 +155,7 @@ class Look(LineView):
     @cached_property
     def compiled(self) -> bool:
         """True if the heading states that this compiler wrote the file."""
-        comments = (line.comment for line in self.lines[:HEADING_LINES] if line.comment)
+        comments = (line.comment for line in self.lines[:_HEADING_LINES] if line.comment)
         return any(_HEADING.match(comment) for comment in comments)
 
     # ------------------------------------------------------------------------------ findings

@@ -28,62 +28,62 @@ from assistant.languages.melfa_basic.tree.control_flow import (
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.languages.step_numbers import first_step, places_of_steps
 
-UNBALANCED: Final = error(
+_UNBALANCED: Final = error(
     "MB105",
     "`{word}` has no `{other}` (controller error {number})",
     "close each block in the order it was opened",
 )
-CROSSED: Final = error(
+_CROSSED: Final = error(
     "MB131",
     "`{word}` stands inside a `{inner}` that is still open (controller error {number})",
     "close the inner block first",
 )
-TOO_DEEP: Final = error(
+_TOO_DEEP: Final = error(
     "MB132",
     "`{word}` stands {depth} blocks deep, more than {most} (controller error {number})",
     "move the inner blocks into a subroutine",
 )
-NESTED_SELECT: Final = error(
+_NESTED_SELECT: Final = error(
     "MB133",
     "{title} takes no `Select` inside another one",
     "move the inner one into a subroutine, or write it with `If`",
 )
-INTO_BLOCK: Final = warning(
+_INTO_BLOCK: Final = warning(
     "MB134",
     "the jump leads to `{name}` inside a `{kind}` that it does not stand in itself{error}",
     "put the label before or behind the block",
 )
-FALLS_IN: Final = warning(
+_FALLS_IN: Final = warning(
     "MB135",
     "control can run into the subroutine `{name}` from above (controller error 3840 at `Return`)",
     "write `End` or a `GoTo` in front of the label",
 )
-JUMPED_INTO: Final = warning(
+_JUMPED_INTO: Final = warning(
     "MB136",
     "`GoTo` leads into the subroutine `{name}` (controller error 3840 at its `Return`)",
     "call it with `GoSub`",
 )
-RETURN_ALONE: Final = warning(
+_RETURN_ALONE: Final = warning(
     "MB137",
     "`Return` is reached without a `GoSub` (controller error 3840)",
     "write `End`, or call these lines with `GoSub`",
 )
-NO_RETURN: Final = warning(
+_NO_RETURN: Final = warning(
     "MB138",
     "the subroutine `{name}` never comes to a `Return`",
     "end it with `Return`, or go there with `GoTo`",
 )
-HANDLER_RETURN: Final = error(
+_HANDLER_RETURN: Final = error(
     "MB139",
     "the interrupt's subroutine `{name}` ends with a `Return` without number",
     "write `Return 0` to redo the interrupted line, `Return 1` to go on with the next one",
 )
-NUMBERED_RETURN: Final = warning(
+_NUMBERED_RETURN: Final = warning(
     "MB140",
     "`Return` has a number, but `{name}` is no subroutine of an interrupt",
     "write `Return` alone",
 )
-UNREACHABLE: Final = warning(
+_UNREACHABLE: Final = warning(
     "MB141", "nothing leads here: {before}", "remove the lines, or jump to a label at them"
 )
 CALLED_TOO_DEEP: Final = error(
@@ -106,31 +106,31 @@ LAST_VALUE: Final = info(
     "until then it is 0, or what the last run left there",
     "set `{name}` before the line that starts {program}",
 )
-LOOP_VARIABLE: Final = info(
+_LOOP_VARIABLE: Final = info(
     "MB144",
     "the variable `{name}` of the loop is changed inside it",
     "use a variable of its own, or write the loop with `While`",
 )
-SAME_VARIABLE: Final = warning(
+_SAME_VARIABLE: Final = warning(
     "MB145",
     "a loop over `{name}` stands inside another one over it",
     "use a variable of its own for the inner loop",
 )
-WRONG_NEXT: Final = error(
+_WRONG_NEXT: Final = error(
     "MB146",
     "`Next` names `{name}`, but the loop runs over `{wanted}` (controller error 3230)",
     "write `Next {wanted}`",
 )
-TWO_ELSE: Final = error(
+_TWO_ELSE: Final = error(
     "MB147",
     "`{word}` stands behind the `{other}` of its block{error}",
     "put `{other}` last, and once",
 )
 
 
-BLOCK_ERRORS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
+_BLOCK_ERRORS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
 """Kind of a block → what the controller shows where its words do not fit."""
-CLOSERS: Final[Mapping[str, str]] = {kind: word for word, kind in CLOSING.items()}
+_CLOSERS: Final[Mapping[str, str]] = {kind: word for word, kind in CLOSING.items()}
 
 
 @dataclass(slots=True)
@@ -169,8 +169,10 @@ def structure(look: Look) -> Found:
         for block in part.blocks.all:
             line, kind = look.code[block.first], block.kind
             if block.last is None:
-                number = BLOCK_ERRORS[kind]
-                yield look.at(UNBALANCED, line, kind, word=kind, other=CLOSERS[kind], number=number)
+                number = _BLOCK_ERRORS[kind]
+                yield look.at(
+                    _UNBALANCED, line, kind, word=kind, other=_CLOSERS[kind], number=number
+                )
             yield from _depth(look, block)
             yield from _branch_order(look, block)
 
@@ -178,12 +180,12 @@ def structure(look: Look) -> Found:
 def _misfit(look: Look, wrong: Misfit) -> Found:
     line = look.code[wrong.at]
     word = word_of(statement_of(line))
-    number = 3255 if word in ("Else", "ElseIf") else BLOCK_ERRORS[wrong.kind]
+    number = 3255 if word in ("Else", "ElseIf") else _BLOCK_ERRORS[wrong.kind]
     if wrong.inside is None:
-        yield look.at(UNBALANCED, line, word, word=word, other=wrong.kind, number=number)
+        yield look.at(_UNBALANCED, line, word, word=word, other=wrong.kind, number=number)
     elif wrong.inside.last is not None:  # else it is told that the inner one does not close
         kind = wrong.inside.kind
-        yield look.at(CROSSED, line, word, word=word, inner=kind, number=number)
+        yield look.at(_CROSSED, line, word, word=word, inner=kind, number=number)
 
 
 def _depth(look: Look, block: Block) -> Found:
@@ -191,13 +193,13 @@ def _depth(look: Look, block: Block) -> Found:
     if kind == "Select":
         nested = any(b.kind == "Select" for b in block.chain if b is not block)
         if nested and not look.dialect.nested_select:
-            yield look.at(NESTED_SELECT, line, kind, title=look.dialect.title)
+            yield look.at(_NESTED_SELECT, line, kind, title=look.dialect.title)
         return
     most, number = (look.dialect.loops, 3240) if kind != "If" else (look.dialect.ifs, 3253)
     around = (b for b in block.chain if b.form == block.form)
     depth = sum(1 for _ in islice(around, most + 2))
     if depth == most + 1:
-        yield look.at(TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)
+        yield look.at(_TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)
 
 
 def _branch_order(look: Look, block: Block) -> Found:
@@ -209,7 +211,7 @@ def _branch_order(look: Look, block: Block) -> Found:
         word = word_of(statement_of(line))
         if seen and (word == last or block.kind == "If"):
             error = " (controller error 3255)" if block.kind == "If" else ""
-            yield look.at(TWO_ELSE, line, word, word=word, other=last, error=error)
+            yield look.at(_TWO_ELSE, line, word, word=word, other=last, error=error)
         seen = seen or word == last
 
 
@@ -224,7 +226,7 @@ def loops(look: Look) -> Found:
             if isinstance(loop := statement_of(line), s.For):
                 variable = over[block.first] = loop.variable
                 if around.of(block.around, variable):
-                    yield look.at(SAME_VARIABLE, line, variable, name=variable.name)
+                    yield look.at(_SAME_VARIABLE, line, variable, name=variable.name)
         for at in part.scope.entries:
             item = look.code[at]
             if isinstance(item.statement, s.Next):
@@ -235,7 +237,7 @@ def loops(look: Look) -> Found:
             for block in reversed(around.of(inner, target)):
                 if block.first not in told:  # some leave their loops so, at many places
                     told.add(block.first)
-                    yield look.at(LOOP_VARIABLE, item, target, name=target.name)
+                    yield look.at(_LOOP_VARIABLE, item, target, name=target.name)
 
 
 class _Around:
@@ -287,7 +289,7 @@ def _next(
     for variable, block in zip(node.variables, part.blocks.closing.get(at, ()), strict=False):
         wanted = over.get(block.first)
         if wanted is not None and wanted.key != variable.key:
-            yield look.at(WRONG_NEXT, line, variable, name=variable.name, wanted=wanted.name)
+            yield look.at(_WRONG_NEXT, line, variable, name=variable.name, wanted=wanted.name)
 
 
 # --------------------------------------------------------------------------------------- jumps
@@ -305,9 +307,9 @@ def into_blocks(look: Look) -> Found:
                     kind = missed[-1].kind
                     name = _line_name(look, place)
                     loop = kind in ("For", "While")
-                    error = f" (controller error {BLOCK_ERRORS[kind]})" if loop else ""
+                    error = f" (controller error {_BLOCK_ERRORS[kind]})" if loop else ""
                     yield look.at(
-                        INTO_BLOCK, look.code[at], name, name=name, kind=kind, error=error
+                        _INTO_BLOCK, look.code[at], name, name=name, kind=kind, error=error
                     )
 
 
@@ -325,16 +327,16 @@ def subroutines(look: Look) -> Found:
         for at, before in into.items():
             name = _line_name(look, at)
             if at in ways.jumps.get(before, ()):
-                yield look.at(JUMPED_INTO, look.code[before], name, name=name)
+                yield look.at(_JUMPED_INTO, look.code[before], name, name=name)
             else:
-                yield _found_at_callee(look, FALLS_IN, at)
+                yield _found_at_callee(look, _FALLS_IN, at)
         for at in alone:
-            yield look.at(RETURN_ALONE, look.code[at], "Return")
+            yield look.at(_RETURN_ALONE, look.code[at], "Return")
         for at in subs.endless():
             if isinstance(look.code[at], s.Line):
-                yield _found_at_callee(look, NO_RETURN, at)
+                yield _found_at_callee(look, _NO_RETURN, at)
         for at, sub, numbered in subs.of_wrong_kind():
-            rule = NUMBERED_RETURN if numbered else HANDLER_RETURN
+            rule = _NUMBERED_RETURN if numbered else _HANDLER_RETURN
             yield look.at(rule, look.code[at], "Return", name=_line_name(look, sub))
 
 
@@ -365,7 +367,7 @@ def unreachable(look: Look) -> Found:
             quiet = quiet or item.label is not None  # which is a finding of its own
             if _runs(item):
                 if not quiet:
-                    yield look.finding(UNREACHABLE, item, before=_before(look, part, at))
+                    yield look.finding(_UNREACHABLE, item, before=_before(look, part, at))
                 quiet = True
 
 
@@ -373,7 +375,7 @@ SILENT: Final = (
     s.DefNames, s.DefIo, s.DefFunction, s.DefOther, s.Dim, s.Const, s.Static, s.Include,
     s.Next, s.Jump,
 )  # fmt: skip
-TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End Select", "WEnd"})
+_TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End Select", "WEnd"})
 """Words that stand at an end as a habit, and do no harm where nothing comes to them."""
 
 
@@ -383,7 +385,7 @@ def _runs(item: s.Entry) -> bool:
     if statement is None:
         return isinstance(item, MoveRows)
     silent = isinstance(statement, SILENT) or block_word(statement).parts
-    return not silent and word_of(statement) not in TAILS
+    return not silent and word_of(statement) not in _TAILS
 
 
 def _before(look: Look, part: ScopePart, at: int) -> str:

@@ -39,15 +39,15 @@ _NAME: Final = re.compile(r"[A-Z][A-Z0-9_]*")
 _CODE: Final = re.compile(r"[ \t]*([0-9]{0,9})[ \t]*(.*)", re.DOTALL)
 _PLAIN: Final = re.compile(r"[A-Z][A-Z0-9_]*[$%&!#]?(?:\(.*\))?(?:\.[A-Z0-9]+)?[ \t]*=")
 """Begin of an assignment."""
-LANGUAGE_WORDS: Final = frozenset(part.upper() for word in statements() for part in word.split())
-RUN_ON_WORDS: Final = frozenset(
+_LANGUAGE_WORDS: Final = frozenset(part.upper() for word in statements() for part in word.split())
+_RUN_ON_WORDS: Final = frozenset(
     """
     ACCEL CMP COLCHK DLY ERROR FINE HCLOSE HOPEN HLT JOVRD LOADSET MOV MVA MVC MVR MVR2 MVR3 MVS
     OADL OVRD PRINT PREC SERVO SPD TORQ WAIT
     """.split()  # noqa: SIM905
 )
 """Words of statements that run on to the next line and that no other line depends on."""
-STEERING_WORDS: Final = frozenset(
+_STEERING_WORDS: Final = frozenset(
     """
     ACT BASE BREAK CALL CALLP CASE CLOSE CNT DEF DEFAULT ELSE ELSEIF END ENDIF EXIT FEND FOR
     FUNCTION GETM GOSUB GOTO IF INCLUDE NEXT ON OPEN RELM RETURN SELECT SKIP STEP THEN TO TOOL
@@ -61,12 +61,12 @@ _BROKEN_NAME: Final = re.compile(
     r"(?![A-Z*])|\*[ \t]*(?![A-Z])|\*[ \t]*\w+[ \t]+\w|[A-Z]\w*[ \t]+\w+[ \t]*[(=]"
 )
 """Begin of a line whose label or variable is left out, or parted by a blank."""
-DECLARING_WORDS: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".split())  # noqa: SIM905
+_DECLARING_WORDS: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".split())  # noqa: SIM905
 
 
 def damage_of(trees: Sequence[s.File]) -> Damage | None:
     """Return the damage in the files of a program; None if they are undamaged."""
-    return registry.damage_of(trees, names_in)
+    return registry.damage_of(trees, _names_in)
 
 
 def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:
@@ -85,7 +85,7 @@ def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:
     return spoils
 
 
-def steps_of(damage: Damage | None) -> set[int]:
+def _steps_of(damage: Damage | None) -> set[int]:
     """The step numbers of the damaged lines."""
     return set() if damage is None else {int(part[1]) for part in _damaged_parts(damage) if part[1]}
 
@@ -94,26 +94,26 @@ def _damaged_parts(damage: Damage) -> list[re.Match[str]]:
     return [part for text in damage.texts if (part := _CODE.match(text.upper()))]
 
 
-def names_in(text: str) -> Iterator[str]:
+def _names_in(text: str) -> Iterator[str]:
     """Yield the names in a text, without the words of the language, in upper case."""
     for word in _NAME.findall(text.upper()):
-        if word not in LANGUAGE_WORDS and status(word) is None and function(word) is None:
+        if word not in _LANGUAGE_WORDS and status(word) is None and function(word) is None:
             yield word
 
 
 def _is_broken(code: str) -> bool:
     """True if a damaged line may define something whose name is damaged as well."""
     first = _NAME.match(code)
-    if first is not None and first[0] in LANGUAGE_WORDS:
-        return first[0] in DECLARING_WORDS
+    if first is not None and first[0] in _LANGUAGE_WORDS:
+        return first[0] in _DECLARING_WORDS
     return _BROKEN_NAME.match(code) is not None
 
 
 def _runs_on(code: str) -> bool:
     """True if a damaged line, in upper case and without its step number, runs on to the next."""
     words = _NAME.findall(code)
-    leads = _PLAIN.match(code) is not None or (bool(words) and words[0] in RUN_ON_WORDS)
-    return leads and "*" not in code and STEERING_WORDS.isdisjoint(words)
+    leads = _PLAIN.match(code) is not None or (bool(words) and words[0] in _RUN_ON_WORDS)
+    return leads and "*" not in code and _STEERING_WORDS.isdisjoint(words)
 
 
 def _has_functions(tree: s.File) -> bool:
@@ -204,14 +204,14 @@ def _missing_targets(look: Look, line: s.Line, labels: set[str | None], *, insid
 
 
 def _step_numbers(look: Look) -> set[int]:
-    return steps_of(look.damage).union(places_of_steps(look.code))
+    return _steps_of(look.damage).union(places_of_steps(look.code))
 
 
 def _all_labels(look: Look) -> set[str | None]:
     return set(map(_label_of, look.lines))
 
 
-RowTable = MoveRows | PositionRows
+_RowTable = MoveRows | PositionRows
 
 
 def with_single_rows(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[s.File, ...]:
@@ -228,7 +228,7 @@ def with_single_rows(trees: Sequence[s.File], dialect: Dialect | None = None) ->
 
 def _single_rows(look: Look) -> s.File:
     tree, source = look.tree, look.source
-    if source is None or not any(isinstance(item, RowTable) for item in tree.items):
+    if source is None or not any(isinstance(item, _RowTable) for item in tree.items):
         return tree
     single = {**_irregular_moves(look), **_irregular_positions(look)}
     if not any(rows.any() for rows in single.values()):
@@ -236,14 +236,14 @@ def _single_rows(look: Look) -> s.File:
     text = with_line_feeds(source.text)
     items: list[s.Item] = []
     for item in tree.items:
-        if isinstance(item, RowTable) and item.places is not None and single[id(item)].any():
+        if isinstance(item, _RowTable) and item.places is not None and single[id(item)].any():
             items += _split_table(text, item, single[id(item)])
         else:
             items.append(item)
     return replace(tree, items=tuple(items))
 
 
-def _split_table(text: str, rows: RowTable, single: Truths) -> list[s.Item]:
+def _split_table(text: str, rows: _RowTable, single: Truths) -> list[s.Item]:
     bounds = np.flatnonzero(single[1:] != single[:-1]) + 1
     found: list[s.Item] = []
     for first, stop in pairwise([0, *bounds.tolist(), len(single)]):

@@ -26,32 +26,32 @@ from assistant.languages.melfa_basic.tree.line_tables import NO_FLAGS, Positions
 from assistant.languages.melfa_basic.tree.walk import lines_with, literal
 from assistant.program.geometry import ArcMeasures
 
-NEVER_TAUGHT: Final = warning(
+_NEVER_TAUGHT: Final = warning(
     "MB701",
     "the robot is moved to `{name}`, which was never taught: {what}{more}",
     "teach it, or assign it before the move",
 )
-FLAGS: Final = error(
+_FLAGS: Final = error(
     "MB702",
     "`{word}` leads from the flag {before} to {after} of `{name}`{more} (controller error 2810)",
     "use `Mov`, teach both with one posture, or write `Type 0,1` behind the move",
 )
-ARC_STRAIGHT: Final = warning(
+_ARC_STRAIGHT: Final = warning(
     "MB703",
     "{what}: the controller moves straight to the end{more}",
     "use `Mvs`, or put the second point beside the line",
 )
-ARC_START: Final = info(
+_ARC_START: Final = info(
     "MB704",
     "the arc starts at `{name}`, {distance:.1f} mm from where the move before ends{more}",
     "let the arc start where the robot is; it moves straight to the start first",
 )
-FULL_CIRCLE: Final = warning(
+_FULL_CIRCLE: Final = warning(
     "MB705",
     "`Mvc` drives a full circle back to `{start}`, but the next move starts at `{name}`",
     "write `Mvr` for an arc that ends at its third point",
 )
-CNT_LEFT: Final = info(
+_CNT_LEFT: Final = info(
     "MB706",
     "`Cnt 1` is on, so `{word}` may run before the move in front of it has ended",
     "write `Cnt 0` in front of that move",
@@ -69,7 +69,7 @@ NO_ACT: Final = warning(
 ACT_OFF: Final = warning(
     "MB709", "the interrupt {number} is defined, but never switched on", "write `Act {number}=1`"
 )
-NO_TOOL: Final = info(
+_NO_TOOL: Final = info(
     "MB710",
     "the program moves with the tool that was set last: nothing here sets one",
     "write `Tool` with a position, or `Tool P_NTool`, in front of the first move",
@@ -91,13 +91,13 @@ OPENED_TWICE: Final = warning(
 )
 
 
-SAME_POINT: Final = 0.05
+_SAME_POINT: Final = 0.05
 """mm: points that are nearer to each other are the same one."""
-STRAIGHT_ARC: Final = 0.01
+_STRAIGHT_ARC: Final = 0.01
 """mm: how far the second point of an arc must at least be beside the line of the others."""
 
 
-def moves_of_file(look: Look) -> Moves[s.Entry] | None:
+def _moves_of_file(look: Look) -> Moves[s.Entry] | None:
     """Worked out once for a file."""
     positions = look.once(_known_positions)
     changed = _changed_positions(look)
@@ -127,7 +127,7 @@ def _changed_positions(look: Look) -> set[str]:
     return {use.variable.key for _, use in look.uses if use.role in ("written", "either")}
 
 
-HARMLESS_STATEMENTS: Final = (
+_HARMLESS_STATEMENTS: Final = (
     s.Print,
     s.Open,
     s.Close,
@@ -148,7 +148,7 @@ def _is_harmless(statement: s.Statement | None) -> bool:
             return keyword in commands("stays")
         case s.Assign():
             return True
-    return isinstance(statement, HARMLESS_STATEMENTS)
+    return isinstance(statement, _HARMLESS_STATEMENTS)
 
 
 def _follow_table(
@@ -184,8 +184,8 @@ def _follow_line(
 ) -> None:
     kind = KEYWORDS.index(motion.keyword) if motion.keyword in KEYWORDS else -1
     start = via = end = None
-    if kind == MVR and len(motion.arguments) >= ARC_POINTS:
-        start, via, end = motion.arguments[:ARC_POINTS]
+    if kind == MVR and len(motion.arguments) >= _ARC_POINTS:
+        start, via, end = motion.arguments[:_ARC_POINTS]
     elif kind >= 0 and len(motion.arguments) == 1:
         (end,) = motion.arguments
     at = [_taught_constant(one, positions, changed) for one in (end, via, start)]
@@ -204,7 +204,7 @@ def _follow_line(
     )
 
 
-ARC_POINTS: Final = 3
+_ARC_POINTS: Final = 3
 
 
 def _taught_constant(
@@ -241,7 +241,7 @@ def never_taught(look: Look) -> Found:
                 if key not in seen and argument.arguments is None and not argument.component:
                     seen.add(key)
                     name = argument.name
-                    yield look.at(NEVER_TAUGHT, line, name, name=name, what=zeros[key], more="")
+                    yield look.at(_NEVER_TAUGHT, line, name, name=name, what=zeros[key], more="")
 
 
 def _is_given_elsewhere(look: Look, key: str) -> bool:
@@ -250,7 +250,7 @@ def _is_given_elsewhere(look: Look, key: str) -> bool:
 
 def flags(look: Look) -> Found:
     """Linear moves and arcs between positions of different structure flags."""
-    run = look.once(moves_of_file)
+    run = look.once(_moves_of_file)
     if run is None:
         return
     before = np.concatenate([[NO_FLAGS], run.postures[:-1]])
@@ -260,17 +260,17 @@ def flags(look: Look) -> Found:
     words = np.array(KEYWORDS)[run.kinds]
     yield from _first_hit(
         look,
-        FLAGS,
+        _FLAGS,
         run,
         hits,
-        most=MOST_LISTED,
+        most=_MOST_LISTED,
         word=words,
         before=before,
         after=run.postures,
     )
 
 
-MOST_LISTED: Final = 5
+_MOST_LISTED: Final = 5
 """Number of moves with one kind of mistake that are listed one by one."""
 
 
@@ -311,37 +311,37 @@ def arcs(look: Look) -> Found:
     """Report arcs whose points define no arc, and arcs that start away from the robot's
     position.
     """
-    run = look.once(moves_of_file)
+    run = look.once(_moves_of_file)
     if run is None or not (run.kinds == MVR).any():
         return
     arc = run.kinds == MVR
     measures = ArcMeasures.through(np.stack([run.starts, run.vias, run.ends], axis=1))
-    near = (measures.sides < SAME_POINT).any(axis=1)
-    beside = measures.area / np.maximum(measures.sides[:, 2], SAME_POINT)
+    near = (measures.sides < _SAME_POINT).any(axis=1)
+    beside = measures.area / np.maximum(measures.sides[:, 2], _SAME_POINT)
     for hits, what in (
         (arc & near, "two points of the arc are the same"),
-        (arc & ~near & (beside < STRAIGHT_ARC), "the points of the arc lie in a line"),
+        (arc & ~near & (beside < _STRAIGHT_ARC), "the points of the arc lie in a line"),
     ):
-        yield from _first_hit(look, ARC_STRAIGHT, run, hits, what=what)
+        yield from _first_hit(look, _ARC_STRAIGHT, run, hits, what=what)
     gap = np.linalg.norm(run.starts - run.before, axis=1)
-    yield from _first_hit(look, ARC_START, run, arc & (gap > SAME_POINT), "start", distance=gap)
+    yield from _first_hit(look, _ARC_START, run, arc & (gap > _SAME_POINT), "start", distance=gap)
 
 
 def circles(look: Look) -> Found:
     """Mvc where an arc is meant: the next move starts at its third point."""
     last: tuple[s.Line, s.Motion] | None = None
     for line, motion in lines_with(look.code, s.Motion):
-        if last is not None and len(motion.arguments) >= ARC_POINTS:
+        if last is not None and len(motion.arguments) >= _ARC_POINTS:
             start, third = last[1].arguments[0], last[1].arguments[-1]
             follows = motion.arguments[0] == third and third != start
             if follows and isinstance(third, s.Variable) and isinstance(start, s.Variable):
-                yield look.at(FULL_CIRCLE, last[0], "Mvc", start=start.name, name=third.name)
-        full = motion.keyword == "Mvc" and len(motion.arguments) >= ARC_POINTS
+                yield look.at(_FULL_CIRCLE, last[0], "Mvc", start=start.name, name=third.name)
+        full = motion.keyword == "Mvc" and len(motion.arguments) >= _ARC_POINTS
         last = (line, motion) if full else None
 
 
-STOPPING_COMMANDS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
-WAITING_COMMANDS: Final = frozenset({"Wait"})
+_STOPPING_COMMANDS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
+_WAITING_COMMANDS: Final = frozenset({"Wait"})
 
 
 def corners_at_stops(look: Look) -> Found:
@@ -362,9 +362,9 @@ def corners_at_stops(look: Look) -> Found:
                 value = literal(arguments[0]) if arguments else None
                 rounded = None if value is None else value != 0
                 moved = False
-            case s.Command(keyword=word) if word in STOPPING_COMMANDS or word in WAITING_COMMANDS:
+            case s.Command(keyword=word) if word in _STOPPING_COMMANDS or word in _WAITING_COMMANDS:
                 if rounded and moved:
-                    yield look.at(CNT_LEFT, item, word, word=word)
+                    yield look.at(_CNT_LEFT, item, word, word=word)
                 moved = False
                 if word == "End":
                     rounded = False
@@ -379,10 +379,10 @@ def missing_tool(look: Look) -> Found:
     for item in look.code:
         if isinstance(item, MoveRows):
             word = KEYWORDS[int(item.kinds[0])]
-            yield look.finding(NO_TOOL, look.row(item, 0, word))
+            yield look.finding(_NO_TOOL, look.row(item, 0, word))
             return
         if isinstance(item.statement, s.Motion):
-            yield look.at(NO_TOOL, item, item.statement.keyword)
+            yield look.at(_NO_TOOL, item, item.statement.keyword)
             return
 
 

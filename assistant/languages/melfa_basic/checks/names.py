@@ -126,7 +126,7 @@ def undefined_variables(look: Look) -> Found:
         seen.add(key)
         if key[1:2] == "_":
             stranger = key not in names.declared and vocabulary.status(key) is None
-            if stranger and not near_status(key) and key not in look.calls.once(given_anywhere):
+            if stranger and not _near_status(key) and key not in look.calls.once(given_anywhere):
                 yield look.at(rules.NO_EXTERNAL, line, variable, name=variable.marked)
         elif variable.arguments is not None:
             if key not in names.dimensioned:
@@ -170,18 +170,18 @@ def undefined_calls(look: Look) -> Found:
             yield look.at(rules.NO_CALL, line, name, name=name)
 
 
-def near_status(key: str) -> str:
+def _near_status(key: str) -> str:
     """The status variable that a name is one slip away from, empty for none."""
     if key[2:].isdigit():
         return ""
     for name, row in vocabulary.variables().items():
-        if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > SHORT_NAME:
+        if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > _SHORT_NAME:
             if typing_distance(name, key, 1) <= 1:
                 return row.name
     return ""
 
 
-SHORT_NAME: Final = 4
+_SHORT_NAME: Final = 4
 """Names so short that others are near them by chance."""
 
 
@@ -277,9 +277,9 @@ def _is_shared(variable: s.Variable) -> bool:
     return variable.key[1:2] == "_" or variable.arguments is not None
 
 
-LEVELS: Final = {dialect.level: dialect.title for dialect in DIALECTS.values()}
-JUMP_CURE: Final = "write `If … Then GoTo` over the lines"
-NEWER_VERSION_CURE: Final = "compile for a newer version of the language"
+_LEVELS: Final = {dialect.level: dialect.title for dialect in DIALECTS.values()}
+_JUMP_CURE: Final = "write `If … Then GoTo` over the lines"
+_NEWER_VERSION_CURE: Final = "compile for a newer version of the language"
 
 
 def missing_words(look: Look) -> Found:
@@ -291,7 +291,7 @@ def missing_words(look: Look) -> Found:
             yield _lacking_at(look, line, f"*{line.label}", word, "write it on a line of its own")
     yield from _breaks(look)
     for line, move in look.all(s.Motion):
-        if move.type and literal(move.type[1]) == SINGULAR and not look.dialect.singular_type:
+        if move.type and literal(move.type[1]) == _SINGULAR and not look.dialect.singular_type:
             cure = "write `Type 0,1`, or move the points away from where axis 5 is 0"
             yield _lacking_at(look, line, "Type", "`Type` through singular points", cure)
     for line, command in look.all(s.Command):
@@ -299,7 +299,7 @@ def missing_words(look: Look) -> Found:
     yield from _missing_functions(look)
 
 
-SINGULAR: Final = 2
+_SINGULAR: Final = 2
 
 
 def _lacking_at(
@@ -307,14 +307,14 @@ def _lacking_at(
 ) -> Diagnostic:
     title = look.dialect.title
     return look.at(
-        rules.NOT_IN_DIALECT, line, at, title=title, word=word, cure=cure or NEWER_VERSION_CURE
+        rules.NOT_IN_DIALECT, line, at, title=title, word=word, cure=cure or _NEWER_VERSION_CURE
     )
 
 
 def _missing_statements(look: Look, line: s.Line) -> Found:
     for statement in statements_in(line.statement):
         if isinstance(statement, s.If) and statement.then is None and not look.dialect.blocks:
-            yield _lacking_at(look, line, "If", "`If` block", JUMP_CURE)
+            yield _lacking_at(look, line, "If", "`If` block", _JUMP_CURE)
         word = word_of(statement)
         at = word.removeprefix("Def ").removeprefix("#")
         if (row := vocabulary.statement(word)) is not None:
@@ -331,7 +331,7 @@ def _missing_word(
 
 
 def _of_versions(levels: frozenset[int]) -> str:
-    named = " and ".join(LEVELS[level] for level in sorted(levels))
+    named = " and ".join(_LEVELS[level] for level in sorted(levels))
     return f"leave it out, or use the file with {named}"
 
 
@@ -395,7 +395,7 @@ def _missing_functions(look: Look) -> Found:
             cure = f"write `{variable.name}#`, whose numbers reach further"
             yield _lacking_at(look, line, variable, word, cure)
         elif row is None and key[1:2] == "_" and key[0] in "MPJC":
-            near = near_status(key)
+            near = _near_status(key)
             if near and use.role == "read" and key not in names.given:
                 seen.add(key)
                 title, cure = look.dialect.title, f"write `{near}` if that is meant"

@@ -95,11 +95,11 @@ def _moves_robot(item: s.Entry) -> bool:
 # ----------------------------------------------------------------------------------- interrupts
 
 
-NumberedLines = Keyed[float, tuple[s.Line, str]]
+_NumberedLines = Keyed[float, tuple[s.Line, str]]
 """Number → the line that names it, and the word before it."""
 
 
-def _without(look: Look, rule: Rule, some: NumberedLines, others: NumberedLines) -> Found:
+def _without(look: Look, rule: Rule, some: _NumberedLines, others: _NumberedLines) -> Found:
     """The rule's finding at each number that is not among others."""
     for number, (line, word) in some.without(others):
         yield look.at(rule, line, word, word=word, number=f"{number:g}")
@@ -171,31 +171,31 @@ def _opened_twice(look: Look) -> Found:
 
 Node: TypeAlias = tuple[int, int]
 """A line: the place of its file among the files, and its place in the code of the file."""
-Keys: TypeAlias = frozenset[str]
+_Keys: TypeAlias = frozenset[str]
 """Names of shared variables in upper case."""
-Side: TypeAlias = Literal["begins", "behind"]
-Facts: TypeAlias = Dataflow[tuple[Node, Side], Keys]
+_Side: TypeAlias = Literal["begins", "behind"]
+_Facts: TypeAlias = Dataflow[tuple[Node, _Side], _Keys]
 
-NO_KEYS: Final[Keys] = frozenset()
+_NO_KEYS: Final[_Keys] = frozenset()
 
 
-def _common_keys(some: Keys, others: Keys) -> Keys:
+def _common_keys(some: _Keys, others: _Keys) -> _Keys:
     return some & others
 
 
-def _all_keys(known: Sequence[Keys]) -> Keys:
+def _all_keys(known: Sequence[_Keys]) -> _Keys:
     return known[0].intersection(*known[1:])
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class _Branch:
     """One outcome of a statement: the variables that it sets, and the first lines that it calls."""
 
-    sets: Keys = NO_KEYS
+    sets: _Keys = _NO_KEYS
     calls: tuple[Node, ...] = ()
 
-    def __or__(self, other: Branch) -> Branch:
-        return Branch(self.sets | other.sets, self.calls + other.calls)
+    def __or__(self, other: _Branch) -> _Branch:
+        return _Branch(self.sets | other.sets, self.calls + other.calls)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +209,7 @@ class Start:
 
 
 @dataclass(slots=True)
-class SharedSlots:
+class _SharedSlots:
     """Use of shared variables in the programs of some files, line by line.
 
     after, calls, handlers: lines that may follow a line, that it calls, that lead to interrupts.
@@ -222,7 +222,7 @@ class SharedSlots:
     after: dict[Node, list[Node]] = field(default_factory=dict)
     calls: dict[Node, list[Node]] = field(default_factory=dict)
     handlers: dict[Node, list[Node]] = field(default_factory=dict)
-    outcomes: dict[Node, tuple[Branch, ...]] = field(default_factory=dict)
+    outcomes: dict[Node, tuple[_Branch, ...]] = field(default_factory=dict)
     reads: dict[Node, list[s.Variable]] = field(default_factory=dict)
     gives: dict[str, list[tuple[Node, float | None]]] = field(default_factory=dict)
     waits: dict[Node, tuple[str, float]] = field(default_factory=dict)
@@ -230,26 +230,26 @@ class SharedSlots:
     ends: list[Node] = field(default_factory=list)
     starts: list[Start] = field(default_factory=list)
     called: dict[int, set[int]] = field(default_factory=dict)
-    surely: dict[Node, Keys] = field(default_factory=dict)
+    surely: dict[Node, _Keys] = field(default_factory=dict)
     """By the first line of what is called: variables that are set whenever it has come back."""
-    gains: dict[Node, Keys] = field(default_factory=dict)
+    gains: dict[Node, _Keys] = field(default_factory=dict)
     """Variables that are set once a `Wait` is over."""
-    facts: Facts = field(init=False)
+    facts: _Facts = field(init=False)
     """Variables that are set where a line begins, whatever led there."""
 
     # ------------------------------------------------------------------------------- analysis
 
-    def behind(self, node: Node, found: Keys) -> Keys | None:
+    def behind(self, node: Node, found: _Keys) -> _Keys | None:
         """Variables that are set behind a line; None if what it calls never comes back."""
-        known: list[Keys] = [
+        known: list[_Keys] = [
             outcome.sets.union(*(self.surely[entry] for entry in outcome.calls))
-            for outcome in self.outcomes.get(node, (Branch(),))
+            for outcome in self.outcomes.get(node, (_Branch(),))
             if all(entry in self.surely for entry in outcome.calls)
         ]
         if not known:
             return None
         key, _ = self.waits.get(node, ("", 0.0))
-        gained = self.gains.get(node, NO_KEYS) if key in found else NO_KEYS
+        gained = self.gains.get(node, _NO_KEYS) if key in found else _NO_KEYS
         return found | _all_keys(known) | gained
 
     def settle(self) -> None:
@@ -260,8 +260,8 @@ class SharedSlots:
                 before[place].append(node)
         entries = set(chain.from_iterable(self.calls.values()))
         while True:
-            back = Dataflow[Node, Keys](before, self.behind, _common_keys)
-            back.spread((end, NO_KEYS) for end in self.ends)
+            back = Dataflow[Node, _Keys](before, self.behind, _common_keys)
+            back.spread((end, _NO_KEYS) for end in self.ends)
             found = {entry: back.found[entry] for entry in entries if entry in back.found}
             made = {e: keys for e in found if (keys := self.behind(e, found[e])) is not None}
             if made == self.surely:
@@ -271,17 +271,17 @@ class SharedSlots:
         started = {start.program for start in self.starts}.union(*self.called.values())
         roots = [begin for of, begin in self.begins.items() if of not in started]
         while True:
-            self.facts = self.flow(((root, NO_KEYS) for root in roots), started=True)
+            self.facts = self.flow(((root, _NO_KEYS) for root in roots), started=True)
             left = [n for n in self.begins.values() if (n, "begins") not in self.facts.found]
-            self.facts.spread(((node, "begins"), NO_KEYS) for node in left)
+            self.facts.spread(((node, "begins"), _NO_KEYS) for node in left)
             gains = {node: self._gain(*self.waits[node]) for node in self.waits}
             if gains == self.gains:
                 break
             self.gains = gains
 
-    def flow(self, entries: Iterable[tuple[Node, Keys]], *, started: bool = False) -> Facts:
+    def flow(self, entries: Iterable[tuple[Node, _Keys]], *, started: bool = False) -> _Facts:
         """The variables that are set from some lines on. started: in programs of `XRun` too."""
-        after: dict[tuple[Node, Side], list[tuple[Node, Side]]] = {}
+        after: dict[tuple[Node, _Side], list[tuple[Node, _Side]]] = {}
         runs: dict[Node, list[Node]] = {}
         for start in self.starts if started else ():
             runs.setdefault(start.node, []).append(self.begins[start.program])
@@ -291,14 +291,14 @@ class SharedSlots:
             after[node, "begins"] = [(node, "behind"), *((entry, "begins") for entry in inner)]
             after[node, "behind"] = [(place, "begins") for place in led]
 
-        def effect(at: tuple[Node, Side], found: Keys) -> Keys | None:
+        def effect(at: tuple[Node, _Side], found: _Keys) -> _Keys | None:
             return found if at[1] == "begins" else self.behind(at[0], found)
 
-        facts: Facts = Dataflow(after, effect, _common_keys)
+        facts: _Facts = Dataflow(after, effect, _common_keys)
         facts.spread(((node, "begins"), keys) for node, keys in entries)
         return facts
 
-    def _gain(self, key: str, number: float) -> Keys:
+    def _gain(self, key: str, number: float) -> _Keys:
         """Variables that are set wherever one may become a number."""
         reached = self.facts.found
         known = [
@@ -307,7 +307,7 @@ class SharedSlots:
             if (value is None or value == number) and (node, "begins") in reached
             if (behind := self.behind(node, reached[node, "begins"])) is not None
         ]
-        return _all_keys(known) if known else NO_KEYS
+        return _all_keys(known) if known else _NO_KEYS
 
     # ------------------------------------------------------------------------------- questions
 
@@ -315,7 +315,7 @@ class SharedSlots:
         """A program and those that it calls, directly or not, all by their places."""
         return reachable([program], lambda of: self.called.get(of, ()))
 
-    def unset(self, facts: Facts, programs: Iterable[int]) -> Iterator[tuple[Node, s.Variable]]:
+    def unset(self, facts: _Facts, programs: Iterable[int]) -> Iterator[tuple[Node, s.Variable]]:
         """The first read of each variable that a path has not set, in the order of programs."""
         seen: set[str] = set()
         lines = ((of, at) for of in programs for at in range(len(self.trees[of].code)))
@@ -339,7 +339,7 @@ class SharedSlots:
 
 def started_early(look: Look) -> Found:
     """Programs that are run in other slots and may read a shared variable before it is set."""
-    found = look.calls.once(shared_slots)
+    found = look.calls.once(_shared_slots)
     if found is None:
         return
     own = _file_number(look)
@@ -364,7 +364,7 @@ def started_early(look: Look) -> Found:
 
 def last_values(look: Look) -> Found:
     """Shared variables that this program may read before they are set, and another slot sets."""
-    found = look.calls.once(shared_slots)
+    found = look.calls.once(_shared_slots)
     if found is None:
         return
     own = _file_number(look)
@@ -383,7 +383,7 @@ def last_values(look: Look) -> Found:
                 break
 
 
-def _setter(found: SharedSlots, start: Start, key: str) -> str:
+def _setter(found: _SharedSlots, start: Start, key: str) -> str:
     """The line or the other program that sets a variable beside a started program, in words.
 
     Empty for none. A line that may follow the start comes first.
@@ -403,7 +403,7 @@ def _setter(found: SharedSlots, start: Start, key: str) -> str:
     return ""
 
 
-def _line_reference(found: SharedSlots, node: Node, program: int) -> str:
+def _line_reference(found: _SharedSlots, node: Node, program: int) -> str:
     """The number of a line, with the name of its file if that is not the program's."""
     tree, line = found.trees[node[0]], found.line(node)
     number = first_step(line)
@@ -420,7 +420,7 @@ def _file_number(look: Look) -> int:
 # ------------------------------------------------------------------------------------- reading
 
 
-def shared_slots(calls: Calls) -> SharedSlots | None:
+def _shared_slots(calls: Calls) -> _SharedSlots | None:
     """Return the variables that the programs of some files share; None if no program starts
     another.
     """
@@ -429,7 +429,7 @@ def shared_slots(calls: Calls) -> SharedSlots | None:
         return None
     places = {id(tree): at for at, tree in enumerate(calls.trees)}
     by_name = {name: places[id(tree)] for name, tree in calls.by_name.items()}
-    found = SharedSlots(tuple(calls.trees))
+    found = _SharedSlots(tuple(calls.trees))
     sound = [at for at, look in enumerate(looks) if _take_paths(look, at, found)]
     shared = _Shared(calls.once(given_by_data))
     for at in sound:
@@ -441,7 +441,7 @@ def shared_slots(calls: Calls) -> SharedSlots | None:
     return found
 
 
-def _take_paths(look: Look, of: int, found: SharedSlots) -> bool:
+def _take_paths(look: Look, of: int, found: _SharedSlots) -> bool:
     """Add the paths through a file; false if its blocks are not sound, or it has no lines."""
     scopes = look.once(scope_parts)
     if not all(part.ways and part.scope.entries for part in scopes):
@@ -487,7 +487,7 @@ class _Reader:
     look: Look
     part: ScopePart
     of: int
-    found: SharedSlots
+    found: _SharedSlots
     by_name: Mapping[str, int]
     shared: Callable[[Use], bool]
     _functions: dict[str, Node] = field(init=False)
@@ -539,11 +539,11 @@ class _Reader:
                 if number is not None and self.shared(Use(name, "read")):
                     found.waits[node] = key, number
 
-    def _outcomes(self, statement: s.Statement | s.Target | None) -> Iterator[Branch]:
+    def _outcomes(self, statement: s.Statement | s.Target | None) -> Iterator[_Branch]:
         """Yield the possible outcomes of a statement, one for each branch through it."""
         match statement:
             case None | s.Target():
-                yield Branch()
+                yield _Branch()
             case s.If(condition, then, otherwise) if then is not None:
                 asked = self._plain(condition)
                 for branch in (then, otherwise):
@@ -555,17 +555,17 @@ class _Reader:
                     yield moved
             case s.Jump("GoSub", target):
                 entry = self._entry(target)
-                yield Branch(calls=() if entry is None else (entry,))
+                yield _Branch(calls=() if entry is None else (entry,))
             case s.CallP(program=s.String(name)):
                 program = self.found.begins.get(self.by_name.get(program_key(name), -1))
-                yield self._plain(statement) | Branch(calls=() if program is None else (program,))
+                yield self._plain(statement) | _Branch(calls=() if program is None else (program,))
             case _:
                 yield self._plain(statement)
 
-    def _plain(self, node: s.Statement | s.Expression) -> Branch:
+    def _plain(self, node: s.Statement | s.Expression) -> _Branch:
         """Return the certain effects of a node: variables written, functions called."""
         given = (use for use in uses(node) if use.role in ("written", "either"))
-        return Branch(
+        return _Branch(
             frozenset(use.variable.key for use in given if self.shared(use)),
             tuple(
                 self._functions[one.key]
@@ -575,7 +575,9 @@ class _Reader:
         )
 
 
-def _starts(look: Look, of: int, found: SharedSlots, by_name: Mapping[str, int]) -> Iterator[Start]:
+def _starts(
+    look: Look, of: int, found: _SharedSlots, by_name: Mapping[str, int]
+) -> Iterator[Start]:
     """`XRun` of other slots, by a name or of what the last `XLoad` on a path there has loaded."""
     runs: list[tuple[int, int, str | None]] = []
     loads: dict[int, list[tuple[int, str]]] = {}
@@ -598,7 +600,7 @@ def _starts(look: Look, of: int, found: SharedSlots, by_name: Mapping[str, int])
 
 
 def _loaded(
-    found: SharedSlots, run: Node, slot: int, loads: Mapping[int, list[tuple[int, str]]]
+    found: _SharedSlots, run: Node, slot: int, loads: Mapping[int, list[tuple[int, str]]]
 ) -> list[str]:
     """The programs that may be in a slot where it is run, by the lines of its file."""
     names = {at: [name for of, name in rows if of == slot] for at, rows in loads.items()}

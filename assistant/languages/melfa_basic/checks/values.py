@@ -25,25 +25,25 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import split_name
 from assistant.languages.melfa_basic.tree.walk import declarations, literal, nodes
 
-OUT_OF_RANGE: Final = error(
+_OUT_OF_RANGE: Final = error(
     "MB601", "{what} is {value}, not {range} (controller error {number})", "{cure}"
 )
-ARGUMENT_COUNT: Final = error(
+_ARGUMENT_COUNT: Final = error(
     "MB602",
     "`{word}` takes {wanted}, not {given} (controller error {number})",
     "write what it takes",
 )
-ARGUMENT_TYPE: Final = error(
+_ARGUMENT_TYPE: Final = error(
     "MB603",
     "{which} of `{word}` is {given}, not {wanted} (controller error 3810)",
     "write {wanted} there",
 )
-ASSIGNED_TYPE: Final = error(
+_ASSIGNED_TYPE: Final = error(
     "MB604",
     "`{name}` is {wanted}, but is given {given} (controller error 4390)",
     "assign it {wanted}, or use a variable that takes {given}",
 )
-OPERAND_TYPE: Final = error(
+_OPERAND_TYPE: Final = error(
     "MB605",
     "`{operator}` joins {left} with {right} (controller error 4390)",
     "convert one of them: `Str$` makes a text of a number, `Val` a number of a text",
@@ -53,8 +53,8 @@ SUFFIX: Final = warning(
     "`{name}` has the mark of {marked}, but is declared as {declared} (controller error 4390)",
     "use one of the two everywhere",
 )
-READ_ONLY: Final = error("MB607", "`{name}` can only be read (controller error 3210)", "{cure}")
-WRITE_ONLY: Final = warning(
+_READ_ONLY: Final = error("MB607", "`{name}` can only be read (controller error 3210)", "{cure}")
+_WRITE_ONLY: Final = warning(
     "MB608",
     "`{name}` cannot be read (controller error 4330)",
     "keep the value in a variable of your own",
@@ -62,33 +62,33 @@ WRITE_ONLY: Final = warning(
 UNKNOWN_STATUS: Final = warning(
     "MB609", "`{name}` is no status variable of {title}, and nothing declares it", "{cure}"
 )
-TIMER: Final = info(
+_TIMER: Final = info(
     "MB610",
     "`M_Timer` is compared with {value}: it counts milliseconds",
     "write {better} if seconds are meant",
 )
-DEGREES: Final = warning(
+_DEGREES: Final = warning(
     "MB611",
     "{what} is {value}: angles in expressions are in radian",
     "write `Rad({value})` if degrees are meant",
 )
-NO_TEXT_MARK: Final = error(
+_NO_TEXT_MARK: Final = error(
     "MB612",
     "`{name}` is given a text, but has no `$` and no `Def Char` (controller error 4390)",
     "write `{name}$`",
 )
-INTEGER_RANGE: Final = error(
+_INTEGER_RANGE: Final = error(
     "MB613",
     "{value} does not fit into `{name}`, which holds whole numbers from {low} to {high}",
     "declare it with `Def {wider}`",
 )
-DIMENSIONS: Final = error("MB614", "the array `{name}` {what} (controller error 4370)", "{cure}")
-SHORT_WAIT: Final = info(
+_DIMENSIONS: Final = error("MB614", "the array `{name}` {what} (controller error 4370)", "{cure}")
+_SHORT_WAIT: Final = info(
     "MB619",
     "{title} waits {least:g} seconds at least, not {value}",
     "write a longer time, or leave it out",
 )
-GAP: Final = warning(
+_GAP: Final = warning(
     "MB616",
     "the position `{name}` leaves out {what}, whose value is undefined then",
     "write every value; 0 is one",
@@ -98,15 +98,15 @@ UNDEFINED: Final = error(
     "the position `{name}` has no value for {what}, and is taken as a pose (controller error 2800)",
     "write every value; 0 is one",
 )
-LEFT_OUT: Final = error(
+_LEFT_OUT: Final = error(
     "MB617", "the {which} argument of `{word}` is left out (controller error 3120)", "write it"
 )
-EMPTY_STEP: Final = warning(
+_EMPTY_STEP: Final = warning(
     "MB618",
     "step {number} holds nothing: a step number alone deletes that step",
     "write a statement or a comment there, or delete the line",
 )
-AMONG_STEPS: Final = warning(
+_AMONG_STEPS: Final = warning(
     "MB620",
     "`{name}` is given a value by a line without step number between steps",
     "write a step number if it is a statement, else move it behind the last step",
@@ -123,15 +123,15 @@ Kind = str
 where it is not known.
 """
 
-KIND_WORDS: Final[Mapping[Kind, str]] = {
+_KIND_WORDS: Final[Mapping[Kind, str]] = {
     "M": "a number", "C": "a text", "P": "a position", "J": "joints",
     "PJ": "a position or joints", "JP": "a position or joints", "PM": "a position or a number",
 }  # fmt: skip
-COMPARISONS: Final = frozenset(("=", "<>", "><", "<", "<=", "=<", ">", ">=", "=>"))
-NUMERIC_OPERATORS: Final = frozenset(("AND", "OR", "XOR", "MOD", "\\", "<<", ">>", "^"))
+_COMPARISONS: Final = frozenset(("=", "<>", "><", "<", "<=", "=<", ">", ">=", "=>"))
+_NUMERIC_OPERATORS: Final = frozenset(("AND", "OR", "XOR", "MOD", "\\", "<<", ">>", "^"))
 
 
-def declared_types(look: Look) -> dict[str, DataType]:
+def _declared_types(look: Look) -> dict[str, DataType]:
     """Variables by name in upper case → the type that Def gives them; of two the last."""
     found: dict[str, DataType] = {}
     for line in look.lines:
@@ -148,7 +148,7 @@ def declared_types(look: Look) -> dict[str, DataType]:
     return found
 
 
-def kind_of_variable(look: Look, variable: s.Variable) -> Kind:
+def _kind_of_variable(look: Look, variable: s.Variable) -> Kind:
     """The type of a variable, an array's element, a component or a function's result."""
     key = variable.key
     if variable.component:
@@ -163,15 +163,15 @@ def kind_of_variable(look: Look, variable: s.Variable) -> Kind:
         return _certain_kind(key[2:3])
     if (status := vocabulary.status(key)) is not None:
         return _certain_kind(status.type)
-    if (known := look.once(declared_types).get(key)) is not None:
+    if (known := look.once(_declared_types).get(key)) is not None:
         return known.letter
-    if look.has_strangers and (variable.arguments is not None or key[0] not in KIND_WORDS):
+    if look.has_strangers and (variable.arguments is not None or key[0] not in _KIND_WORDS):
         return ""  # a function or a name that a file declares which is not among these
     return key[0] if key[0] in "PJ" or key.startswith("C_") else "M"
 
 
 def _certain_kind(types: str) -> Kind:
-    return types if types in KIND_WORDS else ""
+    return types if types in _KIND_WORDS else ""
 
 
 def _kind_of_function(function: s.Function) -> Kind:
@@ -195,7 +195,7 @@ def kind_of(look: Look, value: s.Expression | None) -> Kind:
         case s.Pallet():
             return "P"
         case s.Variable():
-            return kind_of_variable(look, value)
+            return _kind_of_variable(look, value)
         case s.Unary(_, operand):
             return kind_of(look, operand)
         case s.Binary(operator, left, right):
@@ -204,7 +204,7 @@ def kind_of(look: Look, value: s.Expression | None) -> Kind:
 
 
 def _kind_of_operation(operator: str, left: Kind, right: Kind) -> Kind:
-    if operator in COMPARISONS or operator in NUMERIC_OPERATORS:
+    if operator in _COMPARISONS or operator in _NUMERIC_OPERATORS:
         return "M"
     if left == right:
         return left
@@ -212,7 +212,7 @@ def _kind_of_operation(operator: str, left: Kind, right: Kind) -> Kind:
     return next(of_points, "")
 
 
-def kind_fits(given: Kind, wanted: str) -> bool:
+def _kind_fits(given: Kind, wanted: str) -> bool:
     """True if a value of a type may be used where one of several types is required."""
     return not given or not wanted or not set(given).isdisjoint(wanted)
 
@@ -230,21 +230,21 @@ def assigned_types(look: Look) -> Found:
 
 
 def _assigned_type(look: Look, item: s.Item, target: s.Variable, value: s.Expression) -> Found:
-    wanted, given = kind_of_variable(look, target), kind_of(look, value)
-    if not wanted or not given or kind_fits(given, wanted):
+    wanted, given = _kind_of_variable(look, target), kind_of(look, value)
+    if not wanted or not given or _kind_fits(given, wanted):
         yield from _integer_range(look, item, target, value)
         return
     if target.key in look.functions or _is_function_result(look, target):
         return
     plain = (
-        not target.suffix and not target.component and target.key not in look.once(declared_types)
+        not target.suffix and not target.component and target.key not in look.once(_declared_types)
     )
     if given == "C" and wanted == "M" and plain:
-        yield look.at(NO_TEXT_MARK, item, target)
+        yield look.at(_NO_TEXT_MARK, item, target)
         return
     name = target.marked + (f".{target.component}" if target.component else "")
-    said, got = KIND_WORDS[wanted], KIND_WORDS[given]
-    yield look.at(ASSIGNED_TYPE, item, target, name=name, wanted=said, given=got)
+    said, got = _KIND_WORDS[wanted], _KIND_WORDS[given]
+    yield look.at(_ASSIGNED_TYPE, item, target, name=name, wanted=said, given=got)
 
 
 def _is_function_result(look: Look, target: s.Variable) -> bool:
@@ -254,7 +254,7 @@ def _is_function_result(look: Look, target: s.Variable) -> bool:
 
 
 def _integer_range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) -> Found:
-    kind = TYPE_MARKS.get(target.suffix) or look.once(declared_types).get(target.key)
+    kind = TYPE_MARKS.get(target.suffix) or look.once(_declared_types).get(target.key)
     number = literal(value)
     if kind is None or kind.whole is None or number is None or target.component:
         return
@@ -262,7 +262,7 @@ def _integer_range(look: Look, line: s.Item, target: s.Variable, value: s.Expres
     low, high = kind.whole
     if not low <= round(number) <= high and not bits:
         words = {"name": target.marked, "value": f"{number:g}", "wider": kind.wider}
-        yield look.at(INTEGER_RANGE, line, target, low=low, high=high, **words)
+        yield look.at(_INTEGER_RANGE, line, target, low=low, high=high, **words)
 
 
 def operand_types(look: Look) -> Found:
@@ -272,8 +272,8 @@ def operand_types(look: Look) -> Found:
         if left and right and left != right and "C" in (left, right):
             named = next((n for n in (node.left, node.right) if isinstance(n, s.Variable)), None)
             where = (named and look.place(line, named)) or line
-            kinds = {"left": KIND_WORDS[left], "right": KIND_WORDS[right]}
-            yield look.finding(OPERAND_TYPE, where, operator=node.operator, **kinds)
+            kinds = {"left": _KIND_WORDS[left], "right": _KIND_WORDS[right]}
+            yield look.finding(_OPERAND_TYPE, where, operator=node.operator, **kinds)
 
 
 def type_marks(look: Look) -> Found:
@@ -281,7 +281,7 @@ def type_marks(look: Look) -> Found:
     seen: set[str] = set()
     for line, use in look.uses:
         variable = use.variable
-        kind, marked = look.once(declared_types).get(variable.key), TYPE_MARKS.get(variable.suffix)
+        kind, marked = look.once(_declared_types).get(variable.key), TYPE_MARKS.get(variable.suffix)
         if kind is None or marked is None or marked == kind or variable.key in seen:
             continue
         if use.role == "declared" or {kind.word, marked.word} <= {"Float", "Double"}:
@@ -297,16 +297,16 @@ def array_dimensions(look: Look) -> Found:
     for line, dim in look.all(s.Dim):
         for variable in dim.variables:
             size = [literal(a) for a in variable.arguments or ()]
-            odd = [f"{n:g}" for n in size if n is not None and not 1 <= n <= MOST_ELEMENTS]
+            odd = [f"{n:g}" for n in size if n is not None and not 1 <= n <= _MOST_ELEMENTS]
             what = "has a dimension of " + " and ".join(odd)
-            if not 1 <= len(size) <= MOST_DIMENSIONS:
+            if not 1 <= len(size) <= _MOST_DIMENSIONS:
                 what = f"has {len(size)} dimensions"
             elif not odd:
                 if None not in size:
                     sizes[variable.key] = size
                 continue
-            cure = f"use one to {MOST_DIMENSIONS} dimensions of 1 to {MOST_ELEMENTS}"
-            yield look.at(DIMENSIONS, line, variable, what=what, cure=cure)
+            cure = f"use one to {_MOST_DIMENSIONS} dimensions of 1 to {_MOST_ELEMENTS}"
+            yield look.at(_DIMENSIONS, line, variable, what=what, cure=cure)
     parameters = {p.name.upper() for f in look.functions.values() for p in f.parameters or ()}
     for line, use in look.uses:
         variable = use.variable
@@ -326,17 +326,17 @@ def array_dimensions(look: Look) -> Found:
             what = f"has no element {missing[0]:g}"
         else:
             continue
-        yield look.at(DIMENSIONS, line, variable, what=what, cure=cure)
+        yield look.at(_DIMENSIONS, line, variable, what=what, cure=cure)
 
 
-MOST_DIMENSIONS: Final = 3
-MOST_ELEMENTS: Final = 999
+_MOST_DIMENSIONS: Final = 3
+_MOST_ELEMENTS: Final = 999
 """Greatest number of elements of a dimension (COSIROP help, DIM)."""
 
 
 PERCENT: Final = "write a percentage; `Spd` takes mm/s"
 HAND: Final = Limits("the number of the hand", 1, 8)
-SLOT: Final = Limits("the slot", 1, 32, number=3880)
+_SLOT: Final = Limits("the slot", 1, 32, number=3880)
 FILE: Final = Limits("the file number", 1, 8)
 ACT: Final = Limits("the number of the interrupt", 1, 8)
 
@@ -356,39 +356,39 @@ COMMANDS: Final[dict[str, tuple[Limits | None, ...]]] = {
     "HClose": (HAND,),
     "Act": (Limits("the number of the interrupt", 0, 8),),
     "Error": (Limits("the error", 9000, 9299, False, "own errors are 9000 to 9299"),),
-    "XRun": (SLOT,),
-    "XLoad": (SLOT,),
-    "XStp": (SLOT,),
-    "XRst": (SLOT,),
-    "XClr": (SLOT,),
-    "Priority": (Limits("the priority", 1, 31), SLOT),
+    "XRun": (_SLOT,),
+    "XLoad": (_SLOT,),
+    "XStp": (_SLOT,),
+    "XRst": (_SLOT,),
+    "XClr": (_SLOT,),
+    "Priority": (Limits("the priority", 1, 31), _SLOT),
     "Clr": (Limits("what `Clr` clears", 0, 3),),
     "MvTune": (Limits("the mode of `MvTune`", 1, 4),),
     "Torq": (Limits("the axis", 1, 8), Limits("the torque", 0, 100)),
     "LoadSet": (Limits("the hand condition", 0, 8), Limits("the work condition", 0, 8)),
 }
 """Word of a statement → what its arguments may be, where they are plain numbers."""
-DEFINITIONS: Final[dict[str, tuple[Limits | None, ...]]] = {
+_DEFINITIONS: Final[dict[str, tuple[Limits | None, ...]]] = {
     "Plt": (
         Limits("the number of the pallet", 1, 8), None, None, None, None, None, None,
         Limits("the direction of the pallet", 1, 13),
     ),
     "Arch": (Limits("the number of the arch", 1, 4),),
 }  # fmt: skip
-INDICES: Final[dict[str, Limits]] = {
+_INDICES: Final[dict[str, Limits]] = {
     "M_TIMER": Limits("the number of the timer", 1, 8),
     "M_OPEN": FILE,
 }
 """Status variable → what its subscript may be."""
 
 
-PULSE: Final = Limits("the length of the pulse", 0, inf)
-TYPE_NUMBER: Final = Limits("the first number of `Type`", 0, 1)
+_PULSE: Final = Limits("the length of the pulse", 0, inf)
+_TYPE_NUMBER: Final = Limits("the first number of `Type`", 0, 1)
 
 _Values = Sequence[s.Expression | None]
-LIMITED: Final[Mapping[type[Any], Callable[[Any], tuple[Sequence[Limits | None], _Values]]]] = {
+_LIMITED: Final[Mapping[type[Any], Callable[[Any], tuple[Sequence[Limits | None], _Values]]]] = {
     s.Command: lambda node: (COMMANDS.get(node.keyword, ()), node.arguments),
-    s.DefOther: lambda node: (DEFINITIONS.get(node.kind, ()), node.arguments),
+    s.DefOther: lambda node: (_DEFINITIONS.get(node.kind, ()), node.arguments),
     s.DefAct: lambda node: ((ACT,), (node.number,)),
     s.Open: lambda node: ((FILE,), (node.number,)),
     s.Print: lambda node: ((FILE,), (node.number,)),
@@ -396,16 +396,16 @@ LIMITED: Final[Mapping[type[Any], Callable[[Any], tuple[Sequence[Limits | None],
     s.Channel: lambda node: ((FILE,), (node.number,)),
     s.Opening: lambda node: ((FILE,), (node.number,)),
     s.Close: lambda node: ((FILE,) * len(node.numbers), node.numbers),
-    s.Assign: lambda node: ((PULSE,), (node.delay,)),
-    s.Variable: lambda node: ((INDICES.get(node.key),), node.arguments or ()),
-    s.Motion: lambda node: ((TYPE_NUMBER,), (node.type or ())[:1]),
+    s.Assign: lambda node: ((_PULSE,), (node.delay,)),
+    s.Variable: lambda node: ((_INDICES.get(node.key),), node.arguments or ()),
+    s.Motion: lambda node: ((_TYPE_NUMBER,), (node.type or ())[:1]),
 }
 """Construct → numbers in it, and what each may be where it is a plain one."""
 
 
 def argument_ranges(look: Look) -> Found:
     """Plain numbers that an argument cannot be."""
-    for construct, limited in LIMITED.items():
+    for construct, limited in _LIMITED.items():
         for line, node in look.all(construct):
             for limits, argument in zip(*limited(node), strict=False):
                 yield from _in_range(look, line, limits, argument)
@@ -419,32 +419,37 @@ def _in_range(
 ) -> Found:
     value = literal(argument)
     if limits is not None and value is not None and not limits.holds(value):
-        words = limits.words(value, RANGE_ERROR)
-        yield look.at(OUT_OF_RANGE, line, f"{abs(value):g}", **words)
+        words = limits.words(value, _RANGE_ERROR)
+        yield look.at(_OUT_OF_RANGE, line, f"{abs(value):g}", **words)
 
 
 # ------------------------------------------------------------------------------------ arguments
 
-MOST_PARAMETERS: Final = 16
+_MOST_PARAMETERS: Final = 16
 """Greatest number of parameters of CallP and FPrm (COSIROP help)."""
-TOO_MANY_ERROR, TOO_FEW_ERROR, RANGE_ERROR = 3120, 4220, 3110
+_TOO_MANY_ERROR, _TOO_FEW_ERROR, _RANGE_ERROR = 3120, 4220, 3110
 """Numbers of the controller's errors."""
-ARGUMENT_TYPES: Final = {"XLoad": "MC", "XRun": "MC", "Tool": ("PM",), "Base": ("PM",)}
+_ARGUMENT_TYPES: Final = {"XLoad": "MC", "XRun": "MC", "Tool": ("PM",), "Base": ("PM",)}
 """Types of arguments that may be more than a number. Where a version has no stored frames, a number
 is a finding of what it lacks.
 """
-MOVE_POINT_TYPES: Final = {"Mov": ("PJ",), "Mvs": ("P",), "Mva": ("P",)}
+_MOVE_POINT_TYPES: Final = {"Mov": ("PJ",), "Mvs": ("P",), "Mva": ("P",)}
 """Word of a move → types of its points; other moves have three positions."""
-SPLINES: Final = ("MvSpl", "EMvSpl")
+_SPLINES: Final = ("MvSpl", "EMvSpl")
 """They go along a spline that is stored by its number (CR750 manual, appendix 7.3)."""
-ORDINALS: Final = ("the first argument", "the second argument", "the third argument", "an argument")
+_ORDINALS: Final = (
+    "the first argument",
+    "the second argument",
+    "the third argument",
+    "an argument",
+)
 
 
 @dataclass(frozen=True, slots=True)
-class TakenArguments:
+class _TakenArguments:
     """Arguments given to something that takes arguments.
 
-    what: the word, or the name that is called. types: of the arguments, as `kind_fits` takes them;
+    what: the word, or the name that is called. types: of the arguments, as `_kind_fits` takes them;
     further ones are of the type `more`. least, most: permitted numbers of arguments.
     """
 
@@ -454,43 +459,46 @@ class TakenArguments:
     most: int | None = None
     types: Sequence[str] = ()
     more: str = ""
-    too_few: int = TOO_MANY_ERROR
+    too_few: int = _TOO_MANY_ERROR
 
     @property
     def word(self) -> str:
         return self.what if isinstance(self.what, str) else self.what.name
 
 
-def taken_arguments(look: Look) -> list[tuple[s.Line, TakenArguments]]:
+def _taken_arguments(look: Look) -> list[tuple[s.Line, _TakenArguments]]:
     """Everything in a file that takes arguments."""
     return list(_arguments_taken(look))
 
 
-def _arguments_taken(look: Look) -> Iterator[tuple[s.Line, TakenArguments]]:
+def _arguments_taken(look: Look) -> Iterator[tuple[s.Line, _TakenArguments]]:
     for line, command in look.all(s.Command):
         word = command.keyword
         row = vocabulary.statement(word)
-        types: Sequence[str] = ARGUMENT_TYPES.get(word) or "M" * len(COMMANDS.get(word, ()))
+        types: Sequence[str] = _ARGUMENT_TYPES.get(word) or "M" * len(COMMANDS.get(word, ()))
         if row is not None and row.role == "command":
             yield (
                 line,
-                TakenArguments(
-                    word, command.arguments, row.least, row.most, types, "", TOO_FEW_ERROR
+                _TakenArguments(
+                    word, command.arguments, row.least, row.most, types, "", _TOO_FEW_ERROR
                 ),
             )
     for line, motion in look.all(s.Motion):
         row = vocabulary.statement(motion.keyword)
-        types = MOVE_POINT_TYPES.get(motion.keyword, "PPP")
-        if row is not None and motion.keyword not in SPLINES:
+        types = _MOVE_POINT_TYPES.get(motion.keyword, "PPP")
+        if row is not None and motion.keyword not in _SPLINES:
             word, given = motion.keyword, motion.arguments
-            yield line, TakenArguments(word, given, row.least, row.most, types, "M", TOO_FEW_ERROR)
+            yield (
+                line,
+                _TakenArguments(word, given, row.least, row.most, types, "M", _TOO_FEW_ERROR),
+            )
     for line, call in look.all(s.CallP):
-        yield line, TakenArguments("CallP", call.arguments, most=MOST_PARAMETERS)
-        yield line, TakenArguments("CallP", (call.program,), types="C")
+        yield line, _TakenArguments("CallP", call.arguments, most=_MOST_PARAMETERS)
+        yield line, _TakenArguments("CallP", (call.program,), types="C")
     for line, opened in look.all(s.Open):
-        yield line, TakenArguments("Open", (opened.name,), types="C")
+        yield line, _TakenArguments("Open", (opened.name,), types="C")
     for line, head in look.all(s.FPrm):
-        yield line, TakenArguments("FPrm", head.variables, 1, MOST_PARAMETERS)
+        yield line, _TakenArguments("FPrm", head.variables, 1, _MOST_PARAMETERS)
     for line, variable in look.all(s.Variable):
         if variable.arguments is None:
             continue
@@ -499,35 +507,35 @@ def _arguments_taken(look: Look) -> Iterator[tuple[s.Line, TakenArguments]]:
             types = [argument.types for argument in function.arguments]
             least, most = function.least, function.most
             more = types[-1] if types else ""
-            yield line, TakenArguments(variable, variable.arguments, least, most, types, more)
+            yield line, _TakenArguments(variable, variable.arguments, least, most, types, more)
         if own is not None:
             wanted = len(own.parameters or ())
-            yield line, TakenArguments(variable, variable.arguments, wanted, wanted)
+            yield line, _TakenArguments(variable, variable.arguments, wanted, wanted)
 
 
 def _called_function(look: Look, variable: s.Variable) -> vocabulary.Function | None:
     """The function of the language that a variable with arguments calls."""
-    own = variable.key in look.once(declared_types) or variable.key in look.functions
+    own = variable.key in look.once(_declared_types) or variable.key in look.functions
     return None if variable.component or own else vocabulary.function(variable.key)
 
 
 def argument_counts(look: Look) -> Found:
     """Statements and functions with more or fewer arguments than they take."""
-    for line, one in look.once(taken_arguments):
+    for line, one in look.once(_taken_arguments):
         given = len(one.given)
         if given < one.least or (one.most is not None and given > one.most):
             yield look.at(
-                ARGUMENT_COUNT,
+                _ARGUMENT_COUNT,
                 line,
                 one.what,
                 word=one.word,
                 wanted=alternatives(one.least, one.most, "argument"),
                 given=given,
-                number=one.too_few if given < one.least else TOO_MANY_ERROR,
+                number=one.too_few if given < one.least else _TOO_MANY_ERROR,
             )
 
 
-STRANGE_ARGUMENTS: Final[Mapping[type[Any], tuple[vocabulary.Effect, str]]] = {
+_STRANGE_ARGUMENTS: Final[Mapping[type[Any], tuple[vocabulary.Effect, str]]] = {
     s.Channel: ("lines", "the number of a line"),
     s.Opening: ("lines", "a line that is opened"),
     s.Target: ("labels", "a label"),
@@ -540,14 +548,14 @@ def strange_arguments(look: Look) -> Found:
     for line, command in look.all(s.Command):
         row = vocabulary.statement(command.keyword)
         for at, argument in enumerate(command.arguments):
-            effect, given = STRANGE_ARGUMENTS.get(type(argument), ("reads", ""))
+            effect, given = _STRANGE_ARGUMENTS.get(type(argument), ("reads", ""))
             if given and (row is None or effect not in row.effects):
                 yield look.at(
-                    ARGUMENT_TYPE,
+                    _ARGUMENT_TYPE,
                     line,
                     command.keyword,
                     word=command.keyword,
-                    which=ORDINALS[min(at, 3)],
+                    which=_ORDINALS[min(at, 3)],
                     given=given,
                     wanted="a value",
                 )
@@ -555,30 +563,30 @@ def strange_arguments(look: Look) -> Found:
 
 def argument_types(look: Look) -> Found:
     """Arguments of another type than a statement or function takes."""
-    for line, one in look.once(taken_arguments):
+    for line, one in look.once(_taken_arguments):
         for at, argument in enumerate(one.given):
             given = kind_of(look, argument)
             wanted = one.types[at] if at < len(one.types) else one.more
-            if wanted in KIND_WORDS and not kind_fits(given, wanted):
+            if wanted in _KIND_WORDS and not _kind_fits(given, wanted):
                 yield look.at(
-                    ARGUMENT_TYPE,
+                    _ARGUMENT_TYPE,
                     line,
                     argument if isinstance(argument, s.Variable) else one.what,
                     word=one.word,
-                    which=ORDINALS[min(at, 3)],
-                    given=KIND_WORDS[given],
-                    wanted=KIND_WORDS[wanted],
+                    which=_ORDINALS[min(at, 3)],
+                    given=_KIND_WORDS[given],
+                    wanted=_KIND_WORDS[wanted],
                 )
 
 
 # --------------------------------------------------------------------------------------- habits
 
-SECONDS: Final = 100
+_SECONDS: Final = 100
 """A timer is hardly compared with fewer milliseconds than this."""
-ANGLES: Final = ("A", "B", "C", "J1", "J2", "J3", "J4", "J5", "J6")
-TURN: Final = 6.3
+_ANGLES: Final = ("A", "B", "C", "J1", "J2", "J3", "J4", "J5", "J6")
+_TURN: Final = 6.3
 """A little more than a full turn in radian."""
-CIRCULAR: Final = frozenset({"SIN", "COS", "TAN"})
+_CIRCULAR: Final = frozenset({"SIN", "COS", "TAN"})
 
 
 def short_waits(look: Look) -> Found:
@@ -591,24 +599,24 @@ def short_waits(look: Look) -> Found:
         if value is not None and 0 < value < least:
             title = look.dialect.title
             yield look.at(
-                SHORT_WAIT, line, f"{value:g}", value=f"{value:g}", least=least, title=title
+                _SHORT_WAIT, line, f"{value:g}", value=f"{value:g}", least=least, title=title
             )
 
 
 def argument_units(look: Look) -> Found:
     """Seconds for a timer, degrees for an angle."""
     for line, node in look.all(s.Binary):
-        if node.operator not in COMPARISONS or node.operator == "=":
+        if node.operator not in _COMPARISONS or node.operator == "=":
             continue
         for side, other in ((node.left, node.right), (node.right, node.left)):
             value = literal(other)
-            if _is_variable(side, "M_TIMER") and value is not None and 0 < value < SECONDS:
+            if _is_variable(side, "M_TIMER") and value is not None and 0 < value < _SECONDS:
                 words = {"value": f"{value:g}", "better": f"{value * 1000:g}"}
-                yield look.at(TIMER, line, "M_Timer", **words)
+                yield look.at(_TIMER, line, "M_Timer", **words)
     for line, variable, what, angle in _angles(look):
         value = literal(angle)
-        if value is not None and abs(value) > TURN:
-            yield look.at(DEGREES, line, variable, what=what, value=f"{value:g}")
+        if value is not None and abs(value) > _TURN:
+            yield look.at(_DEGREES, line, variable, what=what, value=f"{value:g}")
 
 
 def _angles(look: Look) -> Iterator[tuple[s.Line, s.Variable, str, s.Expression | None]]:
@@ -617,10 +625,10 @@ def _angles(look: Look) -> Iterator[tuple[s.Line, s.Variable, str, s.Expression 
     """
     for line, assign in look.all(s.Assign):
         target = assign.target
-        if target.component in ANGLES:
+        if target.component in _ANGLES:
             yield line, target, f"`{target.name}.{target.component}`", assign.value
     for line, variable in look.all(s.Variable):
-        if variable.key in CIRCULAR and variable.arguments:
+        if variable.key in _CIRCULAR and variable.arguments:
             yield line, variable, f"the angle of `{variable.name}`", variable.arguments[0]
 
 
@@ -636,7 +644,7 @@ def status_access(look: Look) -> Found:
     for line, use in look.uses:
         variable = use.variable
         row = vocabulary.status(variable.key)
-        if row is None or variable.key in look.once(declared_types):
+        if row is None or variable.key in look.once(_declared_types):
             continue
         if use.role == "written" and not row.writable:
             other = variable.key.replace("M_IN", "M_OUT", 1)
@@ -649,19 +657,19 @@ def status_access(look: Look) -> Found:
             # what the tool lists for reading only, controllers may still let programs set
             sure = bool(row.setter) or variable.key.startswith("M_IN")
             severity = None if sure else Severity.WARNING
-            yield look.at(READ_ONLY, line, variable, name=row.name, cure=cure, severity=severity)
+            yield look.at(_READ_ONLY, line, variable, name=row.name, cure=cure, severity=severity)
         elif use.role == "read" and not row.readable:
-            yield look.at(WRITE_ONLY, line, variable, name=row.name)
+            yield look.at(_WRITE_ONLY, line, variable, name=row.name)
 
 
-POSITION_ELEMENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
-POSE_ELEMENTS: Final = 6
+_POSITION_ELEMENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
+_POSE_ELEMENTS: Final = 6
 """Elements that a pose has."""
-LEAST_VALUES: Final = 3
+_LEAST_VALUES: Final = 3
 """Values of a position without flags; fewer are joints."""
-LEFT_OUT_BY_FOUR_AXES: Final = ("A", "B")
+_LEFT_OUT_BY_FOUR_AXES: Final = ("A", "B")
 """Components that positions of a horizontal arm may leave out (CR1D 4.3.12)."""
-LEFT_OUT_BY_FIVE_AXES: Final = ("C",)
+_LEFT_OUT_BY_FIVE_AXES: Final = ("C",)
 """Components that positions of a five-axis arm may leave out."""
 
 
@@ -687,23 +695,23 @@ def missing_coordinates(look: Look) -> Found:
             left_out.append("FL1" if flags[0] is None else "FL2")
         if (
             left_out
-            and tuple(left_out) != LEFT_OUT_BY_FOUR_AXES
+            and tuple(left_out) != _LEFT_OUT_BY_FOUR_AXES
             and (id(item), item.variable.key) not in taken
         ):
             what = " and ".join(left_out)
-            yield look.at(GAP, item, item.variable, name=item.variable.name, what=what)
+            yield look.at(_GAP, item, item.variable, name=item.variable.name, what=what)
     for line, node in look.all(s.Binary):
         for constant in incomplete_summands(node):
             name, what = printer.expression(constant), " and ".join(_missing_elements(constant))
-            yield look.at(GAP, line, name, name=name, what=what)
+            yield look.at(_GAP, line, name, name=name, what=what)
 
 
 def _missing_elements(constant: s.Constant) -> tuple[str, ...]:
     """The elements of a pose that a constant leaves out, and additional axes among others."""
     values = constant.values
-    short = POSITION_ELEMENTS[len(values) : POSE_ELEMENTS]
+    short = _POSITION_ELEMENTS[len(values) : _POSE_ELEMENTS]
     return (
-        *(name for name, value in zip(POSITION_ELEMENTS, values, strict=False) if value is None),
+        *(name for name, value in zip(_POSITION_ELEMENTS, values, strict=False) if value is None),
         *short,
     )
 
@@ -712,12 +720,12 @@ def _is_undefined(value: object) -> TypeGuard[s.Constant]:
     """True if it is a position constant that the controller does not accept as a pose."""
     if not isinstance(value, s.Constant) or all(one is None for one in value.values):
         return False
-    if value.flags is None and len(value.values) < LEAST_VALUES:
+    if value.flags is None and len(value.values) < _LEAST_VALUES:
         return False
     found = tuple(
-        name for name in _missing_elements(value) if name in POSITION_ELEMENTS[:POSE_ELEMENTS]
+        name for name in _missing_elements(value) if name in _POSITION_ELEMENTS[:_POSE_ELEMENTS]
     )
-    return bool(found) and found not in (LEFT_OUT_BY_FOUR_AXES, LEFT_OUT_BY_FIVE_AXES)
+    return bool(found) and found not in (_LEFT_OUT_BY_FOUR_AXES, _LEFT_OUT_BY_FIVE_AXES)
 
 
 def incomplete_summands(node: s.Binary) -> Iterator[s.Constant]:
@@ -792,7 +800,7 @@ def incomplete_poses(tree: s.File) -> Iterator[IncompletePose]:
 
 def _missing_words(constant: s.Constant) -> str:
     return " and ".join(
-        name for name in _missing_elements(constant) if name in POSITION_ELEMENTS[:POSE_ELEMENTS]
+        name for name in _missing_elements(constant) if name in _POSITION_ELEMENTS[:_POSE_ELEMENTS]
     )
 
 
@@ -817,7 +825,7 @@ def _is_position(value: s.Expression) -> bool:
     )
 
 
-NEEDED_ARGUMENTS: Final = {"Plt": 3}
+_NEEDED_ARGUMENTS: Final = {"Plt": 3}
 """`Def` of what → arguments behind its number that may not be left out."""
 
 
@@ -825,17 +833,17 @@ def missing_arguments(look: Look) -> Found:
     """Arguments that only stand after another one, and positions that a definition needs."""
     for line, motion in look.all(s.Motion):
         if motion.keyword != "Mvs" and motion.arguments[:1] == (None,):
-            yield look.at(LEFT_OUT, line, motion.keyword, word=motion.keyword, which="first")
+            yield look.at(_LEFT_OUT, line, motion.keyword, word=motion.keyword, which="first")
     for line, node in look.all(s.DefOther):
-        needed = node.arguments[: 1 + NEEDED_ARGUMENTS.get(node.kind, 0)]
+        needed = node.arguments[: 1 + _NEEDED_ARGUMENTS.get(node.kind, 0)]
         if None in needed:
             word = f"Def {node.kind}"
             which = ("first", "second", "third", "fourth")[needed.index(None)]
-            yield look.at(LEFT_OUT, line, word, word=word, which=which)
+            yield look.at(_LEFT_OUT, line, word, word=word, which=which)
     for line, variable in look.all(s.Variable):
         if variable.arguments == () and vocabulary.status(variable.name) is not None:
             name = variable.name
-            yield look.at(LEFT_OUT, line, variable, word=name, which="first")
+            yield look.at(_LEFT_OUT, line, variable, word=name, which="first")
 
 
 def misplaced_lines(look: Look) -> Found:
@@ -843,9 +851,9 @@ def misplaced_lines(look: Look) -> Found:
     for item in before_last_step(look):
         match item:
             case s.Line(number=int(), label=None, statement=None, comment=None):
-                yield look.finding(EMPTY_STEP, item, number=item.number)
+                yield look.finding(_EMPTY_STEP, item, number=item.number)
             case s.Data(type=""):
-                yield look.at(AMONG_STEPS, item, item.variable)
+                yield look.at(_AMONG_STEPS, item, item.variable)
 
 
 def before_last_step(look: Look) -> Sequence[s.Item]:

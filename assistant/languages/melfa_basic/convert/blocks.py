@@ -54,7 +54,7 @@ BlockPart = tuple[s.Line, range]
 WrittenPart = tuple[s.Line, list[s.Item]]
 """The same with the lines that its lines have become."""
 
-THEN_STATEMENTS: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
+_THEN_STATEMENTS: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
 """Statements that may follow `THEN` on its line."""
 
 
@@ -197,7 +197,7 @@ class Jumps:
         line = body[0]
         if line.label is not None or line.comment is not None:
             return None
-        if not isinstance(line.statement, THEN_STATEMENTS):
+        if not isinstance(line.statement, _THEN_STATEMENTS):
             return None
         if isinstance(line.statement, s.Command) and line.statement.keyword in SETTING_COMMANDS:
             return None  # it holds for the moves below, and keeps a line of its own
@@ -359,7 +359,7 @@ def with_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
         lines = _with_waits(lines)
     chains: dict[int, str] = {}
     if dialect.nested_select:
-        lines = with_selects(lines, chains)
+        lines = _with_selects(lines, chains)
     refused: set[str] = set()
     while dialect.blocks:
         made, ends = _with_ifs(lines, refused)
@@ -455,7 +455,7 @@ def _put_block_words(
 # -------------------------------------------------------------------------------- Select
 
 
-def with_selects(items: Sequence[s.Item], ends: dict[int, str]) -> list[s.Item]:
+def _with_selects(items: Sequence[s.Item], ends: dict[int, str]) -> list[s.Item]:
     """The lines with such rows as blocks. ends: gets the last label of each, by its line."""
     lines = list(items)
     at = 0
@@ -525,10 +525,10 @@ def _aim_of(item: s.Item) -> tuple[s.Expression | None, str] | None:
     return None
 
 
-CaseRow = tuple[list[tuple[s.Case, str | None]], s.Expression, int, s.Line | None]
+_CaseRow = tuple[list[tuple[s.Case, str | None]], s.Expression, int, s.Line | None]
 
 
-def _case_row(lines: Sequence[s.Item], at: int, name: str) -> CaseRow | None:
+def _case_row(lines: Sequence[s.Item], at: int, name: str) -> _CaseRow | None:
     """The cases, what is selected by, the place behind the row, the jump to the default."""
     cases: list[tuple[s.Case, str | None]] = []
     subject: s.Expression | None = None

@@ -48,12 +48,12 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-def without_steps(items: Sequence[s.Item]) -> list[s.Item]:
+def _without_steps(items: Sequence[s.Item]) -> list[s.Item]:
     """The lines without step numbers."""
     return [replace(i, number=None) if isinstance(i, s.Line) else i for i in items]
 
 
-def with_steps(
+def _with_steps(
     items: Sequence[s.Item], step: int, as_steps: Collection[str] = ()
 ) -> list[s.Item] | None:
     """The lines with ascending step numbers; None if there are more than a program may have.
@@ -91,7 +91,7 @@ def _without_labels(
     return kept, dropped
 
 
-def with_lone_labels(items: Sequence[s.Item]) -> list[s.Item]:
+def _with_lone_labels(items: Sequence[s.Item]) -> list[s.Item]:
     """Return the lines with each label on a separate line."""
     made: list[s.Item] = []
     for item in items:
@@ -105,7 +105,7 @@ def with_lone_labels(items: Sequence[s.Item]) -> list[s.Item]:
 # Comments that are too long
 
 
-def with_fitting_comments(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
+def _with_fitting_comments(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
     """The lines with long comments above them, and over as many lines as they need."""
     made: list[s.Item] = []
     for item in items:
@@ -113,9 +113,9 @@ def with_fitting_comments(items: Sequence[s.Item], dialect: Dialect) -> list[s.I
         if not isinstance(item, s.Line) or comment is None:
             made.append(item)
             continue
-        room = dialect.line - STEP_LENGTH
+        room = dialect.line - _STEP_LENGTH
         if item.statement is not None or item.label is not None:
-            jumps = JUMP_ROOM if isinstance(item.statement, s.If | s.ElseIf) else 0
+            jumps = _JUMP_ROOM if isinstance(item.statement, s.If | s.ElseIf) else 0
             if len(printer.line(replace(item, number=None), True).encode()) <= room - jumps:
                 made.append(item)
                 continue
@@ -129,14 +129,14 @@ def with_fitting_comments(items: Sequence[s.Item], dialect: Dialect) -> list[s.I
     return made
 
 
-STEP_LENGTH: Final = 6
+_STEP_LENGTH: Final = 6
 """Characters of a step number and its blank."""
 
-JUMP_ROOM: Final = 24
+_JUMP_ROOM: Final = 24
 """Characters that `IF` gets for jumps in the place of a block."""
 
 
-DEEPEST_BLOCK: Final = 51
+_DEEPEST_BLOCK: Final = 51
 """Blocks inside one another that are converted; controllers stop at 16."""
 
 
@@ -216,14 +216,14 @@ class _ConvertedFile:
         items, made = with_labelled_jumps(items)
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
-        items = with_lone_labels(without_steps(items))
+        items = _with_lone_labels(_without_steps(items))
         for line in dialect_words.unreachable_constants(items):
             self.complain(
                 line, "a `Const` behind a jump or label", "move it to the head of the program"
             )
-        items = with_fitting_comments(items, self.dialect)
+        items = _with_fitting_comments(items, self.dialect)
         blocks = blocks_of(items)
-        if not blocks.sound or any(block.depth > DEEPEST_BLOCK for block in blocks.all):
+        if not blocks.sound or any(block.depth > _DEEPEST_BLOCK for block in blocks.all):
             self.complain(
                 self.items[0],
                 "blocks that cross each other or stand too deep",
@@ -238,7 +238,7 @@ class _ConvertedFile:
         items, self.memory = dialect_words.take_original_names(self.items)
         items, made = with_labelled_jumps(items)
         self.memory.steps |= dict.fromkeys(made)
-        items = with_blocks(without_steps(items), self.dialect)
+        items = with_blocks(_without_steps(items), self.dialect)
         items = dialect_words.Words(self.dialect, self.memory, self.complain).lines(items)
         items = dialect_words.restored(items, self.memory)
         given = {
@@ -294,7 +294,7 @@ class _ConvertedFile:
         items = dialect_words.put_original_names(
             self.items, self.memory, self.dialect.name, marked=marked
         )
-        numbered = with_steps(items, self.dialect.step, self.as_steps)
+        numbered = _with_steps(items, self.dialect.step, self.as_steps)
         if numbered is None:
             self.complain(self.items[0], "a program of so many lines", "split it into programs")
             return ""
@@ -378,13 +378,13 @@ def compared_programs(
     A form that a lift reads in one dialect only is compared in the first one: the program is
     converted back.
     """
-    expected, actual = lifted_pair(before, after, robot)
+    expected, actual = _lifted_pair(before, after, robot)
     if compare(expected, actual, COMPARISON_TOLERANCE).same or not before:
         return expected, actual
     back = convert(after, before[0].dialect)
     if not back.trees:
         return expected, actual
-    found = lifted_pair(before, back.trees, robot)
+    found = _lifted_pair(before, back.trees, robot)
     return found if compare(*found, COMPARISON_TOLERANCE).same else (expected, actual)
 
 
@@ -392,7 +392,7 @@ COMPARISON_TOLERANCE: Final = Tolerance(1e-9, 1e-9, 0.0)
 """Tolerance of the comparison itself: numbers are not recomputed."""
 
 
-def lifted_pair(
+def _lifted_pair(
     before: Sequence[s.File], after: Sequence[s.File], robot: Robot | None
 ) -> tuple[Program, Program]:
     """The pseudo-programs of both, in the words that they share; one if these are the same."""
@@ -416,14 +416,14 @@ def _lifted_without_dialect(trees: Sequence[s.File], robot: Robot | None) -> Pro
 
 def _comparable_tree(tree: s.File, lowest: int) -> s.File:
     items, memory = dialect_words.take_original_names(tree.items)
-    items, made = with_labelled_jumps(with_lone_labels(items))
+    items, made = with_labelled_jumps(_with_lone_labels(items))
     jumped = {label.upper() for label in made} | set(memory.steps)
     order = (label for label in labels_of(items) if label in jumped)
     numbers = {label: f"ATSTEP{n}" for n, label in enumerate(order)}
     if lowest == 4 and DIALECTS[tree.dialect].level > 4:
         lower = DIALECTS["melfa-basic-4"]
         items = dialect_words.Words(lower, OriginalNames(), _ignore_complaint).lines(
-            with_fitting_comments(items, lower)
+            _with_fitting_comments(items, lower)
         )
     elif lowest > 4:
         items = [rewrite(item, dialect_words.in_new_words) for item in items]

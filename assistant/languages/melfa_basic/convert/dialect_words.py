@@ -158,7 +158,7 @@ def with_names(items: Iterable[s.Item], names: Names, *, upper: bool) -> list[s.
     return [rewrite(item, change) for item in items]
 
 
-def declared_types(items: Iterable[s.Item]) -> dict[str, str]:
+def _declared_types(items: Iterable[s.Item]) -> dict[str, str]:
     """Types that `Def` states, by upper-case name."""
     found: dict[str, str] = {}
     for item in items:
@@ -170,7 +170,7 @@ def declared_types(items: Iterable[s.Item]) -> dict[str, str]:
     return found
 
 
-LABEL_LISTS: Final = ("steps", "long", "constant")
+_LABEL_LISTS: Final = ("steps", "long", "constant")
 
 
 @dataclass(slots=True)
@@ -187,13 +187,13 @@ class OriginalNames(Names):
     constant: dict[str, None] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
-        return any(getattr(self, kind) for kind in (*NAME_TABLES, *LABEL_LISTS))
+        return any(getattr(self, kind) for kind in (*NAME_TABLES, *_LABEL_LISTS))
 
     def lines(self) -> Iterator[str]:
         """The comment texts, without their mark."""
         for kind in NAME_TABLES:
             yield from headers.packed(kind, (f"{k} = {v}" for k, v in getattr(self, kind).items()))
-        for kind in LABEL_LISTS:
+        for kind in _LABEL_LISTS:
             yield from headers.packed(kind, getattr(self, kind))
 
 
@@ -275,7 +275,7 @@ def _remember_entry(text: str | None, memory: OriginalNames) -> bool:
         pairs = (_NAME_PAIR.fullmatch(entry) for entry in value.split(", "))
         getattr(memory, key).update({p.group(1): p.group(2) for p in pairs if p})
         return True
-    if key in LABEL_LISTS:
+    if key in _LABEL_LISTS:
         names = (entry for entry in value.split(", ") if _NAME.fullmatch(entry))
         getattr(memory, key).update(dict.fromkeys(names))
         return True
@@ -284,7 +284,7 @@ def _remember_entry(text: str | None, memory: OriginalNames) -> bool:
 
 Complain = Callable[[s.Item, str, str], None]
 
-GROUPS: Final = {
+_GROUPS: Final = {
     name.upper(): (bits, out)
     for dialect in DIALECTS.values()
     for bits, names in dialect.groups.items()
@@ -292,19 +292,19 @@ GROUPS: Final = {
 }
 """Status variables of signal groups: how many bits, and whether they are outputs."""
 
-IO_TYPES: Final = {4: {"DWORD": "Integer"}, 5: {"INTEGER": "DWord"}, 6: {"INTEGER": "DWord"}}
+_IO_TYPES: Final = {4: {"DWORD": "Integer"}, 5: {"INTEGER": "DWord"}, 6: {"INTEGER": "DWord"}}
 """`Def Io` of 32 bits in the levels of the dialects."""
 
-INITIAL: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
+_INITIAL: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
 """Equivalents of number 0: no tool and no base."""
 
 
-STAY: Final = "do without it, or stay with the dialect that has it"
+_STAY: Final = "do without it, or stay with the dialect that has it"
 
 
 def in_new_words(record: Any) -> Any:
     """Groups of signals by the names that MELFA-BASIC V and VI have for them."""
-    if isinstance(record, s.Variable) and (group := GROUPS.get(record.key)) is not None:
+    if isinstance(record, s.Variable) and (group := _GROUPS.get(record.key)) is not None:
         bits, out = group
         return replace(record, name=DIALECTS["melfa-basic-6"].groups[bits][out])
     return record
@@ -321,7 +321,7 @@ class Words:
         self.here: s.Item = s.Blank()
 
     def lines(self, items: Sequence[s.Item]) -> list[s.Item]:
-        self.types = declared_types(items)
+        self.types = _declared_types(items)
         made: list[s.Item] = []
         for item in items:
             made += self.line(item) if isinstance(item, s.Line) else [item]
@@ -358,12 +358,12 @@ class Words:
                 self.memory.long |= dict.fromkeys(v.key for v in variables)
                 return replace(record, type="Double")
             case s.DefIo(type=kind):
-                known = IO_TYPES[self.dialect.level].get(kind.upper())
+                known = _IO_TYPES[self.dialect.level].get(kind.upper())
                 return record if known is None else replace(record, type=known)
             case s.Command("Tool" | "Base" as word, (s.Number(value=0),)) if (
                 self.dialect.level == 4
             ):
-                return replace(record, arguments=(s.Variable(INITIAL[word]),))
+                return replace(record, arguments=(s.Variable(_INITIAL[word]),))
             case s.Const() if self.dialect.level == 4:
                 return record  # becomes an assignment
         if self.dialect.level == 4 and (form := _later_form(record)) is not None:
@@ -374,7 +374,7 @@ class Words:
                 self.has(row.word, row)
         return record
 
-    def has(self, name: str, row: vocabulary.Row, otherwise: str = STAY) -> None:
+    def has(self, name: str, row: vocabulary.Row, otherwise: str = _STAY) -> None:
         """Complains of a word that the dialect lacks."""
         if self.dialect.level not in row.dialects:
             cure = f"write instead: {row.instead}" if row.instead else otherwise
@@ -386,7 +386,7 @@ class Words:
     # ----------------------------------------------------------------- variables
 
     def variable(self, node: s.Variable) -> s.Variable:
-        group = GROUPS.get(node.key)
+        group = _GROUPS.get(node.key)
         if group is not None:
             bits, out = group
             names = self.dialect.groups.get(bits)
@@ -398,7 +398,7 @@ class Words:
         row = vocabulary.known(node.name, called=node.arguments is not None)
         if row is not None:
             is_function = isinstance(row, vocabulary.Function)
-            self.has(row.name, row, "compute it another way" if is_function else STAY)
+            self.has(row.name, row, "compute it another way" if is_function else _STAY)
             return node
         return self.plain(node) if self.dialect.level == 4 and is_program_name(node.name) else node
 

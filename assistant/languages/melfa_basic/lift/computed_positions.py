@@ -37,13 +37,13 @@ from assistant.program.geometry import grid_points as points_of_grid
 from assistant.program.program import ValueType, Variable
 from assistant.program.rewriting import records
 
-MOST_POINTS: Final = 999
+_MOST_POINTS: Final = 999
 """Elements that an array may have."""
-ZIGZAG, SAME_WAY, ARC_DIRECTION = 1, 2, 3
+_ZIGZAG, _SAME_WAY, ARC_DIRECTION = 1, 2, 3
 """Directions: every other row runs backwards, or none does; places on an arc."""
 FIXED_POSTURE: Final = 10
 """Added to a direction whose places all have the posture of the start (CR1D 4-190)."""
-COMPUTED_POINTS: Final = p.Reason(
+_COMPUTED_POINTS: Final = p.Reason(
     "the points of the pallet are not known beforehand, turn, or stand in no plain grid",
     "give corners of one orientation that the program never sets",
 )
@@ -61,7 +61,7 @@ def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, t
             found.setdefault(round(number), []).append(item.statement)
     made = {}
     for key, definitions in found.items():
-        points = pallet_grid(definitions[0], symbols) if len(definitions) == 1 else None
+        points = _pallet_grid(definitions[0], symbols) if len(definitions) == 1 else None
         if points is not None:
             made[key] = symbols.free(pallet_array_name(key)), points
         elif all(len(one.arguments) == 8 for one in definitions) and not symbols.positions.slides:
@@ -74,7 +74,7 @@ def pallet_array_name(number: float) -> str:
     return f"pallet_{number:g}"
 
 
-def pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
+def _pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
     """The targets of a pallet in their order; None if they are not known or turn.
 
     Start S, end of the first row A, end of the first column B, and the corner D across, which
@@ -96,19 +96,19 @@ def pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None
     direction, rows = given % FIXED_POSTURE, 1 if arc else rows
     if (
         given // FIXED_POSTURE > 1
-        or direction not in (ZIGZAG, SAME_WAY, ARC_DIRECTION)
+        or direction not in (_ZIGZAG, _SAME_WAY, ARC_DIRECTION)
         or columns < 1
         or rows < 1
     ):
         return None
-    if columns * rows > MOST_POINTS or known[0].flags is None:
+    if columns * rows > _MOST_POINTS or known[0].flags is None:
         return None
     if any(any(corner.values[6:]) for corner in known):
         return None
     if given // FIXED_POSTURE == 0 and not _have_same_angles(known):
         return None
     places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
-    points = points_of_grid(places, columns, rows, direction == ZIGZAG)
+    points = points_of_grid(places, columns, rows, direction == _ZIGZAG)
     if arc:
         points = points_on_arc(places, columns)
     made = []
@@ -137,17 +137,17 @@ def _have_same_angles(corners: Sequence[s.Constant]) -> bool:
 
 # --------------------------------------------------------------------------- worked out
 
-PALLET_SHIFT: Final = "pallet_shift"
-PALLET_STEP: Final = "pallet_step"
-PALLET_TURN: Final = "pallet_turn"
-PALLET_FAILS: Final = "pallet_fails"
-PALLET_ON_ARC: Final = "pallet_arc"
-PALLET_ARC_SHARE: Final = "pallet_arc_share"
+_PALLET_SHIFT: Final = "pallet_shift"
+_PALLET_STEP: Final = "pallet_step"
+_PALLET_TURN: Final = "pallet_turn"
+_PALLET_FAILS: Final = "pallet_fails"
+_PALLET_ON_ARC: Final = "pallet_arc"
+_PALLET_ARC_SHARE: Final = "pallet_arc_share"
 """Functions of the library."""
-ANGLE_DIVIDING: Final = (PALLET_TURN, PALLET_ARC_SHARE)
+ANGLE_DIVIDING: Final = (_PALLET_TURN, _PALLET_ARC_SHARE)
 """Those that divide the angles of the corners."""
-CORNERS: Final = ("start", "first", "second", "opposite")
-COUNTS: Final = ("columns", "rows", "direction")
+_CORNERS: Final = ("start", "first", "second", "opposite")
+_COUNTS: Final = ("columns", "rows", "direction")
 _LENGTHS: Final = ("x", "y", "z")
 _ANGLES: Final = ("about_x", "about_y", "about_z")
 
@@ -181,7 +181,7 @@ def _computed_pallet(
         )
     )
     names = {
-        part: symbols.free(f"{pallet_array_name(number)}_{part}") for part in (*CORNERS, *COUNTS)
+        part: symbols.free(f"{pallet_array_name(number)}_{part}") for part in (*_CORNERS, *_COUNTS)
     }
     return ComputedPallet(names, arcs == {True}, True in fourth, turned, direction)
 
@@ -199,7 +199,7 @@ def _defined_variables(
 ) -> list[p.Statement]:
     """The variables of a pallet as a definition sets them."""
     names, made = pallet.names, list[p.Statement]()
-    corners = dict(zip(CORNERS, node.arguments[1:5], strict=True))
+    corners = dict(zip(_CORNERS, node.arguments[1:5], strict=True))
     if pallet.arc:
         corners["opposite"] = None
     for part, corner in corners.items():
@@ -209,25 +209,25 @@ def _defined_variables(
                 made.append(_opposite_corner(pallet))
             continue
         if corner is None:
-            raise Unliftable(COMPUTED_POINTS)
+            raise Unliftable(_COMPUTED_POINTS)
         value = lift.plain(corner)
         _declare_variable(names[part], Variable("position"), lift.m)
         made.append(p.Assign(e.Name(names[part]), value))
-    for part, count in zip(COUNTS, node.arguments[5:], strict=True):
+    for part, count in zip(_COUNTS, node.arguments[5:], strict=True):
         if count is None:
-            raise Unliftable(COMPUTED_POINTS)
+            raise Unliftable(_COMPUTED_POINTS)
         _declare_variable(names[part], Variable("integer"), lift.m)
         made.append(p.Assign(e.Name(names[part]), lift.rounded(count)))
-    counts = tuple(e.Name(names[part]) for part in COUNTS)
+    counts = tuple(e.Name(names[part]) for part in _COUNTS)
     if not all(isinstance(lift.m.constants.value(one), float) for one in node.arguments[5:]):
-        failed = e.Binary("=", e.Apply(VENDOR_ONLY_NAME.format(PALLET_FAILS), counts), e.Number(1))
+        failed = e.Binary("=", e.Apply(VENDOR_ONLY_NAME.format(_PALLET_FAILS), counts), e.Number(1))
         made.append(p.If((p.Branch(failed, (p.Stop(end=True),)),)))
     return made
 
 
 def _opposite_corner(pallet: ComputedPallet) -> p.Assign:
     """The fourth corner of a parallelogram, where other definitions state one."""
-    start, first, second, opposite = (e.Name(pallet.names[part]) for part in CORNERS)
+    start, first, second, opposite = (e.Name(pallet.names[part]) for part in _CORNERS)
 
     def beside(field: str) -> e.Expression:
         return e.Binary("-", e.Member(first, field), e.Member(start, field))
@@ -249,32 +249,32 @@ def pallet_position(number: int, point: s.Expression, lift: PalletReader) -> e.E
     if pallet is None or not lift.m.telling:
         raise Unliftable
     at = lift.rounded(point)
-    corner = {part: e.Name(pallet.names[part]) for part in CORNERS}
-    counts = [e.Name(pallet.names[part]) for part in COUNTS]
+    corner = {part: e.Name(pallet.names[part]) for part in _CORNERS}
+    counts = [e.Name(pallet.names[part]) for part in _COUNTS]
 
-    ends = tuple(corner[part] for part in CORNERS[:3])
+    ends = tuple(corner[part] for part in _CORNERS[:3])
 
-    def grid_shift(field: str, function: str = PALLET_SHIFT) -> e.Expression:
+    def grid_shift(field: str, function: str = _PALLET_SHIFT) -> e.Expression:
         one, two, three = (e.Member(end, field) for end in ends)
         four: e.Expression = e.Binary("-", e.Binary("+", two, three), one)
         if pallet.opposite:
             four = e.Member(corner["opposite"], field)
-        if function == PALLET_SHIFT and pallet.direction is None:
+        if function == _PALLET_SHIFT and pallet.direction is None:
             axis = e.Number(_LENGTHS.index(field))
-            return e.Apply(VENDOR_ONLY_NAME.format(PALLET_STEP), (axis, *ends, four, *counts, at))
+            return e.Apply(VENDOR_ONLY_NAME.format(_PALLET_STEP), (axis, *ends, four, *counts, at))
         return e.Apply(VENDOR_ONLY_NAME.format(function), (one, two, three, four, *counts, at))
 
     def arc_shift(axis: int) -> e.Expression:
         return e.Apply(
-            VENDOR_ONLY_NAME.format(PALLET_ON_ARC), (e.Number(axis), *ends, counts[0], at)
+            VENDOR_ONLY_NAME.format(_PALLET_ON_ARC), (e.Number(axis), *ends, counts[0], at)
         )
 
     def turned(field: str) -> e.Expression:
         start, end = (e.Member(corner[part], field) for part in ("start", "second"))
         if pallet.arc:
-            share = e.Apply(VENDOR_ONLY_NAME.format(PALLET_ARC_SHARE), (counts[0], counts[2], at))
+            share = e.Apply(VENDOR_ONLY_NAME.format(_PALLET_ARC_SHARE), (counts[0], counts[2], at))
             return e.Binary("+", start, e.Binary("*", share, e.Binary("-", end, start)))
-        return e.Binary("+", start, grid_shift(field, PALLET_TURN))
+        return e.Binary("+", start, grid_shift(field, _PALLET_TURN))
 
     shifts = [
         arc_shift(axis) if pallet.arc else grid_shift(field) for axis, field in enumerate(_LENGTHS)
@@ -295,7 +295,7 @@ def define_pallet(node: s.DefOther, lift: PalletReader) -> list[p.Statement]:
     if pallet is not None and symbols.telling:
         return _defined_variables(node, pallet, lift)
     if round(number) not in symbols.pallets or not (symbols.grids or symbols.telling):
-        raise Unliftable(COMPUTED_POINTS)
+        raise Unliftable(_COMPUTED_POINTS)
     pallet_array(round(number), symbols)
     return []
 
@@ -318,9 +318,9 @@ def mentions_pallet(parts: Any) -> bool:
     )
 
 
-LENGTH_FIELDS: Final = ("x", "y", "z")
-POSE_FIELDS: Final = (*LENGTH_FIELDS, "about_x", "about_y", "about_z")
-ZERO: Final = e.Number(0)
+_LENGTH_FIELDS: Final = ("x", "y", "z")
+POSE_FIELDS: Final = (*_LENGTH_FIELDS, "about_x", "about_y", "about_z")
+_ZERO: Final = e.Number(0)
 
 
 class ElementReader(Protocol):
@@ -351,7 +351,7 @@ def elementwise_position(node: s.Binary, lift: ElementReader) -> e.Expression:
     base = _leftmost_position(node, lift)
     elements = [_position_element(node, at, lift) for at in range(len(POSE_FIELDS))]
     moved = [_element_difference(elements[at], _pose_member(base, at)) for at in range(3)]
-    place = base if moved == [ZERO] * 3 else e.Apply("offset", (base, *moved))
+    place = base if moved == [_ZERO] * 3 else e.Apply("offset", (base, *moved))
     turned = elements[3:]
     if turned == [_pose_member(base, at) for at in range(3, 6)]:
         return place
@@ -364,16 +364,16 @@ def position_product(left: e.Expression, right: s.Expression, lift: ElementReade
     if not isinstance(by, e.Name | e.Index) or _has_sliding_axis(lift.m):
         raise Unliftable
     x, y, z, a, b, c = (_pose_member(by, at) for at in range(6))
-    moved = e.Apply("relative", (left, x, y, z, ZERO, ZERO, c))
-    tilted = e.Apply("relative", (moved, ZERO, ZERO, ZERO, ZERO, b))
-    return e.Apply("relative", (tilted, ZERO, ZERO, ZERO, a))
+    moved = e.Apply("relative", (left, x, y, z, _ZERO, _ZERO, c))
+    tilted = e.Apply("relative", (moved, _ZERO, _ZERO, _ZERO, _ZERO, b))
+    return e.Apply("relative", (tilted, _ZERO, _ZERO, _ZERO, a))
 
 
-ConstantSum = tuple[tuple[float, ...], tuple[int | None, int | None]]
+_ConstantSum = tuple[tuple[float, ...], tuple[int | None, int | None]]
 """Elements of a position and its flags."""
 
 
-def _constant_sum(node: s.Expression, symbols: Symbols) -> ConstantSum | None:
+def _constant_sum(node: s.Expression, symbols: Symbols) -> _ConstantSum | None:
     """Value of a sum of positions that no line changes."""
     match node:
         case s.Binary(("+" | "-") as sign, left, right):
@@ -433,7 +433,7 @@ def _position_element(node: s.Expression, at: int, lift: ElementReader) -> e.Exp
 
 
 def _element_sum(sign: str, one: e.Expression, other: e.Expression) -> e.Expression:
-    if other == ZERO:
+    if other == _ZERO:
         return one
     if isinstance(other, e.Number) and other.value < 0:
         return _element_sum("-" if sign == "+" else "+", one, e.Number(-other.value))
@@ -456,7 +456,7 @@ def _element_difference(value: e.Expression, start: e.Expression) -> e.Expressio
             return e.Number(-rest)
         case e.Binary("-", one, rest) if one == start:
             return e.Unary("-", rest)
-    return ZERO if value == start else e.Binary("-", value, start)
+    return _ZERO if value == start else e.Binary("-", value, start)
 
 
 def _pose_member(place: e.Expression, at: int) -> e.Expression:

@@ -344,7 +344,7 @@ def joint_targets(file: SourceFile, symbols: Symbols) -> dict[str, JointTarget]:
     return made
 
 
-EXIT_FUNCTION: Final = s.Command("Exit Function")
+_EXIT_FUNCTION: Final = s.Command("Exit Function")
 
 
 def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routine:
@@ -366,13 +366,13 @@ def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routi
         key = given.name.upper()
         whole = extents.get(key, set()) <= {1}  # no other number of subscripts than one
         if (not given.mode and key in assigned) or (given.array and not whole):
-            return Routine(name, result_type(function, symbols), None)
+            return Routine(name, _result_type(function, symbols), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
         known = symbols.header.variables.get(key) if symbols.own else None
         kind = known.type if known else MARK_VALUE_TYPES.get(given.suffix, letter_type(key))
         spelled = known.name if known else given.name
         parameters.append(Parameter(spelled, kind, mode, int(given.array)))
-    return Routine(name, result_type(function, symbols), tuple(parameters))
+    return Routine(name, _result_type(function, symbols), tuple(parameters))
 
 
 def _subscript_counts(code: Code) -> dict[str, set[int]]:
@@ -385,7 +385,7 @@ def _subscript_counts(code: Code) -> dict[str, set[int]]:
     return found
 
 
-def result_type(function: s.Function, symbols: Symbols) -> ValueType | None:
+def _result_type(function: s.Function, symbols: Symbols) -> ValueType | None:
     """The type of a function's result, None for none."""
     written = function.result.upper()
     if written in ("", "V"):
@@ -463,16 +463,16 @@ def _returns_directly(code: Code, region: Region, key: str) -> bool:
             following = code[at + 1]
             if not isinstance(following, s.Line) or following.label is not None:
                 return False
-            if following.statement != EXIT_FUNCTION and at + 1 != region.high:
+            if following.statement != _EXIT_FUNCTION and at + 1 != region.high:
                 return False
             left.add(at + 1)
             statement = s.Command("Hlt", (statement.value,))
-        elif statement == EXIT_FUNCTION and at not in left:
+        elif statement == _EXIT_FUNCTION and at not in left:
             return False
         for part in nodes(statement):
             if isinstance(part, s.Variable) and _is_result(part, key):
                 return False
-            if part == EXIT_FUNCTION and part is not statement:
+            if part == _EXIT_FUNCTION and part is not statement:
                 return False
     return region.high in left  # else it may end without one, and gives back what it began with
 

@@ -82,7 +82,7 @@ from assistant.program.rewriting import records
 from assistant.program.undeclared_names import name_of_channel, timer_in_seconds
 
 _TRUTHS: Final = (*e.RELATIONS, *e.LOGICAL)
-INTEGER_OPERATORS: Final = ("div", "mod")
+_INTEGER_OPERATORS: Final = ("div", "mod")
 """Operators that round their operands first."""
 
 
@@ -103,7 +103,7 @@ def is_comparison(node: s.Expression) -> bool:
     return False
 
 
-def are_truth_operands(*operands: s.Expression) -> bool:
+def _are_truth_operands(*operands: s.Expression) -> bool:
     """True if logic in a compiled text may be of truths; otherwise it is vendor text, on bits."""
     for node in operands:
         match node:
@@ -196,7 +196,7 @@ class Expressions:
         kinds = [self.type_of(side) for side in sides]
         if not all(kind in ("number", "integer") for kind in kinds):
             return False
-        return not self.m.own or not are_truth_operands(*sides) or any(map(self._is_number, sides))
+        return not self.m.own or not _are_truth_operands(*sides) or any(map(self._is_number, sides))
 
     def _is_plain_number(self, node: s.Expression) -> bool:
         """True for a plain number variable, and for a value calculated from numbers."""
@@ -313,9 +313,9 @@ class Expressions:
         if operator in e.LOGICAL:
             if self.joins_bits(left, right):
                 return e.Apply(f"bit{operator}", (self.rounded(left), self.rounded(right)))
-            if not (self.m.own and are_truth_operands(left, right)):
+            if not (self.m.own and _are_truth_operands(left, right)):
                 raise Unliftable  # logic of truths is no number
-        operand = self.rounded if operator in INTEGER_OPERATORS else self.number
+        operand = self.rounded if operator in _INTEGER_OPERATORS else self.number
         return timer_in_seconds(operator, operand(left), operand(right), MILLISECONDS)
 
     def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
@@ -410,7 +410,7 @@ class Expressions:
         if key == "M_SPD" and self.m.telling:
             return self.speed()
         if key == "P_ZERO" and self.m.telling:
-            return self.m.value_of(ZERO_POSITION, "position")
+            return self.m.value_of(_ZERO_POSITION, "position")
         return _STATUS_NUMBERS.get(key) or self.m.name(node)
 
     def speed(self) -> e.Expression:
@@ -497,7 +497,7 @@ class Expressions:
             if not isinstance(number, float) or round(number) not in FILE_NUMBERS:
                 raise Unliftable
             return e.Apply("connected", (e.Text(name_of_channel(round(number))),))
-        if (timer := elapsed_timer(node, self.m.timers)) is not None:
+        if (timer := _elapsed_timer(node, self.m.timers)) is not None:
             return e.Binary("*", timer, e.Number(MILLISECONDS))
         if key in _ROBOT_POSITIONS and values == [s.Number(1)]:
             return self.here(key)
@@ -517,7 +517,7 @@ class Expressions:
         ) is not None:
             return e.Apply(name, tuple(self.number(v) for v in values))
         if self.m.telling:
-            return library_function(key, values, self)
+            return _library_function(key, values, self)
         raise Unliftable
 
     def built(self, key: str, given: list[s.Expression]) -> e.Expression:
@@ -677,7 +677,7 @@ def _timers_read(value: Any) -> Iterator[tuple[int, bool]]:
             yield number, False
 
 
-def elapsed_timer(node: s.Expression, timers: Mapping[int, str]) -> e.Elapsed | None:
+def _elapsed_timer(node: s.Expression, timers: Mapping[int, str]) -> e.Elapsed | None:
     """The timer that a node reads."""
     name = timers.get(timer_number(node) or 0)
     return None if name is None else e.Elapsed(name)
@@ -687,7 +687,7 @@ def seconds_of(milliseconds: float) -> e.Number:
     return e.number_of(milliseconds / MILLISECONDS)
 
 
-class ArgumentReader(Protocol):
+class _ArgumentReader(Protocol):
     """Lift of the expressions of a file."""
 
     m: Symbols
@@ -705,7 +705,9 @@ class ArgumentReader(Protocol):
         """Its type."""
 
 
-def library_function(key: str, given: Sequence[s.Expression], lift: ArgumentReader) -> e.Expression:
+def _library_function(
+    key: str, given: Sequence[s.Expression], lift: _ArgumentReader
+) -> e.Expression:
     """Lift a call of a function: to plain words, an input, or mostly a procedure of the library.
 
     key: in upper case. Raises Unliftable if the function has no equivalent.
@@ -743,7 +745,7 @@ def library_function(key: str, given: Sequence[s.Expression], lift: ArgumentRead
     return e.Apply(VENDOR_ONLY_NAME.format(name), tuple(values))
 
 
-def _position_with_elements(node: s.Expression, lift: ArgumentReader) -> e.Expression:
+def _position_with_elements(node: s.Expression, lift: _ArgumentReader) -> e.Expression:
     """A position whose elements can be named."""
     made = lift.plain(node)
     if lift.type_of(node) != "position" or not isinstance(made, e.Name | e.Index | e.Here):
@@ -772,7 +774,7 @@ _STATUS_NUMBERS: Final = {
     **{key: e.Number(round(value)) for key, value in INITIAL_STATUS.items()},
 }
 """Values of status variables that never change."""
-ZERO_POSITION: Final = s.Constant((0.0,) * 6, (0, 0))
+_ZERO_POSITION: Final = s.Constant((0.0,) * 6, (0, 0))
 """Value of `P_Zero`."""
 _ROBOT_POSITIONS: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
 """Status variables of where the robot stands, as commanded or as measured."""

@@ -33,7 +33,7 @@ _ARM_OF_PROGRAM: Final = (
     "the arm is the program's own: on the other controller a motion task has it",
     "see that no other task moves it",
 )
-LOSSES: Final[Mapping[str, tuple[str, str]]] = {
+_LOSSES: Final[Mapping[str, tuple[str, str]]] = {
     "SERVO ON": (
         "the program does not switch the motors on: they must be on when it starts",
         "switch them on before, as the operator or the cell's controller",
@@ -85,13 +85,13 @@ _LINE_STATEMENT: Final = re.compile(
 )
 """The line that a program states itself, the address of the other computer and its port (manual of
 the Ethernet function)."""
-SIGNED_BITS: Final = (16, 32)
+_SIGNED_BITS: Final = (16, 32)
 """Signals that are read as one number with a sign, or without one: no manual says which."""
 _STIFF_ALREADY: Final = (
     "the arm is taken to be stiff already, as nothing in the program makes it soft",
     "see that no other program does",
 )
-STIFFNESS_WORDS: Final[Mapping[str, re.Pattern[str]]] = {
+_STIFFNESS_WORDS: Final[Mapping[str, re.Pattern[str]]] = {
     "CMP": re.compile(r"\bCmp\s+(Jnt|Pos|Tool)\b", re.IGNORECASE),
     "CMPG": re.compile(r"\bCmp\s+(Jnt|Pos|Tool)\b", re.IGNORECASE),
     "FSC": re.compile(r"\bFsc\s+On\b", re.IGNORECASE),
@@ -115,8 +115,8 @@ def exported(program: Program) -> Adapted:
     texts = [record.text for record in records(program) if _is_vendor_text(record)]
     if not texts:
         return Adapted(program, tuple(findings))
-    stiff = {key for key, soft in STIFFNESS_WORDS.items() if not any(map(soft.search, texts))}
-    losses = {**LOSSES, **dict.fromkeys(stiff, _STIFF_ALREADY)}
+    stiff = {key for key, soft in _STIFFNESS_WORDS.items() if not any(map(soft.search, texts))}
+    losses = {**_LOSSES, **dict.fromkeys(stiff, _STIFF_ALREADY)}
 
     def told(node: p.Opaque) -> Iterator[p.Statement]:
         if node.reason == DEPENDED_ON and _is_vendor_text(node):
@@ -239,9 +239,9 @@ def _left_open(program: Program) -> Iterator[Diagnostic]:
 
 def _of_unknown_sign(program: Program) -> Iterator[Diagnostic]:
     """Statements that read as many signals as the manuals leave the sign of open for."""
-    wide = {n.lower(): s.bits for n, s in program.signals.items() if s.bits in SIGNED_BITS}
+    wide = {n.lower(): s.bits for n, s in program.signals.items() if s.bits in _SIGNED_BITS}
     if not any(
-        one.direction == "input" for one in program.signals.values() if one.bits in SIGNED_BITS
+        one.direction == "input" for one in program.signals.values() if one.bits in _SIGNED_BITS
     ):
         return
     for statement in program.statements():

@@ -48,17 +48,17 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.passes.trigger_positions import is_steady
 from assistant.program.statements import Reason
 
-COMPUTED_ARC: Final = Reason(
+_COMPUTED_ARC: Final = Reason(
     "the arc is told by points that the program sets, or that lie on no arc",
     "teach a point between start and end, and write Mvr",
 )
-RADIUS_TOLERANCE: Final = 0.01
+_RADIUS_TOLERANCE: Final = 0.01
 """mm that start and end of `Mvr3` may differ in their distance from the centre (COSIROP help)."""
 
 
-LARGEST_CORNER_SHARE: Final = 0.1
+_LARGEST_CORNER_SHARE: Final = 0.1
 """Share of the radius of a circle that the corner between its two arcs has at the most."""
-LARGEST_CORNER: Final = 1.0
+_LARGEST_CORNER: Final = 1.0
 """mm that this corner has at the most."""
 
 
@@ -70,12 +70,12 @@ def _taught_points(
     constants = [constant for constant in found if constant is not None]
     five_axis = symbols.robot is not None and symbols.robot.five_axis
     if len(constants) != 3 or symbols.own or five_axis:
-        raise Unliftable(COMPUTED_ARC)
+        raise Unliftable(_COMPUTED_ARC)
     first, second, third = (target_of(c, symbols.robot) for c in constants)
     return first, second, third
 
 
-def circle_of(
+def _circle_of(
     points: tuple[s.Expression, ...], symbols: Symbols
 ) -> tuple[e.TargetValue, e.TargetValue, e.TargetValue, Blend]:
     """The circle of `Mvc` as two arcs: a point on the first, its end, a point on the second.
@@ -87,15 +87,15 @@ def circle_of(
     back = arc_middle_across(end, start, other)
     there = None if back is None else arc_middle_across(start, end, back)
     if back is None or there is None:
-        raise Unliftable(COMPUTED_ARC)
+        raise Unliftable(_COMPUTED_ARC)
     around, half, home = (
         e.TargetValue(target_between(first, first, place)) for place in (there, end, back)
     )
     radius = float(np.linalg.norm(there - back)) / 2.0
-    return around, half, home, Blend(min(LARGEST_CORNER, LARGEST_CORNER_SHARE * radius))
+    return around, half, home, Blend(min(_LARGEST_CORNER, _LARGEST_CORNER_SHARE * radius))
 
 
-def via_of(
+def _via_of(
     keyword: str, points: tuple[s.Expression, ...], symbols: Symbols
 ) -> e.TargetValue | None:
     """The point halfway on `Mvr2` or `Mvr3`, None for a straight line; raises Unliftable.
@@ -109,9 +109,9 @@ def via_of(
         if middle is None:
             return None
     else:
-        middle = arc_middle_around(start, end, other, RADIUS_TOLERANCE)
+        middle = arc_middle_around(start, end, other, _RADIUS_TOLERANCE)
         if middle is None:
-            raise Unliftable(COMPUTED_ARC)
+            raise Unliftable(_COMPUTED_ARC)
     return e.TargetValue(target_between(first, last, middle))
 
 
@@ -119,7 +119,7 @@ _MEASURES: Final = {name.upper(): place for name, place in TRIGGER_MEASURES.item
 _TURNED_COMPARISONS: Final = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=<": ">=", "=>": "<="}
 
 
-def lift_triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.Trigger, ...]:
+def _lift_triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.Trigger, ...]:
     """Lift the output assignments during a move; raises Unliftable for anything but a number
     assigned to outputs.
     """
@@ -166,7 +166,7 @@ def _is_measured_place(x: s.Expression) -> bool:
     return isinstance(x, s.Variable) and x.key in _MEASURES
 
 
-USUAL_TYPES: Final = {
+_USUAL_TYPES: Final = {
     word: (s.Number(int(word == "Mov")), s.Number(0))
     for word in ("Mov", "Mvs", "Mvr", "Mvr2", "Mvr3")
 }
@@ -181,7 +181,7 @@ class Moves:
 
     def move(self, node: s.Motion, values: Values) -> list[p.Statement]:
         until = self.until(node.append)
-        on_way = () if until else lift_triggers(node.append, self.expressions, self.runs)
+        on_way = () if until else _lift_triggers(node.append, self.expressions, self.runs)
         made = self.plain(replace(node, append=None), values)
         if until is None and not on_way:
             return made
@@ -201,7 +201,7 @@ class Moves:
     def plain(self, node: s.Motion, values: Values) -> list[p.Statement]:
         """A move without what is appended to it."""
         node, values = without_frame_product(node, values, self.expressions.m.header)
-        if node.type and node.type != USUAL_TYPES.get(node.keyword):
+        if node.type and node.type != _USUAL_TYPES.get(node.keyword):
             raise Unliftable(MOVE_TYPE)
         if not are_known(values, node.keyword == "Mov"):
             raise Unliftable(SETTINGS_DIFFER)
@@ -215,7 +215,7 @@ class Moves:
             case "Mvr", (start, via, end, *rest) if start and via and end and not any(rest):
                 return self.arc(start, self.expressions.plain(via), end, values)
             case ("Mvr2" | "Mvr3") as word, (start, end, third) if start and end and third:
-                middle = via_of(word, (start, end, third), self.expressions.m)
+                middle = _via_of(word, (start, end, third), self.expressions.m)
                 return self.arc(start, middle, end, values)
             case "Mvc", (start, via, last) if start and via and last:
                 return self.circle((start, via, last), values)
@@ -290,7 +290,7 @@ class Moves:
         if not self.expressions.m.telling:
             raise Unliftable(FULL_CIRCLE)
         start, motion = points[0], self.motion(False, values)
-        around, half, home, corner = circle_of(points, self.expressions.m)
+        around, half, home, corner = _circle_of(points, self.expressions.m)
         here = self.runs.is_here(start, values)
         before = [] if here else [self.to("Mvs", start, None, values)]
         self.runs.arc_pending, self.runs.previous = False, robot_place(start, values)

@@ -52,13 +52,13 @@ from assistant.program.rewriting import (
 )
 from assistant.program.statement_index import records_in_procedures
 
-ANGLE_SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
+_ANGLE_SUFFIXES: Final = {"about_x": "A", "about_y": "B", "about_z": "C"}
 """Suffixes of the number variables next to a position, after the position's name."""
-SAME_ANGLE: Final = 1e-9
-PositionKey = tuple[str, str]
+_SAME_ANGLE: Final = 1e-9
+_PositionKey = tuple[str, str]
 """A position variable: the procedure whose own it is, empty for the program's, and its name, both
 in lower case."""
-ThreeAngles = tuple[e.Expression, e.Expression, e.Expression]
+_ThreeAngles = tuple[e.Expression, e.Expression, e.Expression]
 
 
 def with_angles_beside(program: Program, findings: Findings) -> Program:
@@ -73,7 +73,7 @@ def with_angles_beside(program: Program, findings: Findings) -> Program:
 
 
 def _is_angle(record: Any) -> bool:
-    return isinstance(record, e.Member) and record.field.lower() in ANGLE_SUFFIXES
+    return isinstance(record, e.Member) and record.field.lower() in _ANGLE_SUFFIXES
 
 
 @dataclass
@@ -85,7 +85,7 @@ class _AngleNumbers:
 
     program: Program
     findings: Findings
-    beside: dict[PositionKey, tuple[str, str, str]] = field(default_factory=dict)
+    beside: dict[_PositionKey, tuple[str, str, str]] = field(default_factory=dict)
     owner: Procedure | None = None
     taken: TakenNames = field(default_factory=TakenNames)
     indices: list[str] = field(default_factory=list)
@@ -98,8 +98,8 @@ class _AngleNumbers:
 
     def find(self) -> None:
         """Notes the positions whose angles count, and those whose angles these take over."""
-        wanted: set[PositionKey] = set()
-        copied: dict[PositionKey, set[PositionKey]] = {}
+        wanted: set[_PositionKey] = set()
+        copied: dict[_PositionKey, set[_PositionKey]] = {}
         for procedure in self.program.procedures:
             self.owner = procedure
             for group in _angle_groups(procedure.body):
@@ -119,17 +119,17 @@ class _AngleNumbers:
         for key in sorted(wanted):
             name = self.variable(key)[0]
             three = [
-                identifier(f"{name}_{letter}", self.taken) for letter in ANGLE_SUFFIXES.values()
+                identifier(f"{name}_{letter}", self.taken) for letter in _ANGLE_SUFFIXES.values()
             ]
             self.taken.update(three)
             self.beside[key] = (three[0], three[1], three[2])
 
-    def _strong(self, group: tuple[p.Statement, ...]) -> set[PositionKey]:
+    def _strong(self, group: tuple[p.Statement, ...]) -> set[_PositionKey]:
         """Positions whose angles a statement, or sets that stand together, read or need."""
         sets = [node for node in group if isinstance(node, p.Assign)]
         fields = {node.target.field.lower() for node in sets if isinstance(node.target, e.Member)}
-        whole = fields == set(ANGLE_SUFFIXES)
-        found: set[PositionKey] = set()
+        whole = fields == set(_ANGLE_SUFFIXES)
+        found: set[_PositionKey] = set()
         for node in group:
             skipped: list[e.Expression] = []
             if len(group) > 1 or _sets_angle(node):
@@ -148,7 +148,7 @@ class _AngleNumbers:
                         found.add(key)
         return found
 
-    def _sources(self, value: e.Expression) -> Iterator[PositionKey | None]:
+    def _sources(self, value: e.Expression) -> Iterator[_PositionKey | None]:
         match value:
             case e.Apply("offset", (inner, *_)):
                 yield from self._sources(inner)
@@ -159,7 +159,7 @@ class _AngleNumbers:
 
     # --------------------------------------------------------------------------- variables
 
-    def key(self, place: Any) -> PositionKey | None:
+    def key(self, place: Any) -> _PositionKey | None:
         """The position variable or target that a place is, or is a component of."""
         name = base_variable(place)
         if not name:
@@ -172,10 +172,10 @@ class _AngleNumbers:
             return owner.name.lower(), name
         return "", name
 
-    def is_variable(self, key: PositionKey) -> bool:
+    def is_variable(self, key: _PositionKey) -> bool:
         return key[0] != "" or any(key[1] == name.lower() for name in self.program.variables)
 
-    def variable(self, key: PositionKey) -> tuple[str, Variable | None]:
+    def variable(self, key: _PositionKey) -> tuple[str, Variable | None]:
         """A position variable as it is spelled and declared; None for a parameter."""
         tables: list[Mapping[str, Variable]] = [self.program.variables]
         if key[0]:
@@ -217,7 +217,7 @@ class _AngleNumbers:
                 )
         return found
 
-    def _first(self, name: str, variable: Variable) -> ThreeAngles | None:
+    def _first(self, name: str, variable: Variable) -> _ThreeAngles | None:
         """The first values of the numbers beside a variable."""
         match variable.initial:
             case None:
@@ -230,7 +230,7 @@ class _AngleNumbers:
         self.refuse(name, "the values that it begins with are not known one by one")
         return None
 
-    def _element(self, name: str, at: int, value: e.Expression) -> ThreeAngles:
+    def _element(self, name: str, at: int, value: e.Expression) -> _ThreeAngles:
         if isinstance(value, e.TargetValue):
             return self.raw(value.target.pose, name, (at,))
         return (e.Number(0), e.Number(0), e.Number(0))  # nothing was taught there
@@ -254,7 +254,7 @@ class _AngleNumbers:
                 if key is None or key not in self.beside:
                     yield replace(node, value=value)
                     return
-                own = dict(zip(ANGLE_SUFFIXES, self.numbers(place, key), strict=True))
+                own = dict(zip(_ANGLE_SUFFIXES, self.numbers(place, key), strict=True))
                 yield p.Assign(own[part.lower()], value, span=node.span)
                 if _position_set(after) != place:
                     angles = {**own, part.lower(): _within_turn(value, own[part.lower()])}
@@ -285,7 +285,7 @@ class _AngleNumbers:
             if one != angle:
                 yield p.Assign(one, angle, span=node.span)
 
-    def angles(self, value: e.Expression, place: e.Expression) -> ThreeAngles | None:
+    def angles(self, value: e.Expression, place: e.Expression) -> _ThreeAngles | None:
         """The angles of a value as they are stored, once it is assigned to a place."""
         match value:
             case e.Apply("offset", (inner, *_)):
@@ -315,7 +315,7 @@ class _AngleNumbers:
                 if sign in e.RELATIONS and unit == other == e.Number(DEGREE):
                     return e.Binary(sign, one, two)  # degrees are compared as radian are
             case e.Member(place, part) if _is_angle(x):
-                at = list(ANGLE_SUFFIXES).index(part.lower())
+                at = list(_ANGLE_SUFFIXES).index(part.lower())
                 key = self.key(place)
                 if key in self.beside:
                     return self.numbers(place, key)[at]
@@ -327,7 +327,7 @@ class _AngleNumbers:
                     return self.raw(place.target.pose)[at]
         return x
 
-    def numbers(self, place: e.Expression, key: Any) -> ThreeAngles:
+    def numbers(self, place: e.Expression, key: Any) -> _ThreeAngles:
         """The numbers beside a place, with its indices."""
         one, two, three = (e.Name(name) for name in self.beside[key])
         if isinstance(place, e.Index):
@@ -360,7 +360,7 @@ class _AngleNumbers:
             self.taken.add(self.indices[-1])
         return self.indices[number]
 
-    def _handed(self, name: str, arguments: tuple[Any, ...]) -> Iterator[PositionKey]:
+    def _handed(self, name: str, arguments: tuple[Any, ...]) -> Iterator[_PositionKey]:
         for procedure in self.program.procedures:
             if procedure.name.lower() == name.lower():
                 for one in handed_over(procedure, arguments):
@@ -373,7 +373,7 @@ class _AngleNumbers:
 
     # --------------------------------------------------------------------------- raw angles
 
-    def raw(self, pose: Pose, name: str = "", indices: tuple[int, ...] = ()) -> ThreeAngles:
+    def raw(self, pose: Pose, name: str = "", indices: tuple[int, ...] = ()) -> _ThreeAngles:
         """The angles of a position as the source writes them."""
         for values in self._written(name, indices):
             if _have_same_angles(plain_pose(values), pose):
@@ -407,7 +407,7 @@ def _constant_of(line: s.Line) -> Iterator[tuple[float | None, ...]]:
 def _have_same_angles(one: Pose, other: Pose) -> bool:
     return bool(
         np.allclose(one.position, other.position, atol=1e-6)
-        and abs(abs(float(np.dot(one.quaternion, other.quaternion))) - 1.0) <= SAME_ANGLE
+        and abs(abs(float(np.dot(one.quaternion, other.quaternion))) - 1.0) <= _SAME_ANGLE
     )
 
 
@@ -462,7 +462,7 @@ def _angle_groups(body: Iterable[p.Statement]) -> Iterator[tuple[p.Statement, ..
 _FLAG_ASSIGNMENT: Final = re.compile(r"(\w+)\.FL([12])\s*=\s*(\w+)\.FL([12])", re.IGNORECASE)
 _POSE_COMPONENTS: Final = ("x", "y", "z", "about_x", "about_y", "about_z")
 """Components that a position keeps."""
-CONFIGURED_POSITION: Final = "configured"
+_CONFIGURED_POSITION: Final = "configured"
 """The variable that stands between both positions, if that is free."""
 
 
@@ -479,7 +479,7 @@ def with_flags(program: Program) -> Program:
     taken = {one.name.lower() for one in records(program) if isinstance(one, e.Name)}
     held = next(
         name
-        for name in _numbered(CONFIGURED_POSITION)
+        for name in _numbered(_CONFIGURED_POSITION)
         if name not in taken | _declared_positions(program)
     )
     changed = [_with_configurations(procedure, program, held) for procedure in program.procedures]

@@ -113,7 +113,7 @@ class Reader(Control):
     def ending(self, region: Region) -> list[p.Statement]:
         """Return the statements after a body: the comment of its last word, and a stored result."""
         made: list[p.Statement] = []
-        if region.high < len(self.code) and self.code[region.high].statement in BODY_ENDS:
+        if region.high < len(self.code) and self.code[region.high].statement in _BODY_ENDS:
             made += self.note(region.high)
         for at in range(*region.behind):
             made += self.note(at)
@@ -241,7 +241,7 @@ class Reader(Control):
         return after
 
 
-BODY_ENDS: Final = (s.Command("End"), s.Command("Return"), s.Command("FEnd"))
+_BODY_ENDS: Final = (s.Command("End"), s.Command("Return"), s.Command("FEnd"))
 
 
 def _has_vendor_expression(statements: list[p.Statement]) -> bool:

@@ -69,12 +69,12 @@ def _has_no_other_jumps(name: str, places: Sequence[int], named: Mapping[str, in
     return all(named[label] == 1 for label in inner) and named[name + "Z"] == branches
 
 
-def is_lone_command(item: s.Entry, keyword: str) -> bool:
+def _is_lone_command(item: s.Entry, keyword: str) -> bool:
     """True if a line is that word alone."""
     return item.label is None and item.statement == s.Command(keyword)
 
 
-def is_blank(item: s.Entry) -> bool:
+def _is_blank(item: s.Entry) -> bool:
     return isinstance(item, s.Line) and not (item.statement or item.label or item.comment)
 
 
@@ -120,14 +120,14 @@ def procedure_regions(
     found = _function_regions(code)
     if found is not None:
         return found
-    answering = {} if own else interrupt_handlers(code)
-    unused = set() if own else unused_subroutines(code, depth)
+    answering = {} if own else _interrupt_handlers(code)
+    unused = set() if own else _unused_subroutines(code, depth)
     starts = _procedure_starts(code, depth, named, own, answering, unused)
     edges: list[tuple[int, str | None]] = [(0, None), *starts]
     made = []
     for i, (start, label) in enumerate(edges):
         stop = edges[i + 1][0] if i + 1 < len(edges) else len(code)
-        if label is None or label in set(jump_targets(code, range(start, stop))):
+        if label is None or label in set(_jump_targets(code, range(start, stop))):
             made.append(_without_end(code, start, stop, label))
         else:
             made.append(
@@ -142,9 +142,9 @@ def procedure_regions(
 def _without_end(code: Code, low: int, high: int, label: str | None) -> Region:
     """Without the `End` or `Return` that it ends with."""
     stop = high
-    while stop > low and is_blank(code[stop - 1]):
+    while stop > low and _is_blank(code[stop - 1]):
         stop -= 1
-    if stop > low and is_lone_command(code[stop - 1], "End" if label is None else "Return"):
+    if stop > low and _is_lone_command(code[stop - 1], "End" if label is None else "Return"):
         stop -= 1
     return Region(low, stop, label)
 
@@ -154,7 +154,7 @@ RETURN_TO_PROGRAM: Final = s.Command("Return", (s.Number(0),))
 _END: Final = s.Command("End")
 
 
-def interrupt_handlers(code: Code) -> dict[str, str]:
+def _interrupt_handlers(code: Code) -> dict[str, str]:
     """Return the handlers that only interrupts lead to, by label, with the word of the interrupt.
 
     A called handler returns to the interrupted line by `Return 0` alone; one that is jumped to ends
@@ -162,7 +162,7 @@ def interrupt_handlers(code: Code) -> dict[str, str]:
     """
     calls, found = called_labels(code), dict[str, str]()
     for item in code:
-        if isinstance(node := statement_of(item), s.DefAct) and node.stop.upper() in STOP_WORDS:
+        if isinstance(node := statement_of(item), s.DefAct) and node.stop.upper() in _STOP_WORDS:
             label = target_name(node.target)
             found[label] = node.keyword if found.get(label, node.keyword) == node.keyword else ""
     labels = labels_of(code)
@@ -176,9 +176,9 @@ def interrupt_handlers(code: Code) -> dict[str, str]:
     }
 
 
-FATAL_ERRORS: Final = range(9000, 9200)
+_FATAL_ERRORS: Final = range(9000, 9200)
 """Errors of the program's own that end it (COSIROP: ERROR)."""
-STOP_WORDS: Final = ("", "S", "F")
+_STOP_WORDS: Final = ("", "S", "F")
 """Ways in which an interrupt stops the arm at once (COSIROP: DEF ACT; F of the force sensor)."""
 
 
@@ -191,7 +191,7 @@ def _ends_as_handler(code: Code, at: int, word: str) -> bool:
             case s.Command("Return" | "End"):
                 return node == last
             case s.Command("Error", (s.Number(number),)) if (
-                FATAL_ERRORS.start <= number < FATAL_ERRORS.stop
+                _FATAL_ERRORS.start <= number < _FATAL_ERRORS.stop
             ):
                 return word == "GoTo"
     return False
@@ -217,11 +217,11 @@ def _function_regions(code: Code) -> list[Region] | None:
     notes, above = [], 0
     for start, end, _ in spans:
         between = code[above:start]
-        if above and not all(is_note(item) for item in between):
+        if above and not all(_is_note(item) for item in between):
             return None
         notes.append((above, start))
         above = end + 1
-    if not all(is_note(item) or is_lone_command(item, "End") for item in code[above:]):
+    if not all(_is_note(item) or _is_lone_command(item, "End") for item in code[above:]):
         return None
     prefix = _comments_above(code, spans[0][0])
     notes[0] = prefix, spans[0][0]
@@ -236,13 +236,13 @@ def _function_regions(code: Code) -> list[Region] | None:
     return [made[main], *made[:main], *made[main + 1 :]]
 
 
-def is_note(item: object) -> bool:
+def _is_note(item: object) -> bool:
     return isinstance(item, s.Line) and item.statement is None and item.label is None
 
 
 def _comments_above(code: Code, first: int) -> int:
     """Return the place where the comments right above the first function begin."""
-    while first and is_note(code[first - 1]):
+    while first and _is_note(code[first - 1]):
         first -= 1
     return first
 
@@ -261,7 +261,7 @@ def _procedure_starts(
     """Place and label (upper case) of each procedure after the first.
 
     Own files name them in the heading. In others a procedure is what `GoSub` calls, if nothing
-    runs into it from above, and no jump leads in or out. unused: see `unused_subroutines`.
+    runs into it from above, and no jump leads in or out. unused: see `_unused_subroutines`.
     """
     wanted = set(named) if own else called_labels(code) | set(answering) | unused
     starts: list[tuple[int, str]] = []
@@ -271,7 +271,7 @@ def _procedure_starts(
         label = item.label.upper()
         if label not in wanted or item.statement is not None:
             continue
-        if own or not goes_on_above(code, at):
+        if own or not _goes_on_above(code, at):
             starts.append((at, label))
             wanted.discard(label)
     return starts if own else _closed(code, starts)
@@ -281,7 +281,7 @@ _CALLED_FROM_ELSEWHERE: Final = "*L_"
 """Prefix of labels of a base program that other programs may call (manual CR1D, 4.3.5)."""
 
 
-def unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
+def _unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
     """Labels of subroutines that no line calls or jumps to, in upper case.
 
     Old subroutines remain in files: nothing runs into their lines, and these end with `Return`.
@@ -292,11 +292,11 @@ def unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
     above = set[str]()  # what lines above jump to
     for at, item in enumerate(code):
         if at:
-            above.update(jump_targets(code, (at - 1,)))
+            above.update(_jump_targets(code, (at - 1,)))
         label = "" if item.label is None else item.label.upper()
         if not label or depth[at] or at in live or label.startswith(_CALLED_FROM_ELSEWHERE):
             continue
-        if goes_on_above(code, at) or label in above:
+        if _goes_on_above(code, at) or label in above:
             continue
         if any(_returns(statement_of(code[to])) for to in graph.reached([at])):
             found.add(label)
@@ -334,7 +334,9 @@ def called_labels(code: Code) -> set[str]:
     return {target_name(to) for item in code for to in exits_of(statement_of(item)).calls}
 
 
-def jump_targets(code: Code, places: Iterable[int], besides: Collection[str] = ()) -> Iterator[str]:
+def _jump_targets(
+    code: Code, places: Iterable[int], besides: Collection[str] = ()
+) -> Iterator[str]:
     """Yield the jump targets of some lines, and those of interrupts that they define.
 
     besides: labels that interrupts may lead to.
@@ -363,12 +365,12 @@ def target_name(target: s.Target) -> str:
 
 def next_word(code: Code, at: int) -> int:
     """The next line that is more than a comment, or the end."""
-    return next((k for k in range(at + 1, len(code)) if not is_note(code[k])), len(code))
+    return next((k for k in range(at + 1, len(code)) if not _is_note(code[k])), len(code))
 
 
-def goes_on_above(code: Code, at: int) -> bool:
+def _goes_on_above(code: Code, at: int) -> bool:
     """True if control may reach the place from the line above it, or from the beginning."""
-    above = next((k for k in range(at - 1, -1, -1) if not is_note(code[k])), None)
+    above = next((k for k in range(at - 1, -1, -1) if not _is_note(code[k])), None)
     if above is None:
         return True
     return exits_of(statement_of(code[above])).on and not _loops_for_ever(code, above)
@@ -388,7 +390,7 @@ def _loops_for_ever(code: Code, at: int) -> bool:
     )
 
 
-MOST_COPIES: Final = 4
+_MOST_COPIES: Final = 4
 """Times the lines of the file that its procedures may have with the lines that they share."""
 
 
@@ -406,7 +408,7 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
     main = whole[0]
     if [k for k, part in enumerate(whole) if part == main] == list(range(whole.count(main))):
         return code
-    wanted = called_labels(code) | set(interrupt_handlers(code))
+    wanted = called_labels(code) | set(_interrupt_handlers(code))
     calls = [not wanted.isdisjoint(labels_of(code, span)) for span in spans]
     subroutines = {part for part, is_called in zip(whole, calls, strict=True) if is_called}
 
@@ -428,13 +430,13 @@ def _run_edges(code: list[s.Entry]) -> list[int]:
 
 def _run_begin(code: list[s.Entry], at: int) -> bool:
     """Comments stay with the lines below them."""
-    return statement_of(code[at - 1]) is not None and not goes_on_above(code, at)
+    return statement_of(code[at - 1]) is not None and not _goes_on_above(code, at)
 
 
 def _joined_runs(code: list[s.Entry], spans: list[range]) -> list[int]:
     """By run, the first of those that jumps join with it."""
     home = {name: k for k, span in enumerate(spans) for name in labels_of(code, span)}
-    joined, answering = list(range(len(spans))), interrupt_handlers(code)
+    joined, answering = list(range(len(spans))), _interrupt_handlers(code)
 
     def first(k: int) -> int:
         while joined[k] != k:
@@ -443,7 +445,7 @@ def _joined_runs(code: list[s.Entry], spans: list[range]) -> list[int]:
         return k
 
     for k, span in enumerate(spans):
-        for name in jump_targets(code, span, answering):
+        for name in _jump_targets(code, span, answering):
             if name in home:
                 one, two = sorted((first(k), first(home[name])))
                 joined[two] = one
@@ -473,8 +475,8 @@ class _Separating:
         self.code, self.blocks = code, structure.blocks
         self.graph = graph_of(code, range(len(code)), structure.blocks)
         places = labels_of(code)
-        answering = {name for name, word in interrupt_handlers(code).items() if word == "GoSub"}
-        unused = unused_subroutines(code, structure.depth)
+        answering = {name for name, word in _interrupt_handlers(code).items() if word == "GoSub"}
+        unused = _unused_subroutines(code, structure.depth)
         begun = wanted | answering | unused
         starts = sorted({places[name] for name in begun if name in places} - {0})
         self.starts = [at for at in starts if not structure.depth[at]]
@@ -487,9 +489,11 @@ class _Separating:
             return self.code
         parts = [self._closed([start]) for start in (0, *self.starts)]
         live = set().union(*parts)
-        dead = [at for at in range(len(self.code)) if at not in live and not is_note(self.code[at])]
+        dead = [
+            at for at in range(len(self.code)) if at not in live and not _is_note(self.code[at])
+        ]
         parts[0] = self._closed([0, *dead])
-        if sum(map(len, parts)) > MOST_COPIES * len(self.code):
+        if sum(map(len, parts)) > _MOST_COPIES * len(self.code):
             return self.code
         owner: dict[int, int] = {}
         for number, part in enumerate(parts):
@@ -520,7 +524,7 @@ class _Separating:
         """Comments that nothing comes to: they go with the lines below them, or else above."""
         found: list[int] = []
         for at in reversed(range(len(self.code))):
-            if at not in owner and is_note(self.code[at]):
+            if at not in owner and _is_note(self.code[at]):
                 beside = owner.get(at + 1, owner.get(at - 1))
                 if beside is not None:
                     owner[at] = beside
@@ -557,11 +561,11 @@ class _Separating:
 
     def _runs_on(self, at: int) -> bool:
         """True if control runs from a line, or from the loop that it ends, to the next line."""
-        return goes_on_above(self.code, at + 1) or self.blocks.around.get(at) is not None
+        return _goes_on_above(self.code, at + 1) or self.blocks.around.get(at) is not None
 
     def _runs_into(self, above: int, at: int) -> bool:
         between = range(above + 1, at)
-        return self._runs_on(above) and all(is_note(self.code[k]) for k in between)
+        return self._runs_on(above) and all(_is_note(self.code[k]) for k in between)
 
     def _at_end(self, at: int) -> bool:
         """True if control runs on from the last line of the file, which ends the program."""

@@ -119,8 +119,8 @@ class Settings:
                 self.tools.setdefault(name, self._tool(constant.values))
         for short, name in self.names["frame"].items():
             if (constant := positions.constant(short)) is not None:
-                plain = PARAMETER_OF_BASE.fullmatch(short) is not None
-                seen = plain_frame if plain else self._frame
+                plain = _PARAMETER_OF_BASE.fullmatch(short) is not None
+                seen = _plain_frame if plain else self._frame
                 self.frames.setdefault(name, seen(constant.values))
 
     def effect(self, node: s.Statement | None) -> tuple[int, Any] | None:
@@ -242,16 +242,16 @@ class Settings:
                     if key in self.names[kind]:
                         return self.names[kind][key]
                     # as the cell states it: work coordinates are seen from the robot
-                    seen: Any = plain_frame if kind == "frame" else made
+                    seen: Any = _plain_frame if kind == "frame" else made
                     return _mount_name(parameter, seen(constant.values), known)
         return UNKNOWN
 
 
-PARAMETER_OF_BASE: Final = re.compile(parameter_position(PARAMETERS["Base"].format(number=r"\d+")))
+_PARAMETER_OF_BASE: Final = re.compile(parameter_position(PARAMETERS["Base"].format(number=r"\d+")))
 """Pattern of the names that numbered work coordinates have among positions."""
 
 
-def plain_frame(values: tuple[float | None, ...]) -> Frame:
+def _plain_frame(values: tuple[float | None, ...]) -> Frame:
     """Work coordinates of a parameter."""
     return Frame(poses.plain_pose(values))
 
@@ -315,7 +315,7 @@ SETTING_WORDS: Final = (
 """By number."""
 
 
-NO_NAMES: Final = frozenset[str]()
+_NO_NAMES: Final = frozenset[str]()
 _WAIT_LABELS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
 """Labels that are read together with the lines around them."""
 
@@ -373,7 +373,7 @@ def setting_lines(
 
     watched = _setting_variables(code, settings)
 
-    def steps(statement: s.Statement | s.Target | None, own: frozenset[str] = NO_NAMES) -> Steps:
+    def steps(statement: s.Statement | s.Target | None, own: frozenset[str] = _NO_NAMES) -> Steps:
         """own: variables of its function alone, which nothing that it calls can change."""
         if statement is None or isinstance(statement, s.Target):
             return ()
@@ -410,7 +410,7 @@ def setting_lines(
 
     def own(number: int) -> frozenset[str]:
         """Parameters of a function by value, while it does not run twice at once."""
-        function, names = regions[number].function, NO_NAMES
+        function, names = regions[number].function, _NO_NAMES
         if watched and function is not None and number not in _reached_calls(number, calls):
             given = function.parameters or ()
             names = watched & {f"{q.name}{q.suffix}".upper() for q in given if q.mode == "ByVal"}
@@ -510,9 +510,9 @@ def needed_settings(statement: s.Statement) -> frozenset[int]:
     return found
 
 
-NO_CORNER: Final = -1.0
+_NO_CORNER: Final = -1.0
 """No corner: the move ends at its target."""
-OPEN_CORNER: Final = 10.0
+_OPEN_CORNER: Final = 10.0
 """mm of a corner whose size the controller chooses (`Cnt 1`)."""
 _FOLLOWED_NAMES: Final = {
     TCP: "current_speed",
@@ -521,7 +521,7 @@ _FOLLOWED_NAMES: Final = {
     TOOL: "current_tool",
     FRAME: "current_base",
 }
-_FIRST_VALUES: Final = {TCP: OPTIMUM_SPEED, JOINT: 100.0, BLEND: NO_CORNER}
+_FIRST_VALUES: Final = {TCP: OPTIMUM_SPEED, JOINT: 100.0, BLEND: _NO_CORNER}
 """Settings at the start of a program."""
 
 
@@ -603,10 +603,10 @@ def _followed_number(arguments: tuple[Any, ...], value: Any, lift: Expressions) 
 
 def _followed_corner(arguments: tuple[Any, ...], value: Any, lift: Expressions) -> e.Expression:
     if value == FINE:
-        return e.number_of(NO_CORNER)
+        return e.number_of(_NO_CORNER)
     if isinstance(value, Blend) and value.radius is not None:
         radius = min(value.radius, math.inf if value.exit is None else value.exit)
-        return e.number_of(OPEN_CORNER if math.isinf(radius) else radius)
+        return e.number_of(_OPEN_CORNER if math.isinf(radius) else radius)
     match arguments:
         case (s.Number(1), near) if near is not None:
             return lift.number(near)

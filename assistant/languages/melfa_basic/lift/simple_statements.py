@@ -256,7 +256,7 @@ def io_bits(node: s.DefIo, lift: Expressions) -> tuple[int, int] | None:
     return bits, round(number)
 
 
-RECEIVING_FUNCTIONS = {
+_RECEIVING_FUNCTIONS = {
     "text": "received",
     "number": "received_number",
     "integer": "received_number",
@@ -265,7 +265,7 @@ RECEIVING_FUNCTIONS = {
 _PRINTED_TYPES = ("text", "number", "integer")
 
 
-def channel_name(node: s.Expression | None, lift: Expressions) -> str:
+def _channel_name(node: s.Expression | None, lift: Expressions) -> str:
     """The channel of a file's number."""
     value = None if node is None else lift.m.value(node)
     if not isinstance(value, float) or round(value) not in FILE_NUMBERS:
@@ -275,7 +275,7 @@ def channel_name(node: s.Expression | None, lift: Expressions) -> str:
 
 def lift_open(node: s.Open, lift: Expressions) -> list[p.Statement]:
     """A line by its number; a file only with a mode, which says that it is one."""
-    channel, mode = channel_name(node.number, lift), FILE_MODES.get(node.mode)
+    channel, mode = _channel_name(node.number, lift), FILE_MODES.get(node.mode)
     if isinstance(node.name, s.String) and ":" in node.name.value:
         found = LINE_NAME.fullmatch(node.name.value)
         if found is None or node.mode:
@@ -291,12 +291,12 @@ def lift_close(node: s.Close, lift: Expressions) -> list[p.Statement]:
         if not lift.m.telling or lift.m.opened is None:
             raise Unliftable
         return [p.Detach(undeclared_names.name_of_channel(number)) for number in lift.m.opened]
-    return [p.Detach(channel_name(number, lift)) for number in node.numbers]
+    return [p.Detach(_channel_name(number, lift)) for number in node.numbers]
 
 
 def lift_print(node: s.Print, lift: Expressions) -> list[p.Statement]:
     """Parts that follow each other at once, or behind a comma in the next column."""
-    channel = channel_name(node.number, lift)
+    channel = _channel_name(node.number, lift)
     goes_on = bool(node.items) and node.items[-1][1] is None
     given = [value for _, value in node.items if value is not None]
     marks = [mark for mark, _ in node.items[1:]]
@@ -317,7 +317,7 @@ def lift_print(node: s.Print, lift: Expressions) -> list[p.Statement]:
     return [p.Send(channel, "piece" if goes_on else "line", parts)]
 
 
-PRINT_COLUMN: Final = 10
+_PRINT_COLUMN: Final = 10
 """Characters of a column that a comma begins the next one of (COSIROP: PRINT)."""
 
 
@@ -334,18 +334,18 @@ def _in_columns(parts: Sequence[e.Expression], marks: Sequence[str]) -> tuple[e.
 def _padded_to_column(texts: Sequence[e.Expression]) -> e.Expression:
     if all(isinstance(one, e.Text) for one in texts):
         whole = "".join(one.value for one in texts if isinstance(one, e.Text))
-        return e.Text(whole + " " * (-len(whole) % PRINT_COLUMN))
+        return e.Text(whole + " " * (-len(whole) % _PRINT_COLUMN))
     line = texts[0]
     for one in texts[1:]:
         line = e.Binary("+", line, one)
-    return e.Apply(VENDOR_ONLY_NAME.format("in_next_column"), (line, e.Number(PRINT_COLUMN)))
+    return e.Apply(VENDOR_ONLY_NAME.format("in_next_column"), (line, e.Number(_PRINT_COLUMN)))
 
 
 def lift_input(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement]:
     """One item after the other."""
-    channel, made = channel_name(node.number, lift), list[p.Statement]()
+    channel, made = _channel_name(node.number, lift), list[p.Statement]()
     for variable in node.variables:
-        function = RECEIVING_FUNCTIONS.get(lift.type_of(variable) or "")
+        function = _RECEIVING_FUNCTIONS.get(lift.type_of(variable) or "")
         place = lift.plain(variable)
         if function is None or variable.component or not isinstance(place, e.Name | e.Index):
             raise Unliftable
@@ -356,7 +356,7 @@ def lift_input(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement
 
 T = TypeVar("T", bound=p.Spanned)
 
-TIMEOUT_ERROR: Final = 9100
+_TIMEOUT_ERROR: Final = 9100
 """The error of a wait that took too long."""
 
 
@@ -424,7 +424,7 @@ def _timed_wait(lines: Sequence[object], lift: Expressions) -> p.Statement | Non
             control_flow.WAIT_LABEL.fullmatch(name)
             and again == name
             and out == last == name + "Z"
-            and number == TIMEOUT_ERROR
+            and number == _TIMEOUT_ERROR
             and timer_number(timer)
             and timer_number(timer) == timer_number(clock)
         ):

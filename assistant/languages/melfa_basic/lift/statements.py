@@ -83,7 +83,7 @@ from assistant.program.rewriting import is_steady, records
 
 
 @dataclass(slots=True)
-class OpenBlock:
+class _OpenBlock:
     """An open block. kind: by its word. places: of the words that divide and end it. label: after
     it.
     """
@@ -93,11 +93,11 @@ class OpenBlock:
     label: str | None = None
 
 
-PROGRAM_ENDS: Final = (s.Command("End"), s.Command("Return"))
-EXPORTED_STATEMENTS: Final = (s.Assign, s.Motion, s.Print, s.Close)
+_PROGRAM_ENDS: Final = (s.Command("End"), s.Command("Return"))
+_EXPORTED_STATEMENTS: Final = (s.Assign, s.Motion, s.Print, s.Close)
 """Statements that other languages may have where the pseudo-program keeps their texts."""
-HAND_COMMANDS: Final = ("HOpen", "HClose")
-FORCED_COMMAND: Final = "HOpen"
+_HAND_COMMANDS: Final = ("HOpen", "HClose")
+_FORCED_COMMAND: Final = "HOpen"
 """Takes forces and a time beside its hand (COSIROP: HOPEN)."""
 StatementLift = Callable[[Any, Any], list[p.Statement]]
 """Function that lifts a statement, given the reader and the statement; raises Unliftable."""
@@ -150,7 +150,7 @@ class Control:
         self.blocks, self.asks_for_breaks = ways.structure.places, ways.breaks
         self.label_names: dict[str, str] = {}
         self.refused: dict[int, p.Reason | None] = {}
-        self.leaving: list[OpenBlock] = []
+        self.leaving: list[_OpenBlock] = []
         self.by_label = {r.label: k for k, r in enumerate(self.regions) if r.label}
         self.form: Form | None = None
         self.region = Region(0, 0)
@@ -212,9 +212,11 @@ class Control:
             return read()
         except Unliftable as found:
             set_here = self.effect(node) is not None
-            hand = isinstance(node, s.Command) and node.keyword in (*HAND_COMMANDS, "SetMoTrg")
+            hand = isinstance(node, s.Command) and node.keyword in (*_HAND_COMMANDS, "SetMoTrg")
             defines = set_here or isinstance(node, s.DefOther)
-            tells = defines or hand or isinstance(node, EXPORTED_STATEMENTS) or node in PROGRAM_ENDS
+            tells = (
+                defines or hand or isinstance(node, _EXPORTED_STATEMENTS) or node in _PROGRAM_ENDS
+            )
             told = self.expressions.told(read) if tells else None
             reason = found.reason or refused
             if defines and told is not None:
@@ -319,11 +321,11 @@ class Control:
                 raise Unliftable
             return lift(self, node)
         arguments = node.arguments
-        if node.keyword == FORCED_COMMAND and self.expressions.m.telling:
+        if node.keyword == _FORCED_COMMAND and self.expressions.m.telling:
             arguments = arguments[:1]  # without force and time, see `vendor_only`
         called: Called[s.Expression] = Called(node.keyword, arguments)
         said = STATEMENT_ROWS.read(called, self.reading)
-        if said is None and node.keyword in HAND_COMMANDS and self.expressions.m.telling:
+        if said is None and node.keyword in _HAND_COMMANDS and self.expressions.m.telling:
             match arguments:
                 case (number,) if number is not None and self.hand(number) is None:
                     given = self.expressions.rounded(number)
@@ -383,9 +385,9 @@ class Control:
         here.
         """
         found, item = self.blocks.get(at), self.code[at]
-        if found is None or found[-1] > high or len(self.leaving) > DEEPEST:
+        if found is None or found[-1] > high or len(self.leaving) > _DEEPEST:
             return 0
-        self.leaving.append(OpenBlock(block_word(item.statement).opens, found[1:]))
+        self.leaving.append(_OpenBlock(block_word(item.statement).opens, found[1:]))
         try:
             statement = self.whole(item.statement, found)
         except Unliftable as found_why:
@@ -582,7 +584,7 @@ class Control:
         return [p.Goto(block.label)]
 
 
-def define_interrupt(reader: Control, node: s.DefAct) -> list[p.Statement]:
+def _define_interrupt(reader: Control, node: s.DefAct) -> list[p.Statement]:
     """An interrupt that calls a procedure and goes on where the program was, or ends it."""
     condition = reader.expressions.condition(node.condition)
     answer = reader.answers.get(target_name(node.target))
@@ -615,7 +617,7 @@ def _answering_procedure(reader: Control, node: s.DefAct) -> str | None:
     return forms[0].name if len(forms) == 1 and not forms[0].passes else None
 
 
-def switch_interrupt(reader: Control, node: s.Command) -> list[p.Statement]:
+def _switch_interrupt(reader: Control, node: s.Command) -> list[p.Statement]:
     (given,) = node.arguments
     if not isinstance(given, s.Binary):
         raise Unliftable(vendor_statements.INTERRUPTS)
@@ -689,7 +691,7 @@ def mo_triggers(code: Code, symbols: Symbols) -> dict[int, tuple[str, s.Expressi
     }
 
 
-def watch_mo_triggers(reader: Control, node: s.Command) -> list[p.Statement]:
+def _watch_mo_triggers(reader: Control, node: s.Command) -> list[p.Statement]:
     """`SetMoTrg n`: from here on a Mo trigger is watched; with 0 none is."""
     symbols = reader.symbols
     number = symbols.value(node.arguments[0])
@@ -704,7 +706,7 @@ def watch_mo_triggers(reader: Control, node: s.Command) -> list[p.Statement]:
     return [p.Assign(e.Name(name), e.Number(int(number != 0))) for name in names]
 
 
-DEEPEST: Final = 50
+_DEEPEST: Final = 50
 """Deepest nesting of blocks that are read as blocks; controllers stop at 16."""
 
 
@@ -744,7 +746,7 @@ STATEMENT_LIFTS: Final[Mapping[type, StatementLift]] = {
         node.variable.key in reader.symbols.io
     ),
     s.DefOther: lambda reader, node: computed_positions.define_pallet(node, reader.expressions),
-    s.DefAct: define_interrupt,
+    s.DefAct: _define_interrupt,
     s.DefFunction: lambda reader, node: simple_statements.lift_known_definition(
         node.name.upper() in reader.symbols.routines
     ),
@@ -755,8 +757,8 @@ COMMAND_LIFTS: Final[Mapping[str, tuple[int, StatementLift]]] = {
     "Return": (0, Control.returned),
     "Exit Function": (0, Control.left),
     "Break": (0, Control.broken),
-    "Act": (1, switch_interrupt),
-    "SetMoTrg": (1, watch_mo_triggers),
+    "Act": (1, _switch_interrupt),
+    "SetMoTrg": (1, _watch_mo_triggers),
 }
 
 

@@ -69,7 +69,7 @@ def scope_of(items: Iterable[s.Entry], functions: Iterable[str]) -> Scope:
             continue
         _declare_variables(scope, item.statement)
         for node in nodes(item.statement):
-            if isinstance(node, s.Variable) and node.key not in own and is_variable(node):
+            if isinstance(node, s.Variable) and node.key not in own and _is_variable(node):
                 scope.names.setdefault(node.key, node.name)
                 if node.suffix:
                     marked.setdefault(node.key, MARK_VALUE_TYPES[node.suffix])
@@ -93,7 +93,7 @@ def _set_size(scope: Scope, variable: s.Variable) -> None:
         scope.sizes[variable.key] = size
 
 
-def is_variable(node: s.Variable) -> bool:
+def _is_variable(node: s.Variable) -> bool:
     """True if a name belongs to the program, not to a status variable or function of the
     language.
     """
@@ -134,7 +134,7 @@ class Constants:
 
     def __init__(self, code: Sequence[s.Entry]) -> None:
         count: Counter[str] = Counter()
-        self.kept = kept = kept_arguments(code)
+        self.kept = kept = _kept_arguments(code)
         for item in code:
             if item.statement is not None:
                 count.update(changed_variables(item.statement, kept))
@@ -207,7 +207,7 @@ KeptArguments = Mapping[str, Sequence[bool]]
 """By upper-case name of a function or array, which arguments it leaves alone."""
 
 
-def kept_arguments(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
+def _kept_arguments(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
     """Return, for the functions and arrays of a file, which arguments they leave unchanged."""
     found: dict[str, Sequence[bool]] = {}
     for item in code:

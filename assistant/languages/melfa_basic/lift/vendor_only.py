@@ -63,7 +63,7 @@ from assistant.program.rewriting import (
 from assistant.program.statement_index import records_in_procedures
 from assistant.program.vendor_statements import effect_of
 
-HAND_STATEMENTS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
+_HAND_STATEMENTS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
     "HOPEN": ("HOpen", "open"),
     "HCLOSE": ("HClose", "close"),
 }
@@ -71,11 +71,11 @@ HAND_STATEMENTS: Final[Mapping[str, tuple[str, Literal["open", "close"]]]] = {
 NUMBER: Final = "number"
 VALUE: Final = "value"
 """Parameters of the procedures."""
-MOST_LISTED_NUMBERS: Final = 6
+_MOST_LISTED_NUMBERS: Final = 6
 """Numbers that a finding lists; of more it says how many there are."""
 
 
-class AnyNumber(Exception):
+class _AnyNumber(Exception):
     """It is not known which numbers it may be."""
 
 
@@ -89,7 +89,7 @@ class _SignalChooser:
     numbers: set[int] = field(default_factory=set)
 
 
-class NumberedSignals:
+class _NumberedSignals:
     """Signals by worked-out numbers in a program, and the procedures that choose among them."""
 
     def __init__(self, program: Program, findings: Findings) -> None:
@@ -135,15 +135,15 @@ class NumberedSignals:
         """
         numbers = self._hands
         which = "that the program names elsewhere"
-        with suppress(AnyNumber):
+        with suppress(_AnyNumber):
             numbers, which = self._numbers(given, procedure, origin), "that it may come to"
         if not numbers:
-            raise AnyNumber
+            raise _AnyNumber
         listed = ", ".join(map(str, sorted(numbers)))
         self.findings.append(
-            rules.NUMBERED(what="hand", name=HAND_STATEMENTS[key][0], numbers=listed, which=which)
+            rules.NUMBERED(what="hand", name=_HAND_STATEMENTS[key][0], numbers=listed, which=which)
         )
-        action = HAND_STATEMENTS[key][1]
+        action = _HAND_STATEMENTS[key][1]
         cases = tuple(p.Case((e.Number(n),), (p.Gripper(action, n),)) for n in sorted(numbers))
         return p.Switch(given, cases, (p.Stop(end=True),))
 
@@ -181,7 +181,7 @@ class NumberedSignals:
         if found is None and origin is not None:
             found = numbers_at(self.possible, number, procedure, origin)
         if found is None:
-            raise AnyNumber
+            raise _AnyNumber
         return {round(one) for one in found}
 
     def _counted(self, loop: p.For, procedure: Procedure) -> Mapping[str, Numbers]:
@@ -229,10 +229,10 @@ class NumberedSignals:
         }
         chooser.numbers |= numbers or known
         among = sorted(numbers or known)
-        listed = ", ".join(map(str, among[:MOST_LISTED_NUMBERS])) or "none"
+        listed = ", ".join(map(str, among[:_MOST_LISTED_NUMBERS])) or "none"
         more = (
-            f" and {len(among) - MOST_LISTED_NUMBERS} more"
-            if len(among) > MOST_LISTED_NUMBERS
+            f" and {len(among) - _MOST_LISTED_NUMBERS} more"
+            if len(among) > _MOST_LISTED_NUMBERS
             else ""
         )
         found = rules.NUMBERED(
@@ -270,7 +270,7 @@ def _signal_status(key: str) -> Signal:
     return Signal(kind, direction, 0, bits)  # type: ignore[arg-type]
 
 
-class LibraryProcedures:
+class _LibraryProcedures:
     """The procedures of the library that a program calls, under names that it has free.
 
     free: gives a name that nothing has yet.
@@ -308,7 +308,7 @@ class LibraryProcedures:
         return replace(program, procedures=(*program.procedures, *made))
 
 
-def with_turned_positions(
+def _with_turned_positions(
     statements: Sequence[p.Statement], held: Callable[[], e.Name]
 ) -> Body | None:
     """The statements with such positions in assignments.
@@ -360,7 +360,7 @@ def _is_turned(x: object) -> TypeGuard[e.Apply]:
     return isinstance(x, e.Apply) and x.function == "oriented"
 
 
-STATE_EQUIVALENTS: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
+_STATE_EQUIVALENTS: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
     "M_SVO": (
         "M_Svo", e.Number(1),
         "the motors are taken to be on, as a program of the other controller only runs then",
@@ -373,7 +373,7 @@ STATE_EQUIVALENTS: Final[Mapping[str, tuple[str, e.Expression, str, str]]] = {
     ),
 }  # fmt: skip
 """States of the controller: as they are written, what they are elsewhere, what is lost, a cure."""
-OVERRIDE_STATUS: Final = "M_OVRD"
+_OVERRIDE_STATUS: Final = "M_OVRD"
 """The percentage of speed that `Ovrd` has set."""
 _DIVIDED_ANGLES: Final = (
     "the angles of its places are divided between its corners, as the manual CR1D states alone"
@@ -388,7 +388,7 @@ def with_told(program: Program, findings: Findings) -> Program:
         isinstance(one, e.Verbatim | p.Opaque) and one.told for one in records(program.procedures)
     ):
         return program
-    telling = _VendorLowering(NumberedSignals(program, findings), findings)
+    telling = _VendorLowering(_NumberedSignals(program, findings), findings)
     procedures = tuple(map(telling.procedure, program.procedures))
     program = telling.numbered.added(replace(program, procedures=procedures))
     if telling.override:
@@ -423,9 +423,9 @@ def _with_override(program: Program, name: str) -> Program:
 class _VendorLowering:
     """The procedures of a program."""
 
-    def __init__(self, numbered: NumberedSignals, findings: Findings) -> None:
+    def __init__(self, numbered: _NumberedSignals, findings: Findings) -> None:
         self.numbered, self.findings = numbered, findings
-        self.supplied = LibraryProcedures(numbered.free)
+        self.supplied = _LibraryProcedures(numbered.free)
         self.held = self.override = ""
         self.divided = False
 
@@ -435,7 +435,7 @@ class _VendorLowering:
                 case e.Verbatim(told=meant) if meant is not None:
                     try:
                         return map_expressions(meant, told)
-                    except AnyNumber:
+                    except _AnyNumber:
                         return x
                 case e.Apply(function, given) if function.startswith(_VENDOR_ONLY_PREFIX):
                     return self._state(function.removeprefix(_VENDOR_ONLY_PREFIX), given, procedure)
@@ -462,9 +462,9 @@ class _VendorLowering:
                     self.findings.append(rules.LEFT_OUT(what=text, loss=what, cure=cure))
                 try:
                     made = tuple(whole(one, node, told) for one in made)
-                except AnyNumber:
+                except _AnyNumber:
                     made = (node,)
-                turned = with_turned_positions(made, self._held)
+                turned = _with_turned_positions(made, self._held)
                 made = (node,) if turned is None else turned
                 if any(map(_counts_axis, made)):
                     self.findings.append(rules.SLIDES())
@@ -476,7 +476,7 @@ class _VendorLowering:
             node = map_head(replace(node, span=origin.span), change)
             match node:
                 case p.Call(name, (hand,)) if (
-                    name.removeprefix(_VENDOR_ONLY_PREFIX) in HAND_STATEMENTS
+                    name.removeprefix(_VENDOR_ONLY_PREFIX) in _HAND_STATEMENTS
                 ):
                     key = name.removeprefix(_VENDOR_ONLY_PREFIX)
                     gripped = self.numbered.gripped(key, hand, procedure, origin)
@@ -513,9 +513,9 @@ class _VendorLowering:
             )
         if key in library():
             return e.Apply(self.supplied.name(key), given)
-        if key == OVERRIDE_STATUS:
+        if key == _OVERRIDE_STATUS:
             return e.Name(self._override())
-        what, value, loss, cure = STATE_EQUIVALENTS[key]
+        what, value, loss, cure = _STATE_EQUIVALENTS[key]
         self.findings.append(rules.LEFT_OUT(what=what, loss=loss, cure=cure))
         return value
 

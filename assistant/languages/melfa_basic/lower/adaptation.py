@@ -119,7 +119,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-def respelled_expression(value: e.Verbatim, dialect: Dialect) -> e.Verbatim:
+def _respelled_expression(value: e.Verbatim, dialect: Dialect) -> e.Verbatim:
     """The text as this dialect spells it, if it has all of it."""
     node = expression(value.text) if value.language in DIALECTS else None
     if node is None or not _dialect_has(node, dialect):
@@ -140,7 +140,7 @@ def _dialect_has(node: s.Expression, dialect: Dialect) -> bool:
     return True
 
 
-def check_vendor_names(program: Program, names: Names, findings: Findings) -> None:
+def _check_vendor_names(program: Program, names: Names, findings: Findings) -> None:
     """Complains of vendor text whose variables and labels are written under other names."""
     for procedure in program.procedures:
         for node, parts in statements_with_vendor_text(procedure):
@@ -169,7 +169,7 @@ def _renamed_in_text(tree: s.Line | s.Expression | None, owner: str, names: Name
             yield name
 
 
-class PlainProgram(Rewording):
+class _PlainProgram(Rewording):
     """The parts of a program. constants: numbers of those that the procedure at hand sees."""
 
     def __init__(
@@ -239,7 +239,7 @@ class PlainProgram(Rewording):
             case e.Text(text):
                 return self.text(text)
             case e.Verbatim():
-                return respelled_expression(x, self.dialect)
+                return _respelled_expression(x, self.dialect)
             case e.TargetValue(target):
                 return e.TargetValue(self.written.target(target, "a target", "a target"))
             case e.JointValue(joints):
@@ -322,7 +322,7 @@ def _seconds(milliseconds: e.Number) -> e.Number:
     return e.number_of(milliseconds.value / MILLISECONDS)
 
 
-def with_channels(job: Legalisation) -> Program:
+def _with_channels(job: Legalisation) -> Program:
     """The program with numbered channels to lines and files."""
     program = job.program
     if not undeclared_names.channels(program):
@@ -418,14 +418,14 @@ class _NumberedChannels(Rewording):
     changes: ClassVar[Changes] = {p.Attach: attach}
 
 
-VARIABLE_ROOM: Final = 30
+_VARIABLE_ROOM: Final = 30
 """Bytes of a step that are left for the variable which the parts of a condition go to."""
 
-FEW_RECORDS: Final = 6
+_FEW_RECORDS: Final = 6
 """Records of a condition, its names and numbers among them: of two comparisons there are 7."""
 
 
-def with_short_conditions(
+def _with_short_conditions(
     program: Program, dialect: Dialect, robot: Robot | None, *, products: bool
 ) -> Program:
     """The program with a variable for each condition that is too long for a step.
@@ -445,7 +445,7 @@ def with_short_conditions(
     def fits(value: e.Expression, target: e.Name | None = None, /) -> bool:
         try:
             step: s.Statement = s.If(said.of(value), None)
-            room = VARIABLE_ROOM
+            room = _VARIABLE_ROOM
             if target is not None:
                 step, room = s.Assign(said.place(target), said.of(value)), 0
         except Unsayable:
@@ -464,11 +464,11 @@ def _may_be_long(node: p.Statement) -> bool:
     """True if a statement's condition or value is so large that its length needs a check."""
     match node:
         case p.If((p.Branch(asked), *_)) | p.Return(asked) | p.Assign(_, asked):
-            return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > FEW_RECORDS
+            return isinstance(asked, e.Binary) and sum(1 for _ in records(asked)) > _FEW_RECORDS
     return False
 
 
-class FitsStep(Protocol):
+class _FitsStep(Protocol):
     """True if a condition fits into a step: as that of an `If`, or assigned to a variable."""
 
     def __call__(self, value: e.Expression, target: e.Name | None = None, /) -> bool: ...
@@ -477,7 +477,7 @@ class FitsStep(Protocol):
 class _ConditionShortening:
     """One procedure. taken: names, with those made here."""
 
-    def __init__(self, owner: Procedure, fits: FitsStep, taken: TakenNames) -> None:
+    def __init__(self, owner: Procedure, fits: _FitsStep, taken: TakenNames) -> None:
         self.owner, self.fits, self.taken = owner, fits, taken
         self.new: dict[str, Variable] = {}
 
@@ -570,11 +570,11 @@ def adapt(
     job = Legalisation(program, capabilities(dialect, robot, most_targets), findings)
     comments = tuple(line for text in program.comments for line in comment_lines(text, job))
     job = replace(job, program=replace(program, comments=comments))
-    job = replace(job, program=legalise(job, FIRST_PASSES))
-    plain = PlainProgram(job, dialect, robot, products)
+    job = replace(job, program=legalise(job, _FIRST_PASSES))
+    plain = _PlainProgram(job, dialect, robot, products)
     job = replace(job, program=traced("sayable", plain.program()))
-    adapted = legalise(job, LAST_PASSES)
-    adapted = with_short_conditions(adapted, dialect, robot, products=products)
+    adapted = legalise(job, _LAST_PASSES)
+    adapted = _with_short_conditions(adapted, dialect, robot, products=products)
     if adapted.procedures and adapted.entry is None:
         findings.append(rules.NO_ENTRY(name=adapted.name))
     findings += _unshared_variables(adapted)
@@ -589,8 +589,8 @@ def adapt(
     return Adapted(adapted, tuple(findings), trees, tuple(wanting))
 
 
-FIRST_PASSES: Final[tuple[Pass, ...]] = (
-    with_channels,
+_FIRST_PASSES: Final[tuple[Pass, ...]] = (
+    _with_channels,
     pure(with_entry_first),
     with_kept_values,
     with_first_values,
@@ -615,7 +615,7 @@ FIRST_PASSES: Final[tuple[Pass, ...]] = (
 )
 """Variables, arrays, loops, procedures, places and targets as the dialects have them, in order."""
 
-LAST_PASSES: Final[tuple[Pass, ...]] = (
+_LAST_PASSES: Final[tuple[Pass, ...]] = (
     split,
     pure(with_units_together),
     pure(with_comments_in_front),
@@ -649,7 +649,7 @@ def _written_units(
     """
     trees: dict[str | None, s.File] = {}
     wanting: list[Diagnostic] = []
-    check_vendor_names(program, names, findings)
+    _check_vendor_names(program, names, findings)
     if names.products:
         flags = branches_by_frame(program, partial(poses.flags_of, robot=robot))
         for name, branches in flags.items():

@@ -58,11 +58,11 @@ from assistant.program.analysis.uses import unordered
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program
 
-JOINT_MOVES: Final = ("Mov", "Mva")
+_JOINT_MOVES: Final = ("Mov", "Mva")
 """Moves whose speed `JOvrd` sets."""
 
 
-def unset_speeds(trees: Sequence[Any]) -> Iterator[Span | None]:
+def _unset_speeds(trees: Sequence[Any]) -> Iterator[Span | None]:
     """The lines of such moves, in a program of several files of which the first one begins."""
     starts, at = [], 0
     for tree in trees:
@@ -204,24 +204,24 @@ def _tool_moves(item: Any) -> Iterator[Span | None]:
         moves = (item.kinds != MOV).tolist()
         yield from (span for span, is_one in zip(row_spans(item), moves, strict=False) if is_one)
     elif any(
-        isinstance(one, s.Motion) and one.keyword not in JOINT_MOVES
+        isinstance(one, s.Motion) and one.keyword not in _JOINT_MOVES
         for one in nodes(statement_of(item))
     ):
         yield item.span
 
 
-RETAINED_SETTINGS: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]] = (
+_RETAINED_SETTINGS: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]] = (
     ("Tool", TOOL, "tool", FLANGE, "P_NTool", "M_TOOL"),
     ("Base", FRAME, "frame", BASE, "P_NBase", "M_BSNO"),
 )
 """Settings that stay when the power is off: statement, its number, what it sets, what counts
 without it, that said in words, and the status variable that sets it as well."""
 
-STRAIGHT_TOLERANCE: Final = 1e-6
+_STRAIGHT_TOLERANCE: Final = 1e-6
 """mm that places may be beside a line that they lie on."""
-COMPOSED_ANGLES: Final = frozenset({"P_CURR", "P_FBC", "ALIGN", "FRAM", "INV", "JTOP"})
+_COMPOSED_ANGLES: Final = frozenset({"P_CURR", "P_FBC", "ALIGN", "FRAM", "INV", "JTOP"})
 """Status variables and functions whose angles are calculated from an orientation."""
-INITIAL_VALUES: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
+_INITIAL_VALUES: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
 """Initial value of a variable in other languages, by its type."""
 
 
@@ -231,7 +231,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     commands = list(_statements_with_spans(trees))
     text = "\n".join(tree.source.text if tree.source else "" for tree in trees)
     left = settings_for_vendor_text(program) if to in DIALECTS else frozenset()
-    for word, number, of, default, plain, status in RETAINED_SETTINGS:
+    for word, number, of, default, plain, status in _RETAINED_SETTINGS:
         set_at = [span for span, node in commands if _sets_mount(node, word, status)]
         if None in set_at:
             yield rules.KEPT_BY_A_PARAMETER(word=word, what=word.lower(), name=PARAMETERS[word])
@@ -249,7 +249,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
             elif not what and program_key(name) not in there:
                 yield rules.NOT_CALLED(name=name, span=span)
     if to not in DIALECTS:
-        for span in unset_speeds(trees):
+        for span in _unset_speeds(trees):
             yield rules.FULL_SPEED(span=span)
         yield from _renamed_positions(program)
         yield from _changing_loops(program)
@@ -363,7 +363,7 @@ def _is_straight_arc(node: s.DefOther, program: Program) -> bool:
     places = [
         item.target.pose.position for item in found.initial.items if isinstance(item, e.TargetValue)
     ]
-    return int(np.linalg.matrix_rank(np.subtract(places, places[0]), tol=STRAIGHT_TOLERANCE)) <= 1
+    return int(np.linalg.matrix_rank(np.subtract(places, places[0]), tol=_STRAIGHT_TOLERANCE)) <= 1
 
 
 def _composed_variables(statements: Iterable[s.Statement]) -> frozenset[str]:
@@ -385,7 +385,7 @@ def _composed_variables(statements: Iterable[s.Statement]) -> frozenset[str]:
 def _has_composed_angles(value: s.Expression, names: Container[str]) -> bool:
     match value:
         case s.Variable(component=""):
-            return value.key in names or value.key in COMPOSED_ANGLES
+            return value.key in names or value.key in _COMPOSED_ANGLES
         case s.Binary("*" | "/", _, by):
             return literal(by) is None
     return False
@@ -418,8 +418,8 @@ def _unset_variables(program: Program) -> Iterator[Diagnostic]:
     for name, variable, span in variables_read_unset(program):
         if variable.type == "joints":
             yield rules.JOINTS_UNTOLD(name=name, span=span)
-        elif variable.type in INITIAL_VALUES:
-            yield rules.BEGINS(name=name, value=INITIAL_VALUES[variable.type], span=span)
+        elif variable.type in _INITIAL_VALUES:
+            yield rules.BEGINS(name=name, value=_INITIAL_VALUES[variable.type], span=span)
 
 
 def _signed_bits(program: Program) -> Iterator[Diagnostic]:

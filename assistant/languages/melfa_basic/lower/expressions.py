@@ -118,9 +118,9 @@ def asked_channel(names: Names, function: str, arguments: tuple[e.Expression, ..
     return None
 
 
-FARTHEST_NUMBER: Final = 1e6
+_FARTHEST_NUMBER: Final = 1e6
 """mm or degrees: a larger number says elsewhere that an axis is not there."""
-LONGEST_TEXT: Final = 127
+_LONGEST_TEXT: Final = 127
 """Characters of a text."""
 
 
@@ -241,8 +241,8 @@ class Expressions:
         return timer_variable(self.word(TIMER_WORD), number)
 
     def text(self, text: str) -> s.String:
-        if '"' in text or not text.isprintable() or len(text) > LONGEST_TEXT:
-            raise Unsayable(f"a text of over {LONGEST_TEXT} characters", "shorten it")
+        if '"' in text or not text.isprintable() or len(text) > _LONGEST_TEXT:
+            raise Unsayable(f"a text of over {_LONGEST_TEXT} characters", "shorten it")
         return s.String(text)
 
     def verbatim(self, value: e.Verbatim) -> s.Expression:
@@ -409,7 +409,7 @@ class Expressions:
         match value:
             case e.Member(inner, name) if name.lower() in poses.ADDITIONAL:
                 return self.component(inner, name)
-            case e.Number(number) if abs(number) >= FARTHEST_NUMBER:
+            case e.Number(number) if abs(number) >= _FARTHEST_NUMBER:
                 raise Unsayable("that an axis is not there", "state a place of it")
         return s.Binary("*", self.of(value), self.unit(component))
 

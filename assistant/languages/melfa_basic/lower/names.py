@@ -160,24 +160,24 @@ def counted(
     """
     there = {} if program.interface is None else program.interface.there
     for word, table in (("Tool", program.tools), ("Base", program.frames)):
-        most = MOST_COUNTED[word] if dialect.numbered_frames else 0
+        most = _MOST_COUNTED[word] if dialect.numbered_frames else 0
         for name in table if word == "Tool" or not products else ():
             number = there.get(name.lower())
             if number is not None and number <= most:
                 yield word, table, number, name
 
 
-MOST_COUNTED: Final = {"Tool": 16, "Base": 8}
+_MOST_COUNTED: Final = {"Tool": 16, "Base": 8}
 """Highest numbers (parameters MEXTL1 to MEXTL16, WK1CORD to WK8CORD of CR750)."""
 
 
 def unit_names(program: Program) -> dict[str | None, str]:
     """Return the names of a program's units, the main one under None."""
     files = TakenNames()
-    units: dict[str | None, str] = {None: program_name(program.name, files)}
+    units: dict[str | None, str] = {None: _program_name(program.name, files)}
     for entry in program.procedures:
         if entry.unit is not None and entry.unit not in units:
-            units[entry.unit] = program_name(entry.unit, files)
+            units[entry.unit] = _program_name(entry.unit, files)
     return units
 
 
@@ -242,7 +242,7 @@ def _unshared(name: str) -> str:
     return name[0] + name[1:].lstrip("_")
 
 
-def program_name(given: str, taken: set[str]) -> str:
+def _program_name(given: str, taken: set[str]) -> str:
     """A program name: upper-case letters and digits, at most twelve."""
     plain = _plain(given)
     return free_name(plain or "MAIN", PROGRAM_NAME, taken)

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-TYPES_WITHOUT_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
+_TYPES_WITHOUT_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
 """Types whose letter is that of another one."""
 
 
@@ -68,7 +68,7 @@ def heading(w: Writer) -> list[s.Item]:
     for procedure in others:
         short = names.procedures[procedure.name.lower()]
         head.names["procedure"][short] = procedure.name
-        if procedure.result in TYPES_WITHOUT_LETTER and w.functions:
+        if procedure.result in _TYPES_WITHOUT_LETTER and w.functions:
             head.names["result"][short] = procedure.result
     head.names["timer"] = {
         str(names.timers[t.lower()]): t for t in timers(program) if t.lower() in names.timers
@@ -76,7 +76,7 @@ def heading(w: Writer) -> list[s.Item]:
     if w.unit is None:
         head.names["interrupt"] = interrupt_names(program, names.interrupts)
     _note_labels(w, head)
-    for kind, table, given in named_members(w):
+    for kind, table, given in _named_members(w):
         head.names[kind] = {table[n.lower()]: n for n in given}
     for word, _, number, name in counted(program, w.dialect, names.products):
         short = parameter_position(PARAMETERS[word].format(number=number))
@@ -97,7 +97,7 @@ def heading(w: Writer) -> list[s.Item]:
     return [s.Line(comment="' " + text if text else "'") for text in texts]
 
 
-def named_members(w: Writer) -> Iterator[tuple[str, dict[str, str], list[str]]]:
+def _named_members(w: Writer) -> Iterator[tuple[str, dict[str, str], list[str]]]:
     """Kind, names and members of the declared things that this unit holds."""
     p, n, used = w.program, w.names, w.used
     for kind, table, given in (
@@ -165,7 +165,7 @@ def _vendor_texts(node: p.Statement) -> Iterator[str]:
             yield f"M1={part.text}"
 
 
-DEFINITION_WORDS: Final[dict[ValueType, str]] = {
+_DEFINITION_WORDS: Final[dict[ValueType, str]] = {
     "number": "Float", "truth": "Float", "integer": "Inte", "text": "Char",
     "position": "Pos", "pose": "Pos", "joints": "Jnt",
 }  # fmt: skip
@@ -309,10 +309,10 @@ class UnitLines(Writer):
                 extents = tuple(s.Number(n) for n in variable.size)
                 arrays.append(s.Dim((replace(whole, arguments=extents),)))
             elif variable.type == "integer" or (self.functions and shared):
-                lines.setdefault(DEFINITION_WORDS[variable.type], []).append(whole)
+                lines.setdefault(_DEFINITION_WORDS[variable.type], []).append(whole)
         for word, variables in lines.items():
-            for at in range(0, len(variables), MOST_DEFINED):
-                self.add(s.DefNames(word, tuple(variables[at : at + MOST_DEFINED])))
+            for at in range(0, len(variables), _MOST_DEFINED):
+                self.add(s.DefNames(word, tuple(variables[at : at + _MOST_DEFINED])))
         for dim in arrays:
             self.add(dim)
 
@@ -330,7 +330,7 @@ class UnitLines(Writer):
 
     def data(self) -> Iterator[s.Item]:
         """The variable lines: named positions first, then those of the paths."""
-        for kind, table, members in named_members(self):
+        for kind, table, members in _named_members(self):
             for name in members:
                 if table[name.lower()] in self.names.numbers:
                     continue
@@ -360,13 +360,13 @@ class UnitLines(Writer):
         if not self.names.products:
             return s.Constant(poses.plain_values(pose.inverse()), (0, 0))
         flags = branches_by_frame(program, partial(poses.flags_of, robot=self.robot))
-        first, second = next(iter(flags.get(name.lower(), ())), USUAL_FLAGS)
+        first, second = next(iter(flags.get(name.lower(), ())), _USUAL_FLAGS)
         return s.Constant(poses.plain_values(pose), (first, second))
 
 
-USUAL_FLAGS: Final = (7, 0)
+_USUAL_FLAGS: Final = (7, 0)
 """Flags of most positions: right, above, not flipped."""
-MOST_DEFINED: Final = 8
+_MOST_DEFINED: Final = 8
 """Names of one `Def` line."""
 
 

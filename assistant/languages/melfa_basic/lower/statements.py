@@ -54,9 +54,9 @@ from assistant.program.passes.trigger_positions import ZERO, is_at_start, is_ste
 from assistant.program.program import Procedure, walk
 from assistant.program.rewriting import Body, records
 
-TIMEOUT_ERROR: Final = 9100
+_TIMEOUT_ERROR: Final = 9100
 """The error that a wait ends with when its time is over: the program stops, as RAPID's does."""
-MOST_HANDS: Final = 8
+_MOST_HANDS: Final = 8
 
 
 def write_row(w: Writer, node: p.Statement) -> None:
@@ -73,8 +73,8 @@ def write_row(w: Writer, node: p.Statement) -> None:
 
 
 def hand_number(number: int) -> s.Number:
-    if not 1 <= number <= MOST_HANDS:
-        raise Unsayable(f"hand {number}", f"use hands 1 to {MOST_HANDS}")
+    if not 1 <= number <= _MOST_HANDS:
+        raise Unsayable(f"hand {number}", f"use hands 1 to {_MOST_HANDS}")
     return s.Number(number)
 
 
@@ -108,7 +108,7 @@ def _write_limited_wait(w: Writer, condition: s.Expression, timeout: e.Expressio
     w.items.append(s.Line(label=label))
     w.add(s.If(condition, s.Target(label + "Z")))
     w.add(s.If(s.Binary("<", passed, limit), s.Target(label)))
-    w.add(s.Command("Error", (s.Number(TIMEOUT_ERROR),)))
+    w.add(s.Command("Error", (s.Number(_TIMEOUT_ERROR),)))
     w.items.append(s.Line(label=label + "Z"))
 
 
@@ -261,7 +261,7 @@ def write_stop(w: Writer, node: p.Stop) -> None:
 # ----------------------------------------------------------------------------- branches
 
 
-SHORT_STATEMENTS: Final = (
+_SHORT_STATEMENTS: Final = (
     p.Assign,
     p.SetSignal,
     p.Goto,
@@ -308,7 +308,7 @@ def _write_short_if(w: Writer, node: p.If) -> bool:
 
 def _short_statement(w: Writer, body: Body) -> s.Statement | s.Target | None:
     """The one statement that a body is, None if it is another."""
-    if len(body) != 1 or not isinstance(body[0], SHORT_STATEMENTS):
+    if len(body) != 1 or not isinstance(body[0], _SHORT_STATEMENTS):
         return None
     before = len(w.items)
     try:
@@ -392,7 +392,7 @@ def _label_target(w: Writer, name: str) -> str:
     return short
 
 
-MEASURE_WORDS: Final = {measure: name for name, (measure, _) in TRIGGER_MEASURES.items()}
+_MEASURE_WORDS: Final = {measure: name for name, (measure, _) in TRIGGER_MEASURES.items()}
 """The status variable of each measure that has one."""
 
 
@@ -424,7 +424,7 @@ def appended_statement(w: Writer, move: p.MoveStatement) -> s.Append | None:
     assignment = output_assignment(w, one, pulse)
     if is_at_start(one):
         return s.Append(assignment)
-    name = MEASURE_WORDS[one.measure]
+    name = _MEASURE_WORDS[one.measure]
     place, operator = s.Variable(w.expressions.word(name)), TRIGGER_MEASURES[name][1]
     return s.Append(assignment, s.Binary(operator, place, w.expressions.of(one.amount)))
 
@@ -448,7 +448,7 @@ def _unsayable_trigger(x: p.Trigger, steady: bool) -> Iterator[tuple[str, str]]:
             f"that {name} is set mm behind the start of a way of unknown length",
             "give mm before the end, or let a move to a known target stand before it",
         )
-    if x.measure in MEASURE_WORDS and x.pulse is not None:
+    if x.measure in _MEASURE_WORDS and x.pulse is not None:
         yield f"a pulse of {name} at a place of the way", "set it there, and back elsewhere"
     if x.measure == "end" and x.amount == ZERO:
         yield (
@@ -703,7 +703,7 @@ def _act_command(number: int, *, on: bool) -> s.Command:
     return s.Command("Act", (s.Binary("=", s.Number(number), s.Number(int(on))),))
 
 
-INTERRUPT_WRITERS: Final[Mapping[type, Callable[[Writer, Any], None]]] = {
+_INTERRUPT_WRITERS: Final[Mapping[type, Callable[[Writer, Any], None]]] = {
     p.Interrupt: _write_interrupt,
     p.SwitchInterrupt: _write_switch,
     p.SwitchInterrupts: _write_switch_all,
@@ -763,6 +763,6 @@ STATEMENTS: Final[dict[type, Callable[[Writer, Any], None]]] = {
     p.Attach: write_open,
     p.Detach: write_close,
     p.Send: write_print,
-    **INTERRUPT_WRITERS,
+    **_INTERRUPT_WRITERS,
     p.Opaque: write_vendor_statement,
 }

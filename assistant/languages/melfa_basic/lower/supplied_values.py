@@ -34,11 +34,11 @@ from assistant.program.undeclared_names import ROUTINES, Supplied, SuppliedValue
 
 _RESULT_TYPES: Final = {"num": ("M", "0"), "string": ("C", '""'), "": ("V", "")}
 """By the type of what a function gives: its letter, and what it gives until it is written."""
-FUNCTION_END: Final = s.Command("FEnd")
+_FUNCTION_END: Final = s.Command("FEnd")
 _TYPE_LETTERS: Final = {"num": "M", "string": "C", "position": "P", "joints": "J"}
 
 
-def with_supplied_functions(
+def _with_supplied_functions(
     tree: s.File,
     wanted: Sequence[tuple[Wanted, SuppliedValue | None]],
     trees: Sequence[s.File],
@@ -50,7 +50,7 @@ def with_supplied_functions(
         found = () if value in ROUTINES else _function_of_files(one.name, trees)
         made += found or parse(SourceText(_function_text(one, value)), dialect).items
     code = [at for at, item in enumerate(tree.items) if isinstance(item, s.Entry)]
-    ends = [at for at in code if getattr(tree.items[at], "statement", None) == FUNCTION_END]
+    ends = [at for at in code if getattr(tree.items[at], "statement", None) == _FUNCTION_END]
     below = (ends or code or [-1])[-1] + 1
     bare = (replace(item, number=None, span=None) for item in made if isinstance(item, s.Line))
     return replace(tree, items=(*tree.items[:below], *bare, *tree.items[below:]))
@@ -86,12 +86,12 @@ def _function_lines(key: str, tree: s.File) -> Iterator[s.Line]:
             inside = item.statement.name.upper() == key
         if inside:
             yield item
-        if item.statement == FUNCTION_END:
+        if item.statement == _FUNCTION_END:
             inside = False
 
 
-NO_FLAGS: Final = (0, 0)
-NO_MOUNTS: Final = (Tool(), Frame())
+_NO_FLAGS: Final = (0, 0)
+_NO_MOUNTS: Final = (Tool(), Frame())
 
 
 def with_supplied(
@@ -104,7 +104,7 @@ def with_supplied(
     """
     made = []
     asked = [(one, value) for one, value in given if one.kind == "routine"]
-    commands = supplied_routines(trees)
+    commands = _supplied_routines(trees)
     routines = {one.name: (one, value) for one, value in asked if one.name in commands}
     others = [(one, value) for one, value in asked if one.name not in commands]
     for at, tree in enumerate(trees):
@@ -117,7 +117,7 @@ def with_supplied(
             own = own and _is_wanted_by(wanted, tree)
             if value is None or wanted.kind == "routine" or not (shared or own):
                 continue
-            if wanted.name in LAST_SET_PARAMETERS.values() and value in NO_MOUNTS:
+            if wanted.name in LAST_SET_PARAMETERS.values() and value in _NO_MOUNTS:
                 continue
             name = wanted.name if external else wanted.name[len(before) :]
             name = parameter_position(wanted.name) if shared else name
@@ -128,7 +128,7 @@ def with_supplied(
         there = _with_routine_calls(there, routines) if routines else there
         functions = [pair for pair in others if _is_wanted_by(pair[0], tree)]
         made.append(
-            with_supplied_functions(there, functions, trees, dialect) if functions else there
+            _with_supplied_functions(there, functions, trees, dialect) if functions else there
         )
     made += [_routine_tree(one, value, dialect, folder) for one, value in routines.values()]
     return made
@@ -148,7 +148,7 @@ def _with_first_settings(tree: s.File, before: s.File, given: Supplied) -> s.Fil
         for word, name in LAST_SET_PARAMETERS.items()
         if name in values
         for at in (
-            NEUTRAL_SETTINGS[word] if values[name] in NO_MOUNTS else parameter_position(name),
+            NEUTRAL_SETTINGS[word] if values[name] in _NO_MOUNTS else parameter_position(name),
         )
     ]
     first = next((n for n, item in enumerate(tree.items) if _is_acting(item)), None)
@@ -199,7 +199,7 @@ _DECLARING_STATEMENTS: Final = (
 )  # fmt: skip
 
 
-def supplied_routines(trees: Sequence[s.File]) -> set[str]:
+def _supplied_routines(trees: Sequence[s.File]) -> set[str]:
     """Names of the routines that stand for commands of the maker's own."""
     found = set[str]()
     for tree in trees:
@@ -235,7 +235,7 @@ def _with_routine_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
     return replace(tree, items=tuple(rewrite(item, said) for item in tree.items))
 
 
-STEEPEST_ANGLE: Final = 90.0
+_STEEPEST_ANGLE: Final = 90.0
 """Degrees below which three angles are read back from an orientation as they were."""
 
 
@@ -243,7 +243,7 @@ def _is_no_turn(value: s.Expression) -> bool:
     """True if the last three numbers of a constant are not the unique angles of one orientation."""
     match value:
         case s.Constant(values=values):
-            return any(abs(v or 0) >= STEEPEST_ANGLE for v in values[3:6])
+            return any(abs(v or 0) >= _STEEPEST_ANGLE for v in values[3:6])
     return False
 
 
@@ -264,9 +264,9 @@ def _is_wanted_by(wanted: Wanted, tree: s.File) -> bool:
 def _position_line(name: str, value: SuppliedValue) -> str:
     match value:
         case Tool():
-            return f"{name}={_pose_text(value.tip, NO_FLAGS)}"
+            return f"{name}={_pose_text(value.tip, _NO_FLAGS)}"
         case Frame():
-            return f"{name}={_pose_text(value.pose, NO_FLAGS)}"
+            return f"{name}={_pose_text(value.pose, _NO_FLAGS)}"
         case Target():
             configuration = np.array([configuration_row(value.configuration)])
             first, second = poses.flags_of(configuration, None)[0].tolist()

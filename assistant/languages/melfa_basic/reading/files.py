@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import functions, stateme
 TOKENISED: Final = b"ROBPRG"
 """First bytes of a controller's own .MB4, .MB5 and .MB6 files."""
 
-LEVELS: Final = {".mb4": 4, ".mb5": 5, ".mb6": 6}
+_LEVELS: Final = {".mb4": 4, ".mb5": 5, ".mb6": 6}
 """Suffixes that say the version."""
 
 _MARK: Final = re.compile(r"' robot-assistant: melfa-basic-([456])")
@@ -21,7 +21,7 @@ _RAPID: Final = re.compile(
     r"^[ \t]*(%%%|MODULE[ \t]+[A-Za-z]|ENDMODULE|(LOCAL[ \t]+)?PROC[ \t]+[A-Za-z])",
     re.IGNORECASE | re.MULTILINE,
 )
-LEAST: Final = 0.5
+_LEAST: Final = 0.5
 """Share of a file's lines, blank ones and comments aside, that look like the language."""
 
 
@@ -30,17 +30,17 @@ def recognises(data: bytes, level: int, suffix: str = "") -> bool:
 
     suffix: of the file's name in lower case, with its dot.
     """
-    stated = LEVELS.get(suffix)
+    stated = _LEVELS.get(suffix)
     if data.startswith(TOKENISED):
         return stated in (level, None)
     text = data[:_LOOKED_AT].decode("latin-1").removeprefix("\xef\xbb\xbf")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if marked := _MARK.search(text):
         return int(marked[1]) == level
-    return is_program(text, named=stated is not None) and level == (stated or version(text))
+    return _is_program(text, named=stated is not None) and level == (stated or version(text))
 
 
-def is_program(text: str, *, named: bool = False) -> bool:
+def _is_program(text: str, *, named: bool = False) -> bool:
     """True if a text looks like MELFA-BASIC in any version, or like a list of positions.
 
     named: its suffix belongs to MELFA-BASIC alone, so that no line of it needs to.
@@ -56,7 +56,7 @@ def is_program(text: str, *, named: bool = False) -> bool:
         if found is not None:
             likely += 1
             sure += found["sure"] is not None or found["step"] is not None
-    return (sure > 0 or (named and lines > 0)) and likely >= LEAST * lines
+    return (sure > 0 or (named and lines > 0)) and likely >= _LEAST * lines
 
 
 _SILENT: Final = re.compile(r"\s*(?:'|\x1a|$)")

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _INTEGER_LIMIT: Final = 15
 
 
-def number_of(text: str, suffix: str = "") -> s.Number:
+def _number_of(text: str, suffix: str = "") -> s.Number:
     """A number literal of any base; raises ValueError for one that is too large."""
     mark = text[:2].upper()
     if mark == "&H":
@@ -44,7 +44,7 @@ def number_of(text: str, suffix: str = "") -> s.Number:
     return s.Number(_finite(text), 10, suffix)
 
 
-def constant_of(text: str, span: Span | None = None) -> s.Constant:
+def _constant_of(text: str, span: Span | None = None) -> s.Constant:
     """A position or joint constant from its text; raises ValueError as number_of does."""
     values, _, flags = text.partition(")")
     elements = tuple(_finite(e) + 0.0 if e else None for e in _elements(values))
@@ -75,13 +75,13 @@ def _elements(text: str) -> list[str]:
 def _flag(text: str) -> int | None:
     if not text:
         return None
-    value = int(number_of(text).value) if text[0] == "&" else int(text)
+    value = int(_number_of(text).value) if text[0] == "&" else int(text)
     if value not in FLAGS:
         raise ValueError(f"{text} is too large")
     return value
 
 
-def label_of(text: str) -> str:
+def _label_of(text: str) -> str:
     """A label's name without its mark."""
     return text.lstrip("*").strip()
 
@@ -90,14 +90,14 @@ def _unquoted(text: str) -> str:
     return text[1:-1]
 
 
-LIST_ROWS: Final = dict.fromkeys(
+_LIST_ROWS: Final = dict.fromkeys(
     ("arguments", "given", "type", "parameters", "printed"), without_place(tuple)
 )
-NODE_ROWS: Final = {
-    **LIST_ROWS,
+_NODE_ROWS: Final = {
+    **_LIST_ROWS,
     "later_arguments": without_place(lambda children: (None, *children)),
     # expressions
-    "number": without_place(lambda children: number_of(*filter(None, children))),
+    "number": without_place(lambda children: _number_of(*filter(None, children))),
     "string": row(s.String, value=_unquoted),
     "variable": row(s.Variable, "name suffix? arguments"),
     "empty_call": row(s.Variable, "name suffix? _", arguments=()),
@@ -118,7 +118,7 @@ NODE_ROWS: Final = {
     "append": row(s.Append),
     "append_if": row(s.Append, "condition statement"),
     "assign": row(s.Assign, "target value _ delay"),
-    "label": row(s.Target, place=label_of),
+    "label": row(s.Target, place=_label_of),
     "step": row(s.Target, place=int),
     "data": row(s.Data, "type? variable value", type=keyword_spelling),
     "if": row(s.If, "condition then _ otherwise"),
@@ -158,44 +158,44 @@ NODE_ROWS: Final = {
     "print": row(s.Print, "number *items"),
     "input": row(s.Input, "number *variables"),
     # lines
-    "line": row(s.Line, "label statement comment", label=label_of, comment=str.rstrip),
+    "line": row(s.Line, "label statement comment", label=_label_of, comment=str.rstrip),
 }
 """Rules whose children are the fields of a node."""
 
 
-class Nodes(nodes.Nodes, rows=NODE_ROWS):
+class Nodes(nodes.Nodes, rows=_NODE_ROWS):
     """And the others."""
 
     def signed(self, _: Place, children: Children) -> s.Number | s.Unary:
         sign, text, suffix = children
-        number = number_of(text, suffix or "")
+        number = _number_of(text, suffix or "")
         return number if sign is None else s.Unary(sign, number)
 
     def position(self, place: Place, children: Children) -> s.Constant:
-        return constant_of(children[0], self.span(place))
+        return _constant_of(children[0], self.span(place))
 
     def call(self, place: Place, children: Children) -> s.Call:
         name, suffix, arguments = children
         return s.Call(s.Variable(name, suffix or "", arguments or (), span=self.span(place)))
 
 
-GRAMMAR_FILE: Final = "melfa_basic.lark"
-GRAMMAR_STARTS: Final = ("line", "data", "start")
+_GRAMMAR_FILE: Final = "melfa_basic.lark"
+_GRAMMAR_STARTS: Final = ("line", "data", "start")
 
 
 @cache
 def grammar() -> Grammar:
     """The rules of a code line (start `line`), a variable line (`data`) and a file (`start`)."""
-    return load(GRAMMAR_FILE, GRAMMAR_STARTS)
+    return load(_GRAMMAR_FILE, _GRAMMAR_STARTS)
 
 
 def by_lark() -> Lark:
     """Return lark's own parser for the same grammar."""
-    return acceptor(GRAMMAR_FILE, GRAMMAR_STARTS)
+    return acceptor(_GRAMMAR_FILE, _GRAMMAR_STARTS)
 
 
 @cache
-def never_names() -> frozenset[str]:
+def _never_names() -> frozenset[str]:
     """Words in upper case that are never names, even where the rules have no room for them."""
     listed = re.search(r"\(\?!\(\?:([a-z|]+)\)", grammar().terminals["NAME"].pattern)
     return frozenset(listed[1].upper().split("|")) if listed else frozenset()
@@ -225,7 +225,7 @@ def lexer() -> ContextualLexer:
         grammar(),
         {**keywords(), "END IF": keywords()["ENDIF"]},
         plain=("NUMBER", "STRING", "COMMENT", "COMPARISON", "SHIFT", "SIGN", "TIMES"),
-        firm=never_names(),
+        firm=_never_names(),
         longer={
             "(": ("POSITION", "EMPTY"),
             "*": ("LABEL",),
@@ -239,11 +239,11 @@ def lexer() -> ContextualLexer:
     )
 
 
-BLANKS: Final = " \t\f\x1a"
+_BLANKS: Final = " \t\f\x1a"
 """Characters of a line without content; the last one ends files of old systems."""
-MOST_WORDS: Final = 256
+_MOST_WORDS: Final = 256
 """Words of a line that are read: no controller takes a step of more bytes."""
-MOST_NESTING: Final = 60
+_MOST_NESTING: Final = 60
 """Brackets inside each other that are read. Controllers take 16."""
 
 _STEP: Final = re.compile(r"[ \t]*+([0-9]{1,9})(?=[ \t*']|$)")
@@ -262,7 +262,7 @@ class TooLarge:
 
 @cache
 def line_grammar() -> LineGrammar:
-    return LineGrammar(grammar().tables, lexer().next, MOST_WORDS, 2 * MOST_NESTING)
+    return LineGrammar(grammar().tables, lexer().next, _MOST_WORDS, 2 * _MOST_NESTING)
 
 
 @cache
@@ -278,7 +278,7 @@ def read_line(
     behind: offset after the line end.
     """
     span = Span(start, behind)
-    if not text[start:end].strip(BLANKS):
+    if not text[start:end].strip(_BLANKS):
         return s.Blank(span)
     number, at, rule = split_step(text, start, end)
     try:

@@ -31,21 +31,21 @@ from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
 HEAD: Final = "NARC parameter system"
 SUFFIX: Final = ".prm"
-COMMON: Final = "common.prm"
+_COMMON: Final = "common.prm"
 PROGRAMS: Final = "program"
 """Folder of the programs in a project."""
-HELD: Final = ("corespace online", "paramofflineedit", "corespace")
+_HELD: Final = ("corespace online", "paramofflineedit", "corespace")
 """Folders of a project with parameters, the surest first; backups come before them."""
-COPIES: Final = frozenset({"backup", "robosim", *HELD})
+_COPIES: Final = frozenset({"backup", "robosim", *_HELD})
 _ROW: Final = re.compile(r"(?m)^([A-Z][A-Z0-9_]{0,15})=[UM][a-z],(.*?);[ \t]*$")
 _VALUE: Final = re.compile(r'"([^"]*)"|([^,]+)')
 _RADIANS: Final = "%r"
 _NUMBERED: Final = re.compile(r"MEXTL([1-9]\d?)|WK([1-9]\d?)CORD")
-FIRST_PORT: Final = 10000
+_FIRST_PORT: Final = 10000
 """NETPORT of the first element; `OPT11` is the line of the second one."""
-SERVER: Final = "1"
+_SERVER: Final = "1"
 """NETMODE of a line that waits for others."""
-USUAL: Final = ("REP", "START")
+_USUAL: Final = ("REP", "START")
 """A slot runs its program again and again, from the start signal on."""
 
 
@@ -55,7 +55,7 @@ def surroundings(program: FilePath, read: Texts) -> ControllerConfiguration:
         lists = {path.name.lower(): path for path in _lists(folder)}
         if not lists:
             continue
-        common = _rows(lists.get(COMMON), read)
+        common = _rows(lists.get(_COMMON), read)
         robot = common.get("MECHA1", [""])[0]
         file = lists.get(f"{robot.lower()}#1{SUFFIX}")
         others = [path for name, path in lists.items() if name.endswith(f"#1{SUFFIX}")]
@@ -82,7 +82,7 @@ def _folders(folder: FilePath) -> Iterator[FilePath]:
         backups = file_named(folder.parent, "backup")
         if backups is not None and backups.is_dir():
             yield from sorted((path for path in backups.iterdir() if path.is_dir()), reverse=True)
-        for name in HELD:
+        for name in _HELD:
             if (held := file_named(folder.parent, name)) is not None:
                 yield held
 
@@ -90,7 +90,7 @@ def _folders(folder: FilePath) -> Iterator[FilePath]:
 def is_copy(path: FilePath) -> bool:
     """True if a file is in a project's backups, or in its copy of a controller."""
     for folder in path.absolute().parents:
-        if folder.name.lower() in COPIES:
+        if folder.name.lower() in _COPIES:
             programs = file_named(folder.parent, PROGRAMS)
             return programs is not None and programs.is_dir()
     return False
@@ -159,8 +159,8 @@ def _lines(rows: Mapping[str, list[str]]) -> Iterator[tuple[int, CommunicationLi
                 yield number, ("serial", number, "")
             continue
         at = int(found[1])
-        port = int(_at(rows, "NETPORT", at, str(FIRST_PORT + at)))
-        if _at(rows, "NETMODE", at - 1, SERVER) == SERVER:
+        port = int(_at(rows, "NETPORT", at, str(_FIRST_PORT + at)))
+        if _at(rows, "NETMODE", at - 1, _SERVER) == _SERVER:
             if own:
                 yield number, ("server", port, own)
         elif address := _at(rows, "NETHSTIP", at - 1, ""):
@@ -176,6 +176,6 @@ def _slots(program: FilePath, rows: Mapping[str, list[str]]) -> Iterator[Diagnos
     for number in range(1, 33):
         values = [one.strip().upper() for one in rows.get(f"SLT{number}", [])]
         if len(values) >= 3 and values[0] == program.stem.upper():
-            if number > 1 or tuple(values[1:3]) != USUAL:
+            if number > 1 or tuple(values[1:3]) != _USUAL:
                 how = " ".join(values[1:3])
                 yield rules.SLOT(name=program.stem, number=number, how=how)

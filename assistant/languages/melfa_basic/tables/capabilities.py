@@ -29,7 +29,7 @@ from assistant.program.passes.legalisation import (
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-UNITS: Final = Units(
+_UNITS: Final = Units(
     most=30_000,  # its steps end at 32767, and the heading takes some
     least_most=2,
     least=1,
@@ -43,16 +43,16 @@ UNITS: Final = Units(
     steps={"speed": 2, "blend": 1, "tool": 1, "frame": 1},
     split=rules.SPLIT,
 )
-ARRAYS: Final = Arrays(dimensions=3, elements=999)
+_ARRAYS: Final = Arrays(dimensions=3, elements=999)
 """COSIMIR help, Dim."""
-VARIABLES: Final = Variables(
+_VARIABLES: Final = Variables(
     external=is_external,
     persistent=rules.PERSISTENT,
     carried=rules.CARRIED,
     repeated=rules.REPEATED,
 )
-COMMENTS: Final = Comments(most_bytes=100, message=rules.MESSAGE)
-OUTPUTS: Final = Outputs(
+_COMMENTS: Final = Comments(most_bytes=100, message=rules.MESSAGE)
+_OUTPUTS: Final = Outputs(
     measures=frozenset(measure for measure, _ in TRIGGER_MEASURES.values()),
     known=False,
     unlike=rules.PLACE_UNLIKE,
@@ -64,35 +64,35 @@ OUTPUTS: Final = Outputs(
     most=1,
     before=rules.SET_BEFORE,
 )
-FIVE_AXES: Final = FiveAxes(
+_FIVE_AXES: Final = FiveAxes(
     unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE
 )
-MOUNTS: Final = Mounts(
+_MOUNTS: Final = Mounts(
     held=rules.HELD, load=rules.LOAD, joined=rules.FRAME_JOINED, bent=rules.FIVE_AXIS_TOOL
 )
-FARTHEST: Final = 1e6
+_FARTHEST: Final = 1e6
 """mm or degrees; no robot reaches there, and a controller refuses the number."""
-NOMINAL_TCP: Final = 5000.0
+_NOMINAL_TCP: Final = 5000.0
 """Speed in mm/s for 100 percent of joint speed if no robot is named."""
 
 
 def positions(robot: Robot | None) -> Positions:
     return Positions(
         decimals=poses.PLACES,
-        farthest=FARTHEST,
+        farthest=_FARTHEST,
         not_finite=rules.NOT_FINITE,
         branches=partial(poses.rounded_configurations, robot=robot),
         external=2,
         joints=6 if robot is None else min(len(robot.axes), 6),
         own=tuple if robot is None else robot.own_joints,
-        mounts=MOUNTS,
+        mounts=_MOUNTS,
     )
 
 
 def motions(robot: Robot | None) -> Motions:
     known = None if robot is None else robot.tcp_speed
     return Motions(
-        fastest=NOMINAL_TCP if known is None else known,
+        fastest=_NOMINAL_TCP if known is None else known,
         unknown=rules.UNKNOWN,
         percent=rules.JOINT_PERCENT,
         computed_percent=rules.COMPUTED_PERCENT,
@@ -110,7 +110,7 @@ def capabilities(
         cannot_say=rules.CANNOT_SAY,
         no_fit=rules.NO_FIT,
         ended=rules.ENDED,
-        units=UNITS if most_targets is None else replace(UNITS, most=most_targets),
+        units=_UNITS if most_targets is None else replace(_UNITS, most=most_targets),
         procedures=Procedures(
             functions=dialect.functions,
             as_variables=rules.AS_VARIABLES,
@@ -118,10 +118,10 @@ def capabilities(
             longest=dialect.line - len(f"{LAST_STEP} "),
             longest_name=dialect.names,
         ),
-        arrays=ARRAYS,
-        variables=VARIABLES,
+        arrays=_ARRAYS,
+        variables=_VARIABLES,
         switches=Switches(nested=dialect.nested_select),
-        outputs=OUTPUTS,
-        comments=COMMENTS,
-        five_axes=FIVE_AXES if robot is not None and robot.five_axis else None,
+        outputs=_OUTPUTS,
+        comments=_COMMENTS,
+        five_axes=_FIVE_AXES if robot is not None and robot.five_axis else None,
     )

@@ -96,7 +96,7 @@ PROGRAM_NAME: Final = 12
 EMITTED_LINE: Final = 120
 """Bytes that a written line stays under, in every dialect."""
 
-FOUR: Final = Dialect(
+_FOUR: Final = Dialect(
     name="melfa-basic-4",
     title="MELFA-BASIC IV",
     level=4,
@@ -124,7 +124,7 @@ FOUR: Final = Dialect(
 )
 """Controllers CR1 to CR9 (CRn-500)."""
 
-FIVE: Final = Dialect(
+_FIVE: Final = Dialect(
     name="melfa-basic-5",
     title="MELFA-BASIC V",
     level=5,
@@ -132,8 +132,8 @@ FIVE: Final = Dialect(
 )
 """Controllers CRnD-700, CRnQ-700, CR750, CR751."""
 
-SIX: Final = replace(
-    FIVE,
+_SIX: Final = replace(
+    _FIVE,
     name="melfa-basic-6",
     title="MELFA-BASIC VI",
     level=6,
@@ -144,4 +144,4 @@ SIX: Final = replace(
 )
 """Controller CR800."""
 
-DIALECTS: Final = {dialect.name: dialect for dialect in (FOUR, FIVE, SIX)}
+DIALECTS: Final = {dialect.name: dialect for dialect in (_FOUR, _FIVE, _SIX)}

@@ -66,25 +66,25 @@ HAND_CHECKS: Final = 8
 """Inputs that it reads, one after the other."""
 
 
-XOR, OR, AND, NOT, RELATION, SHIFT, SUM, REMAINDER, QUOTIENT, TERM, SIGN, POWER = range(1, 13)
+XOR, OR, AND, NOT, _RELATION, SHIFT, SUM, _REMAINDER, _QUOTIENT, TERM, SIGN, POWER = range(1, 13)
 """Higher binds tighter (CR1D detailed specifications, order of operations)."""
 
-BINARY_OPERATORS: Final[dict[str, tuple[int, str]]] = {
+_BINARY_OPERATORS: Final[dict[str, tuple[int, str]]] = {
     "xor": (XOR, "XOR"),
     "or": (OR, "OR"),
     "and": (AND, "AND"),
-    "=": (RELATION, "="),
-    "<>": (RELATION, "<> ><"),
-    "<": (RELATION, "<"),
-    "<=": (RELATION, "<= =<"),
-    ">": (RELATION, ">"),
-    ">=": (RELATION, ">= =>"),
+    "=": (_RELATION, "="),
+    "<>": (_RELATION, "<> ><"),
+    "<": (_RELATION, "<"),
+    "<=": (_RELATION, "<= =<"),
+    ">": (_RELATION, ">"),
+    ">=": (_RELATION, ">= =>"),
     "<<": (SHIFT, "<<"),
     ">>": (SHIFT, ">>"),
     "+": (SUM, "+"),
     "-": (SUM, "-"),
-    "mod": (REMAINDER, "MOD"),
-    "div": (QUOTIENT, "\\"),
+    "mod": (_REMAINDER, "MOD"),
+    "div": (_QUOTIENT, "\\"),
     "*": (TERM, "*"),
     "/": (TERM, "/"),
     "^": (POWER, "^"),
@@ -94,17 +94,17 @@ BINARY_OPERATORS: Final[dict[str, tuple[int, str]]] = {
 Shifts are not operators of the pseudo-program; they become vendor text.
 """
 
-PRODUCT: Final = "*"
+_PRODUCT: Final = "*"
 """Composes positions, as `@` does."""
 OPERATOR_WORDS: Final = {
-    name: words.split()[0] for name, (_, words) in BINARY_OPERATORS.items()
-} | {"@": PRODUCT}
+    name: words.split()[0] for name, (_, words) in _BINARY_OPERATORS.items()
+} | {"@": _PRODUCT}
 """Operator of the pseudo-program → its word."""
 OPERATOR_NAMES: Final = {
-    word: name for name, (_, words) in BINARY_OPERATORS.items() for word in words.split()
+    word: name for name, (_, words) in _BINARY_OPERATORS.items() for word in words.split()
 }
 OPERATOR_PRECEDENCE: Final = {
-    word: BINARY_OPERATORS[name][0] for word, name in OPERATOR_NAMES.items()
+    word: _BINARY_OPERATORS[name][0] for word, name in OPERATOR_NAMES.items()
 }
 """By the word."""
 

@@ -36,10 +36,10 @@ END: Final = MARK + "end"
 THERE: Final = "elsewhere: "
 """Before what a parameter of the controller holds, see `with_stated_parameters`."""
 
-PRODUCTS: Final = "frames: product"
+_PRODUCTS: Final = "frames: product"
 """Says that frames are no `Base`, but what targets are multiplied by."""
 
-AS_IS: Final = ("robot",)
+_AS_IS: Final = ("robot",)
 """Items whose values are not names of the program."""
 
 NAME_KINDS: Final = (
@@ -95,9 +95,9 @@ def header_lines(header: Header, dialect: str) -> Iterator[str]:
     yield MARK + dialect
     for key in ("program", "robot", "entry", "unit"):
         if (value := getattr(header, key)) is not None:
-            yield f"{key}: {value if key in AS_IS else in_ascii(value)}"
+            yield f"{key}: {value if key in _AS_IS else in_ascii(value)}"
     if header.products:
-        yield PRODUCTS
+        yield _PRODUCTS
     yield from (THERE + text for text in header.there)
     for kind in NAME_KINDS:
         yield from packed(kind, starmap(_name_entry, header.names[kind].items()))
@@ -164,7 +164,7 @@ def read(texts: Iterable[str]) -> Header:
             setattr(header, key, from_ascii(value))
         elif key == "entry" and (value == "-" or re.fullmatch(ASCII_NAME, value)):
             header.entry = from_ascii(value)
-        elif text == PRODUCTS:
+        elif text == _PRODUCTS:
             header.products = True
         elif key == "robot" and re.fullmatch(r"[A-Za-z0-9._/-]{1,64}", value):
             header.robot = value
@@ -243,7 +243,7 @@ _POSITIONS: Final = re.compile(r"^(?![0-9])", re.MULTILINE)
 _STEP_NUMBER: Final = re.compile(r"[0-9]+ ")
 
 
-def sections(text: str) -> Mapping[str, str]:
+def _sections(text: str) -> Mapping[str, str]:
     """The comments of the heading, the code, and the values of positions below it."""
     heading = _HEADING.match(text)
     below = heading.end() if heading else 0
@@ -258,7 +258,7 @@ def _header_offset(text: str) -> int:
     return mark.start() if mark else len(text)
 
 
-def recounted_lines(dialect: Dialect, lines: Sequence[str]) -> list[str]:
+def _recounted_lines(dialect: Dialect, lines: Sequence[str]) -> list[str]:
     """The lines with steps counted anew: jumps of emitted programs name labels.
 
     A comment that has no number yet gets one; values of positions have none.
@@ -275,12 +275,12 @@ def recounted_lines(dialect: Dialect, lines: Sequence[str]) -> list[str]:
 
 
 def _step_numbering(name: str) -> Numbering | None:
-    return partial(recounted_lines, DIALECTS[name])
+    return partial(_recounted_lines, DIALECTS[name])
 
 
 OUTLINE: Final = Outline(
     template="melfa/program.prg.j2",
-    sections=sections,
+    sections=_sections,
     within={
         "comments": ("header", lambda text: text[: _header_offset(text)]),
         "heading": ("header", lambda text: text[_header_offset(text) :]),

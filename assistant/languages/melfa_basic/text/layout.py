@@ -67,7 +67,7 @@ _HEADS: Final = frozenset(("MOTION", "COMMAND"))
 
 
 @lru_cache(maxsize=1 << 14)
-def code_tokens(line: str, start: str = "line") -> tuple[Word, ...]:
+def _code_tokens(line: str, start: str = "line") -> tuple[Word, ...]:
     """The tokens of a line that the grammar takes, without step number.
 
     start: the grammar's rule, `line` or `data`.
@@ -75,7 +75,7 @@ def code_tokens(line: str, start: str = "line") -> tuple[Word, ...]:
     return tuple(Word(one.type, one.text, one.start) for one in lexemes(line, start))
 
 
-def code_text(listed: Sequence[Word], upper: bool) -> str:
+def _code_text(listed: Sequence[Word], upper: bool) -> str:
     """Words with the blanks that belong between them, keywords spelt as the tools do.
 
     upper: keywords in upper case. Names, numbers, strings and comments stay as they are.
@@ -133,7 +133,7 @@ Code = tuple[str | None, s.Statement | None]
 """Label and statement."""
 
 
-class Lines(line_text.LinePrinter):
+class _Lines(line_text.LinePrinter):
     """The items of a file as its dialect writes them."""
 
     table, number = MoveRows, "numbers"
@@ -157,10 +157,10 @@ class Lines(line_text.LinePrinter):
         return "" if code is None else line(s.Line(None, *code), self._upper)
 
     def words(self, text: str) -> Sequence[Word]:
-        return code_tokens(text)
+        return _code_tokens(text)
 
     def spaced(self, words: Sequence[Word]) -> str:
-        return code_text(words, self._upper)
+        return _code_text(words, self._upper)
 
     def key(self, word: Word) -> str | float:
         """The value of a number; any other text without blanks in lower case."""
@@ -191,7 +191,7 @@ class Lines(line_text.LinePrinter):
         item, places = self.items[at], self._places[at]
         if not isinstance(item, s.Data):
             return text
-        listed = code_tokens(text, "data" if item.type else "line")
+        listed = _code_tokens(text, "data" if item.type else "line")
         if not isinstance(item.value, s.Constant) or not _is_exact(item.value, places):
             return self.spaced(listed)
         head = [token for token in listed if token.kind != "POSITION"]
@@ -254,10 +254,10 @@ def _is_exact(value: s.Constant, places: int) -> bool:
 def render(file: s.File) -> str:
     """The text of a tree; lines that were read and not changed keep their bytes."""
     if file.source is None:
-        return "".join(print_items(Lines(file), "\r\n"))
+        return "".join(print_items(_Lines(file), "\r\n"))
     if file.items is file.parsed:
         return file.source.text
-    return line_text.render_changed_file(file.source, file.parsed, Lines(file))
+    return line_text.render_changed_file(file.source, file.parsed, _Lines(file))
 
 
 def lay_out(file: s.File) -> str:
@@ -266,4 +266,4 @@ def lay_out(file: s.File) -> str:
     Line ends become the ones that most lines have.
     """
     assert file.source is not None
-    return line_text.lay_out(file.source, Lines(file))
+    return line_text.lay_out(file.source, _Lines(file))

@@ -28,7 +28,7 @@ from assistant.languages.step_numbers import UNNUMBERED, Steps, steps_of, with_f
 from assistant.languages.texts.line_merge import DataMerger, LineMerger, LinePart
 from assistant.program.rewriting import rewrite
 
-EMPTY_STEP: Final = "'"
+_EMPTY_STEP: Final = "'"
 """The step that a blank line between others becomes: a bare one would end the program."""
 
 STEPS: Final = Steps(
@@ -63,7 +63,7 @@ def _all_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
     made: list[s.Item] = []
     for at, item in enumerate(items):
         if isinstance(item, s.Blank) and at < last:
-            item = s.Line(UNNUMBERED, comment=EMPTY_STEP)
+            item = s.Line(UNNUMBERED, comment=_EMPTY_STEP)
         elif isinstance(item, s.Line) and item.number is None:
             if not (any(numbered) and _looks_like_data(item)):
                 item = replace(item, number=UNNUMBERED)
@@ -79,7 +79,7 @@ def _looks_like_data(item: s.Line) -> bool:
     return False
 
 
-Spelling = Callable[[str], str]
+_Spelling = Callable[[str], str]
 
 
 def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], bool]) -> s.File:
@@ -205,7 +205,7 @@ def _used(tree: s.File) -> tuple[dict[str, str], dict[str, str]]:
     return names, labels
 
 
-def _spelled(node: Any, name: Spelling, label: Spelling) -> Any:
+def _spelled(node: Any, name: _Spelling, label: _Spelling) -> Any:
     """A line or a part of it with names and labels spelled in another way."""
 
     def change(one: Any) -> Any:

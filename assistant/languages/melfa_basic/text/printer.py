@@ -12,8 +12,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.texts.layout import INDENT
 from assistant.languages.texts.printed_trees import Templates
 
-SIGNS: Final = ("+", "-")
-SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})
+_SIGNS: Final = ("+", "-")
+_SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})
 """Operators that no sign follows without brackets."""
 _TIGHTEST: Final = math.inf
 """Binding of what needs no brackets anywhere."""
@@ -92,7 +92,7 @@ def _operand(to: Templates, node: s.Expression, least: float) -> str:
 
 def _apart(text: str) -> str:
     """With brackets around what begins with a sign: not every controller reads two in a row."""
-    return f"({text})" if text.startswith(SIGNS) else text
+    return f"({text})" if text.startswith(_SIGNS) else text
 
 
 def _unary(to: Templates, node: s.Unary) -> str:
@@ -107,12 +107,12 @@ def _binary(to: Templates, node: s.Binary) -> str:
         return f"{left}^{_exponent(to, node.right)}"
     right = _operand(to, node.right, binding + 1)
     mark = f" {to.word(operator.capitalize())} " if operator.isalpha() else operator
-    return left + mark + (_apart(right) if operator in SYMBOLS else right)
+    return left + mark + (_apart(right) if operator in _SYMBOLS else right)
 
 
 def _exponent(to: Templates, node: s.Expression) -> str:
     """Print the operand after `^`, which may have a sign; powers associate to the left."""
-    if isinstance(node, s.Unary) and node.operator in SIGNS:
+    if isinstance(node, s.Unary) and node.operator in _SIGNS:
         return node.operator + _apart(_exponent(to, node.operand))
     return _operand(to, node, POWER + 1)
 

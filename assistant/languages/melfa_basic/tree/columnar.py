@@ -100,7 +100,7 @@ def places_of(values: Floats) -> int:
     return fewest_places(values, 2, MOST_PLACES)
 
 
-def groups_of(elements: int) -> Groups:
+def _groups_of(elements: int) -> Groups:
     """A position with so many elements and its flags."""
     return Groups((elements, 2), b"(", b")(", b")")
 
@@ -114,7 +114,7 @@ def position_text(rows: PositionRows, newline: bytes, places: int | None = None)
     columns: list[Piece] = [Decimal(column, decimals, plus=True) for column in rows.values.T]
     columns += [Integer(column) for column in rows.flags.T]
     name: list[Piece] = [rows.stem.encode("ascii"), Integer(rows.numbers), b"="]
-    groups = groups_of(rows.values.shape[1]).pieces([[column] for column in columns])
+    groups = _groups_of(rows.values.shape[1]).pieces([[column] for column in columns])
     return rows_text([*name, *groups, newline], len(rows)).decode("ascii")
 
 
@@ -178,7 +178,7 @@ def rows_at(text: str, at: int) -> PositionRows | MoveRows | None:
     for elements, pattern in zip((6, 7, 8), _POSITIONS, strict=True):
         found = pattern.match(text, at)
         if found:
-            rows = _table(found, partial(_positions, groups_of(elements)))
+            rows = _table(found, partial(_positions, _groups_of(elements)))
             inside = (rows.flags >= FLAGS.start) & (rows.flags < FLAGS.stop)
             return rows if inside.all() else None
     return None

@@ -239,27 +239,27 @@ def _free_label(name: str, taken: set[str]) -> str:
     return name
 
 
-FIRST_BRANCH_LABEL: Final = re.compile(r"(I[0-9]+)T1")
+_FIRST_BRANCH_LABEL: Final = re.compile(r"(I[0-9]+)T1")
 """The label of the first branch, in upper case; the group is what all its labels begin with."""
 WAIT_LABEL: Final = re.compile(r"W[0-9]+", re.IGNORECASE)
 """The label at the top of a loop that waits."""
 
 
 def jumping_ifs(lines: Sequence[object]) -> dict[int, tuple[str, list[int]]]:
-    """By the place of its first line what the labels of each begin with, and its `branch_lines`."""
+    """First line of each → what its labels begin with, and its `_branch_lines`."""
     labels = lone_labels(lines)
     found: dict[int, tuple[str, list[int]]] = {}
     for at, line in enumerate(lines):
         match line:
             case s.Line(label=None, statement=s.If(then=s.Target(place=str() as name))):
-                first = FIRST_BRANCH_LABEL.fullmatch(name.upper())
-                places = branch_lines(lines, labels, at, first[1]) if first else None
+                first = _FIRST_BRANCH_LABEL.fullmatch(name.upper())
+                places = _branch_lines(lines, labels, at, first[1]) if first else None
                 if first and places:
                     found[at] = first[1], places
     return found
 
 
-def branch_lines(
+def _branch_lines(
     lines: Sequence[object], labels: Mapping[str, int], at: int, name: str
 ) -> list[int] | None:
     """Places: for each branch its `If`, the jump to the end, the label of the next; then the end.

@@ -134,7 +134,7 @@ def literal(value: s.Expression | None) -> float | None:
 Role = Literal["read", "written", "declared", "either"]
 """Use of a variable; `either` where a statement may read or write it."""
 
-ARGUMENT_WORDS: Final = frozenset(
+_ARGUMENT_WORDS: Final = frozenset(
     {
         *(word.upper() for row in statements().values() for word in row.words),
         *("NOERR", "ERR", "P", "J", "S", "L", "F"),
@@ -152,7 +152,7 @@ class Use:
     role: Role
 
 
-FIELD_ROLES: Final[Mapping[tuple[type, str], Role]] = {
+_FIELD_ROLES: Final[Mapping[tuple[type, str], Role]] = {
     (s.Assign, "target"): "written",
     (s.Const, "variable"): "written",
     (s.DefIo, "variable"): "written",
@@ -190,7 +190,7 @@ def uses(node: Any, role: Role = "read") -> Iterator[Use]:
 @cache
 def _fields(kind: type) -> tuple[tuple[str, Role | None], ...]:
     """Fields that may hold nodes, the last one first, with what is done with what is in them."""
-    return tuple((name, FIELD_ROLES.get((kind, name))) for name in inside(kind) or ())
+    return tuple((name, _FIELD_ROLES.get((kind, name))) for name in inside(kind) or ())
 
 
 _OWN_KINDS: Final = frozenset({s.Next, s.Append, s.Call, s.DefFunction, s.Command})
@@ -216,7 +216,7 @@ def _own_uses(node: Any) -> Iterator[Use]:
 def is_argument_word(variable: s.Variable) -> bool:
     """True if a bare name among the arguments of a statement is a word of it, as in `Servo Off`."""
     plain = variable.arguments is None and not variable.suffix and not variable.component
-    return plain and variable.key in ARGUMENT_WORDS
+    return plain and variable.key in _ARGUMENT_WORDS
 
 
 def _gives_results(name: str) -> bool:
@@ -241,7 +241,7 @@ def timer_variable(word: str, number: int) -> s.Variable:
 
 FORCE_COMMANDS: Final = ("Fsc", "FsGChg", "FsLog", "FsOutLog", "FsCTrg")
 """Commands of the force sensor (manual of the force sense function)."""
-FORCE_STATES: Final = ("P_FS", "M_FS")
+_FORCE_STATES: Final = ("P_FS", "M_FS")
 """Prefixes of the status variables that these commands read and write."""
 
 
@@ -252,7 +252,7 @@ def supplied_routine(command: s.Command) -> tuple[str, tuple[s.Expression, ...]]
     first, rest = command.arguments[:1], command.arguments[1:]
     match first:
         case (s.Word(text=way) | s.Variable(name=way, arguments=None),) if (
-            way.upper() in SWITCH_WORDS
+            way.upper() in _SWITCH_WORDS
         ):
             name, given = f"{command.keyword}{way.capitalize()}", rest
         case _:
@@ -261,12 +261,12 @@ def supplied_routine(command: s.Command) -> tuple[str, tuple[s.Expression, ...]]
     return (name, plain) if len(plain) == len(given) else None
 
 
-SWITCH_WORDS: Final = ("ON", "OFF")
+_SWITCH_WORDS: Final = ("ON", "OFF")
 
 
 def is_force_state(key: str) -> bool:
     """True if a name in upper case is a status variable of the force sensor."""
-    return key.startswith(FORCE_STATES)
+    return key.startswith(_FORCE_STATES)
 
 
 def supplied_data_name(name: str) -> str:
@@ -274,7 +274,7 @@ def supplied_data_name(name: str) -> str:
     return name.replace("_", "", 1)
 
 
-CLOSING_COMMANDS: Final = frozenset(
+_CLOSING_COMMANDS: Final = frozenset(
     {"Else", "EndIf", "WEnd", "Default", "End Select", "FEnd", "End", "Return"}
 )
 """Commands that only close or divide a block, or end a program or subroutine."""
@@ -289,7 +289,7 @@ def report_parts(file: s.File) -> Iterator[Part]:
             case PositionRows(span=Span() as span):
                 lines = None if item.places is None else item.places + span.start
                 yield Part(span, count=len(item), lines=lines)
-            case s.Line(statement=s.Command(keyword=word)) if word in CLOSING_COMMANDS:
+            case s.Line(statement=s.Command(keyword=word)) if word in _CLOSING_COMMANDS:
                 pass
             case s.Line(statement=None | s.Motion() | s.ElseIf() | s.Next() | s.Case()):
                 pass

@@ -23,7 +23,7 @@ from assistant.languages.rapid.tables.predefined import taken_names
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 
-MOST_STATEMENT_LINES: Final = 51
+_MOST_STATEMENT_LINES: Final = 51
 """Maximum lines of one statement; a finding on a longer stretch marks a complete routine or table,
 not one damaged position.
 """
@@ -31,7 +31,7 @@ _NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _KNOWN_WORDS: Final = RESERVED | taken_names()
 
 
-def damage_of(trees: Sequence[s.File]) -> Damage | None:
+def _damage_of(trees: Sequence[s.File]) -> Damage | None:
     """Return the damage in the modules of a program, None if nothing is damaged.
 
     The lines next to a damaged line count as damaged too, and so do names that a blank may have
@@ -42,7 +42,7 @@ def damage_of(trees: Sequence[s.File]) -> Damage | None:
         _unknown_words,
         hidden=_joined_words,
         near=1,
-        most_lines=MOST_STATEMENT_LINES,
+        most_lines=_MOST_STATEMENT_LINES,
         named_lines=1,
     )
 
@@ -63,7 +63,7 @@ _TASK_NAME: Final = re.compile(r"(?:T_\w+|TASK\d+)", re.IGNORECASE)
 """Folders that a controller names after its tasks: `T_ROB1`, `TASK1` in a backup."""
 _ARM_NAME: Final = re.compile(r"(.+?)([Ll]eft|[Rr]ight|(?<![A-Za-z])[LRlr]|(?<=[a-z])[LR])(_?\d*)")
 """Names of the files of a robot with two arms, each of which is a task."""
-COMMON_TASKS: Final = ("", "task0")
+_COMMON_TASKS: Final = ("", "task0")
 """No task, and the folder of a backup with the modules that every task has."""
 
 
@@ -78,14 +78,14 @@ def tasks(files: Sequence[s.File]) -> Iterator[tuple[TaskFiles, TaskFiles]]:
     paths = [PurePosixPath((file.path or "").replace("\\", "/")) for file in files]
     arms = _arms(paths)
     named = [_task_of_path(path) or arms.get(path.stem, "") for path in paths]
-    names = [name for name in dict.fromkeys(named) if name not in COMMON_TASKS]
+    names = [name for name in dict.fromkeys(named) if name not in _COMMON_TASKS]
     if len(names) < 2:
         yield tuple(files), ()
         return
-    common = tuple(file for file, of in zip(files, named, strict=True) if of in COMMON_TASKS)
+    common = tuple(file for file, of in zip(files, named, strict=True) if of in _COMMON_TASKS)
     for name in names:
         yield (
-            tuple(f for f, of in zip(files, named, strict=True) if of in (name, *COMMON_TASKS)),
+            tuple(f for f, of in zip(files, named, strict=True) if of in (name, *_COMMON_TASKS)),
             common,
         )
 
@@ -150,7 +150,7 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
     a syntax error is left out.
     """
     found = [finding for tree in trees for finding in tree.findings]
-    damage = damage_of(trees)
+    damage = _damage_of(trees)
     for files, common in tasks(trees):
         single = with_single_rows(files, common)
         shared = {id(one) for one in common}

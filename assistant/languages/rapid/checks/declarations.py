@@ -50,11 +50,11 @@ from assistant.languages.rapid.tree.literals import literal_number, literal_valu
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.records import shape
 
-LONGEST_PLAIN_NUMBER: Final = 24
+_LONGEST_PLAIN_NUMBER: Final = 24
 """Characters of a number without an exponent that any type holds."""
-LARGEST_NUM: Final = 3.40282347e38
+_LARGEST_NUM: Final = 3.40282347e38
 """A `num` is an IEEE 754 number of 32 bits, a `dnum` one of 64 bits (RAPID manual 3HAC050917)."""
-DECLARING_NODES: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
+_DECLARING_NODES: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
 def module_names(look: RuleContext) -> Found:
@@ -118,7 +118,7 @@ def _name_key(declared: Declared) -> str | None:
 def name_spelling(look: RuleContext) -> Found:
     """No name is longer than 32 characters, and predefined speeds and zones stay as they are."""
     yield from _check_name(look, look.module, look.module.name)
-    for declared in chain.from_iterable(map(look.all, DECLARING_NODES)):
+    for declared in chain.from_iterable(map(look.all, _DECLARING_NODES)):
         yield from _check_name(look, declared, declared.name)
     for record in look.all(s.Record):
         for _, name in record.components:
@@ -139,21 +139,21 @@ def string_lengths(look: RuleContext) -> Found:
 def number_sizes(look: RuleContext) -> Found:
     """No number is larger than a `dnum` holds, nor the first value of a `num` than that one."""
     for node in look.all(s.NumberLiteral):
-        if len(node.text) > LONGEST_PLAIN_NUMBER or "e" in node.text.lower():
+        if len(node.text) > _LONGEST_PLAIN_NUMBER or "e" in node.text.lower():
             number = literal_number(node)
             if number is not None and math.isinf(number):
                 yield look.finding(
-                    rules.LARGE_NUMBER, node, number=short_number(node.text), type="dnum"
+                    rules.LARGE_NUMBER, node, number=_short_number(node.text), type="dnum"
                 )
     for data in look.all(s.Data):
         number = literal_number(data.value) if data.type.lower() == "num" and data.value else None
-        if number is not None and LARGEST_NUM < abs(number) < math.inf:
+        if number is not None and _LARGEST_NUM < abs(number) < math.inf:
             yield look.finding(rules.LARGE_NUMBER, data, number=f"{number:g}", type="num")
 
 
-def short_number(text: str) -> str:
+def _short_number(text: str) -> str:
     """Shorten a number for use in a message."""
-    return text if len(text) <= LONGEST_PLAIN_NUMBER else text[: LONGEST_PLAIN_NUMBER - 1] + "…"
+    return text if len(text) <= _LONGEST_PLAIN_NUMBER else text[: _LONGEST_PLAIN_NUMBER - 1] + "…"
 
 
 def _check_name(look: RuleContext, node: s.Node, name: str) -> Found:
@@ -164,7 +164,7 @@ def _check_name(look: RuleContext, node: s.Node, name: str) -> Found:
         yield look.finding(rules.RESERVED_NAME, node, name=name)
 
 
-DECLARED_AS: Final = {
+_DECLARED_AS: Final = {
     "VAR": "a variable",
     "PERS": "a persistent",
     "IN": "a parameter",
@@ -207,8 +207,8 @@ def initial_values(look: RuleContext) -> Found:
                 what = f"the function `{part.name}`"
             elif isinstance(part, s.NameRef):
                 kind = _declared_kind(scope, part.name)
-                if kind in DECLARED_AS:
-                    what = f"`{part.name}`, {DECLARED_AS[kind]}"
+                if kind in _DECLARED_AS:
+                    what = f"`{part.name}`, {_DECLARED_AS[kind]}"
             if what:
                 yield look.finding(rules.NOT_CONSTANT, node, name=node.name, what=what)
                 break
@@ -354,7 +354,7 @@ def _used_names(node: Any, own: frozenset[str]) -> Iterator[s.NameRef]:
 
 
 _STRING_WORD: Final = re.compile(r"[^\W\d]\w*")
-SHORTEST_BEGINNING: Final = 3
+_SHORTEST_BEGINNING: Final = 3
 """Letters of a string that count as the begin of a name."""
 
 
@@ -428,7 +428,7 @@ def _mentioned_names(places: Iterable[s.Node]) -> NameSet:
             case s.StringLiteral(value):
                 words = [word.lower() for word in _STRING_WORD.findall(value)]
                 names.words.update(words)
-                names.beginnings.update(word for word in words if len(word) >= SHORTEST_BEGINNING)
+                names.beginnings.update(word for word in words if len(word) >= _SHORTEST_BEGINNING)
             case s.MoveRunNode(run):
                 names.columns += [run.names, run.vias]
                 for m in run.motions.table:

@@ -17,18 +17,18 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.literals import literal_number
 from assistant.languages.rapid.tree.walk import blocks, nodes, root
 
-Body = Sequence[s.StatementNode]
+_Body = Sequence[s.StatementNode]
 
-ENDING_INSTRUCTIONS: Final = frozenset({"exitcycle"})
+_ENDING_INSTRUCTIONS: Final = frozenset({"exitcycle"})
 """Instructions after which nothing more of a routine runs."""
-SILENT_NODES: Final = (s.CommentLine, s.Placeholder, s.Data, s.TargetRunNode)
+_SILENT_NODES: Final = (s.CommentLine, s.Placeholder, s.Data, s.TargetRunNode)
 
 
 def unreachable(look: RuleContext) -> Found:
     """The first statement of each stretch that nothing leads to; a label always may."""
     for routine in look.routines:
         for body in (routine.body, *(h.body for h in routine.handlers)):
-            for statement, before in REACH.dead(body):
+            for statement, before in _REACH.dead(body):
                 yield look.finding(rules.UNREACHABLE, statement, before=before)
 
 
@@ -45,14 +45,14 @@ def _leaving_statement(statement: s.StatementNode) -> str:
             return "GOTO"
         case s.Word(word):
             return word
-        case s.ProcedureCall(str(name)) if name.lower() in ENDING_INSTRUCTIONS:
+        case s.ProcedureCall(str(name)) if name.lower() in _ENDING_INSTRUCTIONS:
             return name
         case s.WhileLoop(condition) if _without_parentheses(condition) == s.BoolLiteral(True):
             return "a loop that never ends"
         case s.IfThen(otherwise=tuple()) | s.TestOf(otherwise=tuple()):
             return (
                 ""
-                if any(map(REACH.falls_through, blocks(statement)))
+                if any(map(_REACH.falls_through, blocks(statement)))
                 else "branches that all leave"
             )
     return ""
@@ -65,11 +65,11 @@ def _without_parentheses(value: s.Expression) -> s.Expression:
     return value
 
 
-REACH: Final[Reachability[s.StatementNode]] = Reachability(
+_REACH: Final[Reachability[s.StatementNode]] = Reachability(
     blocks=blocks,
     leaves=_leaving_statement,
     entered=lambda node: any(isinstance(n, s.LabelMark) for n in nodes(node)),
-    silent=lambda node: isinstance(node, SILENT_NODES),
+    silent=lambda node: isinstance(node, _SILENT_NODES),
 )
 
 
@@ -83,7 +83,7 @@ def returns(look: RuleContext) -> Found:
                 yield look.finding(
                     rules.WRONG_RETURN, node, what=what, kind=routine.kind, name=routine.name
                 )
-        if function and REACH.falls_through(routine.body):
+        if function and _REACH.falls_through(routine.body):
             yield look.finding(rules.NO_RETURN, routine, name=routine.name)
 
 
@@ -111,7 +111,7 @@ def jumps(look: RuleContext) -> Found:
 
 
 def _nested_statements(
-    body: Body, around: tuple[int, ...]
+    body: _Body, around: tuple[int, ...]
 ) -> Iterator[tuple[s.StatementNode, tuple[int, ...]]]:
     """Every statement with the lists around it, outermost first."""
     for statement in body:
@@ -132,7 +132,7 @@ def outside_handlers(look: RuleContext) -> Found:
                 yield look.finding(rules.OUTSIDE_HANDLER, node, what=what)
 
 
-MOST_RAISED: Final = 90
+_MOST_RAISED: Final = 90
 """The numbers of errors that a program may raise without booking them begin with 1."""
 
 
@@ -171,7 +171,7 @@ def _raised(look: RuleContext, routine: s.Routine, node: s.Node, name: str) -> F
 
 
 def _may_be_raised(number: float) -> bool:
-    return 1 <= number <= MOST_RAISED
+    return 1 <= number <= _MOST_RAISED
 
 
 def _is_given(look: RuleContext, name: str) -> bool:
@@ -236,13 +236,13 @@ def _loop_step(look: RuleContext, loop: s.ForLoop) -> Found:
 # Where declarations and handlers may stand
 
 
-DECLARATION_RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
+_DECLARATION_RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
     (s.Record | s.Alias, 0, "a record"),
     (s.Data | s.TargetRunNode, 1, "data"),
     (s.Routine, 2, "a routine"),
 )
-RANK_TEXTS: Final = {1: "data", 2: "a routine"}
-HANDLER_ORDER: Final = ("BACKWARD", "ERROR", "UNDO")
+_RANK_TEXTS: Final = {1: "data", 2: "a routine"}
+_HANDLER_ORDER: Final = ("BACKWARD", "ERROR", "UNDO")
 
 
 def declarations(look: RuleContext) -> Found:
@@ -250,10 +250,10 @@ def declarations(look: RuleContext) -> Found:
     seen = 0
     for item in look.module.items:
         rank, what = next(
-            ((r, w) for kind, r, w in DECLARATION_RANKS if isinstance(item, kind)), (seen, "")
+            ((r, w) for kind, r, w in _DECLARATION_RANKS if isinstance(item, kind)), (seen, "")
         )
         if rank < seen:
-            yield look.finding(rules.OUT_OF_ORDER, item, what=what, after=RANK_TEXTS[seen])
+            yield look.finding(rules.OUT_OF_ORDER, item, what=what, after=_RANK_TEXTS[seen])
         seen = max(seen, rank)
     for routine in look.routines:
         yield from _declarations_first(look, routine.body)
@@ -280,9 +280,9 @@ def handlers(look: RuleContext) -> Found:
 def _handlers(look: RuleContext, routine: s.Routine) -> Found:
     before = -1
     for handler in routine.handlers:
-        at = HANDLER_ORDER.index(handler.kind)
+        at = _HANDLER_ORDER.index(handler.kind)
         if at <= before:
-            what = "a second time" if at == before else f"behind {HANDLER_ORDER[before]}"
+            what = "a second time" if at == before else f"behind {_HANDLER_ORDER[before]}"
             yield look.finding(rules.HANDLER_PLACE, handler, kind=handler.kind, what=what)
         elif handler.kind == "BACKWARD" and routine.kind != "PROC":
             what = f"in a {routine.kind}"

@@ -276,9 +276,9 @@ KIND_OF_TYPE: Final[Mapping[str, WantedKind]] = {
     "tooldata": "tool", "wobjdata": "frame", "speeddata": "speed", "zonedata": "blend",
     "robtarget": "position", "jointtarget": "joints",
 }  # fmt: skip
-SIGNAL_TYPE: Final = re.compile(r"signal([adg])([io])")
+_SIGNAL_TYPE: Final = re.compile(r"signal([adg])([io])")
 _SIGNAL_LETTERS: Final = {"a": "analog", "d": "digital", "g": "group", "i": "input", "o": "output"}
-SIGNAL_NAME: Final = re.compile(r"(?i:([adg])([io])|s?(d)(i))(?=_|\d|[A-Z]|$)")
+_SIGNAL_NAME: Final = re.compile(r"(?i:([adg])([io])|s?(d)(i))(?=_|\d|[A-Z]|$)")
 """Common signal names: `diReady`, `DO_3`, `sdiStart`."""
 
 TRAP_TYPE: Final = "trap"
@@ -332,7 +332,7 @@ def wanted_of(
     for routine in routines:
         for slot in _parameter_slots(routine.calls).values():
             _agree_on_type(slot, met)
-    data = {key: missing_data(one, types, records) for key, one in met.items() if not one.routine}
+    data = {key: _missing_data(one, types, records) for key, one in met.items() if not one.routine}
     for key, one in met.items():
         found = data[key] if key in data else _missing_routine(one, types, records, data)
         if found is not None:
@@ -371,7 +371,7 @@ def _missing_routine(
     data: Mapping[str, Wanted | None],
 ) -> Wanted | None:
     if met.usual is not None:
-        return missing_data(met, types, records)
+        return _missing_data(met, types, records)
     uses = tuple(met.uses)
     if met.routine == "TRAP":
         return Wanted(met.name, "routine", TRAP_TYPE, uses=uses)
@@ -406,7 +406,9 @@ def _resolved_argument(given: GivenArgument, data: Mapping[str, Wanted | None]) 
     return replace(given.argument, type=found.type, dimensions=dimensions)
 
 
-def missing_data(met: NameUses, types: Types, records: Mapping[str, SolvedRecord]) -> Wanted | None:
+def _missing_data(
+    met: NameUses, types: Types, records: Mapping[str, SolvedRecord]
+) -> Wanted | None:
     """Return the question to the cell about undeclared data. records: types that the cell is also
     asked for.
     """
@@ -418,7 +420,7 @@ def missing_data(met: NameUses, types: Types, records: Mapping[str, SolvedRecord
     if type in SIGNAL_TYPES:
         return Wanted(met.name, "signal", type, signal=_signal_of_type(type), uses=uses)
     if type == "num" and not met.assigned and met.types["num"] < 1 and not met.extents:
-        named = SIGNAL_NAME.match(met.name)
+        named = _SIGNAL_NAME.match(met.name)
         letters = "".join(filter(None, named.groups())).lower() if named else "di"
         type = f"signal{letters}"
         return Wanted(met.name, "signal", type, signal=_signal_of_type(type), uses=uses)
@@ -473,7 +475,7 @@ def _neutral_value(type: str, types: Types) -> Plain | None:
 
 
 def _signal_of_type(type: str) -> Signal | None:
-    found = SIGNAL_TYPE.fullmatch(type)
+    found = _SIGNAL_TYPE.fullmatch(type)
     if found is None:
         return None
     kind, direction = _SIGNAL_LETTERS[found[1]], _SIGNAL_LETTERS[found[2]]

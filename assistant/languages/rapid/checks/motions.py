@@ -106,25 +106,25 @@ def nearest_predefined(name: str, table: Mapping[str, Any]) -> str:
     return " or ".join(f"{letter}{n}" for n in below + above)
 
 
-MoveProgress = Literal["on the fly", "aside", ""]
+_MoveProgress = Literal["on the fly", "aside", ""]
 """Progress of the previous move: rounding its corner, running in parallel with the program, or
 ended.
 """
 
-ZONE_POSITIONS: Final = {
+_ZONE_POSITIONS: Final = {
     **dict.fromkeys(("movej", "movel", "movec", "moveabsj", "triggj", "triggl", "triggc"), -2),
     **dict.fromkeys(("movejdo", "moveldo", "movecdo"), -4),
 }
 """Instructions of motion, with where among their plain arguments the zone stands."""
-SETTING_INSTRUCTIONS: Final = frozenset(
+_SETTING_INSTRUCTIONS: Final = frozenset(
     ("set", "reset", "setdo", "setgo", "setao", "pulsedo", "invertdo")
 )
-POSITION_FUNCTIONS: Final = frozenset(("crobt", "cpos", "cjointt"))
+_POSITION_FUNCTIONS: Final = frozenset(("crobt", "cpos", "cjointt"))
 """Functions that tell where the robot is now; it should stand still for them."""
-WAIT_INSTRUCTIONS: Final = frozenset(
+_WAIT_INSTRUCTIONS: Final = frozenset(
     ("waituntil", *(f"wait{kind}" for kind in ("di", "do", "gi", "go", "ai", "ao")))
 )
-INSTANT_INSTRUCTIONS: Final = frozenset(
+_INSTANT_INSTRUCTIONS: Final = frozenset(
     (
         *("tpwrite", "tperase", "incr", "decr", "add", "clear", "clkstart", "clkreset", "clkstop"),
         *("triggio", "triggequip"),
@@ -135,7 +135,7 @@ INSTANT_INSTRUCTIONS: Final = frozenset(
 
 def endless_waits(look: RuleContext) -> Found:
     for call in look.all(s.ProcedureCall):
-        if str(call.name).lower() in WAIT_INSTRUCTIONS:
+        if str(call.name).lower() in _WAIT_INSTRUCTIONS:
             given = {a.name.lower() for a in call.arguments if not isinstance(a, s.Positional)}
             if "maxtime" not in given and positional(call) != [s.BoolLiteral(True)]:
                 yield look.finding(rules.ENDLESS_WAIT, call, word=call.name)
@@ -149,7 +149,7 @@ def signals_on_the_fly(look: RuleContext) -> Found:
 
 
 def _follow_moves(
-    look: RuleContext, routine: s.Routine, body: Sequence[s.StatementNode], going: MoveProgress
+    look: RuleContext, routine: s.Routine, body: Sequence[s.StatementNode], going: _MoveProgress
 ) -> Found:
     for statement in body:
         if (
@@ -161,12 +161,12 @@ def _follow_moves(
         match statement:
             case s.MoveRunNode(run):
                 going = _progress_of_zone(look, run.motions[-1].zone, routine)
-            case s.ProcedureCall(str(name)) if name.lower() in ZONE_POSITIONS:
+            case s.ProcedureCall(str(name)) if name.lower() in _ZONE_POSITIONS:
                 going = _progress_of_move(look, statement, name.lower(), routine)
-            case s.ProcedureCall(str(name)) if name.lower() in SETTING_INSTRUCTIONS:
+            case s.ProcedureCall(str(name)) if name.lower() in _SETTING_INSTRUCTIONS:
                 if going:
                     yield look.finding(rules.ON_THE_FLY, statement, word=name)
-            case s.ProcedureCall(str(name)) if name.lower() in INSTANT_INSTRUCTIONS:
+            case s.ProcedureCall(str(name)) if name.lower() in _INSTANT_INSTRUCTIONS:
                 pass
             case s.Assignment() | s.CommentLine() | s.Placeholder():
                 pass
@@ -179,24 +179,24 @@ def _follow_moves(
 def _reads_position(statement: s.Assignment | s.ProcedureCall) -> bool:
     """True if a statement reads the position of the robot."""
     return any(
-        isinstance(node, s.FunctionCall) and node.name.lower() in POSITION_FUNCTIONS
+        isinstance(node, s.FunctionCall) and node.name.lower() in _POSITION_FUNCTIONS
         for node in nodes(statement)
     )
 
 
 def _progress_of_move(
     look: RuleContext, call: s.ProcedureCall, name: str, routine: s.Routine
-) -> MoveProgress:
+) -> _MoveProgress:
     if option(call, "conc"):
         return "aside"
     if option(call, "z", "inpos"):
         return ""
     plain = positional(call)
-    zone = name_of(plain[ZONE_POSITIONS[name]]) if len(plain) >= -ZONE_POSITIONS[name] else ""
+    zone = name_of(plain[_ZONE_POSITIONS[name]]) if len(plain) >= -_ZONE_POSITIONS[name] else ""
     return _progress_of_zone(look, zone, routine) if zone else ""
 
 
-def _progress_of_zone(look: RuleContext, zone: str, routine: s.Routine) -> MoveProgress:
+def _progress_of_zone(look: RuleContext, zone: str, routine: s.Routine) -> _MoveProgress:
     """`on the fly` for a zone that surely has a size."""
     found = look.find(zone, routine)
     if found is None:
@@ -246,18 +246,18 @@ def long_trigger_times(look: RuleContext) -> Found:
                 yield look.finding(rules.LONG_TIME, given[1], most=LONGEST_TRIGGER_TIME)
 
 
-LEAST_APART: Final = 0.1
+_LEAST_APART: Final = 0.1
 """mm between start, circle point and end (instruction manual, MoveC)."""
-LEAST_ANGLE: Final = 1.0
+_LEAST_ANGLE: Final = 1.0
 """degrees between circle point and end, seen from the start (instruction manual, MoveC)."""
-MOST_ARCS_REPORTED: Final = 100
+_MOST_ARCS_REPORTED: Final = 100
 """Arcs of a list of statements with the same mistake that are reported one by one."""
-LONGEST_ARC: Final = 240.0
+_LONGEST_ARC: Final = 240.0
 """degrees that an arc should go round at most."""
-TARGET_COUNTS: Final = {"movej": 1, "movel": 1, "movec": 2}
+_TARGET_COUNTS: Final = {"movej": 1, "movel": 1, "movec": 2}
 """Plain moves with the number of their targets."""
 
-ToolAndFrame = tuple[str, str]
+_ToolAndFrame = tuple[str, str]
 """The tool and the work object of a move, lower case."""
 
 
@@ -278,7 +278,7 @@ def _moves_of_list(
 ) -> Moves[s.Node] | None:
     """Follows the robot through a list of statements; after what is no move it is nowhere."""
     found: Follower[s.Node] = Follower()
-    here: ToolAndFrame | None = None
+    here: _ToolAndFrame | None = None
     own = {d.type.lower() for d in look.frame(routine)}
     for node in body:
         if isinstance(node, s.MoveRunNode):
@@ -307,13 +307,13 @@ def _moves_of_list(
     return found.moves()
 
 
-def _tool_and_frame(motion: MotionNames) -> ToolAndFrame:
+def _tool_and_frame(motion: MotionNames) -> _ToolAndFrame:
     return motion.tool.lower(), (motion.frame or "wobj0").lower()
 
 
-def _targets_of_move(call: s.ProcedureCall) -> tuple[list[s.Expression], ToolAndFrame] | None:
+def _targets_of_move(call: s.ProcedureCall) -> tuple[list[s.Expression], _ToolAndFrame] | None:
     """Targets of a plain move, with its tool and work object; None for anything else."""
-    count = TARGET_COUNTS.get(str(call.name).lower())
+    count = _TARGET_COUNTS.get(str(call.name).lower())
     plain = positional(call)
     if count is None or len(plain) != count + 3:
         return None
@@ -327,18 +327,18 @@ def _arc_findings(look: RuleContext, moves: Moves[s.Node]) -> Found:
     measures = ArcMeasures.through(
         np.stack([moves.before[rows], moves.vias[rows], moves.ends[rows]], axis=1)
     )
-    close = measures.sides < LEAST_APART  # NaN is no length, so it never is
+    close = measures.sides < _LEAST_APART  # NaN is no length, so it never is
     plain = ~close.any(axis=1) & ~np.isnan(measures.sides).any(axis=1)
-    straight = measures.apart < LEAST_ANGLE
+    straight = measures.apart < _LEAST_ANGLE
     for rule, what, bad in (
         (rules.ARC_CLOSE, "start and circle point", close[:, 0]),
         (rules.ARC_CLOSE, "circle point and end", close[:, 1]),
         (rules.ARC_CLOSE, "start and end", close[:, 2]),
         (rules.ARC_STRAIGHT, "", plain & straight),
-        (rules.ARC_LONG, "", plain & ~straight & (measures.around > LONGEST_ARC)),
+        (rules.ARC_LONG, "", plain & ~straight & (measures.around > _LONGEST_ARC)),
     ):
         faults = np.flatnonzero(bad)
-        for number, at in enumerate(faults[:MOST_ARCS_REPORTED].tolist(), 1):
+        for number, at in enumerate(faults[:_MOST_ARCS_REPORTED].tolist(), 1):
             row = rows[at]
             yield look.finding(
                 rule,
@@ -347,7 +347,7 @@ def _arc_findings(look: RuleContext, moves: Moves[s.Node]) -> Found:
                 what=what,
                 angle=float(measures.around[at]),
                 more=like_it(
-                    len(faults) - MOST_ARCS_REPORTED if number == MOST_ARCS_REPORTED else 0
+                    len(faults) - _MOST_ARCS_REPORTED if number == _MOST_ARCS_REPORTED else 0
                 ),
             )
 

@@ -26,21 +26,21 @@ from assistant.languages.rapid.tree.walk import name_of, nodes, option, position
 from assistant.languages.records import shape
 from assistant.languages.signatures import Signature
 
-OFF_UNIT: Final = 1e-5
+_OFF_UNIT: Final = 1e-5
 """Most that the squares of a quaternion may miss 1 by; beyond it NOrient has to mend it."""
-NO_QUATERNION: Final = 1e-3
+_NO_QUATERNION: Final = 1e-3
 """Beyond this it is no rounded quaternion: four decimals are off by 2e-4 at most."""
-MOST_TURNS: Final = 127
+_MOST_TURNS: Final = 127
 """Quadrants are counted in turns of an axis, of which no arm has 32."""
-CFX_VALUES: Final = 8
+_CFX_VALUES: Final = 8
 """Values of cfx of an arm with six axes, from 0."""
-SEVEN_AXIS_CODES: Final = (10, 9999)
+_SEVEN_AXIS_CODES: Final = (10, 9999)
 """An arm with seven axes has a code of up to four digits; those of one are as above."""
 
-MOST_TARGETS_REPORTED: Final = 100
+_MOST_TARGETS_REPORTED: Final = 100
 """Targets of one module with the same mistake that are reported one by one."""
 
-FindingFields = Callable[[int], dict[str, Any]]
+_FindingFields = Callable[[int], dict[str, Any]]
 """Fields of the finding at a row; `severity` may be one of them."""
 
 
@@ -49,7 +49,7 @@ class _FaultyRows(NamedTuple):
 
     node: s.Node
     rows: Rows
-    words: FindingFields
+    words: _FindingFields
 
 
 class _WrittenTargets(NamedTuple):
@@ -77,7 +77,7 @@ def quaternion_lengths(look: RuleContext) -> Found:
         off = np.abs((q * q).sum(axis=1) - 1.0)
         zero = ~q.any(axis=1)
         lengths.append(
-            _FaultyRows(node, np.flatnonzero((off > OFF_UNIT) & ~zero), _length_fields(name, off))
+            _FaultyRows(node, np.flatnonzero((off > _OFF_UNIT) & ~zero), _length_fields(name, off))
         )
         zeros.append(_FaultyRows(node, np.flatnonzero(zero), _name_fields(name)))
 
@@ -103,10 +103,10 @@ def configurations(look: RuleContext) -> Found:
     for node, values, name in written:
         confdata = values[:, 7:11]
         whole = np.isfinite(confdata) & (confdata == np.round(confdata))
-        quadrants = (whole[:, :3] & (np.abs(confdata[:, :3]) <= MOST_TURNS)).all(axis=1)
+        quadrants = (whole[:, :3] & (np.abs(confdata[:, :3]) <= _MOST_TURNS)).all(axis=1)
         cfx = confdata[:, 3]
-        known = ((cfx >= 0) & (cfx < CFX_VALUES)) | (
-            (cfx >= SEVEN_AXIS_CODES[0]) & (cfx <= SEVEN_AXIS_CODES[1])
+        known = ((cfx >= 0) & (cfx < _CFX_VALUES)) | (
+            (cfx >= _SEVEN_AXIS_CODES[0]) & (cfx <= _SEVEN_AXIS_CODES[1])
         )
         sound, words = quadrants & whole[:, 3], _confdata_fields(name, confdata)
         odd.append(_FaultyRows(node, np.flatnonzero(~sound), words))
@@ -135,21 +135,21 @@ def _constant_name(name: str) -> Callable[[int], str]:
     return lambda _: name
 
 
-def _name_fields(name: Callable[[int], str]) -> FindingFields:
+def _name_fields(name: Callable[[int], str]) -> _FindingFields:
     return lambda row: {"name": name(row)}
 
 
-def _length_fields(name: Callable[[int], str], off: Floats) -> FindingFields:
+def _length_fields(name: Callable[[int], str], off: Floats) -> _FindingFields:
     """off: (n,) by which the squares of each row miss 1."""
 
     def words(row: int) -> dict[str, Any]:
-        severity = Severity.ERROR if off[row] > NO_QUATERNION else Severity.WARNING
+        severity = Severity.ERROR if off[row] > _NO_QUATERNION else Severity.WARNING
         return {"name": name(row), "off": float(off[row]), "severity": severity}
 
     return words
 
 
-def _confdata_fields(name: Callable[[int], str], confdata: Floats) -> FindingFields:
+def _confdata_fields(name: Callable[[int], str], confdata: Floats) -> _FindingFields:
     """confdata: (n, 4) of the rows."""
 
     def words(row: int) -> dict[str, Any]:
@@ -191,11 +191,11 @@ def _report_rows(
     listed.sort(key=lambda fault: fault.node.span.start if fault.node.span else 0)
     count = sum(len(fault.rows) for fault in listed)
     each = ((fault, int(row)) for fault in listed for row in fault.rows)
-    for number, (fault, row) in enumerate(islice(each, MOST_TARGETS_REPORTED), 1):
+    for number, (fault, row) in enumerate(islice(each, _MOST_TARGETS_REPORTED), 1):
         node = fault.node
         if isinstance(node, s.RunNode):
             node = place(look.single(node, row))
-        more = like_it(count - MOST_TARGETS_REPORTED if number == MOST_TARGETS_REPORTED else 0)
+        more = like_it(count - _MOST_TARGETS_REPORTED if number == _MOST_TARGETS_REPORTED else 0)
         yield look.finding(rule, node, more=more, **fault.words(row))
 
 
@@ -225,7 +225,7 @@ def _orientations(
 TOOL: Final = "tooldata"
 FRAME: Final = "wobjdata"
 LOAD: Final = "loaddata"
-EQUIPMENT_SHAPES: Final[Mapping[str, str]] = {
+_EQUIPMENT_SHAPES: Final[Mapping[str, str]] = {
     TOOL: "b[[nnn][nnnn]][n[nnn][nnnn]nnn]",
     FRAME: "bbt[[nnn][nnnn]][[nnn][nnnn]]",
     LOAD: "n[nnn][nnnn]nnn",
@@ -246,11 +246,11 @@ def equipment_values(look: RuleContext) -> Found:
     moved = look.task.once(_moved_equipment)
     for data in look.all(s.Data):
         type = data.type.lower()
-        if type not in EQUIPMENT_SHAPES or data.value is None or data.name.lower() in given:
+        if type not in _EQUIPMENT_SHAPES or data.value is None or data.name.lower() in given:
             continue
         used = data.name.lower() in moved
         for node, value in _equipment_records(data.value, len(data.dimensions)):
-            if shape(value) == EQUIPMENT_SHAPES[type]:
+            if shape(value) == _EQUIPMENT_SHAPES[type]:
                 yield from _equipment_value(look, data, node, type, value, used)
 
 
@@ -335,7 +335,7 @@ def _robot_holds(look: RuleContext, routine: s.Routine, name: str, type: str) ->
     if not isinstance(data, s.Data) or data.type.lower() != type or data.dimensions:
         return None
     value = literal_values(data.value)
-    return bool(value[0]) if shape(value) == EQUIPMENT_SHAPES[type] else None
+    return bool(value[0]) if shape(value) == _EQUIPMENT_SHAPES[type] else None
 
 
 def _moved_equipment(task: Task) -> set[str]:

@@ -63,7 +63,7 @@ class Task(CachedResults):
                     self.runs.append((module, item))
                 declared = declaration(item, module)
                 if declared is not None:
-                    declare(own if declared.local else self.shared, item, declared)
+                    _declare(own if declared.local else self.shared, item, declared)
 
     def levels(self, module: s.Node) -> tuple[Symbols[s.Node], Symbols[s.Node]]:
         """Return the names visible in a module: its LOCAL names first, then the global ones."""
@@ -104,7 +104,7 @@ class Task(CachedResults):
         return len(self._mains) > 1 or len(set(names)) < len(names)
 
 
-def declare(symbols: Symbols[s.Node], item: Any, declared: Declared) -> None:
+def _declare(symbols: Symbols[s.Node], item: Any, declared: Declared) -> None:
     """Adds what an item declares, of a long run every row."""
     if isinstance(item, s.TargetRunNode):
         symbols.add_rows(item.run.names, declared)
@@ -169,7 +169,7 @@ class RuleContext(CachedResults):
             frame = self._frames[id(routine)] = Symbols()
             for item in (*parameters(routine), *routine.body):
                 if (declared := declaration(item, self.module)) is not None:
-                    declare(frame, item, replace(declared, local=True))
+                    _declare(frame, item, replace(declared, local=True))
         return frame
 
     @cached_property
@@ -219,22 +219,22 @@ class RuleContext(CachedResults):
 
 NUMBER: Final = "number"
 """Type of a numeric literal, which is a num or a dnum as the place wants it."""
-NUMERIC: Final = frozenset({"num", "dnum"})
+_NUMERIC: Final = frozenset({"num", "dnum"})
 LOGICAL: Final = frozenset({"OR", "XOR", "AND"})
 SIGNAL_TYPES: Final = frozenset({f"signal{kind}{way}" for kind in "adg" for way in "io"})
 OPERATORS: Final = Operators(
     always=dict.fromkeys((*LOGICAL, *e.RELATIONS), "bool"),
     made={
-        **{(o, n, n): n for o in ("+", "-", "*", "/", "DIV", "MOD") for n in NUMERIC},
+        **{(o, n, n): n for o in ("+", "-", "*", "/", "DIV", "MOD") for n in _NUMERIC},
         ("+", "string", "string"): "string",
         **{(o, "pos", "pos"): "pos" for o in "+-*"},
         **{(o, "pos", "num"): "pos" for o in "*/"},
         ("*", "num", "pos"): "pos",
         ("*", "orient", "orient"): "orient",
     },
-    choices={NUMBER: NUMERIC},
-    copied=dict.fromkeys(SIGNAL_TYPES, NUMERIC),
-    ordered=NUMERIC,
+    choices={NUMBER: _NUMERIC},
+    copied=dict.fromkeys(SIGNAL_TYPES, _NUMERIC),
+    ordered=_NUMERIC,
 )
 
 
@@ -369,7 +369,7 @@ class Scope(Kinds[s.Expression]):
         return kind
 
 
-LEAF_NODES: Final = frozenset(
+_LEAF_NODES: Final = frozenset(
     {s.NumberLiteral, s.StringLiteral, s.BoolLiteral, s.NameRef, s.CommentLine, s.Placeholder}
 )
 """Most of a tree: nodes without anything inside, and without rules but for few names."""
@@ -397,7 +397,7 @@ def _walk_scopes(look: RuleContext) -> Iterator[tuple[s.Node, Scope]]:
     odd = look.task.valueless
 
     def is_leaf(node: Any) -> bool:
-        return type(node) in LEAF_NODES and not (
+        return type(node) in _LEAF_NODES and not (
             isinstance(node, s.NameRef) and node.name.lower() in odd
         )
 

@@ -28,14 +28,14 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import lists, map_lists, nodes
 from assistant.languages.runs.columns import Names
 
-Fit = Literal["plain", "unknown", "odd"]
+_Fit = Literal["plain", "unknown", "odd"]
 """Fit of a name in a move: data of the right kind, not data of the given modules, or something
 else.
 """
 
-TYPES: Final = ("speeddata", "zonedata", "tooldata", "wobjdata")
+_TYPES: Final = ("speeddata", "zonedata", "tooldata", "wobjdata")
 """Kinds of the words after the target of a move."""
-STORAGES: Final = {
+_STORAGES: Final = {
     "robtarget": ("CONST", "PERS"),
     "tooldata": ("PERS",),
     "wobjdata": ("PERS",),
@@ -226,7 +226,7 @@ class _Moves:
         single = np.zeros(len(run), dtype=bool)
         for at, motion in enumerate(run.motions.table):
             given = (motion.speed, motion.zone, motion.tool, motion.frame)
-            fits = {names.fit(*pair) for pair in zip(given, TYPES, strict=True) if pair[0]}
+            fits = {names.fit(*pair) for pair in zip(given, _TYPES, strict=True) if pair[0]}
             if "odd" in fits:
                 single |= run.motions.index == at
             elif "unknown" in fits and self.unknown:
@@ -240,7 +240,7 @@ class _Moves:
         named = np.array([bool(stem) for stem in column.stems])[column.stem] | (column.number >= 0)
         shared, own = self.targets
         known = (shared.among(column) | own.among(column)) & ~names.inner.among(column)
-        found: dict[str, Fit] = {}
+        found: dict[str, _Fit] = {}
         for row in np.flatnonzero(named & ~known).tolist():
             low = column.name(row).lower()
             first = low not in found
@@ -257,7 +257,7 @@ class _Names:
         self.inner = NameSet()
         self.inner.words |= {*look.frame(routine).names, *loops}
 
-    def fit(self, name: str, type: str) -> Fit:
+    def fit(self, name: str, type: str) -> _Fit:
         """Classify a name where data of a type are expected."""
         low = name.lower()
         found = None if low in self.loops else self.look.find(low, self.routine)
@@ -267,13 +267,13 @@ class _Names:
             return self._predefined(low, type)
         match found.node:
             case s.Data(dimensions=()) | s.ParameterNode(dimensions=0):
-                storages = STORAGES.get(type)
+                storages = _STORAGES.get(type)
                 fits = found.type.lower() == type and found.kind in (storages or (found.kind,))
                 several = len(self.look.task.shared.all(low)) > 1
                 return "plain" if fits and not several else "odd"
         return "odd"
 
-    def _predefined(self, low: str, type: str) -> Fit:
+    def _predefined(self, low: str, type: str) -> _Fit:
         standard = predefined.data().get(low)
         if standard is not None:
             return "plain" if standard.type.lower() == type else "odd"

@@ -2,7 +2,7 @@
 
 Calls (a routine of that name, arguments that fit its signature), names of data, types, components
 and errors that nothing declares, and the types of values: aggregates, initial values, assignments,
-indices, operands, conditions. One walk over a module; `RULES_BY_CONSTRUCT` lists the rules of each
+indices, operands, conditions. One walk over a module; `_RULES_BY_CONSTRUCT` lists the rules of each
 node type.
 """
 
@@ -41,7 +41,7 @@ from assistant.languages.rapid.tree.walk import root
 from assistant.languages.signatures import Call, Given, Misfit, Parameter, Signature, Slot
 
 CallNode = s.ProcedureCall | s.FunctionCall
-MISFIT_RULES: Final[Mapping[Misfit, Rule]] = {
+_MISFIT_RULES: Final[Mapping[Misfit, Rule]] = {
     Misfit.MISSING: rules.MISSING_ARGUMENTS,
     Misfit.TOO_MANY: rules.TOO_MANY,
     Misfit.OTHER_NAME: rules.WRONG_NAME,
@@ -82,12 +82,12 @@ def _parameter(node: s.ParameterNode) -> Parameter:
     return Parameter(node.name, node.type.lower(), node.mode, node.dimensions)
 
 
-def argument_misfits(node: CallNode, call: Call[s.Node], scope: Scope) -> Found:
+def _argument_misfits(node: CallNode, call: Call[s.Node], scope: Scope) -> Found:
     """Arguments that are missing, too many, unknown, named wrongly, or given twice."""
     routine = call.routine
     standard = routine is signature(routine.name)
     for what, at, fields in call.misfits(scope.suits, any_name=standard):
-        rule = rules.NEW_OPTION if what is Misfit.UNKNOWN and standard else MISFIT_RULES[what]
+        rule = rules.NEW_OPTION if what is Misfit.UNKNOWN and standard else _MISFIT_RULES[what]
         if what is Misfit.UNKNOWN:
             names = [one.name for _, one in call.options.values()]
             fields["hint"] = _option_hint(fields["option"], names)
@@ -111,8 +111,8 @@ def _call_usage(routine: Signature) -> str:
     return f"{routine.name} {names}".rstrip()
 
 
-def unknown_component(node: s.Component, scope: Scope) -> Found:
-    yield from unknown_data(node.value, scope)
+def _unknown_component(node: s.Component, scope: Scope) -> Found:
+    yield from _unknown_data(node.value, scope)
     kind = scope.kind(node.value)
     if kind is None or kind.dimensions:
         return
@@ -127,8 +127,8 @@ def unknown_component(node: s.Component, scope: Scope) -> Found:
         )
 
 
-def index_count(node: s.Element, scope: Scope) -> Found:
-    yield from unknown_data(node.value, scope)
+def _index_count(node: s.Element, scope: Scope) -> Found:
+    yield from _unknown_data(node.value, scope)
     kind = scope.kind(node.value)
     if kind is not None and kind.dimensions not in (-1, len(node.indices)):
         yield scope.look.finding(
@@ -136,11 +136,11 @@ def index_count(node: s.Element, scope: Scope) -> Found:
         )
 
 
-def assigned_data(node: s.Assignment, scope: Scope) -> Found:
-    yield from unknown_data(node.target, scope)
+def _assigned_data(node: s.Assignment, scope: Scope) -> Found:
+    yield from _unknown_data(node.target, scope)
 
 
-def unknown_data(node: s.Expression, scope: Scope) -> Found:
+def _unknown_data(node: s.Expression, scope: Scope) -> Found:
     """A name that can be no signal and that no given module declares, at its first use."""
     if not isinstance(node, s.NameRef) or scope.find(node.name) is not None:
         return
@@ -151,7 +151,7 @@ def unknown_data(node: s.Expression, scope: Scope) -> Found:
         yield scope.look.finding(rules.UNKNOWN_DATA, node, name=node.name)
 
 
-def name_without_value(node: s.NameRef, scope: Scope) -> Found:
+def _name_without_value(node: s.NameRef, scope: Scope) -> Found:
     """The name of a routine, of a type or of a module, where data should stand."""
     found = scope.find(node.name)
     if found is not None:
@@ -169,7 +169,7 @@ def name_without_value(node: s.NameRef, scope: Scope) -> Found:
         )
 
 
-def unknown_errors(
+def _unknown_errors(
     node: s.RaiseError | s.Handler | s.Infix | s.TestOf | s.Assignment, scope: Scope
 ) -> Found:
     """Names of errors: those that are raised, handled, assigned, or compared with a number."""
@@ -189,7 +189,7 @@ def unknown_errors(
             named, sure = (value,), _is_errnum(target, scope)
     for one in named:
         if isinstance(one, s.NameRef) and (sure or one.name.startswith("ERR_")):
-            yield from unknown_data(one, scope)
+            yield from _unknown_data(one, scope)
 
 
 def _is_errnum(value: s.Expression, scope: Scope) -> bool:
@@ -201,11 +201,11 @@ def _is_errnum(value: s.Expression, scope: Scope) -> bool:
     return type.lower() == "errnum"
 
 
-def unknown_type(node: s.Data | s.ParameterNode | s.Routine, scope: Scope) -> Found:
+def _unknown_type(node: s.Data | s.ParameterNode | s.Routine, scope: Scope) -> Found:
     yield from _unknown_types((node.type,) if node.type else (), node, scope)
 
 
-def unknown_component_types(node: s.Record, scope: Scope) -> Found:
+def _unknown_component_types(node: s.Record, scope: Scope) -> Found:
     yield from _unknown_types((type for type, _ in node.components), node, scope)
 
 
@@ -221,27 +221,27 @@ def _unknown_types(names: Iterable[str], node: s.Node, scope: Scope) -> Found:
             yield scope.look.finding(rules.UNKNOWN_TYPE, node, name=name, severity=unsure)
 
 
-UNFIT_RULES: Final[Mapping[Unfit, Rule]] = {
+_UNFIT_RULES: Final[Mapping[Unfit, Rule]] = {
     Unfit.TYPE: rules.WRONG_VALUE,
     Unfit.ELEMENTS: rules.ELEMENT_COUNT,
     Unfit.COMPONENTS: rules.COMPONENT_COUNT,
 }
-CONDITION_TYPES: Final = SIGNAL_TYPES | {"bool"}
+_CONDITION_TYPES: Final = SIGNAL_TYPES | {"bool"}
 """Types of conditions."""
 
 
-def initial_value(node: s.Data, scope: Scope) -> Found:
+def _initial_value(node: s.Data, scope: Scope) -> Found:
     kind = scope.of(node.type)
     if node.value is not None and kind is not None and not predefined.is_handle(kind.type):
         sizes = tuple(_known_extent(size, scope) for size in node.dimensions)
-        yield from unfit_value(node.value, kind.type, sizes, scope)
+        yield from _unfit_value(node.value, kind.type, sizes, scope)
 
 
-def assigned_value(node: s.Assignment, scope: Scope) -> Found:
+def _assigned_value(node: s.Assignment, scope: Scope) -> Found:
     yield from _value_of_kind(node.value, scope.kind(node.target), scope)
 
 
-def returned_value(node: s.ReturnFrom, scope: Scope) -> Found:
+def _returned_value(node: s.ReturnFrom, scope: Scope) -> Found:
     routine = scope.routine
     if routine is not None and routine.kind == "FUNC" and node.value is not None:
         yield from _value_of_kind(node.value, scope.of(routine.type), scope)
@@ -249,13 +249,13 @@ def returned_value(node: s.ReturnFrom, scope: Scope) -> Found:
 
 def _value_of_kind(value: s.Expression, kind: Kind | None, scope: Scope) -> Found:
     if kind is not None and kind.dimensions >= 0:
-        yield from unfit_value(value, kind.type, (None,) * kind.dimensions, scope)
+        yield from _unfit_value(value, kind.type, (None,) * kind.dimensions, scope)
 
 
-def unfit_value(value: s.Expression, type: str, sizes: Sizes, scope: Scope) -> Found:
+def _unfit_value(value: s.Expression, type: str, sizes: Sizes, scope: Scope) -> Found:
     """Report the faults of a value where a type, or an array of it, is required."""
     for what, part, fields in scope.unfit(value, type, sizes):
-        yield scope.look.finding(UNFIT_RULES[what], part, **fields)
+        yield scope.look.finding(_UNFIT_RULES[what], part, **fields)
 
 
 def _known_extent(size: s.Expression, scope: Scope) -> int | None:
@@ -272,7 +272,7 @@ def _known_extent(size: s.Expression, scope: Scope) -> int | None:
     return None if number is None or not math.isfinite(number) else int(number)
 
 
-def index_range(node: s.Element, scope: Scope) -> Found:
+def _index_range(node: s.Element, scope: Scope) -> Found:
     """Indices that are known and no element has."""
     kind = scope.kind(node.value)
     if not isinstance(node.value, s.NameRef) or kind is None:
@@ -291,23 +291,23 @@ def index_range(node: s.Element, scope: Scope) -> Found:
             yield scope.look.finding(rules.INDEX_RANGE, node, index=at, name=name, to=to)
 
 
-def condition_type(node: s.IfBranch | s.CompactIf | s.WhileLoop, scope: Scope) -> Found:
+def _condition_type(node: s.IfBranch | s.CompactIf | s.WhileLoop, scope: Scope) -> Found:
     if node.condition is not None:
         yield from _truth_value(node.condition, scope)
 
 
 def _truth_value(value: s.Expression, scope: Scope) -> Found:
     kind = scope.kind(value)
-    if kind is not None and kind.type not in CONDITION_TYPES:
+    if kind is not None and kind.type not in _CONDITION_TYPES:
         yield scope.look.finding(rules.NO_TRUTH, value, given=kind)
 
 
-def negated_operand(node: s.Prefix, scope: Scope) -> Found:
+def _negated_operand(node: s.Prefix, scope: Scope) -> Found:
     if node.operator == "NOT":
         yield from _truth_value(node.operand, scope)
 
 
-def operand_types(node: s.Infix, scope: Scope) -> Found:
+def _operand_types(node: s.Infix, scope: Scope) -> Found:
     if node.operator in LOGICAL:
         yield from _truth_value(node.left, scope)
         yield from _truth_value(node.right, scope)
@@ -326,7 +326,7 @@ def operand_types(node: s.Infix, scope: Scope) -> Found:
         )
 
 
-def case_types(node: s.TestOf, scope: Scope) -> Found:
+def _case_types(node: s.TestOf, scope: Scope) -> Found:
     subject = scope.read(node.subject)
     for value in (value for case in node.cases for value in case.values):
         given = scope.read(value)
@@ -334,12 +334,12 @@ def case_types(node: s.TestOf, scope: Scope) -> Found:
             yield scope.look.finding(rules.WRONG_VALUE, value, given=given, wanted=subject)
 
 
-ROUTINE_KINDS: Final = ("PROC", "FUNC")
+_ROUTINE_KINDS: Final = ("PROC", "FUNC")
 _SIGNAL_VALUE_TYPES: Final = frozenset({"num", "dnum", "bool"})
 """Types of values that may be the state of a signal."""
 
 
-def procedure_call(node: s.ProcedureCall, scope: Scope) -> Found:
+def _procedure_call(node: s.ProcedureCall, scope: Scope) -> Found:
     if isinstance(node.name, str):
         yield from _routine_call(node, node.name, "PROC", scope)
 
@@ -348,8 +348,8 @@ def function_call(node: s.FunctionCall, scope: Scope) -> Found:
     yield from _routine_call(node, node.name, "FUNC", scope)
 
 
-def connected_trap(node: s.Connect, scope: Scope) -> Found:
-    yield from unknown_data(node.interrupt, scope)
+def _connected_trap(node: s.Connect, scope: Scope) -> Found:
+    yield from _unknown_data(node.interrupt, scope)
     if scope.find(node.trap) is None and scope.look.first("routine", node.trap):
         severity = scope.look.task.unsure
         yield scope.look.finding(rules.UNKNOWN_ROUTINE, node, name=node.trap, severity=severity)
@@ -366,10 +366,10 @@ def _routine_call(
             return
     elif scope.doubtful(found):
         return
-    elif found.kind in ROUTINE_KINDS and isinstance(found.node, s.Routine):
+    elif found.kind in _ROUTINE_KINDS and isinstance(found.node, s.Routine):
         routine = signature_of(found.node)
     else:
-        what = STORAGE_TEXTS.get(found.kind, f"a {found.kind}")
+        what = _STORAGE_TEXTS.get(found.kind, f"a {found.kind}")
         yield scope.look.finding(rules.NOT_A_ROUTINE, node, name=name, what=what)
         return
     if routine.kind != kind:
@@ -377,7 +377,7 @@ def _routine_call(
         yield scope.look.finding(rule, node, name=routine.name)
         return
     call = call_of(node, routine)
-    yield from argument_misfits(node, call, scope)
+    yield from _argument_misfits(node, call, scope)
     for value, parameters in call.bound():
         yield from _argument_value(value, parameters, routine, scope)
 
@@ -412,7 +412,7 @@ def _fits_routine(node: s.ProcedureCall | s.FunctionCall, routine: Signature, sc
     one.
     """
     call = call_of(node, routine)
-    return not any(argument_misfits(node, call, scope)) and all(
+    return not any(_argument_misfits(node, call, scope)) and all(
         scope.suiting(value, parameters) for value, parameters in call.bound()
     )
 
@@ -430,11 +430,11 @@ def _argument_value(
             if routine.name.lower() not in MOVE_WORDS:  # else the rule of moves has said it
                 yield from unknown_setting(scope.look, value, value.name, type)
         elif all(_is_data(one, scope) for one in parameters):
-            yield from unknown_data(value, scope)
+            yield from _unknown_data(value, scope)
     if isinstance(value, s.AggregateNode) and not any(one.mode for one in parameters):
         base = scope.types.base(parameters[0].type)
         if len(parameters) == 1 and base and not parameters[0].dimensions:
-            yield from unfit_value(value, base, (), scope)
+            yield from _unfit_value(value, base, (), scope)
         return
     fit = scope.suiting(value, parameters)
     if not fit:
@@ -473,14 +473,16 @@ def _changed_argument(
         rule = rules.NO_REFERENCE if storage in ("value", "CONST", "FOR") else None
     if rule is not None:
         what = (
-            f"`{data.name}`, which is {STORAGE_TEXTS[storage]}" if data is not None else VALUE_TEXT
+            f"`{data.name}`, which is {_STORAGE_TEXTS[storage]}"
+            if data is not None
+            else _VALUE_TEXT
         )
         words: dict[str, Any] = {"parameter": parameter.name, "mode": parameter.mode, "what": what}
         yield scope.look.finding(rule, value, routine=routine.name, **words)
 
 
-VALUE_TEXT: Final = "a value that is calculated or written out"
-STORAGE_TEXTS: Final = {
+_VALUE_TEXT: Final = "a value that is calculated or written out"
+_STORAGE_TEXTS: Final = {
     "VAR": "a VAR",
     "CONST": "a CONST",
     "PERS": "a PERS",
@@ -498,34 +500,34 @@ def _storage_of(data: s.NameRef, scope: Scope) -> str:
     return standard.storage if standard else ""
 
 
-ConstructRules = tuple[Callable[[Any, Scope], Found], ...]
+_ConstructRules = tuple[Callable[[Any, Scope], Found], ...]
 
-RULES_BY_CONSTRUCT: Final[Mapping[type, ConstructRules]] = {
-    s.ProcedureCall: (procedure_call,),
+_RULES_BY_CONSTRUCT: Final[Mapping[type, _ConstructRules]] = {
+    s.ProcedureCall: (_procedure_call,),
     s.FunctionCall: (function_call,),
-    s.NameRef: (name_without_value,),
-    s.Connect: (connected_trap,),
-    s.Component: (unknown_component,),
-    s.Element: (index_count, index_range),
-    s.Assignment: (assigned_data, unknown_errors, assigned_value),
-    s.Data: (unknown_type, initial_value),
-    s.ParameterNode: (unknown_type,),
-    s.Routine: (unknown_type,),
-    s.Record: (unknown_component_types,),
-    s.RaiseError: (unknown_errors,),
-    s.Handler: (unknown_errors,),
-    s.Infix: (unknown_errors, operand_types),
-    s.IfBranch: (condition_type,),
-    s.CompactIf: (condition_type,),
-    s.WhileLoop: (condition_type,),
-    s.ReturnFrom: (returned_value,),
-    s.TestOf: (unknown_errors, case_types),
-    s.Prefix: (negated_operand,),
+    s.NameRef: (_name_without_value,),
+    s.Connect: (_connected_trap,),
+    s.Component: (_unknown_component,),
+    s.Element: (_index_count, _index_range),
+    s.Assignment: (_assigned_data, _unknown_errors, _assigned_value),
+    s.Data: (_unknown_type, _initial_value),
+    s.ParameterNode: (_unknown_type,),
+    s.Routine: (_unknown_type,),
+    s.Record: (_unknown_component_types,),
+    s.RaiseError: (_unknown_errors,),
+    s.Handler: (_unknown_errors,),
+    s.Infix: (_unknown_errors, _operand_types),
+    s.IfBranch: (_condition_type,),
+    s.CompactIf: (_condition_type,),
+    s.WhileLoop: (_condition_type,),
+    s.ReturnFrom: (_returned_value,),
+    s.TestOf: (_unknown_errors, _case_types),
+    s.Prefix: (_negated_operand,),
 }
 """One line adds a rule of a construct."""
 
 
 def uses_by_construct(look: RuleContext) -> Found:
     for node, scope in look.once(scoped_nodes):
-        for rule in RULES_BY_CONSTRUCT.get(type(node), ()):
+        for rule in _RULES_BY_CONSTRUCT.get(type(node), ()):
             yield from rule(node, scope)

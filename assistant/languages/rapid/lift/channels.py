@@ -49,7 +49,7 @@ from assistant.program.rewriting import (
 _WITHOUT_MODE: Final = ("open", "close")
 
 
-def file_modes(program: Program) -> Mapping[str, p.ChannelMode]:
+def _file_modes(program: Program) -> Mapping[str, p.ChannelMode]:
     """Which of the two, by lower-case name; without those of which neither is sure."""
     ways: dict[str, set[str]] = {}
     for node in program.statements():
@@ -98,7 +98,7 @@ def _files_in_tree(tree: Any) -> Iterator[tuple[str, str]]:
                     yield call.name, argument.value.name
 
 
-STATUS_FUNCTION: Final = "socketgetstatus"
+_STATUS_FUNCTION: Final = "socketgetstatus"
 _STATE_CHANGES: Final = {
     "socketcreate": (0, 1), "socketconnect": (0, 2), "socketaccept": (1, 2),
     "socketbind": (0, 3), "socketlisten": (0, 4), "socketclose": (0, 5),
@@ -108,7 +108,7 @@ afterwards.
 """
 
 
-class SocketStates:
+class _SocketStates:
     """names: of the variables of sockets by their lower-case names, where a program asks for more
     than whether one is connected.
     """
@@ -119,11 +119,11 @@ class SocketStates:
         plain: Counter[str] = Counter()
         for part in records((program.procedures, program.variables)):
             match part:
-                case e.Apply(function, (e.Name(name),)) if function.lower() == STATUS_FUNCTION:
+                case e.Apply(function, (e.Name(name),)) if function.lower() == _STATUS_FUNCTION:
                     asked.setdefault(name.lower(), name)
                     times[name.lower()] += 1
                 case e.Binary("=" | "<>", e.Apply(function, (e.Name(name),)), e.Name(state)) if (
-                    function.lower() == STATUS_FUNCTION and state.lower() == "socket_connected"
+                    function.lower() == _STATUS_FUNCTION and state.lower() == "socket_connected"
                 ):
                     plain[name.lower()] += 1
         other = {name for name, count in times.items() if count > plain[name]}
@@ -150,7 +150,7 @@ class SocketStates:
 
         def change(part: Any) -> Any:
             match part:
-                case e.Apply(function, (e.Name(name),)) if function.lower() == STATUS_FUNCTION:
+                case e.Apply(function, (e.Name(name),)) if function.lower() == _STATUS_FUNCTION:
                     own = self.names.get(name.lower())
                     return part if own is None else e.Name(own)
             return part
@@ -158,14 +158,14 @@ class SocketStates:
         return rewrite(program, change) if self.names else program
 
 
-GATEWAY_OPTION: Final = GATEWAY
-GREETING: Final = "GATEWAY 1"
+_GATEWAY_OPTION: Final = GATEWAY
+_GREETING: Final = "GATEWAY 1"
 """Greeting that both sides send when a connection opens: the number is the version of their
 protocol.
 """
 
 
-class Gateways:
+class _Gateways:
     """Those of a program. sockets: that need one, in lower case. answer: what one said first."""
 
     def __init__(self, program: Program) -> None:
@@ -186,9 +186,9 @@ class Gateways:
         """Behind what opens a socket that needs one."""
         if socket.lower() in self.sockets:
             answer = e.Name(self.answer)
-            yield p.Send(socket, "line", (e.Text(GREETING),))
+            yield p.Send(socket, "line", (e.Text(_GREETING),))
             yield p.Assign(answer, e.Apply("received", (e.Text(socket),)))
-            other = e.Binary("<>", answer, e.Text(GREETING))
+            other = e.Binary("<>", answer, e.Text(_GREETING))
             yield p.If((p.Branch(other, (p.Stop(end=True),)),))
 
     def tell(self, program: Program, findings: Findings) -> None:
@@ -207,7 +207,7 @@ class Gateways:
 
 def _gateway_socket(node: p.Statement) -> str:
     """The socket that a text says something for a gateway to, in lower case; else nothing."""
-    if not isinstance(node, p.Opaque) or f"\\{GATEWAY_OPTION}" not in node.text.lower():
+    if not isinstance(node, p.Opaque) or f"\\{_GATEWAY_OPTION}" not in node.text.lower():
         return ""
     match instruction_of(node):
         case s.ProcedureCall(arguments=(s.Positional(s.NameRef(name)), *_)):
@@ -215,26 +215,26 @@ def _gateway_socket(node: p.Statement) -> str:
     return ""
 
 
-CHANNEL_TYPES: Final = frozenset(("iodev", "socketdev"))
-SERIAL: Final = re.compile(r"com([1-8]):", re.IGNORECASE)
+_CHANNEL_TYPES: Final = frozenset(("iodev", "socketdev"))
+_SERIAL: Final = re.compile(r"com([1-8]):", re.IGNORECASE)
 MODES: Final[Mapping[str, p.ChannelMode]] = {"read": "read", "write": "write", "append": "append"}
-DEFAULT_TIMEOUT: Final = 60.0
+_DEFAULT_TIMEOUT: Final = 60.0
 r"""Seconds that a socket waits without `\Time` (reference manual: SocketAccept, SocketConnect)."""
-FOR_EVER: Final = "wait_max"
-LINE_END: Final = re.compile(r"\r\n?\Z|\n\Z")
+_FOR_EVER: Final = "wait_max"
+_LINE_END: Final = re.compile(r"\r\n?\Z|\n\Z")
 """The end of a line behind a text."""
 
-BYTES_REASON: Final = e.Reason(
+_BYTES_REASON: Final = e.Reason(
     "bytes are read or written, and other controllers have texts of lines alone",
     "send and receive texts that end with a carriage return",
 )
-GATEWAY_REASON: Final = e.Reason(
+_GATEWAY_REASON: Final = e.Reason(
     "bytes go over this socket as well, by way of a gateway", "send and receive bytes alone there"
 )
-READ_AND_WRITE_REASON: Final = e.Reason(
+_READ_AND_WRITE_REASON: Final = e.Reason(
     "the file is open for both reading and writing", r"open it with \Read, \Write or \Append"
 )
-NO_PORT_REASON: Final = e.Reason(
+_NO_PORT_REASON: Final = e.Reason(
     "which port the socket listens at is not said by one SocketBind",
     "bind each socket that listens in one place",
 )
@@ -242,22 +242,22 @@ NO_PORT_REASON: Final = e.Reason(
 
 def with_channels(program: Program, findings: Findings) -> Program:
     """The program with channels for what it opens, writes, reads and closes."""
-    ports, modes = _bound_ports(program), file_modes(program)
-    states, gateways = SocketStates(program), Gateways(program)
+    ports, modes = _bound_ports(program), _file_modes(program)
+    states, gateways = _SocketStates(program), _Gateways(program)
 
     def said(call: VendorCall, node: p.Statement) -> Replacement:
         word = call.word
         names = [name_of(one) for one in call.call.given]
-        if word in PREPARING:
+        if word in _PREPARING:
             call.name(0)
             with findings.at(node.span):
-                loss, cure = OMITTED_LOSS
+                loss, cure = _OMITTED_LOSS
                 findings.append(rules.LEFT_OUT(what=call.call.word, loss=loss, cure=cure))
             yield from states.behind(word, names)
             return
-        accepts, by_gateway = word == "socketaccept", GATEWAY_OPTION in call.call.options
-        if word in OF_TEXTS and not by_gateway and names[0].lower() in gateways.sockets:
-            raise NotExpressible(GATEWAY_REASON)
+        accepts, by_gateway = word == "socketaccept", _GATEWAY_OPTION in call.call.options
+        if word in _OF_TEXTS and not by_gateway and names[0].lower() in gateways.sockets:
+            raise NotExpressible(_GATEWAY_REASON)
         made: tuple[p.Statement, ...]
         if accepts:
             made = tuple(_accept(call, ports))
@@ -273,7 +273,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
             made += (*gateways.greeting(call.name(int(accepts))),)
         made += (*states.behind(word, names),)
         with findings.at(node.span):
-            if word in READING and not by_gateway:
+            if word in _READING and not by_gateway:
                 findings.append(rules.RECEIVED(what=call.call.word))
             if accepts and "clientaddress" in call.call.options:
                 findings.append(rules.LEFT_OUT(
@@ -282,8 +282,8 @@ def with_channels(program: Program, findings: Findings) -> Program:
                 ))  # fmt: skip
         yield from made
 
-    instructions = {*_LOWERINGS, *PREPARING, "socketaccept", "open"}
-    made = with_lowered_calls(program, instructions, READING, said)
+    instructions = {*_LOWERINGS, *_PREPARING, "socketaccept", "open"}
+    made = with_lowered_calls(program, instructions, _READING, said)
     if made is program or not undeclared_names.channels(made):
         return program
     gateways.tell(made, findings)
@@ -320,7 +320,7 @@ def _without_handles(program: Program) -> Program:
 
 def _declares_channel(text: str) -> bool:
     storage, _, type = verbatim.declares(text).partition(" ")
-    return storage == "VAR" and type in CHANNEL_TYPES
+    return storage == "VAR" and type in _CHANNEL_TYPES
 
 
 def _bound_ports(program: Program) -> Mapping[str, e.Expression]:
@@ -380,7 +380,7 @@ def _open(q: VendorCall, one_way: Mapping[str, p.ChannelMode]) -> Replacement:
     of, file = q.given(0), q.option("file")
     if not q.only("file", "read", "write", "append", "bin") or of is None:
         raise NotExpressible
-    serial = SERIAL.fullmatch(of.value) if isinstance(of, e.Text) and file is None else None
+    serial = _SERIAL.fullmatch(of.value) if isinstance(of, e.Text) and file is None else None
     if serial is not None:
         yield p.Attach(channel, "serial", (e.Number(int(serial[1])),))
         return
@@ -388,7 +388,7 @@ def _open(q: VendorCall, one_way: Mapping[str, p.ChannelMode]) -> Replacement:
     if not modes and channel.lower() in one_way:
         modes = [one_way[channel.lower()]]
     if len(modes) != 1:
-        raise NotExpressible(READ_AND_WRITE_REASON)
+        raise NotExpressible(_READ_AND_WRITE_REASON)
     if isinstance(of, e.Text) and isinstance(file, e.Text):
         place: e.Expression = e.Text(f"{of.value}/{file.value}")
     else:
@@ -408,7 +408,7 @@ def _accept(q: VendorCall, ports: Mapping[str, e.Expression]) -> Replacement:
         raise NotExpressible
     port = ports.get(server.lower())
     if port is None:
-        raise NotExpressible(NO_PORT_REASON)
+        raise NotExpressible(_NO_PORT_REASON)
     yield p.Attach(channel, "server", (port,))
     yield p.WaitUntil(_connected(channel, 1), _timeout(q))
 
@@ -419,17 +419,17 @@ def _connect(q: VendorCall) -> Replacement:
     if not q.only("time") or host is None or port is None:
         raise NotExpressible
     attach, most = p.Attach(channel, "client", (host, port)), _timeout(q)
-    again: list[p.Statement] = [p.Detach(channel), p.Wait(e.Number(RETRY_PAUSE)), attach]
+    again: list[p.Statement] = [p.Detach(channel), p.Wait(e.Number(_RETRY_PAUSE)), attach]
     if most is not None:
         timer = f"{channel}_time"
         yield p.StartTimer(timer)
         in_time = e.Binary("<", e.Elapsed(timer), most)
-        again.insert(0, p.WaitUntil(in_time, e.Number(RETRY_PAUSE)))
+        again.insert(0, p.WaitUntil(in_time, e.Number(_RETRY_PAUSE)))
     yield attach
     yield p.While(_connected(channel, 0), tuple(again))
 
 
-RETRY_PAUSE: Final = 0.1
+_RETRY_PAUSE: Final = 0.1
 """Seconds between one try and the next."""
 
 
@@ -441,8 +441,8 @@ def _timeout(q: VendorCall) -> e.Expression | None:
     """The longest time of a socket, None for ever."""
     node = q.call.options.get("time")
     if node is None:
-        return e.Number(DEFAULT_TIMEOUT)
-    return None if name_of(node).lower() == FOR_EVER else q.value(node)
+        return e.Number(_DEFAULT_TIMEOUT)
+    return None if name_of(node).lower() == _FOR_EVER else q.value(node)
 
 
 # --------------------------------------------------------------------------------- writing
@@ -493,8 +493,8 @@ def _write_text(q: VendorCall) -> Replacement:
 
 def _send(q: VendorCall) -> Replacement:
     text = q.option("str")
-    if text is None or not q.only("str", GATEWAY_OPTION):
-        raise NotExpressible(BYTES_REASON)
+    if text is None or not q.only("str", _GATEWAY_OPTION):
+        raise NotExpressible(_BYTES_REASON)
     yield _send_text(q.name(0), text)
 
 
@@ -502,15 +502,15 @@ def _send_text(channel: str, text: e.Expression) -> p.Send:
     """A text that ends as lines do is a line, whatever ends those there."""
     parts = [*_text_terms(text)]
     match parts[-1]:
-        case e.Text(last) if LINE_END.search(last):
-            rest = LINE_END.sub("", last)
+        case e.Text(last) if _LINE_END.search(last):
+            rest = _LINE_END.sub("", last)
             given = [*parts[:-1], *((e.Text(rest),) if rest or len(parts) == 1 else ())]
             found = p.Send(channel, "line", tuple(given))
         case _:
             found = p.Send(channel, "piece", tuple(parts))
     for part in found.parts:
         if isinstance(part, e.Text) and not part.value.isprintable():
-            raise NotExpressible(BYTES_REASON)
+            raise NotExpressible(_BYTES_REASON)
     return found
 
 
@@ -528,8 +528,8 @@ def _text_terms(text: e.Expression) -> Iterator[e.Expression]:
 
 def _receive(q: VendorCall) -> Replacement:
     target = q.option("str")
-    if target is None or not q.only("str", "time", "readnoofbytes", GATEWAY_OPTION):
-        raise NotExpressible(BYTES_REASON)
+    if target is None or not q.only("str", "time", "readnoofbytes", _GATEWAY_OPTION):
+        raise NotExpressible(_BYTES_REASON)
     yield p.Assign(target, e.Apply("received", (e.Text(q.name(0)),)))
 
 
@@ -542,15 +542,15 @@ def _reading(function: str) -> Callable[[VendorCall], Replacement]:
     return said
 
 
-PREPARING: Final = frozenset(("socketcreate", "socketbind", "socketlisten"))
+_PREPARING: Final = frozenset(("socketcreate", "socketbind", "socketlisten"))
 """Instructions behind which a socket may be used."""
-OMITTED_LOSS: Final = (
+_OMITTED_LOSS: Final = (
     "a line is there as soon as it is opened, by SocketAccept or SocketConnect",
     "none is needed, if nobody connects before that",
 )
 """Loss when these instructions are omitted, and its cure."""
-OF_TEXTS: Final = frozenset(("socketsend", "socketreceive"))
-READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
+_OF_TEXTS: Final = frozenset(("socketsend", "socketreceive"))
+_READING: Final = frozenset(("readstr", "readnum", "socketreceive"))
 _LOWERINGS: Final[Mapping[str, Callable[[VendorCall], Replacement]]] = {
     "close": _close,
     "write": _write,

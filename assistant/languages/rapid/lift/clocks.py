@@ -29,7 +29,7 @@ from assistant.program.statement_index import names_in_procedures
 from assistant.program.vendor_statements import effect_of
 
 CLOCK_TYPE: Final = "clock"
-READ_FUNCTION: Final = "clkread"
+_READ_FUNCTION: Final = "clkread"
 
 
 def timer_clocks(modules: Sequence[s.Module]) -> frozenset[str]:
@@ -45,7 +45,7 @@ def timer_clocks(modules: Sequence[s.Module]) -> frozenset[str]:
         match node:
             case s.NameRef(name):
                 named[name.lower()] += 1
-            case s.FunctionCall() if (clock := read_clock(node)) is not None:
+            case s.FunctionCall() if (clock := _read_clock(node)) is not None:
                 meant[clock] += 1
     routines = [item for item in items if isinstance(item, s.Routine)]
     started: set[str] = set()
@@ -70,11 +70,11 @@ def restarted_clock(nodes: Sequence[s.Node]) -> s.NameRef | None:
     return None
 
 
-def read_clock(node: s.FunctionCall) -> str | None:
+def _read_clock(node: s.FunctionCall) -> str | None:
     """The lower-case name of the clock that `ClkRead(c)` reads."""
     match node:
         case s.FunctionCall(str(word), (s.Positional(s.NameRef(name), None),)) if (
-            word.lower() == READ_FUNCTION
+            word.lower() == _READ_FUNCTION
         ):
             return name.lower()
     return None
@@ -85,11 +85,11 @@ def _is_clock(item: s.Data) -> bool:
     return plain and item.type.lower() == CLOCK_TYPE and not item.dimensions
 
 
-PREDEFINED_CLOCKS: Final = ("clock1",)
+_PREDEFINED_CLOCKS: Final = ("clock1",)
 """Those that every controller has, in lower case (user.sys)."""
-STOPPED: Final = e.Number(0)
+_STOPPED: Final = e.Number(0)
 RUNNING: Final = e.Number(1)
-HIGH_RESOLUTION: Final = "highres"
+_HIGH_RESOLUTION: Final = "highres"
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,10 +106,10 @@ class _Stopwatch:
         return e.Binary("+", self.ran, running)
 
     def variables(self) -> dict[str, Variable]:
-        return {name.name: Variable("number", STOPPED) for name in (self.ran, self.runs)}
+        return {name.name: Variable("number", _STOPPED) for name in (self.ran, self.runs)}
 
 
-Stopwatches = Mapping[str, _Stopwatch]
+_Stopwatches = Mapping[str, _Stopwatch]
 """By lower-case name."""
 
 
@@ -122,7 +122,7 @@ def with_stopwatches(program: Program, findings: Findings) -> Program:
     taken = TakenNames(declared(program))
     predefined = [
         name
-        for name in PREDEFINED_CLOCKS
+        for name in _PREDEFINED_CLOCKS
         if name not in taken.lower and _uses_undeclared_clock(program, name)
     ]
     if not named and not any(own) and not predefined:
@@ -175,7 +175,7 @@ def _declared_clocks(procedure: Procedure) -> Iterator[str]:
 
 
 def _with_stopwatches_in_procedure(
-    procedure: Procedure, known: Stopwatches, own: Stopwatches, findings: Findings
+    procedure: Procedure, known: _Stopwatches, own: _Stopwatches, findings: Findings
 ) -> Procedure:
     """known: of the program. own: of the procedure; they begin anew at each call."""
     hidden = {n.lower() for n in (*procedure.variables, *(q.name for q in procedure.parameters))}
@@ -192,7 +192,7 @@ def _with_stopwatches_in_procedure(
 
 
 class _StopwatchLowering:
-    def __init__(self, clocks: Stopwatches, findings: Findings) -> None:
+    def __init__(self, clocks: _Stopwatches, findings: Findings) -> None:
         self.clocks, self.findings = clocks, findings
 
     def body(self, body: Body) -> Body:
@@ -204,20 +204,20 @@ class _StopwatchLowering:
     def statement(self, node: p.Statement, before: list[p.Statement]) -> Iterator[p.Statement]:
         match self.asked(node):
             case "clkreset", clock:
-                yield p.Assign(clock.ran, STOPPED, span=node.span)
-                yield p.Assign(clock.runs, STOPPED, span=node.span)
+                yield p.Assign(clock.ran, _STOPPED, span=node.span)
+                yield p.Assign(clock.runs, _STOPPED, span=node.span)
             case "clkstart", clock:
                 start = p.StartTimer(clock.timer, span=node.span)
                 runs = p.Assign(clock.runs, RUNNING, span=node.span)
-                if before and before[-1] == p.Assign(clock.runs, STOPPED):  # it was just reset
+                if before and before[-1] == p.Assign(clock.runs, _STOPPED):  # it was just reset
                     before.pop()
                     yield from (start, runs)
                 else:
-                    stands = e.Binary("=", clock.runs, STOPPED)
+                    stands = e.Binary("=", clock.runs, _STOPPED)
                     yield p.If((p.Branch(stands, (start, runs)),), span=node.span)
             case "clkstop", clock:
                 yield p.Assign(clock.ran, clock.now, span=node.span)
-                yield p.Assign(clock.runs, STOPPED, span=node.span)
+                yield p.Assign(clock.runs, _STOPPED, span=node.span)
             case _:
                 with self.findings.at(node.span):
                     said = map_head(node, self.expression)
@@ -255,6 +255,6 @@ class _StopwatchLowering:
         match verbatim.understood(verbatim.expression, text):
             case s.FunctionCall(
                 str(), (s.Positional(s.NameRef(name), None), s.Option(option, None))
-            ) if option.lower() == HIGH_RESOLUTION:
+            ) if option.lower() == _HIGH_RESOLUTION:
                 return self.clocks.get(name.lower())
         return None

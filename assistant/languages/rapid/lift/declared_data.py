@@ -43,7 +43,7 @@ from assistant.program.program import TakenNames, Variable, identifier
 from assistant.robots.configurations import from_confdata
 
 T = TypeVar("T", Speed, Blend)
-STORAGES: Final = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}
+_STORAGES: Final = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}
 
 
 class DataLift:
@@ -148,7 +148,7 @@ class DataLift:
         if type is None:
             return None
         size = [self._extent(d) for d in item.dimensions]
-        storage: Any = STORAGES.get(item.storage)  # none in a damaged text
+        storage: Any = _STORAGES.get(item.storage)  # none in a damaged text
         if storage is None or not all(isinstance(n, int) and n > 0 for n in size):
             return None
         initial = None if item.value is None else lift_expression(item.value, self.original)
@@ -201,7 +201,7 @@ _NAMED_ITEMS: Final = (s.Data, s.Routine, s.Record, s.Alias)
 _MOVE_KINDS: Final = {0: "joint", 1: "linear"}
 _PATH_KINDS: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
 
-MOST_WRITTEN: Final = 100
+_MOST_WRITTEN: Final = 100
 """Moves in a row to targets that are written out; more are a path, whose targets have names."""
 
 Motions = Callable[[str, str, str, str], p.Motion]
@@ -232,7 +232,7 @@ class PathLift:
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
         run, index, spans = node.run, node.run.motions.index, node.row_span
         motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions.table]
-        if run.values is not None and len(run) > MOST_WRITTEN and _have_orientations(run.values):
+        if run.values is not None and len(run) > _MOST_WRITTEN and _have_orientations(run.values):
             name = identifier("written", self._taken)  # the program gives these targets no names
             self._taken.add(name)
             whole = _path(name, run.values, run.kinds, index, motions)

@@ -176,20 +176,20 @@ def frame_name(name: str) -> str:
     return BASE if name.lower() in ("", "wobj0", BASE) else name
 
 
-RAPID_DATE: Final = "cdate"
-NEUTRAL_DATE: Final = "date_today"
+_RAPID_DATE: Final = "cdate"
+_NEUTRAL_DATE: Final = "date_today"
 _DATE_PARTS: Final = ((1, 4), (6, 2), (9, 2))
 """First character and length of year, month and day."""
 
 
 def with_neutral_dates(program: Program) -> Program:
     """The program with dates as other languages have them."""
-    return _with_date_function(program, RAPID_DATE, NEUTRAL_DATE, "-")
+    return _with_date_function(program, _RAPID_DATE, _NEUTRAL_DATE, "-")
 
 
 def with_own_dates(program: Program) -> Program:
     """The program with dates of RAPID."""
-    return _with_date_function(program, NEUTRAL_DATE, RAPID_DATE, "/")
+    return _with_date_function(program, _NEUTRAL_DATE, _RAPID_DATE, "/")
 
 
 def _with_date_function(program: Program, old: str, new: str, between: str) -> Program:

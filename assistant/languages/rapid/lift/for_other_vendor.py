@@ -180,7 +180,7 @@ def _is_omission_mark(node: p.Statement) -> TypeGuard[p.Comment]:
     return isinstance(node, p.Comment) and node.text.startswith(OMISSION_MARK)
 
 
-def without_omission_marks(program: Program) -> Program:
+def _without_omission_marks(program: Program) -> Program:
     """The program without the comments that stand for statements which were left out."""
 
     def body(statements: Body) -> Body:
@@ -276,11 +276,11 @@ def _with_heads(
     )
 
 
-ArraySizes = Mapping[str, tuple[int, ...]]
+_ArraySizes = Mapping[str, tuple[int, ...]]
 """Extents of arrays by lower-case name, none where they are not known."""
 
 
-def with_known_extents(program: Program) -> Program:
+def _with_known_extents(program: Program) -> Program:
     """The program with numbers for `Dim(array,1)`; of an array parameter it stays a call."""
     if not any(part.function.lower() == "dim" for part in records_in_procedures(program, e.Apply)):
         return program
@@ -289,13 +289,13 @@ def with_known_extents(program: Program) -> Program:
     for procedure in program.procedures:
         own: dict[str, tuple[int, ...]] = {q.name.lower(): () for q in procedure.parameters}
         own |= {name.lower(): v.size for name, v in procedure.variables.items()}
-        sizes: ArraySizes = {**shared, **own}
+        sizes: _ArraySizes = {**shared, **own}
         body = rewrite(procedure.body, lambda x: _extent_number(x, sizes))  # noqa: B023
         procedures.append(replace(procedure, body=body))
     return replace(program, procedures=tuple(procedures))
 
 
-def _extent_number(x: Any, sizes: ArraySizes) -> Any:
+def _extent_number(x: Any, sizes: _ArraySizes) -> Any:
     match x:
         case e.Apply(function, (array, e.Number(int(place)))) if function.lower() == "dim":
             name = next(names_in(array), "").lower()  # of a record that is taken apart any part
@@ -304,7 +304,7 @@ def _extent_number(x: Any, sizes: ArraySizes) -> Any:
     return x
 
 
-INERT_INSTRUCTIONS: Final = {
+_INERT_INSTRUCTIONS: Final = {
     "confj", "confj on", "confl", "confl on", "singarea", "singarea off", "gripload load0",
     "cornerpathwarning true", "cornerpathwarning false",
 }  # fmt: skip
@@ -313,9 +313,9 @@ INERT_INSTRUCTIONS: Final = {
 With their options and arguments, in lower case (RAPID reference manual: ConfJ, ConfL, SingArea,
 GripLoad)."""
 
-FIRST_BOOKED_ERROR: Final = 101
+_FIRST_BOOKED_ERROR: Final = 101
 """The first number of an error of the program's own: it may raise 1 to 90 itself (RAISE)."""
-IN_CORNER: Final = e.Reason(
+_IN_CORNER: Final = e.Reason(
     "the robot may be in a corner there, and would stop in it", "write `fine` for the moves before"
 )
 
@@ -326,9 +326,9 @@ _DISPLACEMENT_ENDS: Final = {
 """Instructions that end displacements of targets and of external axes, with the words that begin
 them.
 """
-IDLE_TYPES: Final = PROCESS_DATA_TYPES | {"tasks", "syncident", "errnum", "intnum", *SIGNAL_TYPES}
+_IDLE_TYPES: Final = PROCESS_DATA_TYPES | {"tasks", "syncident", "errnum", "intnum", *SIGNAL_TYPES}
 """Types of data, in lower case, that are left out where nothing takes them any more."""
-NEAR_STOP_POINTS: Final = frozenset(("inpos20", "inpos50", "inpos100"))
+_NEAR_STOP_POINTS: Final = frozenset(("inpos20", "inpos50", "inpos100"))
 """Predefined stop points: the robot stops at its target, with more or less patience."""
 
 
@@ -337,8 +337,8 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
     findings = Findings()
     plain = with_flat_data(program)
     findings += plain.findings
-    program = as_one_unit(without_omission_marks(plain.program))
-    program = with_stopwatches(with_known_extents(program), findings)
+    program = as_one_unit(_without_omission_marks(plain.program))
+    program = with_stopwatches(_with_known_extents(program), findings)
     if tables := _frame_tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     program = _with_move_triggers(program)
@@ -358,8 +358,8 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
             program = with_open_lines(program, vendor_steps)
         stop = _reporting_stop(findings)
         after = _reporting_omitted_wait(findings)
-        program = with_stops(program, vendor_steps, _without_standstill, IN_CORNER, stop, after)
-        nothing = INERT_INSTRUCTIONS | {
+        program = with_stops(program, vendor_steps, _without_standstill, _IN_CORNER, stop, after)
+        nothing = _INERT_INSTRUCTIONS | {
             word for word, moves in _DISPLACEMENT_ENDS.items() if not _has_words(program, moves)
         }
         losses = dict(OMITTED_INSTRUCTIONS)
@@ -518,7 +518,7 @@ def _is_idle_declaration(declaration: Declaration) -> bool:
     """True for data that is used only by instructions with translations that do not need it."""
     match verbatim.understood(verbatim.items, declaration.text):
         case (s.Data(type=type),):
-            return type.lower() in IDLE_TYPES
+            return type.lower() in _IDLE_TYPES
     return False
 
 
@@ -543,7 +543,7 @@ def _booked_errors(program: Program) -> Mapping[str, int]:
         _booked_error(instruction_of(node)) for node in records_in_procedures(program, p.Opaque)
     )
     found = [name for name in dict.fromkeys(names) if name and name in used]
-    return {name: at for at, name in enumerate(found, FIRST_BOOKED_ERROR)}
+    return {name: at for at, name in enumerate(found, _FIRST_BOOKED_ERROR)}
 
 
 def _booked_error(call: s.ProcedureCall | None) -> str:
@@ -628,7 +628,7 @@ def _without_near_stop(node: p.Opaque, findings: Findings) -> p.Statement:
 def _is_stop_point(argument: s.Argument) -> bool:
     match argument:
         case s.Option(option, s.NameRef(name)):
-            return option.lower() == "inpos" and name.lower() in NEAR_STOP_POINTS
+            return option.lower() == "inpos" and name.lower() in _NEAR_STOP_POINTS
     return False
 
 

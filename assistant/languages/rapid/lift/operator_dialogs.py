@@ -28,9 +28,9 @@ from assistant.program import statements as p
 from assistant.program.passes import operator_texts
 from assistant.program.program import Program
 
-EMPTY_TEXT: Final = "stempty"
+_EMPTY_TEXT: Final = "stempty"
 """Predefined: the text of a key that is not there."""
-BUTTONS: Final[Mapping[str, Sequence[str]]] = {
+_BUTTONS: Final[Mapping[str, Sequence[str]]] = {
     "btnnone": (),
     "btnok": ("resOK",),
     "btnabrtrtryign": ("resAbort", "resRetry", "resIgnore"),
@@ -40,13 +40,13 @@ BUTTONS: Final[Mapping[str, Sequence[str]]] = {
     "btnyesnocancel": ("resYes", "resNo", "resCancel"),
 }
 """Results of the buttons of a dialog box, by the name of its `buttondata`."""
-DISPLAY_OPTIONS: Final = frozenset(("wrap", "icon", "image", "uiactivesignal"))
+_DISPLAY_OPTIONS: Final = frozenset(("wrap", "icon", "image", "uiactivesignal"))
 """Options of a box that only show."""
 LINES: Final = ("header", "message", "msgline2", "msgline3", "msgline4", "msgline5")
-DIALOGS: Final = frozenset(("uinumentry", "uidnumentry", "uimessagebox"))
+_DIALOGS: Final = frozenset(("uinumentry", "uidnumentry", "uimessagebox"))
 """Functions that ask."""
 
-STOPPED: Final[Mapping[str, str]] = {
+_STOPPED: Final[Mapping[str, str]] = {
     "stop": "none is needed where nobody moves the robot while it stands",
     "break": "none is needed once the program is tried out",
 }
@@ -57,7 +57,7 @@ ENDED: Final = e.Reason(
     "the question ends by itself, and the program goes on with an error or without an answer",
     "ask without a time and a break, or wait for inputs in the program",
 )
-COMPUTED_TEXT: Final = e.Reason(
+_COMPUTED_TEXT: Final = e.Reason(
     "which keys it has is only known as it runs",
     "write the texts of the keys out, and `stEmpty` for those that are not there",
 )
@@ -70,14 +70,14 @@ def with_operator_dialogs(program: Program, findings: Findings) -> Program:
         word = call.word
         made = tuple(_LOWERINGS[word](call))
         with findings.at(node.span):
-            if word in STOPPED and isinstance(node, p.Opaque):
-                text, cure = node.text.rstrip(";"), STOPPED[word]
+            if word in _STOPPED and isinstance(node, p.Opaque):
+                text, cure = node.text.rstrip(";"), _STOPPED[word]
                 findings.append(rules.CHANGED(what=f"`{text}`", instead="a plain stop", cure=cure))
             elif any(isinstance(one, p.WaitUntil) for one in made):
                 findings.append(rules.ASKED(what=call.call.word))
         yield from made
 
-    told = with_lowered_calls(program, _LOWERINGS, DIALOGS, said)
+    told = with_lowered_calls(program, _LOWERINGS, _DIALOGS, said)
     return operator_texts.with_answers(told)
 
 
@@ -114,11 +114,11 @@ def _joined_lines(
 
 def _key_question(q: VendorCall) -> Replacement:
     """TPReadFK: the number of the key that is pressed, of five."""
-    if not q.only(*DISPLAY_OPTIONS):
+    if not q.only(*_DISPLAY_OPTIONS):
         raise NotExpressible(ENDED)
     answer, question = q.given(0), q.given(1)
     nodes = q.call.given[2:7]
-    shown = [(n, node) for n, node in enumerate(nodes, 1) if name_of(node).lower() != EMPTY_TEXT]
+    shown = [(n, node) for n, node in enumerate(nodes, 1) if name_of(node).lower() != _EMPTY_TEXT]
     shown = [(n, node) for n, node in shown if node != s.StringLiteral("")]
     if answer is None or question is None or not shown:
         raise NotExpressible
@@ -134,14 +134,14 @@ def _key_has_text(q: VendorCall, node: s.Expression) -> e.Expression | None:
     if isinstance(node, s.StringLiteral):
         return None
     if not isinstance(node, s.NameRef | s.Component | s.Element):
-        raise NotExpressible(COMPUTED_TEXT)
+        raise NotExpressible(_COMPUTED_TEXT)
     return e.Binary("<>", q.value(node), e.Text(""))
 
 
 def _number_question(q: VendorCall) -> Replacement:
     """TPReadNum."""
     answer, question = q.given(0), q.given(1)
-    if not q.only(*DISPLAY_OPTIONS):
+    if not q.only(*_DISPLAY_OPTIONS):
         raise NotExpressible(ENDED)
     if answer is None or question is None:
         raise NotExpressible
@@ -152,7 +152,7 @@ def _number_question(q: VendorCall) -> Replacement:
 def _number_entry(q: VendorCall) -> Replacement:
     """UINumEntry: a number between two. What it begins with is only shown."""
     if not q.only(
-        "initvalue", "minvalue", "maxvalue", "asinteger", "msgarray", *LINES, *DISPLAY_OPTIONS
+        "initvalue", "minvalue", "maxvalue", "asinteger", "msgarray", *LINES, *_DISPLAY_OPTIONS
     ):
         raise NotExpressible(ENDED)
     assert q.answer is not None
@@ -172,7 +172,7 @@ def _message_box(q: VendorCall) -> Replacement:
         "result",
         "defaultbtn",
         *LINES[2:],
-        *DISPLAY_OPTIONS,
+        *_DISPLAY_OPTIONS,
     ):
         raise NotExpressible(ENDED)
     answer = q.option("result") if q.answer is None else q.answer
@@ -206,15 +206,15 @@ def _buttons(q: VendorCall, own: Sequence[s.Expression] | None) -> list[tuple[st
     if own is not None:
         return [(_button_text(one), at) for at, one in enumerate(own, 1) if _is_button(one)]
     node = q.call.options.get("buttons")
-    known = BUTTONS.get("btnok" if node is None else name_of(node).lower())
+    known = _BUTTONS.get("btnok" if node is None else name_of(node).lower())
     if "btnarray" in q.call.options or known is None:
-        raise NotExpressible(COMPUTED_TEXT)
+        raise NotExpressible(_COMPUTED_TEXT)
     return [(one.removeprefix("res"), BUTTON_ANSWERS[one.lower()]) for one in known]
 
 
 def _is_button(button: s.Expression) -> bool:
     """True if an element is a button: an empty text is not."""
-    return button != s.StringLiteral("") and name_of(button).lower() != EMPTY_TEXT
+    return button != s.StringLiteral("") and name_of(button).lower() != _EMPTY_TEXT
 
 
 def _button_text(button: s.Expression) -> str:

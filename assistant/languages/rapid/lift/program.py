@@ -56,7 +56,7 @@ from assistant.program.program import (
 from assistant.program.rewriting import Body, map_bodies, with_names_replaced, with_spans_from
 
 
-def with_unit_calls(program: Program) -> Program:
+def _with_unit_calls(program: Program) -> Program:
     """Return the program with calls of procedures in another module as calls of that unit."""
     homes = {q.name.lower(): q.unit for q in program.procedures}
 
@@ -95,10 +95,10 @@ def _with_units_changed(
     return replace(program, procedures=tuple(procedures))
 
 
-NOTHING_KEPT: Final = MappingProxyType[int, str]({})
+_NOTHING_KEPT: Final = MappingProxyType[int, str]({})
 
 
-def lift(files: Sequence[s.File], kept: Mapping[int, str] = NOTHING_KEPT) -> Program:
+def lift(files: Sequence[s.File], kept: Mapping[int, str] = _NOTHING_KEPT) -> Program:
     """The program that the modules of these files say together.
 
     kept: statements that stay as their text, by `id`, each with why.
@@ -213,7 +213,7 @@ class _Lift:
             declarations=tuple(self.declarations),
         )
         if any(header.resident for header in self.headers):
-            program = with_unit_calls(program)
+            program = _with_unit_calls(program)
         triggers = TriggerReader(self.meaning, self.own.__contains__)
         program, set_on_way = with_triggers(
             program, triggers.told, FUNCTIONS.__contains__, TRIGGER_REASONS

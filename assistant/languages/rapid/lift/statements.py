@@ -205,7 +205,7 @@ _SEVERAL_ARMS: Final = e.Reason(
     "arms of several tasks move together there, which no program of one arm does",
     "move them one after the other, each in its own program",
 )
-INSTRUCTION_REASONS: Final[Mapping[str, e.Reason]] = {
+_INSTRUCTION_REASONS: Final[Mapping[str, e.Reason]] = {
     "pulsedo": e.Reason(
         r"without \High the pulse is the other value than that which the signal has",
         r"write `\High`, or set the signal, wait and set it back",
@@ -216,7 +216,7 @@ INSTRUCTION_REASONS: Final[Mapping[str, e.Reason]] = {
 """Why calls of instructions stay as their text, by lower-case name."""
 
 
-BY_COMPONENTS: Final = "say it with the components, one by one"
+_BY_COMPONENTS: Final = "say it with the components, one by one"
 """What to do where a record is used in a way that no plain data can be."""
 _STANDARD: Final = INSTRUCTIONS | OPTION_ROUTINES
 _WORD: Final = re.compile(r"[A-Za-z]\w*")
@@ -282,7 +282,7 @@ class StatementLift:
     def _statement(self, node: s.StatementNode) -> Iterator[p.Statement]:
         span, original, expression = node.span, self._original, self._expression
         if id(node) in self._kept:
-            yield replace(opaque(node), reason=e.Reason(self._kept[id(node)], BY_COMPONENTS))
+            yield replace(opaque(node), reason=e.Reason(self._kept[id(node)], _BY_COMPONENTS))
             return
         match node:
             case s.CommentLine(text):
@@ -336,7 +336,7 @@ class StatementLift:
     def _call(self, node: s.ProcedureCall) -> p.Statement:
         name = str(node.name)
         if name.lower() in _STANDARD and name.lower() not in self._procedures:
-            kept = replace(opaque(node), reason=INSTRUCTION_REASONS.get(name.lower()))
+            kept = replace(opaque(node), reason=_INSTRUCTION_REASONS.get(name.lower()))
             return lift_instruction(node, self._meaning) or kept
         given = self._given(node)
         return opaque(node) if given is None else p.Call(self._original(name), given)

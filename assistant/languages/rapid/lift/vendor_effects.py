@@ -141,7 +141,7 @@ def _instruction_signals(call: s.ProcedureCall) -> Iterator[tuple[str, Signal]]:
             yield value.name, _SIGNAL_TYPES[types[0]]
 
 
-STANDSTILL_WAITS: Final = {
+_STANDSTILL_WAITS: Final = {
     ("waitrob", "inpos"), ("waitrob", "zerospeed"), ("waittime", "inpos"), ("waituntil", "inpos")
 }  # fmt: skip
 """Instructions behind which the robot stands at its target, with their options (RAPID manual)."""
@@ -162,7 +162,7 @@ def _vendor_step(node: s.StatementNode) -> MotionStep:
             given = option_names(arguments)
             if name.lower() == "confl":
                 return MotionStep.OPENS if "off" in given else MotionStep.WATCHES
-            if any((name.lower(), one) in STANDSTILL_WAITS for one in given):
+            if any((name.lower(), one) in _STANDSTILL_WAITS for one in given):
                 return MotionStep.STOPS
             known = signature(name)
             if known is None:
@@ -178,7 +178,7 @@ def option_names(arguments: Iterable[s.Argument]) -> list[str]:
     return [one.name.lower() for one in arguments if isinstance(one, s.Option)]
 
 
-DEPENDS_ON_PATH: Final = e.Reason(
+_DEPENDS_ON_PATH: Final = e.Reason(
     "it reads in the tool and work object of the move before, which the program does not tell",
     r"write both, as `CRobT(\Tool:=tool0\WObj:=wobj0)`",
 )
@@ -213,7 +213,7 @@ def _with_explicit_frames(original: Callable[[str], str]) -> Said:
         found = None if call is None else expressions.reading.fields(CURRENT_TARGET, call)
         where = {"tool": tool, "frame": frame, **(found or {})}
         if found is None or None in where.values():
-            return replace(x, reason=DEPENDS_ON_PATH)
+            return replace(x, reason=_DEPENDS_ON_PATH)
         return e.Here(tool_name(where["tool"]), frame_name(where["frame"]))
 
     return said

@@ -26,13 +26,13 @@ from assistant.program.passes.operator_texts import lines_of_parts
 from assistant.program.program import Declaration, Procedure, Program, Variable
 from assistant.program.rewriting import rewrite
 
-TEXT_END: Final = "\r"
-LONGEST_TEXT: Final = 79
+_TEXT_END: Final = "\r"
+_LONGEST_TEXT: Final = 79
 """Characters of a text, which has room for its end in the 80 of a string."""
-HOME_FOLDER: Final = "HOME:"
-FOR_EVER: Final = s.Option("Time", s.NameRef("WAIT_MAX"))
-SOCKET_STATUS: Final = ("SocketGetStatus", "SOCKET_CONNECTED")
-STATUS_COMPARISONS: Final = {("=", 1): "=", ("<>", 0): "=", ("=", 0): "<>", ("<>", 1): "<>"}
+_HOME_FOLDER: Final = "HOME:"
+_FOR_EVER: Final = s.Option("Time", s.NameRef("WAIT_MAX"))
+_SOCKET_STATUS: Final = ("SocketGetStatus", "SOCKET_CONNECTED")
+_STATUS_COMPARISONS: Final = {("=", 1): "=", ("<>", 0): "=", ("=", 0): "<>", ("<>", 1): "<>"}
 """Comparisons of `connected` with 0 or 1, and the operator of the same comparison on the status of
 a socket.
 """
@@ -84,13 +84,13 @@ class _ChannelLowering(Rewording):
         match part:
             case e.Binary(
                 ("=" | "<>") as relation, e.Apply("connected", (e.Text(name),)), e.Number(value)
-            ) if (relation, value) in STATUS_COMPARISONS and self.kinds.get(name.lower()) in (
+            ) if (relation, value) in _STATUS_COMPARISONS and self.kinds.get(name.lower()) in (
                 "server",
                 "client",
             ):
-                function, state = SOCKET_STATUS
+                function, state = _SOCKET_STATUS
                 status = e.Apply(function, (e.Name(name.lower()),))
-                sign: Any = STATUS_COMPARISONS[relation, int(value)]
+                sign: Any = _STATUS_COMPARISONS[relation, int(value)]
                 return e.Binary(sign, status, e.Name(state))
         return part
 
@@ -116,7 +116,7 @@ class _ChannelLowering(Rewording):
                 file = place if isinstance(place, e.Text) else None
                 whole = file is not None and ":" in file.value
                 words: tuple[s.Argument, ...] = (
-                    s.Positional(s.StringLiteral(HOME_FOLDER)),
+                    s.Positional(s.StringLiteral(_HOME_FOLDER)),
                     s.Option("File", given[0].value),
                 )
                 mode = s.Option(node.mode.capitalize())
@@ -128,7 +128,7 @@ class _ChannelLowering(Rewording):
                 yield self.call("Open", s.Positional(s.StringLiteral(f"com{number}:")), own)
             case "client", (_, _):
                 yield self.call("SocketCreate", own)
-                yield self.call("SocketConnect", own, *given, FOR_EVER)
+                yield self.call("SocketConnect", own, *given, _FOR_EVER)
             case "server", (_, _):
                 self.job.changed(
                     "a line that is open before somebody is connected",
@@ -139,7 +139,7 @@ class _ChannelLowering(Rewording):
                 yield self.call("SocketCreate", server)
                 yield self.call("SocketBind", server, address, port)
                 yield self.call("SocketListen", server)
-                yield self.call("SocketAccept", server, own, FOR_EVER)
+                yield self.call("SocketAccept", server, own, _FOR_EVER)
                 yield self.call("SocketClose", server)
             case _:
                 self.job.cannot(
@@ -160,7 +160,7 @@ class _ChannelLowering(Rewording):
     def send(self, node: p.Send) -> Iterator[p.Statement]:
         kind, own = self.kind(node.channel), _named_argument(node.channel.lower())
         rows: list[list[e.Expression]] = (
-            lines_of_parts(node.parts, LONGEST_TEXT) if node.parts else [[e.Text("")]]
+            lines_of_parts(node.parts, _LONGEST_TEXT) if node.parts else [[e.Text("")]]
         )
         for number, row in enumerate(rows, 1):
             whole = node.kind == "line" and number == len(rows)
@@ -168,7 +168,7 @@ class _ChannelLowering(Rewording):
                 e.Apply("text", (x,)) if is_value(x, self.known) else x for x in row
             ]
             if whole and kind != "file":
-                parts.append(e.Text(TEXT_END))
+                parts.append(e.Text(_TEXT_END))
             text = self.node(reduce(lambda a, b: e.Binary("+", a, b), parts))
             if kind in ("file", "serial"):
                 written: tuple[s.Argument, ...] = (own, s.Positional(text))
@@ -189,7 +189,7 @@ class _ChannelLowering(Rewording):
                     return
                 word = "ReadNum" if number else "ReadStr"
                 given: tuple[s.Argument, ...] = (s.Option("Delim", s.StringLiteral(",")),)
-                given += (FOR_EVER,) if kind == "serial" else ()
+                given += (_FOR_EVER,) if kind == "serial" else ()
                 call = s.FunctionCall(word, (_named_argument(channel.lower()), *given))
                 node = replace(node, value=verbatim_of(call))
         yield node
@@ -200,8 +200,8 @@ class _ChannelLowering(Rewording):
         self.variables |= {text.name: Variable("text"), last.name: Variable("text")}
         one = s.Option("ReadNoOfBytes", s.NumberLiteral("1"))
         into = s.Option("Str", s.NameRef(last.name))
-        next_one = self.call("SocketReceive", _named_argument(channel), into, one, FOR_EVER)
-        ends = (e.Binary("<>", last, e.Text(mark)) for mark in (TEXT_END, ","))
+        next_one = self.call("SocketReceive", _named_argument(channel), into, one, _FOR_EVER)
+        ends = (e.Binary("<>", last, e.Text(mark)) for mark in (_TEXT_END, ","))
         plain = p.Branch(
             e.Binary("<>", last, e.Text("\n")), (p.Assign(text, e.Binary("+", text, last)),)
         )

@@ -68,7 +68,7 @@ from assistant.robots.configurations import to_confdata
 
 TASK: Final = "TASK"
 LOCAL: Final = "LOCAL"
-MOTION_TYPES: Final = ("speeddata", "zonedata", TRIGGER)
+_MOTION_TYPES: Final = ("speeddata", "zonedata", TRIGGER)
 NO_LOAD: Final = Load(LEAST_MASS, LEAST_CENTRE)
 """Load of a tool that states no load."""
 
@@ -106,7 +106,7 @@ def _own_to_module(program: Program) -> Callable[[s.Data], bool]:
     if not (stands.prefix or stands.called or not stands.main):
         return lambda node: False  # noqa: ARG005
     named = {name.lower() for name in (*program.speeds, *program.blends)}
-    return lambda node: node.type in MOTION_TYPES and node.name.lower() not in named
+    return lambda node: node.type in _MOTION_TYPES and node.name.lower() not in named
 
 
 def _task_data(program: Program) -> set[str]:
@@ -262,7 +262,7 @@ def _written_load(load: Load) -> Load:
     return load_of(*RECORDS.values(load))
 
 
-LOADS: Final = Loads(
+_LOADS: Final = Loads(
     least=NO_LOAD, missing=rules.NO_LOAD, centre="0.001 mm before the flange", written=_written_load
 )
 POSITIONS: Final = Positions(
@@ -273,16 +273,16 @@ POSITIONS: Final = Positions(
     unused=UNUSED,
     quaternions=True,
     padded=True,
-    loads=LOADS,
+    loads=_LOADS,
 )
 
 
-TOOL_FRAME: Final = "tframe"
-USER_FRAME: Final = "uframe"
-OBJECT_FRAME: Final = "oframe"
-MOUNT_TYPES: Final = ("tooldata", "wobjdata")
-RAPID_NAME: Final = "rapid"
-POSE_PARTS: Final = ("trans", "rot")
+_TOOL_FRAME: Final = "tframe"
+_USER_FRAME: Final = "uframe"
+_OBJECT_FRAME: Final = "oframe"
+_MOUNT_TYPES: Final = ("tooldata", "wobjdata")
+_RAPID_NAME: Final = "rapid"
+_POSE_PARTS: Final = ("trans", "rot")
 """Those of a position that are a pose."""
 
 
@@ -305,7 +305,7 @@ class _Mounts(Rewording):
         self.tools = {name.lower() for name in program.tools}
         self.shadows = {name.lower() for name in program.variables}
         self.own: set[str] = set()
-        texts = (one.text for one in program.declarations if one.language == RAPID_NAME)
+        texts = (one.text for one in program.declarations if one.language == _RAPID_NAME)
         self.kept = _mounts_in(verbatim.items, texts)
         self.records = self.kept
 
@@ -321,11 +321,11 @@ class _Mounts(Rewording):
         if name in self.own or name not in {*self.frames, *self.tools} or self.is_whole(node.value):
             yield node
             return
-        outer = USER_FRAME if name in self.frames else TOOL_FRAME
+        outer = _USER_FRAME if name in self.frames else _TOOL_FRAME
         yield replace(node, target=e.Member(node.target, outer), value=self.pose(node.value))
         if name in self.frames and self.frames[name].object != IDENTITY:
             yield replace(
-                node, target=e.Member(node.target, OBJECT_FRAME), value=e.PoseValue(IDENTITY)
+                node, target=e.Member(node.target, _OBJECT_FRAME), value=e.PoseValue(IDENTITY)
             )
 
     def is_whole(self, value: e.Expression) -> bool:
@@ -339,7 +339,7 @@ class _Mounts(Rewording):
                 return name.lower() in self.records - self.own
             case e.Apply(name):
                 routine = signature(name)
-                told = routine is not None and routine.result in MOUNT_TYPES
+                told = routine is not None and routine.result in _MOUNT_TYPES
                 return told or name.lower() in self.records
         return isinstance(value, e.Aggregate | e.Verbatim)
 
@@ -348,7 +348,7 @@ class _Mounts(Rewording):
             case e.TargetValue(target):
                 return e.PoseValue(target.pose)
             case e.Name() | e.Index() if is_position(value, self.known):
-                return e.Aggregate(tuple(e.Member(value, part) for part in POSE_PARTS))
+                return e.Aggregate(tuple(e.Member(value, part) for part in _POSE_PARTS))
             case e.Apply("inverse", (inner,)):
                 return e.inverse(self.pose(inner))
         return value
@@ -365,5 +365,5 @@ def _mounts_in(read: Callable[[str], Any], texts: Iterable[str]) -> frozenset[st
     return frozenset(
         node.name.lower()
         for node in nodes
-        if isinstance(node, s.Data | s.Routine) and node.type.lower() in MOUNT_TYPES
+        if isinstance(node, s.Data | s.Routine) and node.type.lower() in _MOUNT_TYPES
     )

@@ -42,9 +42,9 @@ from assistant.program.statement_index import records_in_procedures
 from assistant.program.undeclared_names import interrupts
 from assistant.program.vendor_statements import effect_of
 
-TIMER_PERIOD: Final = 0.1
+_TIMER_PERIOD: Final = 0.1
 """Seconds from one asking to the next, the least of a timer that interrupts."""
-NAME_SUFFIXES: Final = ("", "_on", "_answer", "_trap")
+_NAME_SUFFIXES: Final = ("", "_on", "_answer", "_trap")
 
 
 def with_interrupts(job: Legalisation) -> Program:
@@ -66,7 +66,7 @@ class _InterruptLowering:
         self.names: dict[str, list[str]] = {}
         for key, node in found.items():
             short = identifier(node.name, taken)[: LONGEST_NAME - len("_answer") - 2]
-            made = [identifier(short + suffix, taken) for suffix in NAME_SUFFIXES]
+            made = [identifier(short + suffix, taken) for suffix in _NAME_SUFFIXES]
             taken.update(made)
             self.names[key] = made
         self.signals = {name.lower(): one for name, one in program.signals.items()}
@@ -85,11 +85,11 @@ class _InterruptLowering:
 
     def declarations(self) -> Iterator[Declaration]:
         for variable, *_ in self.names.values():
-            yield vendor_declaration(f"VAR intnum {variable};")
+            yield _vendor_declaration(f"VAR intnum {variable};")
 
     def traps(self) -> Iterator[Declaration]:
         for _, _, answer, trap in self.names.values():
-            yield vendor_declaration(f"TRAP {trap}\n{answer};\nENDTRAP")
+            yield _vendor_declaration(f"TRAP {trap}\n{answer};\nENDTRAP")
 
     def body(self, body: Body) -> Body:
         made: list[p.Statement] = []
@@ -120,17 +120,17 @@ class _InterruptLowering:
                     f"the interrupt `{node.name}`", f"a trap routine {self.asked(node)}",
                     "see on the robot where it comes, and how soon",
                 )  # fmt: skip
-                yield vendor_statement(f"IDelete {variable};")
-                yield vendor_statement(f"CONNECT {variable} WITH {trap};")
-                yield vendor_statement(f"{self.order(node, variable)};")
-                yield vendor_statement(f"ISleep {variable};")
+                yield _vendor_statement(f"IDelete {variable};")
+                yield _vendor_statement(f"CONNECT {variable} WITH {trap};")
+                yield _vendor_statement(f"{self.order(node, variable)};")
+                yield _vendor_statement(f"ISleep {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(False))
             elif node.state == "on":
-                yield vendor_statement(f"IWatch {variable};")
+                yield _vendor_statement(f"IWatch {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(True))
                 yield p.Call(answer)
             else:
-                yield vendor_statement(f"ISleep {variable};")
+                yield _vendor_statement(f"ISleep {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(False))
 
     def signal(self, node: p.Interrupt) -> tuple[str, int] | None:
@@ -145,12 +145,12 @@ class _InterruptLowering:
     def asked(self, node: p.Interrupt) -> str:
         if self.signal(node) is not None:
             return "that comes when the signal changes, and is called when it is switched on"
-        return f"that asks for its condition every {TIMER_PERIOD:g} s"
+        return f"that asks for its condition every {_TIMER_PERIOD:g} s"
 
     def order(self, node: p.Interrupt, variable: str) -> str:
         found = self.signal(node)
         if found is None:
-            return f"ITimer {TIMER_PERIOD:g},{variable}"
+            return f"ITimer {_TIMER_PERIOD:g},{variable}"
         name, value = found
         word = "ISignalDI" if self.signals[name.lower()].direction == "input" else "ISignalDO"
         return f"{word} {self.naming.get('signals', name)},{value},{variable}"
@@ -160,9 +160,9 @@ class _InterruptLowering:
         _, flag, answer, _ = self.names[node.name.lower()]
         holds = e.Binary("and", e.Name(flag), node.condition)
         stop, clear, start = (
-            vendor_statement(f"{word};") for word in ("StopMove", "ClearPath", "StartMove")
+            _vendor_statement(f"{word};") for word in ("StopMove", "ClearPath", "StartMove")
         )
-        leave: Body = (clear, start, vendor_statement("ExitCycle;"))
+        leave: Body = (clear, start, _vendor_statement("ExitCycle;"))
         body: Body
         if node.ends == e.Truth(True):
             left = (p.Branch(holds, (stop, clear, start, node.call, leave[-1])),)
@@ -171,7 +171,11 @@ class _InterruptLowering:
             ends = () if node.ends is None else (p.If((p.Branch(node.ends, leave),)),)
             inner: Body = (node.call,)
             if self.moves(node.call.procedure):
-                inner = (vendor_statement("StorePath;"), node.call, vendor_statement("RestoPath;"))
+                inner = (
+                    _vendor_statement("StorePath;"),
+                    node.call,
+                    _vendor_statement("RestoPath;"),
+                )
             body = (p.While(holds, (stop, *inner, *ends, start)),)
         return with_named_positions(
             Procedure(answer, body, span=node.span), taken_names(self.job.program)
@@ -193,19 +197,19 @@ class _InterruptLowering:
         return False
 
 
-def vendor_statement(text: str) -> p.Opaque:
+def _vendor_statement(text: str) -> p.Opaque:
     """A statement of RAPID alone."""
     return p.Opaque(verbatim.LANGUAGE, text, effect=verbatim.effect_of_text(text, "statement"))
 
 
-def vendor_declaration(text: str) -> Declaration:
+def _vendor_declaration(text: str) -> Declaration:
     """A declaration of RAPID alone."""
     (item,) = verbatim.items(text)
     return Declaration(verbatim.LANGUAGE, verbatim.of_node(item, "items"))
 
 
-BREAK_FLAG: Final = "broken_off"
-STOPPING_STATEMENTS: Final = ("StopMove;", "ClearPath;", "StartMove;")
+_BREAK_FLAG: Final = "broken_off"
+_STOPPING_STATEMENTS: Final = ("StopMove;", "ClearPath;", "StartMove;")
 
 
 def with_breaks(job: Legalisation) -> Program:
@@ -228,7 +232,7 @@ def _break_condition(node: object) -> e.Expression | None:
 
 
 def _asks_for_break(part: Any) -> bool:
-    return isinstance(part, e.Apply) and part.function.lower() == BREAK_FLAG
+    return isinstance(part, e.Apply) and part.function.lower() == _BREAK_FLAG
 
 
 class _BreakLowering:
@@ -245,7 +249,7 @@ class _BreakLowering:
         self.procedures: list[Procedure] = []
         self.declared: list[Declaration] = []
         asked = any(map(_asks_for_break, _applied_functions(program)))
-        self.flag = e.Name(self._free(BREAK_FLAG)) if asked else None
+        self.flag = e.Name(self._free(_BREAK_FLAG)) if asked else None
         self.inside = _interrupt_procedures(program)
 
     def _free(self, name: str) -> str:
@@ -262,7 +266,7 @@ class _BreakLowering:
         if self.flag is not None:
             variables[self.flag.name] = Variable("number", e.Number(0))
         numbers = (
-            vendor_declaration(f"VAR intnum {variable};") for variable, _ in self.traps.values()
+            _vendor_declaration(f"VAR intnum {variable};") for variable, _ in self.traps.values()
         )
         return replace(
             program,
@@ -296,15 +300,15 @@ class _BreakLowering:
             self.job.cannot("that a move of an interrupt is broken off", cure)
         order = self.order(owner, until)
         variable, trap = self.trap(until, move)
-        yield vendor_statement(f"IDelete {variable};")
-        yield vendor_statement(f"CONNECT {variable} WITH {trap};")
-        yield vendor_statement(f"{order},{variable};")
+        yield _vendor_statement(f"IDelete {variable};")
+        yield _vendor_statement(f"CONNECT {variable} WITH {trap};")
+        yield _vendor_statement(f"{order},{variable};")
         if self.flag is None:
             yield p.If((p.Branch(_negated(until), (move,)),))
         else:
             came = p.Branch(until, (p.Assign(self.flag, e.Number(1)),))
             yield p.If((came,), (p.Assign(self.flag, e.Number(0)), move))
-        yield vendor_statement(f"IDelete {variable};")
+        yield _vendor_statement(f"IDelete {variable};")
 
     def order(self, owner: Procedure, until: e.Expression) -> str:
         """Return the instruction that orders the interrupt, without its variable."""
@@ -317,7 +321,7 @@ class _BreakLowering:
         if own := sorted(names & locals_of(owner)):
             cure = "keep that in a variable of the program"
             self.job.cannot(f"a move that `{own[0]}` of `{owner.name}` breaks off", cure)
-        return f"ITimer {TIMER_PERIOD:g}"
+        return f"ITimer {_TIMER_PERIOD:g}"
 
     def signal(self, until: e.Expression) -> tuple[str, int] | None:
         """Return the digital signal that is the only condition, and its value."""
@@ -338,23 +342,23 @@ class _BreakLowering:
 
     def make(self, until: e.Expression, trap: str, move: p.MoveStatement) -> None:
         plain = self.signal(until) is not None
-        how = "as the signal changes" if plain else f"that asks for it every {TIMER_PERIOD:g} s"
+        how = "as the signal changes" if plain else f"that asks for it every {_TIMER_PERIOD:g} s"
         self.job.changed(
             "a move that is broken off", f"a trap routine {how}",
             "see on the robot how far it comes",
         )  # fmt: skip
         if plain:
-            lines = [*STOPPING_STATEMENTS]
+            lines = [*_STOPPING_STATEMENTS]
             if self.flag is not None:
                 lines.append(f"{self.flag.name}:=1;")
         else:
             answer = self._free("break_move_now")
             told = () if self.flag is None else (p.Assign(self.flag, e.Number(1)),)
-            branch = p.Branch(until, (*map(vendor_statement, STOPPING_STATEMENTS), *told))
+            branch = p.Branch(until, (*map(_vendor_statement, _STOPPING_STATEMENTS), *told))
             self.procedures.append(Procedure(answer, (p.If((branch,)),), span=move.span))
             lines = [f"{answer};"]
         text = "\n".join((f"TRAP {trap}", *lines, "ENDTRAP"))
-        self.declared.append(vendor_declaration(text))
+        self.declared.append(_vendor_declaration(text))
 
 
 def _negated(x: e.Expression) -> e.Expression:

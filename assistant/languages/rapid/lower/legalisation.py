@@ -1,6 +1,6 @@
 """Legalisation: a pseudo-program within the capabilities of RAPID, a finding for each change.
 
-`PASSES` lists the passes in their order; `sayable` is the one that goes through every part of a
+`_PASSES` lists the passes in their order; `sayable` is the one that goes through every part of a
 program: procedures, variables, statements, speeds, blends, motions and paths.
 
 Pulses that `PulseDO` with `High` does not have (to 0, or to a value that is computed): the output
@@ -125,7 +125,7 @@ from assistant.program.rewriting import (
 )
 from assistant.program.statement_index import records_in_procedures
 
-UNITS: Final = Units(
+_UNITS: Final = Units(
     most=MOST_TARGETS,
     least_most=5,  # room to cut between arcs
     least=2,  # of one target there is no path
@@ -136,20 +136,20 @@ UNITS: Final = Units(
     straight=False,
     split=rules.SPLIT,
 )
-ACCELERATION: Final = Acceleration(
+_ACCELERATION: Final = Acceleration(
     least=LEAST_ACCELERATION,
     cure="AccSet has one value for both",
     cure_of_least="AccSet has one value of 20 percent or more",
 )
-CORNERS: Final = Corners(size=corner_of, name=zone_name)
-LOOPS: Final = Loops(
+_CORNERS: Final = Corners(size=corner_of, name=zone_name)
+_LOOPS: Final = Loops(
     refused=rules.COUNTER,
     changed=rules.CHANGED,
     cure="a loop of RAPID has a variable of its own; use another name if that is meant",
 )
 
 
-OUTPUTS: Final = Outputs(
+_OUTPUTS: Final = Outputs(
     measures=frozenset(TRIGGER_MEASURES.values()),
     known=True,
     unlike=rules.PLACE_UNLIKE,
@@ -163,26 +163,26 @@ def capabilities(most_targets: int | None = None) -> Capabilities:
         kin=frozenset({"rapid"}),
         cannot_say=rules.NO_MEANING,
         changed=rules.CHANGED,
-        loops=LOOPS,
-        outputs=OUTPUTS,
+        loops=_LOOPS,
+        outputs=_OUTPUTS,
         comments=Comments(ascii=True),
-        acceleration=ACCELERATION,
+        acceleration=_ACCELERATION,
         longest_message=LONGEST_STRING,
-        units=replace(UNITS, most=most_targets) if most_targets else UNITS,
+        units=replace(_UNITS, most=most_targets) if most_targets else _UNITS,
     )
 
 
-PERCENT_CURE: Final = (
+_PERCENT_CURE: Final = (
     "name both arms, or state `joint_speed` (mm/s) in the process file or the cell file (--cell)"
 )
 """Speed in mm/s that corresponds to one percent."""
 
 
-class MotionAdapter:
+class _MotionAdapter:
     """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
 
     def __init__(self, job: Legalisation, written: PartLegaliser) -> None:
-        self._job, self._written, self._sizing = job, written, CornerSizes(job, CORNERS)
+        self._job, self._written, self._sizing = job, written, CornerSizes(job, _CORNERS)
         program = job.program
         overrides = (s.percent for s in program.statements() if isinstance(s, p.SetOverride))
         self._slowed = any(percent != e.Number(100) for percent in overrides)
@@ -197,7 +197,7 @@ class MotionAdapter:
         if not isinstance(speed, p.ComputedSpeed):
             speed = self.speeds.said(speed)
         elif speed.tcp is None or speed.joint is not None:
-            cure = PERCENT_CURE
+            cure = _PERCENT_CURE
             self._job.cannot("a joint speed in percent that is worked out", cure)
         return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
@@ -228,7 +228,7 @@ class MotionAdapter:
         said, changed = sayable_speed(speed)
         about = None if name is None else Declared(name, "speeds")
         if self._only_percent(speed):
-            cure = PERCENT_CURE
+            cure = _PERCENT_CURE
             self._job.cannot(f"a joint speed of {speed.joint:g} % alone", cure, about)
         elif changed:
             self._job.changed(changed, speed_name(said), "state a speed in mm/s", about)
@@ -259,7 +259,7 @@ class MotionAdapter:
 ON: Final = e.Number(1)
 
 
-def with_pulses(job: Legalisation) -> Program:
+def _with_pulses(job: Legalisation) -> Program:
     """The program with such pulses as two instructions."""
     pulses = (
         one for one in records_in_procedures(job.program, p.SetSignal) if one.pulse is not None
@@ -309,10 +309,10 @@ class _Pulses(Rewording):
     changes: ClassVar[Changes] = {p.SetSignal: pulse}
 
 
-class StatementAdapter(Rewording):
+class _StatementAdapter(Rewording):
     """targets: those that paths of a single one become, filled as procedures are adapted."""
 
-    def __init__(self, job: Legalisation, motions: MotionAdapter, written: PartLegaliser) -> None:
+    def __init__(self, job: Legalisation, motions: _MotionAdapter, written: PartLegaliser) -> None:
         super().__init__(job)
         self.program, self.motions, self.written = job.program, motions, written
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}
@@ -403,16 +403,16 @@ def _unset_target(x: e.Expression) -> e.Expression:
     return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, part))) for part in parts))
 
 
-Adaptation = list[p.Statement]
+_Adaptation = list[p.Statement]
 
 
-def _motion(a: StatementAdapter, x: Any) -> Adaptation:
+def _motion(a: _StatementAdapter, x: Any) -> _Adaptation:
     triggers = tuple(replace(one, value=_bit_value(one.value)) for one in x.triggers)
     motion = a.motions.motion(_stopping_motion(a, x) if x.until is not None else x.motion)
     return [replace(x, motion=motion, triggers=triggers)]
 
 
-def _stopping_motion(a: StatementAdapter, x: p.MoveStatement) -> p.Motion:
+def _stopping_motion(a: _StatementAdapter, x: p.MoveStatement) -> p.Motion:
     """The motion of a move that is broken off, which the program has to wait for."""
     if declared_value(x.motion.blend, a.program.blends) == FINE:
         return x.motion
@@ -423,7 +423,7 @@ def _stopping_motion(a: StatementAdapter, x: p.MoveStatement) -> p.Motion:
     return replace(x.motion, blend=FINE)
 
 
-def _follow(a: StatementAdapter, x: p.Follow) -> Adaptation:
+def _follow(a: _StatementAdapter, x: p.Follow) -> _Adaptation:
     if not len(x.path):
         a.job.changed(f"the path `{x.path.name}`, which has no targets", "nothing", "leave it out")
         return []
@@ -435,7 +435,7 @@ def _follow(a: StatementAdapter, x: p.Follow) -> Adaptation:
     return [move_at(path, 0, e.Name(name))]
 
 
-def _wait_signal(a: StatementAdapter, x: p.WaitSignal) -> Adaptation:
+def _wait_signal(a: _StatementAdapter, x: p.WaitSignal) -> _Adaptation:
     value = _bit_value(x.value)
     signal = a.signals.get(x.signal.lower())
     if signal is not None and signal.kind == "analog":
@@ -448,11 +448,11 @@ def _bit_value(value: e.Expression) -> e.Expression:
     return e.Number(int(value.value)) if isinstance(value, e.Truth) else value
 
 
-def _assign(a: StatementAdapter, x: p.Assign) -> Adaptation:
+def _assign(a: _StatementAdapter, x: p.Assign) -> _Adaptation:
     return [replace(x, value=as_truth(x.value)) if is_truth(x.target, a.known) else x]
 
 
-def _set_signal(_: StatementAdapter, x: p.SetSignal) -> Adaptation:
+def _set_signal(_: _StatementAdapter, x: p.SetSignal) -> _Adaptation:
     value = _bit_value(x.value)
     hand = gripper(x.signal, value) if x.pulse is None else None
     if hand is not None:
@@ -460,14 +460,14 @@ def _set_signal(_: StatementAdapter, x: p.SetSignal) -> Adaptation:
     return [replace(x, value=value)]
 
 
-def _opaque(a: StatementAdapter, x: p.Opaque) -> Adaptation:
+def _opaque(a: _StatementAdapter, x: p.Opaque) -> _Adaptation:
     if x.language != verbatim.LANGUAGE:
         a.job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
         return [x]
     return list(statements_of(x.text, a.program))
 
 
-StatementAdapter.changes = {
+_StatementAdapter.changes = {
     p.Move: _motion,
     p.MoveCircular: _motion,
     p.MoveJoints: _motion,
@@ -488,7 +488,7 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     findings = Findings()
     try:
         job = Legalisation(program, capabilities(most_targets), findings)
-        adapted = legalise(job, PASSES)
+        adapted = legalise(job, _PASSES)
         findings += NAMES.findings(adapted)
         find_outputs_of_two_names(replace(job, program=adapted))
         trees = _built_units(adapted, findings)
@@ -506,8 +506,8 @@ def sayable(job: Legalisation) -> Program:
             with job.findings.at(declaration.span):
                 job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
     written = PartLegaliser(job, POSITIONS)
-    motions = MotionAdapter(job, written)
-    statements = StatementAdapter(job, motions, written)
+    motions = _MotionAdapter(job, written)
+    statements = _StatementAdapter(job, motions, written)
     targets, joints = written.targets(program.targets), written.joint_targets(program.joint_targets)
     variables = {n: statements.variable(v, n) for n, v in program.variables.items()}
     for name, variable in list(variables.items()):
@@ -555,7 +555,7 @@ def _declaration_rank(declaration: Declaration) -> int:
     return max((ranks.get(type(item), 1) for item in items), default=0)
 
 
-PASSES: Final[tuple[Pass, ...]] = (
+_PASSES: Final[tuple[Pass, ...]] = (
     pure(with_rounded_values),
     with_interrupts_first,
     with_measured_places,
@@ -567,7 +567,7 @@ PASSES: Final[tuple[Pass, ...]] = (
     with_set_mounts,
     sayable,
     with_channels,
-    with_pulses,
+    _with_pulses,
     with_breaks,
     with_interrupts,
     pure(with_own_dates),

@@ -4,7 +4,7 @@ Each unit becomes one module. A file that another language calls by its name bec
 module, as it was a separate file there; the task loads all modules, and the call is a plain one.
 Long programs, split into units for lack of room, are loaded when they are called.
 
-Each statement is a row of `tables.equivalents` or has a function in `STATEMENTS`. An output that a
+Each statement is a row of `tables.equivalents` or has a function in `_STATEMENTS`. An output that a
 move sets on its path becomes an instruction that sets up a triggdata, and a move that takes it.
 """
 
@@ -207,7 +207,7 @@ def _untranslatable_trigger(x: p.Trigger) -> Iterator[tuple[str, str]]:
             yield f"that {name} is set more than {LONGEST_TRIGGER_TIME:g} s before the end", cure
 
 
-Lowered = Iterator[s.StatementNode]
+_Lowered = Iterator[s.StatementNode]
 
 
 class BodyLowering:
@@ -247,7 +247,7 @@ class BodyLowering:
                 continue
             with self.findings.at(statement.span):
                 try:
-                    if (lower := STATEMENTS.get(type(statement))) is None:
+                    if (lower := _STATEMENTS.get(type(statement))) is None:
                         what = f"a {type(statement).__name__} statement"
                         raise not_expressible(what, "say it in other statements")
                     yield from lower(self, statement)
@@ -302,7 +302,7 @@ class BodyLowering:
         return s.NameRef(self.names.get("signals", name)) if fits else None
 
 
-def _move(b: BodyLowering, x: p.MoveStatement) -> Lowered:
+def _move(b: BodyLowering, x: p.MoveStatement) -> _Lowered:
     (move,) = _table_row(b, replace(x, triggers=()))
     if x.triggers:
         yield from with_triggers(move, x.triggers, b.names.triggers, b.set_up)
@@ -310,7 +310,7 @@ def _move(b: BodyLowering, x: p.MoveStatement) -> Lowered:
         yield move
 
 
-def _follow(b: BodyLowering, x: p.Follow) -> Lowered:
+def _follow(b: BodyLowering, x: p.Follow) -> _Lowered:
     yield from path_moves(x.path, b.names.rows[id(x)], b.names)
 
 
@@ -322,13 +322,13 @@ def _table_row(b: BodyLowering, x: p.Statement) -> Iterator[s.ProcedureCall]:
     yield s.ProcedureCall(call.word, arguments(call))
 
 
-def _start_timer(b: BodyLowering, x: p.StartTimer) -> Lowered:
+def _start_timer(b: BodyLowering, x: p.StartTimer) -> _Lowered:
     clock = s.NameRef(b.names.get("timers", x.timer))
     yield b.call("ClkReset", clock)
     yield b.call("ClkStart", clock)
 
 
-def _set_signal(b: BodyLowering, x: p.SetSignal) -> Lowered:
+def _set_signal(b: BodyLowering, x: p.SetSignal) -> _Lowered:
     if x.pulse is not None:
         _check_pulse(b, x, x.pulse)
     yield from _table_row(b, x)
@@ -345,7 +345,7 @@ def _check_pulse(b: BodyLowering, x: p.SetSignal, seconds: e.Expression) -> None
         raise not_expressible(what, "set the signal, wait and set it back")
 
 
-def _call(b: BodyLowering, x: p.Call) -> Lowered:
+def _call(b: BodyLowering, x: p.Call) -> _Lowered:
     name = b.names.get("procedures", x.procedure)
     given = tuple(s.Positional(b.lower(a)) for a in x.arguments)
     if x.unit is None or x.unit in b.resident:
@@ -357,7 +357,7 @@ def _call(b: BodyLowering, x: p.Call) -> Lowered:
     yield s.ProcedureCall("UnLoad", (s.Positional(file),))
 
 
-def _assign(b: BodyLowering, x: p.Assign) -> Lowered:
+def _assign(b: BodyLowering, x: p.Assign) -> _Lowered:
     match x:
         case p.Assign(place, e.Apply("oriented", (base, *angles))) if place == base and len(
             angles
@@ -377,16 +377,16 @@ def _assign(b: BodyLowering, x: p.Assign) -> Lowered:
     yield s.Assignment(target, b.lower(x.value))
 
 
-def _if(b: BodyLowering, x: p.If) -> Lowered:
+def _if(b: BodyLowering, x: p.If) -> _Lowered:
     branches = tuple(s.IfBranch(b.lower(c.condition), b.block(c.body)) for c in x.branches)
     yield s.IfThen(branches, b.block(x.otherwise) if x.otherwise else None)
 
 
-def _while(b: BodyLowering, x: p.While) -> Lowered:
+def _while(b: BodyLowering, x: p.While) -> _Lowered:
     yield s.WhileLoop(b.lower(x.condition), b.block(x.body))
 
 
-def _for(b: BodyLowering, x: p.For) -> Lowered:
+def _for(b: BodyLowering, x: p.For) -> _Lowered:
     # Without STEP a loop counts downwards where its bounds do (RAPID kernel manual, FOR).
     upwards = x.step == p.ONE and ascends(x.first, x.last)
     step = None if upwards or x.step is None else b.lower(x.step)
@@ -395,31 +395,31 @@ def _for(b: BodyLowering, x: p.For) -> Lowered:
     yield s.ForLoop(variable, first, last, step, body)
 
 
-def _switch(b: BodyLowering, x: p.Switch) -> Lowered:
+def _switch(b: BodyLowering, x: p.Switch) -> _Lowered:
     cases = tuple(s.TestCase(tuple(map(b.lower, c.values)), b.block(c.body)) for c in x.cases)
     yield s.TestOf(b.lower(x.subject), cases, b.block(x.otherwise) if x.otherwise else None)
 
 
-def _stop(b: BodyLowering, x: p.Stop) -> Lowered:
+def _stop(b: BodyLowering, x: p.Stop) -> _Lowered:
     if x.end:
         yield s.Word("EXIT")
     else:
         yield from _table_row(b, x)
 
 
-def _return(b: BodyLowering, x: p.Return) -> Lowered:
+def _return(b: BodyLowering, x: p.Return) -> _Lowered:
     yield s.ReturnFrom(None if x.value is None else b.lower(x.value))
 
 
-def _label(b: BodyLowering, x: p.Label) -> Lowered:
+def _label(b: BodyLowering, x: p.Label) -> _Lowered:
     yield s.LabelMark(spelt(b.labels, x.name))
 
 
-def _goto(b: BodyLowering, x: p.Goto) -> Lowered:
+def _goto(b: BodyLowering, x: p.Goto) -> _Lowered:
     yield s.GotoLabel(spelt(b.labels, x.label))
 
 
-def _message(b: BodyLowering, x: p.Message) -> Lowered:
+def _message(b: BodyLowering, x: p.Message) -> _Lowered:
     whole: s.Expression | None = None
     for part in message_parts(x, b.known) or (e.Text(""),):
         if is_value(part, b.known):
@@ -431,13 +431,13 @@ def _message(b: BodyLowering, x: p.Message) -> Lowered:
     yield b.call("TPWrite", whole)
 
 
-def _opaque(_: BodyLowering, x: p.Opaque) -> Lowered:
+def _opaque(_: BodyLowering, x: p.Opaque) -> _Lowered:
     if x.language != verbatim.LANGUAGE:
         raise Refused(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
     yield from verbatim.statements(x.text)
 
 
-STATEMENTS: Final[dict[type, Callable[[BodyLowering, Any], Lowered]]] = {
+_STATEMENTS: Final[dict[type, Callable[[BodyLowering, Any], _Lowered]]] = {
     **dict.fromkeys(STATEMENT_ROWS.records, _table_row),
     **dict.fromkeys((p.Move, p.MoveCircular, p.MoveJoints), _move),
     p.Follow: _follow,

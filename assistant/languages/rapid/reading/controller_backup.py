@@ -47,30 +47,30 @@ _HEADER: Final = re.compile(r"\s*[A-Z]+:CFG")
 _ATTRIBUTE: Final = re.compile(r'-([A-Za-z]\w*)(?:[ \t]+(?:"([^"\n]*)"|(-?[0-9.][0-9.eE+-]*)))?')
 
 
-def rows_of(text: str, section: str) -> Iterator[dict[str, str]]:
+def _rows_of(text: str, section: str) -> Iterator[dict[str, str]]:
     """The attributes of each row of a section; those without a value have an empty one."""
-    for name, body in sections(text):
+    for name, body in _sections(text):
         if name == section:
             yield from _attribute_rows(body)
 
 
-def sections(text: str) -> Iterator[tuple[str, str]]:
+def _sections(text: str) -> Iterator[tuple[str, str]]:
     """The sections of a file, each with its name and its text."""
     joined = text.replace("\r\n", "\n").replace("\\\n", " ")
     pieces = _SECTION.split(joined)
     yield from zip(pieces[1::2], pieces[2::2], strict=False)
 
 
-def all_rows(text: str, prefix: str) -> Iterator[dict[str, str]]:
+def _all_rows(text: str, prefix: str) -> Iterator[dict[str, str]]:
     """The rows of all sections whose names begin in a way."""
-    for name, body in sections(text):
+    for name, body in _sections(text):
         if name.startswith(prefix):
             yield from _attribute_rows(body)
 
 
-def is_known(text: str) -> bool:
+def _is_known(text: str) -> bool:
     """True if a text looks like a file of system parameters."""
-    return _HEADER.match(text) is not None or next(sections(text), None) is not None
+    return _HEADER.match(text) is not None or next(_sections(text), None) is not None
 
 
 def _attribute_rows(body: str) -> Iterator[dict[str, str]]:
@@ -80,8 +80,8 @@ def _attribute_rows(body: str) -> Iterator[dict[str, str]]:
             yield {one[1]: one[2] if one[2] is not None else one[3] or "" for one in found}
 
 
-SignalKind = Literal["digital", "analog", "group"]
-PARAMETER_SIGNAL_TYPES: Final[dict[str, tuple[SignalKind, bool]]] = {
+_SignalKind = Literal["digital", "analog", "group"]
+_PARAMETER_SIGNAL_TYPES: Final[dict[str, tuple[_SignalKind, bool]]] = {
     "DI": ("digital", True),
     "DO": ("digital", False),
     "AI": ("analog", True),
@@ -90,7 +90,7 @@ PARAMETER_SIGNAL_TYPES: Final[dict[str, tuple[SignalKind, bool]]] = {
     "GO": ("group", False),
 }
 """Types of signals: what they are, and whether they are inputs."""
-DEVICE_BITS: Final = 16
+_DEVICE_BITS: Final = 16
 """Bits of one device are counted from a multiple of this, behind those of the device before."""
 _BIT_SPAN: Final = re.compile(r"(\d{1,5})(?:-(\d{1,5}))?")
 
@@ -101,10 +101,10 @@ def signals_of_file(text: str) -> ControllerConfiguration:
     Each device has its numbers behind those of the device before, as its map counts them.
     """
     rows, unread = [], []
-    for row in rows_of(text, "EIO_SIGNAL"):
+    for row in _rows_of(text, "EIO_SIGNAL"):
         name, kind = (
             row.get("Name", ""),
-            PARAMETER_SIGNAL_TYPES.get(row.get("SignalType", "").upper()),
+            _PARAMETER_SIGNAL_TYPES.get(row.get("SignalType", "").upper()),
         )
         if kind is None or not name:
             unread.append(name or "a signal without a name")
@@ -118,8 +118,8 @@ def signals_of_file(text: str) -> ControllerConfiguration:
         number = None if one.begin is None else starts[one.input, one.device] + one.begin
         bits = one.bits if one.kind == "group" else 1
         signals[one.name] = Signal(one.kind, "input" if one.input else "output", number, bits)
-    results = {row.get("Res", "").lower() for row in rows_of(text, "EIO_CROSS")} - {""}
-    return ControllerConfiguration(signals, frozenset(results), tuple(unread), is_known(text))
+    results = {row.get("Res", "").lower() for row in _rows_of(text, "EIO_CROSS")} - {""}
+    return ControllerConfiguration(signals, frozenset(results), tuple(unread), _is_known(text))
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ class _SignalRow:
     """A signal as it is stated. begin: the bit of its device that it begins with, if it has one."""
 
     name: str
-    kind: SignalKind
+    kind: _SignalKind
     input: bool
     device: str
     begin: int | None
@@ -157,33 +157,33 @@ def _first_numbers(rows: Sequence[_SignalRow]) -> dict[tuple[bool, str], int]:
     after = {True: 0, False: 0}
     for (is_input, device), end in ends.items():
         starts[is_input, device] = after[is_input]
-        after[is_input] += -(-end // DEVICE_BITS) * DEVICE_BITS
+        after[is_input] += -(-end // _DEVICE_BITS) * _DEVICE_BITS
     return starts
 
 
-SIGNALS_FILE: Final = "eio.cfg"
-PARAMETERS_FOLDER: Final = "syspar"
-MOST_FOLDERS_ABOVE: Final = 3
+_SIGNALS_FILE: Final = "eio.cfg"
+_PARAMETERS_FOLDER: Final = "syspar"
+_MOST_FOLDERS_ABOVE: Final = 3
 """Folders above a module in which the system parameters may stand: PROGMOD, TASKn, RAPID."""
-FIRST_EXTERNAL_AXIS: Final = 7
+_FIRST_EXTERNAL_AXIS: Final = 7
 """Logical axis that is `eax_a`."""
-TASKS_SECTION: Final = "CAB_TASKS"
-CALLED_ROUTINES: Final = (
+_TASKS_SECTION: Final = "CAB_TASKS"
+_CALLED_ROUTINES: Final = (
     ("sys", "CAB_EXEC_HOOKS", "Routine", "at {Shelf}"),
-    ("sys", TASKS_SECTION, "Entry", "as the start of the task `{Name}`"),
+    ("sys", _TASKS_SECTION, "Entry", "as the start of the task `{Name}`"),
     ("eio", "SYSSIG_IN", "Arg1", "by the signal `{Signal}`"),
     ("mmc", "MMC_SERV_ROUT", "name", "as a service routine"),
 )
 """Files, their sections and the attribute that names a routine which the controller calls."""
-INTERRUPT_ACTION: Final = "Interrupt"
+_INTERRUPT_ACTION: Final = "Interrupt"
 """Action of an input of the system that calls a routine."""
-NORMAL_TASK: Final = "NORMAL"
+_NORMAL_TASK: Final = "NORMAL"
 """Type of a task that is started and stopped with the robot."""
 _ROBOT_TYPE: Final = re.compile(r"ROB\d+_(\d+)((?:_\w*?[0-9.]*)*)", re.IGNORECASE)
 _FIGURE: Final = re.compile(r"(?<=_)\d+(?:\.\d+)?(?=_|\Z)")
 _BACKUP_TASK: Final = re.compile(r"(?m)^>>TASK(\d+):[ \t]*\(([^,)\r\n]*)")
 _TASK_FOLDER: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)(?:/|$)")
-WELD_ON: Final = "weldon"
+_WELD_ON: Final = "weldon"
 """Attribute of the equipment of arc welding, without `_`: the output that lights the arc."""
 
 
@@ -192,12 +192,12 @@ def signals_file(module: FilePath) -> FilePath | None:
 
     The file is `EIO.cfg` in the folder of the module, or in `SYSPAR` of one of the folders above.
     """
-    folders = [module.absolute().parent, *module.absolute().parent.parents[:MOST_FOLDERS_ABOVE]]
+    folders = [module.absolute().parent, *module.absolute().parent.parents[:_MOST_FOLDERS_ABOVE]]
     for place, folder in enumerate(folders):
-        if place == 0 and (found := file_named(folder, SIGNALS_FILE)) is not None:
+        if place == 0 and (found := file_named(folder, _SIGNALS_FILE)) is not None:
             return found
-        inner = file_named(folder, PARAMETERS_FOLDER)
-        if inner is not None and (found := file_named(inner, SIGNALS_FILE)) is not None:
+        inner = file_named(folder, _PARAMETERS_FOLDER)
+        if inner is not None and (found := file_named(inner, _SIGNALS_FILE)) is not None:
             return found
     return None
 
@@ -216,14 +216,14 @@ def backup_configuration(module: FilePath, read: Texts) -> ControllerConfigurati
     for name in ("sys", "moc", "proc", "eio", "mmc"):
         path = file_named(folder, f"{name}.cfg")
         content = None if path is None else read(path)
-        if path is not None and content is not None and is_known(content):
+        if path is not None and content is not None and _is_known(content):
             texts[name] = content
     return _SystemParameters(module, folder, texts, found, read).stated()
 
 
 def _parameters_folder(module: FilePath) -> FilePath | None:
-    folders = [module.absolute().parent, *module.absolute().parent.parents[:MOST_FOLDERS_ABOVE]]
-    inner = (file_named(folder, PARAMETERS_FOLDER) for folder in folders)
+    folders = [module.absolute().parent, *module.absolute().parent.parents[:_MOST_FOLDERS_ABOVE]]
+    inner = (file_named(folder, _PARAMETERS_FOLDER) for folder in folders)
     own = folders[0] if file_named(folders[0], "sys.cfg") is not None else None
     return next((folder for folder in inner if folder is not None), own)
 
@@ -245,8 +245,8 @@ class _SystemParameters:
         if task:
             values["data", CONTROLLER_STATES["gettaskname"].name] = task
         row = self.row_of(task)
-        kind = row.get("Type", NORMAL_TASK)
-        if kind.upper() != NORMAL_TASK:
+        kind = row.get("Type", _NORMAL_TASK)
+        if kind.upper() != _NORMAL_TASK:
             findings.append(rules.OTHER_TASK(task=task, kind=kind, path=str(self.folder)))
         arm, told = self.arm(task)
         frame = self.base(task)
@@ -266,24 +266,26 @@ class _SystemParameters:
         )
 
     def tasks(self) -> list[dict[str, str]]:
-        return [row for row in rows_of(self.texts.get("sys", ""), TASKS_SECTION) if row.get("Name")]
+        return [
+            row for row in _rows_of(self.texts.get("sys", ""), _TASKS_SECTION) if row.get("Name")
+        ]
 
     def called(self, task: str) -> Iterator[tuple[str, str]]:
         """Routines that the controller calls, in lower case, each with the event that calls it."""
         when: dict[str, list[str]] = {}
-        for file, section, key, words in CALLED_ROUTINES:
-            for row in rows_of(self.texts.get(file, ""), section):
+        for file, section, key, words in _CALLED_ROUTINES:
+            for row in _rows_of(self.texts.get(file, ""), section):
                 own = (
                     ""
                     if "AllTask" in row
-                    else row.get("Name" if section == TASKS_SECTION else "Task")
+                    else row.get("Name" if section == _TASKS_SECTION else "Task")
                 )
-                if row.get("Action", INTERRUPT_ACTION) != INTERRUPT_ACTION or key not in row:
+                if row.get("Action", _INTERRUPT_ACTION) != _INTERRUPT_ACTION or key not in row:
                     continue
                 if not task or not own or own.lower() == task.lower():
                     known = when.setdefault(row[key].lower(), [])
                     known.append(words.format_map(defaultdict(str, row)))
-        for row in all_rows(self.texts.get("proc", ""), ""):
+        for row in _all_rows(self.texts.get("proc", ""), ""):
             for value in row.values():
                 if value and not _is_number_text(value):
                     when.setdefault(value.lower(), ["in a process"])
@@ -307,7 +309,7 @@ class _SystemParameters:
 
     def robots(self, task: str) -> list[dict[str, str]]:
         """The robot of a task: the only one, or that of its number, ROB_2 of T_ROB2."""
-        rows = list(rows_of(self.texts.get("moc", ""), "ROBOT"))
+        rows = list(_rows_of(self.texts.get("moc", ""), "ROBOT"))
         number = re.search(r"\d+\Z", task)
         if len(rows) > 1 and number is not None:
             rows = [row for row in rows if row.get("name", "").lower() == f"rob_{number[0]}"]
@@ -340,11 +342,11 @@ class _SystemParameters:
 
     def axes(self) -> Iterator[tuple[tuple[WantedKind, str], SuppliedValue]]:
         """That external axes stand still which the controller has not."""
-        rows = list(rows_of(self.texts.get("moc", ""), "JOINT"))
+        rows = list(_rows_of(self.texts.get("moc", ""), "JOINT"))
         if not rows:
             return
         there = {round(_parameter_number(row, "logical_axis")) for row in rows}
-        for number, axis in enumerate(EXTERNAL_AXES, FIRST_EXTERNAL_AXIS):
+        for number, axis in enumerate(EXTERNAL_AXES, _FIRST_EXTERNAL_AXIS):
             if number not in there:
                 yield ("data", still_axis_name(axis)), True
 
@@ -353,9 +355,9 @@ class _SystemParameters:
         outputs = {n.lower(): s for n, s in self.found.signals.items() if s.direction == "output"}
         names = {
             value.lower()
-            for row in all_rows(self.texts.get("proc", ""), "ARC")
+            for row in _all_rows(self.texts.get("proc", ""), "ARC")
             for key, value in row.items()
-            if key.replace("_", "").lower() == WELD_ON
+            if key.replace("_", "").lower() == _WELD_ON
         }
         found = [outputs[name] for name in names if name in outputs]
         return {ARC_OUTPUT: found[0]} if len(found) == 1 else {}

@@ -31,17 +31,17 @@ _MODULE_BEGIN: Final = re.compile(
 _LIST: Final = re.compile(r"\A\ufeff?\s*<(?:\?xml|!--|Program\b)", re.IGNORECASE)
 _LISTED: Final = re.compile(r"<Module\b[^>]*>\s*([^<]*?)\s*</Module\s*>", re.IGNORECASE)
 _CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
-MOST_CONTROL: Final = 0.02
+_MOST_CONTROL: Final = 0.02
 """Share of control characters from which on a file is no text."""
 RUN_MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
 """Characters that stand for runs of like rows in what the grammar reads."""
-UTF16: Final = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
+_UTF16: Final = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 """Marks at the begin; the mark stays in the text, so that the same bytes are written."""
 
 
 def read_text(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceText:
     """The text of a file; raises Unreadable only where no encoding fits."""
-    wide = UTF16.get(data[:2])
+    wide = _UTF16.get(data[:2])
     source = decode(data, path, (wide, *encodings) if wide else encodings)
     return SourceText(source.text, path, source.encoding, newline_of(source.text))
 
@@ -58,7 +58,7 @@ def recognises(data: bytes) -> bool:
 
     An encrypted module qualifies as well: reading it reports the encryption.
     """
-    wide = UTF16.get(data[:2])
+    wide = _UTF16.get(data[:2])
     text = data[:_LOOKED_AT].decode(wide or "latin-1", errors="replace")
     if _MODULE_BEGIN.search(text.removeprefix("\xef\xbb\xbf")):
         return True
@@ -69,7 +69,7 @@ def recognises(data: bytes) -> bool:
 def _controls(text: str) -> list[int]:
     """Return the offsets of control characters, empty if they are no more than a text has."""
     found = [match.start() for match in _CONTROL.finditer(text)]
-    return found if len(found) > max(2, MOST_CONTROL * len(text)) else []
+    return found if len(found) > max(2, _MOST_CONTROL * len(text)) else []
 
 
 def is_list(text: str) -> bool:
@@ -83,12 +83,12 @@ def listed(text: str) -> tuple[str, ...]:
 
 
 def _without_entities(name: str) -> str:
-    for entity, mark in ENTITIES:
+    for entity, mark in _ENTITIES:
         name = name.replace(entity, mark)
     return name
 
 
-ENTITIES: Final = (("&gt;", ">"), ("&lt;", "<"), ("&amp;", "&"))
+_ENTITIES: Final = (("&gt;", ">"), ("&lt;", "<"), ("&amp;", "&"))
 """XML entities and their characters, in the order of replacement."""
 
 
@@ -132,32 +132,32 @@ def notes(source: SourceText) -> Iterable[Diagnostic]:
         yield source.finding(rules.LINE_END, Span(at, at + 1))
 
 
-TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
-SYSTEM_FOLDER: Final = "SYSMOD"
-SYSTEM_SUFFIXES: Final = (".sys", ".sysx")
+_TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
+_SYSTEM_FOLDER: Final = "SYSMOD"
+_SYSTEM_SUFFIXES: Final = (".sys", ".sysx")
 _TASK_FOLDER: Final = re.compile(r"(?i)(?:^|/)RAPID/TASK(\d+)$")
 
 
 def task_folder(path: FilePath) -> FilePath:
     """The modules of a folder are one task; a backup keeps a task's in two folders."""
     folder = path.parent
-    return folder.parent if folder.name.upper() in TASK_FOLDERS else folder
+    return folder.parent if folder.name.upper() in _TASK_FOLDERS else folder
 
 
-def is_shared_folder(folder: FilePath) -> bool:
+def _is_shared_folder(folder: FilePath) -> bool:
     """True if a folder is TASK0 of a backup."""
     found = _TASK_FOLDER.search(folder.as_posix())
     return found is not None and int(found[1]) == 0
 
 
-def is_task_folder(folder: FilePath) -> bool:
+def _is_task_folder(folder: FilePath) -> bool:
     """True if a folder is a task of a backup."""
     return _TASK_FOLDER.search(folder.as_posix()) is not None
 
 
-def is_system_module(path: FilePath) -> bool:
+def _is_system_module(path: FilePath) -> bool:
     """True if a file is a system module by its folder or suffix."""
-    return path.parent.name.upper() == SYSTEM_FOLDER or path.suffix.lower() in SYSTEM_SUFFIXES
+    return path.parent.name.upper() == _SYSTEM_FOLDER or path.suffix.lower() in _SYSTEM_SUFFIXES
 
 
 def surroundings(module: FilePath, read: Texts) -> ControllerConfiguration:
@@ -176,8 +176,8 @@ def _with_shared_data_of_tasks(tasks: Sequence[tuple[str, Sequence[Any]]]) -> li
 LOADING: Final = TaskLoading(
     "main",
     (".pgf",),
-    is_shared_folder,
-    is_task_folder,
-    is_system_module,
+    _is_shared_folder,
+    _is_task_folder,
+    _is_system_module,
     _with_shared_data_of_tasks,
 )

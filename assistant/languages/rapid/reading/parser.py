@@ -158,7 +158,7 @@ _TABLE_PART: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
 _ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')
 
 
-def unescaped(literal: str) -> str:
+def _unescaped(literal: str) -> str:
     """Return the text of a string literal, given with its quotes."""
     return _ESCAPE.sub(lambda m: chr(int(m[1], 16)) if m[1] else m[0][0], literal[1:-1])
 
@@ -174,7 +174,7 @@ def _open_dimensions(children: Children) -> int:
     return len(children) if children[0] == "*" else -1
 
 
-NODE_ROWS: Final = {
+_NODE_ROWS: Final = {
     **dict.fromkeys(("statements", "items", "block"), without_place(gathered)),
     **dict.fromkeys(("attributes", "component", "dimensions", "element"), without_place(tuple)),
     **dict.fromkeys(("parameters", "arguments"), without_place(tuple)),
@@ -227,7 +227,7 @@ NODE_ROWS: Final = {
     "negation": row(s.Prefix, "operand", operator="NOT"),
     "signed": row(s.Prefix),
     "number": row(s.NumberLiteral),
-    "string": row(s.StringLiteral, value=unescaped),
+    "string": row(s.StringLiteral, value=_unescaped),
     "true": row(s.BoolLiteral, "_", value=True),
     "false": row(s.BoolLiteral, "_", value=False),
     "aggregate": row(s.AggregateNode, "*items"),
@@ -239,7 +239,7 @@ NODE_ROWS: Final = {
 """Rules whose children are the fields of a node."""
 
 
-class Nodes(nodes.Nodes, rows=NODE_ROWS):
+class Nodes(nodes.Nodes, rows=_NODE_ROWS):
     """And the others.
 
     text: what the grammar read. offset: from an offset in it to one in the source, None for the
@@ -314,7 +314,7 @@ class Nodes(nodes.Nodes, rows=NODE_ROWS):
         return node
 
 
-class SingleNodes(
+class _SingleNodes(
     Nodes, rows=dict.fromkeys(("statements", "items", "block"), without_place(tuple))
 ):
     """Builder with a separate node for every line, however many are alike."""
@@ -376,7 +376,7 @@ def parse_rows(
         line += ";" * (not line.endswith(";"))  # a statement ends before it
         stack = Stack(tables.first)
         read = words.sound(line, tables.rows, stack.states)
-        if tables.drive(stack, read, SingleNodes(line, span.start.__add__, ())) is None:
+        if tables.drive(stack, read, _SingleNodes(line, span.start.__add__, ())) is None:
             found += stack.values[0]
             continue
         mended = _read(SourceText(" " * span.start + line), start, runs=False)

@@ -25,7 +25,7 @@ from assistant.languages.recovery.syntax import (
     Syntax,
 )
 
-VALUE_MISTAKES: Final = (
+_VALUE_MISTAKES: Final = (
     Mistake(
         "write unequal as `<>`; `!` begins a comment",
         "IF a ¦!= b THEN\n  c;\nENDIF",
@@ -270,7 +270,7 @@ VALUE_MISTAKES: Final = (
 
 
 MISTAKES: Final = (
-    *VALUE_MISTAKES,
+    *_VALUE_MISTAKES,
     Mistake("write MODULE … ENDMODULE", "¦", before=r"\A", after=r"\s*\Z", repair=r"outside"),
     Mistake(
         "write FROM: `FOR i FROM 1 TO 10 DO`",
@@ -493,12 +493,12 @@ MISTAKES: Final = (
 
 _FLAGS: Final = re.IGNORECASE | re.MULTILINE
 
-BLOCK_WORDS: Final = ("if", "for", "while", "test", "proc", "func", "trap", "record", "module")
+_BLOCK_WORDS: Final = ("if", "for", "while", "test", "proc", "func", "trap", "record", "module")
 """Each begins a block that ends with the same word behind `end`."""
-ENDS: Final = tuple("end" + word for word in BLOCK_WORDS if word not in ("record", "module"))
+ENDS: Final = tuple("end" + word for word in _BLOCK_WORDS if word not in ("record", "module"))
 
 BLOCKS: Final = Blocks(
-    ends={"_" + word.upper(): "_END" + word.upper() for word in BLOCK_WORDS},
+    ends={"_" + word.upper(): "_END" + word.upper() for word in _BLOCK_WORDS},
     clauses=frozenset(("_ELSEIF", "_ELSE", "_CASE", "_DEFAULT", "_ERROR", "_BACKWARD", "_UNDO")),
     scopes=frozenset(("_PROC", "_FUNC", "_TRAP")),
     unit="_MODULE",
@@ -532,10 +532,10 @@ BLOCKS: Final = Blocks(
 )
 
 _COMPARING: Final = ("LESS", "AT_MOST", "EQUAL", "MORE", "AT_LEAST", "UNEQUAL")
-OPERATORS: Final = frozenset(
+_OPERATORS: Final = frozenset(
     ("PLUS", "MINUS", "STAR", "SLASH", *_COMPARING, "OR", "XOR", "AND", "DIV", "MOD")
 )
-CHANGES: Final = Changes(
+_CHANGES: Final = Changes(
     inserted=(
         *(("COMMA",), ("RPAR",), ("RSQB",), ("RBRACE",), ("_THEN",), ("_DO",), ("COLON",)),
         *(("_ASSIGN",), ("_FROM",), ("_TO",), ("_WITH",), ("LPAR", "RPAR"), ("LPAR",)),
@@ -592,7 +592,7 @@ def _open_line(ending: str, behind: str = "^") -> re.Pattern[str]:
     return re.compile(rf"{behind}(?!.*\b{ending}\b)", re.IGNORECASE)
 
 
-LAYOUT: Final = Layout(
+_LAYOUT: Final = Layout(
     openers={
         "if": _open_line("endif", r"\bthen\b"),
         "for": _open_line("endfor", r"\bdo\b"),
@@ -610,7 +610,7 @@ _VALUE: Final = frozenset(("NUMBER", "STRING", "TRUE", "FALSE", "LSQB"))
 _HOLES: Final = {n for n, t in grammar().terminals.items() if re.fullmatch(r"<\w+>", t.pattern)}
 _CLAUSES: Final = ("_ELSE", "_ELSEIF", "_CASE")
 
-WORDING: Final = Wording(
+_WORDING: Final = Wording(
     names={
         **grammar().marks,
         "NAME": "a name",
@@ -634,7 +634,7 @@ WORDING: Final = Wording(
             rest=lambda terminal: terminal.startswith("_END") or terminal in _CLAUSES,
         ),
     ),
-    operators=OPERATORS,
+    operators=_OPERATORS,
     cures={
         "double": "delete one of the two",
         "delete": "delete it",
@@ -663,15 +663,15 @@ def reader() -> Reader:
             {"EXP": "<EXP>", "NAME": "<ID>", "SMT": "<SMT>", "DDN": "<DDN>", "RDN": "<RDN>"}
         ),
         blocks=BLOCKS,
-        changes=CHANGES,
-        layout=LAYOUT,
+        changes=_CHANGES,
+        layout=_LAYOUT,
         assign="_ASSIGN",
         value="EXP",
         data=frozenset(("VAR", "CONST", "PERS", "TASK", "LOCAL")),
         statement_holes=("SMT", "RDN", "DDN"),
         data_holes=("DDN",),
-        glue=OPERATORS
+        glue=_OPERATORS
         | {"COMMA", "LPAR", "LSQB", "LBRACE", "_ASSIGN", "BACKSLASH", "DOT", "COLON", "QMARK"},
         runs={"MOVES": ("NAME",), "TARGETS": ("CONST", "LOCAL")},
     )
-    return Reader(table_words(), syntax, WORDING)
+    return Reader(table_words(), syntax, _WORDING)

@@ -20,28 +20,28 @@ if TYPE_CHECKING:
     from lark import Lark
 
 
-GRAMMAR_FILE: Final = "rapid.lark"
-GRAMMAR_STARTS: Final = ("start", "statements", "items")
+_GRAMMAR_FILE: Final = "rapid.lark"
+_GRAMMAR_STARTS: Final = ("start", "statements", "items")
 
 
 @cache
 def grammar() -> Grammar:
     """Return the grammar of complete files (`start`), `statements` and `items`."""
-    return load(GRAMMAR_FILE, GRAMMAR_STARTS)
+    return load(_GRAMMAR_FILE, _GRAMMAR_STARTS)
 
 
 def by_lark() -> Lark:
     """Return lark's own parser for the same grammar."""
-    return acceptor(GRAMMAR_FILE, GRAMMAR_STARTS)
+    return acceptor(_GRAMMAR_FILE, _GRAMMAR_STARTS)
 
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
 """Terminals that stand between words."""
-FOREIGN_BEFORE: Final = {
+_FOREIGN_BEFORE: Final = {
     "FOREIGN_COMMENT": r"//[^\r\n]*|\#[^\r\n]*|/\*[^\r\n]*",
     "FOREIGN_EQUAL": r"==",
 }
-FOREIGN_AFTER: Final = {
+_FOREIGN_AFTER: Final = {
     "FOREIGN_STRING": (
         r"[\u201c\u201d\u201e\u00ab\u2018\u2019'`][^\r\n;]*?[\u201c\u201d\u00bb\u2018\u2019'`]"
     ),
@@ -54,14 +54,14 @@ them.
 """
 
 
-FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKSLASH", "_ASSIGN")
+_FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKSLASH", "_ASSIGN")
 """Tried first, for speed: nothing else begins as they do, but for `:`, which is shorter."""
 
 
 @cache
 def scanner() -> re.Pattern[str]:
     """The terminals in the order in which they are tried, and the foreign ones around them."""
-    return terminals_pattern(grammar(), FREQUENT, FOREIGN_BEFORE, FOREIGN_AFTER)
+    return terminals_pattern(grammar(), _FREQUENT, _FOREIGN_BEFORE, _FOREIGN_AFTER)
 
 
 @cache
@@ -113,7 +113,7 @@ def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
 @cache
 def _kinds_of_terminals() -> Mapping[str | None, str]:
     """The kinds of all terminals and of what other languages write."""
-    kinds: dict[str | None, str] = dict.fromkeys((*FOREIGN_BEFORE, *FOREIGN_AFTER), "mark")
+    kinds: dict[str | None, str] = dict.fromkeys((*_FOREIGN_BEFORE, *_FOREIGN_AFTER), "mark")
     for name, terminal in grammar().terminals.items():
         spelling = terminal.pattern
         plain = "key" if spelling[0].isalpha() else "hole" if _HOLE.match(spelling) else "mark"
@@ -127,8 +127,8 @@ def _table_pattern() -> re.Pattern[str]:
     return re.compile(rf"(?P<number>{grammar().terminals['NUMBER'].regexp})|[^ \t]")
 
 
-FEWEST_ROWS: Final = 8
-MOST_ROWS: Final = 1 << 16
+_FEWEST_ROWS: Final = 8
+_MOST_ROWS: Final = 1 << 16
 """Rows of one token, so that a long table comes in pieces of bounded size."""
 
 
@@ -166,4 +166,4 @@ _ROW_REST = r"(?:[^\s;!\"()<>%]++|(?<=\W)[ \t]++|[ \t]++(?=\W))*+"
 _ROW = rf"[ \t]*+{_ROW_HEAD}{_ROW_REST};[ \t]*+(?:\r?\n|\Z)"
 """A declared target or a move on one line, that needs no blank but those of its head."""
 
-_TABLE: Final = re.compile(rf"^(?:{_ROW}){{{FEWEST_ROWS},{MOST_ROWS}}}+", re.MULTILINE)
+_TABLE: Final = re.compile(rf"^(?:{_ROW}){{{_FEWEST_ROWS},{_MOST_ROWS}}}+", re.MULTILINE)

@@ -71,7 +71,7 @@ BUTTON_ANSWERS: Final = {
     "resyes": 6, "resno": 7,
 }  # fmt: skip
 """Constants of type btnres, by lower-case name (RAPID reference manual, data types)."""
-STATE_CONSTANTS: Final = {
+_STATE_CONSTANTS: Final = {
     "op_undef": 0, "op_auto": 1, "op_man_prog": 2, "op_man_test": 3,
     "run_undef": 0, "run_cont_cycle": 1, "run_instr_fwd": 2, "run_instr_bwd": 3, "run_sim": 4,
     "run_step_move": 5,
@@ -89,9 +89,9 @@ STATE_CONSTANTS: Final = {
     "type_all": 0, "type_state": 1, "type_warn": 2, "type_err": 3,
 }  # fmt: skip
 """Constants of types symnum, iounit_state, busstate, errdomain and errtype (the same)."""
-ICONS: Final = {"iconnone": 0, "iconinfo": 1, "iconwarning": 2, "iconerror": 3}
+_ICONS: Final = {"iconnone": 0, "iconinfo": 1, "iconwarning": 2, "iconerror": 3}
 """Constants of type icondata (the same)."""
-INTEGER_TYPES: Final = {
+_INTEGER_TYPES: Final = {
     "usint": 1, "uint": 2, "udint": 4, "ulint": 8, "sint": -1, "int": -2, "dint": -4, "lint": -8,
 }  # fmt: skip
 """Constants of type inttypes (the same)."""
@@ -100,14 +100,15 @@ SOCKET_STATES: Final = {
     "socket_closed": 5,
 }  # fmt: skip
 """Constants of type socketstatus (the same)."""
-CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
+_CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 """The letters of Latin-1 that have both cases."""
 PORTABLE_CONSTANTS: Final[Mapping[str, float | str]] = {
-    **BUTTON_ANSWERS, **STATE_CONSTANTS, **ICONS, **INTEGER_TYPES, **SOCKET_STATES, "pi": math.pi,
+    **BUTTON_ANSWERS, **_STATE_CONSTANTS, **_ICONS, **_INTEGER_TYPES, **SOCKET_STATES,
+    "pi": math.pi,
     "str_digit": "0123456789",
     "errstr_task": "TASK", "errstr_context": "CONTEXT", "errstr_unused": "", "errstr_empty": "",
     "stempty": "", "eof": "EOF", "eof_num": 9.998e36, "wait_max": 99999.0,
-    "str_upper": CAPITALS, "str_lower": CAPITALS.lower(),
+    "str_upper": _CAPITALS, "str_lower": _CAPITALS.lower(),
 }  # fmt: skip
 """Constants that are values for other languages, by lower-case name (the same)."""
 
@@ -221,7 +222,7 @@ TASK_COUNT_SUFFIX: Final = "_tasks"
 TASK_MEETINGS: Final = frozenset(("waitsynctask", "syncmoveon"))
 """Instructions at which the tasks of a list meet."""
 _SYSTEM: Final = "getsysinfo"
-SYSTEM_INFO: Final[Mapping[str, ControllerState]] = {
+_SYSTEM_INFO: Final[Mapping[str, ControllerState]] = {
     "serialno": ControllerState("controller_serial_number", "string", "14-21858"),
     "swversion": ControllerState("controller_version", "string", "6.08.00.00"),
     "swversionname": ControllerState("controller_version_name", "string", "6.08"),
@@ -232,11 +233,11 @@ SYSTEM_INFO: Final[Mapping[str, ControllerState]] = {
     "systemname": ControllerState("controller_system", "string", "MYSYSTEM"),
 }
 """Results of `GetSysInfo`, by its switch in lower case; the texts are modelled on its examples."""
-SYSTEM_INFO_NAMES: Final = frozenset(one.name for one in SYSTEM_INFO.values())
+SYSTEM_INFO_NAMES: Final = frozenset(one.name for one in _SYSTEM_INFO.values())
 """Names of what an option chooses."""
 STATE_BY_NAME: Final[Mapping[str, ControllerState]] = {
     one.name: one
-    for one in (*CONTROLLER_STATES.values(), *SYSTEM_INFO.values(), TASK_NUMBER, LAST_ERROR)
+    for one in (*CONTROLLER_STATES.values(), *_SYSTEM_INFO.values(), TASK_NUMBER, LAST_ERROR)
 }
 
 
@@ -248,7 +249,7 @@ def state_of(word: str, options: Collection[str]) -> ControllerState | None:
     if word.lower() != _SYSTEM:
         return CONTROLLER_STATES.get(word.lower())
     (option,) = options if len(options) == 1 else ("",)
-    return SYSTEM_INFO.get(option.lower())
+    return _SYSTEM_INFO.get(option.lower())
 
 
 CELL_OPTIONS: Final = frozenset(

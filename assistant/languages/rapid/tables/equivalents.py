@@ -130,7 +130,7 @@ SIGNAL_FUNCTIONS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "
 """Functions that return the same value as the signal's name alone (RAPID reference manual)."""
 
 
-OR, AND, RELATION, SUM, TERM, PRIMARY = range(6)
+OR, AND, _RELATION, SUM, TERM, PRIMARY = range(6)
 """Precedence levels of expressions; one with a lower level than its position requires gets
 parentheses.
 """
@@ -138,8 +138,8 @@ parentheses.
 BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
     "or": ("OR", OR, OR, AND),
     "xor": ("XOR", OR, OR, AND),
-    "and": ("AND", AND, AND, RELATION),
-    **{o: (o, RELATION, SUM, SUM) for o in e.RELATIONS},
+    "and": ("AND", AND, AND, _RELATION),
+    **{o: (o, _RELATION, SUM, SUM) for o in e.RELATIONS},
     "+": ("+", SUM, SUM, TERM),
     "-": ("-", SUM, SUM, TERM),
     "*": ("*", TERM, TERM, PRIMARY),
@@ -152,14 +152,14 @@ BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
 
 _SPEED_NAMES: Final = {speed: name for name, speed in constants.SPEEDS.items()}
 _ZONE_NAMES: Final = {blend: name for name, blend in constants.ZONES.items()}
-SPEED_PLACES: Final = 3
-FASTEST: Final = max(s.tcp for s in constants.SPEEDS.values() if math.isfinite(s.tcp))
+_SPEED_PLACES: Final = 3
+_FASTEST: Final = max(s.tcp for s in constants.SPEEDS.values() if math.isfinite(s.tcp))
 
-WIDEST_CHOSEN: Final = 10.0
+_WIDEST_CHOSEN: Final = 10.0
 """mm of a corner without a size, at most: where it is known to lead along, somebody says so."""
-LEAST_CHOSEN: Final = 0.3
+_LEAST_CHOSEN: Final = 0.3
 """mm of one at a crawl: z0."""
-BRAKING: Final = 5000.0
+_BRAKING: Final = 5000.0
 """mm/s², as much as arms brake by along a line: with less the way that it takes were longer."""
 
 
@@ -190,7 +190,7 @@ def _record_name(kind: str, first: float, more: Sequence[float]) -> str:
 
 
 def _number_in_name(value: float) -> str:
-    return f"{value:.{SPEED_PLACES}f}".rstrip("0").rstrip(".").replace(".", "_")
+    return f"{value:.{_SPEED_PLACES}f}".rstrip("0").rstrip(".").replace(".", "_")
 
 
 def speed_values(speed: Speed) -> list[float]:
@@ -238,8 +238,8 @@ def sayable_speed(speed: Speed) -> tuple[Speed, str | None]:
     if speed.joint is not None:
         changed, speed = "a joint speed in percent", replace(speed, joint=None)
     if math.isinf(speed.tcp) and speed != Speed(math.inf):
-        changed, speed = "an unlimited speed", replace(speed, tcp=FASTEST)
-    rounded = [v if math.isinf(v) else round(v, SPEED_PLACES) for v in speed_values(speed)]
+        changed, speed = "an unlimited speed", replace(speed, tcp=_FASTEST)
+    rounded = [v if math.isinf(v) else round(v, _SPEED_PLACES) for v in speed_values(speed)]
     return speed_of(rounded), changed
 
 
@@ -250,10 +250,10 @@ def corner_of(speed: Speed) -> float:
     predefined size below that, so that the corner is never wider, and at most WIDEST_CHOSEN.
     """
     if not math.isfinite(speed.tcp):
-        return WIDEST_CHOSEN
-    braking = speed.tcp * speed.tcp / (2.0 * BRAKING)  # `**` would raise where that is too large
-    sizes = (b.radius for b in constants.ZONES.values() if b.radius and b.radius <= WIDEST_CHOSEN)
-    return max((radius for radius in sizes if radius <= braking), default=LEAST_CHOSEN)
+        return _WIDEST_CHOSEN
+    braking = speed.tcp * speed.tcp / (2.0 * _BRAKING)  # `**` would raise where that is too large
+    sizes = (b.radius for b in constants.ZONES.values() if b.radius and b.radius <= _WIDEST_CHOSEN)
+    return max((radius for radius in sizes if radius <= braking), default=_LEAST_CHOSEN)
 
 
 def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
@@ -265,10 +265,10 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
     if blend.exit is not None and blend.exit != blend.radius:
         changed, radius, details = "a corner of two sizes", min(radius, blend.exit), None
     if math.isinf(radius):
-        changed, radius, details = "a corner without size", LEAST_CHOSEN, None
-    radius = round(radius, SPEED_PLACES)
+        changed, radius, details = "a corner without size", _LEAST_CHOSEN, None
+    radius = round(radius, _SPEED_PLACES)
     if details is not None:
-        return zone_of(False, [radius, *(round(v, SPEED_PLACES) for v in details)]), changed
+        return zone_of(False, [radius, *(round(v, _SPEED_PLACES) for v in details)]), changed
     return Blend(radius), changed
 
 

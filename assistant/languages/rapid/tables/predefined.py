@@ -120,7 +120,7 @@ NAMING: Final = _word_set("SetDataVal SetAllDataVal")
 """and that change data of such names."""
 
 
-TYPE_KINDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
+_TYPE_KINDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
 _LINE: Final = re.compile(r"^([A-Z]+)(?: (\w+))?: (.*)$", re.MULTILINE)
 
 
@@ -159,7 +159,7 @@ def data() -> Mapping[str, Datum]:
     return {
         name.lower(): Datum(name, word, of)
         for word, of, text in _predefined_lines()
-        if word not in TYPE_KINDS
+        if word not in _TYPE_KINDS
         for name in text.split()
     }
 
@@ -174,7 +174,7 @@ def _types() -> Iterator[tuple[str, Type]]:
     for word, of, text in _predefined_lines():
         if word == "RECORD":
             yield of.lower(), Type(of, word, components=_components(text))
-        elif word in TYPE_KINDS:
+        elif word in _TYPE_KINDS:
             for name in text.split():
                 yield name.lower(), Type(name, word, of)
 
@@ -192,11 +192,11 @@ def _predefined_lines() -> tuple[tuple[str, str, str], ...]:
     return tuple((m[1], m[2] or "", m[3]) for m in _LINE.finditer(text.replace("\n    ", " ")))
 
 
-FIRST_ERROR: Final = 1001
+_FIRST_ERROR: Final = 1001
 
 
 @cache
 def error_numbers() -> Mapping[str, int]:
     """Numbers of errors by lower-case name, which the manuals do not state: counted here."""
     names = (name for name, datum in data().items() if datum.type == "errnum")
-    return {name: at for at, name in enumerate(names, FIRST_ERROR) if name != "errno"}
+    return {name: at for at, name in enumerate(names, _FIRST_ERROR) if name != "errno"}

@@ -154,8 +154,8 @@ class ProcessMove:
     beside: frozenset[str] = frozenset()
 
 
-ARC_OPTIONS: Final = frozenset(("weave", "track", "seamname", "corr", "preprocesstracking"))
-SPOT_OPTIONS: Final = frozenset(("inpos", "noconc"))
+_ARC_OPTIONS: Final = frozenset(("weave", "track", "seamname", "corr", "preprocesstracking"))
+_SPOT_OPTIONS: Final = frozenset(("inpos", "noconc"))
 GUN_OPTIONS: Final = tuple(f"g{number}" for number in range(1, 5))
 """Options of a weld with several guns: what each of them welds."""
 _WELD_PARTS: Final[Mapping[str, Literal["start", "middle", "end"]]] = {
@@ -163,12 +163,12 @@ _WELD_PARTS: Final[Mapping[str, Literal["start", "middle", "end"]]] = {
 }  # fmt: skip
 PROCESS_MOVES: Final[Mapping[str, ProcessMove]] = {
     **{
-        f"arc{x}{word}": ProcessMove("arc", f"Move{x.upper()}", points, 2, part, ARC_OPTIONS)
+        f"arc{x}{word}": ProcessMove("arc", f"Move{x.upper()}", points, 2, part, _ARC_OPTIONS)
         for x, points in (("l", 1), ("c", 2), ("j", 1))
         for word, part in _WELD_PARTS.items()
     },
     **{
-        f"spot{m}{x}": ProcessMove("spot", f"Move{x.upper()}", 1, given, beside=SPOT_OPTIONS)
+        f"spot{m}{x}": ProcessMove("spot", f"Move{x.upper()}", 1, given, beside=_SPOT_OPTIONS)
         for x in ("l", "j")
         for m, given in (("", 2), ("m", 0))
     },

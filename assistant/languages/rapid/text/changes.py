@@ -28,7 +28,7 @@ from assistant.languages.texts import lossless, tree_merge
 from assistant.languages.texts.lossless import Block, Extent, Sketch
 from assistant.languages.texts.words import Word
 
-ItemKey = tuple[str, str]
+_ItemKey = tuple[str, str]
 
 
 def merge(tree: s.File, before: s.File, after: s.File) -> s.File:
@@ -50,7 +50,7 @@ def merge(tree: s.File, before: s.File, after: s.File) -> s.File:
     return replace(tree, parts=tuple(changed if part is module else part for part in tree.parts))
 
 
-def _item_key(item: Any) -> ItemKey | None:
+def _item_key(item: Any) -> _ItemKey | None:
     """Kind and lower-case name of what a module declares; a run is known by its first row."""
     match item:
         case s.TargetRunNode(_, run):
@@ -119,7 +119,7 @@ def render(file: s.File, origin: s.Origin) -> str:
     if file.parts is origin.parts and file.header == header:
         return origin.source.text
     old = s.File(origin.parts, header)
-    text = lossless.render(origin.source, old, replace(file, header=header), FileLayout())
+    text = lossless.render(origin.source, old, replace(file, header=header), _FileLayout())
     if file.header == header:
         return text
     newline = origin.source.newline
@@ -130,7 +130,7 @@ def render(file: s.File, origin: s.Origin) -> str:
     return new + rest if new else re.sub(r"^[ \t]*\r?\n", "", rest)
 
 
-class FileLayout(lossless.RunLayout):
+class _FileLayout(lossless.RunLayout):
     """RAPID: statements end with `;`, comments with their line."""
 
     spelled = frozenset(("string", "number"))
@@ -184,10 +184,10 @@ class FileLayout(lossless.RunLayout):
         return plain_row(node) is not None
 
 
-UNCOMPARED: Final = frozenset({"comment", "header", "newline"})
-SCOPES: Final = frozenset({"local", "task"})
-STORAGES: Final = frozenset({"const", "pers", "var"})
-PIECE_BEGINS: Final = frozenset(
+_UNCOMPARED: Final = frozenset({"comment", "header", "newline"})
+_SCOPES: Final = frozenset({"local", "task"})
+_STORAGES: Final = frozenset({"const", "pers", "var"})
+_PIECE_BEGINS: Final = frozenset(
     (
         *("module", "endmodule", "proc", "endproc", "func", "endfunc", "trap", "endtrap"),
         *("record", "endrecord", "alias", "if", "elseif", "else", "endif", "for", "endfor"),
@@ -195,11 +195,11 @@ PIECE_BEGINS: Final = frozenset(
     )
 )
 """Words that begin a piece, where no bracket is open."""
-PIECE_ENDS: Final = frozenset({";", "then", "do", "else"})
+_PIECE_ENDS: Final = frozenset({";", "then", "do", "else"})
 """Words that end one."""
-DIGITS: Final = 6
-DIGITS_OF: Final = {"dnum": 15}
-BEFORE_SIGN: Final = frozenset({"[", "(", ",", ":="})
+_DIGITS: Final = 6
+_DIGITS_OF: Final = {"dnum": 15}
+_BEFORE_SIGN: Final = frozenset({"[", "(", ",", ":="})
 """Before a `-` that is the sign of a number."""
 
 
@@ -210,16 +210,16 @@ def module_pieces(text: str) -> Iterator[tuple[str, str]]:
     piece: list[Word] = []
     depth = 0
     for word in words(text):
-        if word.kind in UNCOMPARED:
+        if word.kind in _UNCOMPARED:
             continue
         low = word.text.lower()
-        begins = low in PIECE_BEGINS or low in SCOPES or low in STORAGES
-        if piece and depth == 0 and begins and piece[-1].text.lower() not in SCOPES:
+        begins = low in _PIECE_BEGINS or low in _SCOPES or low in _STORAGES
+        if piece and depth == 0 and begins and piece[-1].text.lower() not in _SCOPES:
             yield _piece(piece, text)
             piece = []
         piece.append(word)
         depth = max(0, depth + (low in "([{") - (low in ")]}")) if word.kind == "mark" else depth
-        if low in PIECE_ENDS and depth == 0:
+        if low in _PIECE_ENDS and depth == 0:
             yield _piece(piece, text)
             piece = []
     if piece:
@@ -233,18 +233,18 @@ def _piece(piece: list[Word], text: str) -> tuple[str, str]:
 
 def _compared_form(piece: list[Word]) -> str:
     lows = [word.text.lower() for word in piece]
-    kind = next((i for i in (0, 1) if i < len(lows) and lows[i] in STORAGES), None)
+    kind = next((i for i in (0, 1) if i < len(lows) and lows[i] in _STORAGES), None)
     data = kind is not None and ":=" in lows
     digits = 0
     if data and kind is not None:
-        digits = DIGITS_OF.get(lows[kind + 1], DIGITS)
+        digits = _DIGITS_OF.get(lows[kind + 1], _DIGITS)
     found: list[str] = []
     for i, word in enumerate(piece):
         if word.kind == "string":
             found.append(word.text)
         elif word.kind == "number":
             value = _compared_number(lows[i], digits)
-            if value == "0" and len(found) > 1 and found[-1] == "-" and found[-2] in BEFORE_SIGN:
+            if value == "0" and len(found) > 1 and found[-1] == "-" and found[-2] in _BEFORE_SIGN:
                 found.pop()  # `-0.00` is printed for what is nothing
             found.append(value)
         elif lows[i] == "," and i + 1 < len(lows) and lows[i + 1] == "\\":
@@ -262,7 +262,7 @@ def _compared_number(text: str, digits: int) -> str:
     value = float(plain)
     if plain.isdecimal() and math.isfinite(value):
         return str(int(plain))
-    if digits == 0 or digits > DIGITS:
+    if digits == 0 or digits > _DIGITS:
         shown = f"{value:.{digits}G}" if digits else repr(value)
     else:
         shown = f"{_as_num(value):.{digits}G}"

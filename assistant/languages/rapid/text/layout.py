@@ -38,7 +38,7 @@ _ENDED_BY: Final = {
     "if": frozenset({"then", ";", "<smt>"}),
 }
 
-SEGMENT_CUTTER: Final = Cutter(
+_SEGMENT_CUTTER: Final = Cutter(
     words=tokens,
     plain=lambda text, start: tokens(text, rows=False, start=start),
     scopes=frozenset({"local", "task"}),
@@ -57,10 +57,10 @@ SEGMENT_CUTTER: Final = Cutter(
 )
 
 
-TokenRole = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
+_TokenRole = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
 """name: of an instruction that is called. late: the `%` around a name that is worked out."""
 
-_MARKS: Final[dict[str, TokenRole]] = {
+_MARKS: Final[dict[str, _TokenRole]] = {
     **dict.fromkeys(")]}", "close"),
     **dict.fromkeys("([", "open"),
     **dict.fromkeys("+-", "sign"),
@@ -70,13 +70,13 @@ _BETWEEN_OPERANDS: Final = frozenset({"and", "or", "xor", "div", "mod"})
 _TRUTH_WORDS: Final = frozenset({"true", "false"})
 
 
-class Spacing(layout.Spacing):
+class _Spacing(layout.Spacing):
     """The tokens of one segment, in order, without its line ends and comments."""
 
     def __init__(self, segment: Segment) -> None:
         self._calls = segment.form == "plain" and segment.word in ("", "if")
         self._compact_if = self._calls and segment.word == "if"
-        self._before: TokenRole | None = None
+        self._before: _TokenRole | None = None
         self._in_late = False
 
     def before(self, token: Word) -> bool:
@@ -104,7 +104,7 @@ class Spacing(layout.Spacing):
         return False
 
 
-def _token_role(token: Word) -> TokenRole:
+def _token_role(token: Word) -> _TokenRole:
     if token.kind == "key":
         return "operand" if token.text.lower() in _TRUTH_WORDS else "key"
     return _MARKS.get(token.text, "mark") if token.kind == "mark" else "operand"
@@ -116,7 +116,7 @@ def _starts_statement(token: Word) -> bool:
 
 def lay_out(text: str) -> str:
     """The text in the one layout, for any text that the grammar takes; idempotent."""
-    return layout.lay_out(text, list(SEGMENT_CUTTER.segments(text)), STYLE)
+    return layout.lay_out(text, list(_SEGMENT_CUTTER.segments(text)), _STYLE)
 
 
 def _table_lines(table: str, indent: str, newline: str) -> str:
@@ -137,8 +137,8 @@ def _spelt_word(word: Word) -> str:
     return word.text
 
 
-STYLE: Final = layout.Style(
-    Spacing,
+_STYLE: Final = layout.Style(
+    _Spacing,
     _spelt_word,
     _table_lines,
     separate=frozenset({"proc", "func", "trap", "module"}),

@@ -61,10 +61,10 @@ def plain_row(node: Any) -> alike.Row | None:
         case s.MoveRunNode(run):
             return ("moves", run.values is not None), run
         case s.Data(scope=scope, name=name):
-            values = target_values(node)
+            values = _target_values(node)
             return None if values is None else (("targets", scope), (name, values))
         case s.ProcedureCall():
-            move = plain_move(node)
+            move = _plain_move(node)
             return None if move is None else (("moves", move.is_written), move)
     return None
 
@@ -93,7 +93,7 @@ def _joined_spans(stretch: Sequence[Any], start: int) -> Rows | None:
     return np.concatenate(parts)
 
 
-def target_values(node: s.Data) -> list[float] | None:
+def _target_values(node: s.Data) -> list[float] | None:
     """The 17 numbers of a plain declared robtarget, None for any other declaration."""
     if (
         node.storage != "CONST"
@@ -131,24 +131,24 @@ def literal_number(node: s.Expression) -> float | int | None:
     if not isinstance(node, s.NumberLiteral):
         return None
     text = node.text.lower()
-    if text[:2] in NUMBER_BASES:
-        digits, base = text[2:], NUMBER_BASES[text[:2]]
-        if base == DECIMAL_BASE and math.isinf(float(digits)):
+    if text[:2] in _NUMBER_BASES:
+        digits, base = text[2:], _NUMBER_BASES[text[:2]]
+        if base == _DECIMAL_BASE and math.isinf(float(digits)):
             return math.inf
         value = int(digits, base)
         return value if value <= sys.float_info.max else math.inf
     return int(text) if text.isdigit() and len(text) < 16 else float(text)
 
 
-DECIMAL_BASE: Final = 10
-NUMBER_BASES: Final = {"0x": 16, "0o": 8, "0b": 2, "0d": DECIMAL_BASE}
+_DECIMAL_BASE: Final = 10
+_NUMBER_BASES: Final = {"0x": 16, "0o": 8, "0b": 2, "0d": _DECIMAL_BASE}
 
 
 def _plain_name(name: str) -> bool:
     return len(name) <= LONGEST_NAME and _PLAIN_NAME.fullmatch(name) is not None
 
 
-def plain_move(node: s.ProcedureCall) -> MoveRow | None:
+def _plain_move(node: s.ProcedureCall) -> MoveRow | None:
     r"""`MoveL p,v,z,t\WObj:=w;` or `MoveL [[…],…],v,z,t;`, None for any other call."""
     if node.name not in PLAIN_MOVES:
         return None
@@ -198,12 +198,12 @@ EXTERNAL_COMPONENT: Final = "extax"
 EXTERNAL_AXES: Final = tuple(f"eax_{letter}" for letter in "abcdef")
 FIRST_EXTERNAL_COLUMN: Final = 11
 """Column of the first external axis in the 17 numbers of a target."""
-MOST_EXTERNAL_AXES: Final = 2
+_MOST_EXTERNAL_AXES: Final = 2
 """Axes that other languages have."""
 _TARGET_SHAPES: Final = ([3, 4, 4, 6], [6, 6])
 
 
-def is_target(node: Any) -> bool:
+def _is_target(node: Any) -> bool:
     """True if a node is a target or joint target in brackets."""
     return isinstance(node, s.AggregateNode) and _bracket_shape(node.items) in _TARGET_SHAPES
 
@@ -220,7 +220,7 @@ def stated_axes(node: Any) -> frozenset[str]:
                 return frozenset()
             given = np.asarray(run.values)[:, FIRST_EXTERNAL_COLUMN:] < UNUSED
             return frozenset(EXTERNAL_AXES[column] for column in np.flatnonzero(given.any(axis=0)))
-        case s.AggregateNode(items) if is_target(node):
+        case s.AggregateNode(items) if _is_target(node):
             last: Any = items[-1]
             numbers = map(literal_number, last.items)
             pairs = zip(EXTERNAL_AXES, numbers, strict=True)
@@ -246,7 +246,7 @@ def axes_to_ask(modules: Sequence[s.Module]) -> list[str]:
     if not used:
         return []
     found = [axis for axis in EXTERNAL_AXES if axis in used]
-    most = len(found) > MOST_EXTERNAL_AXES or found != list(EXTERNAL_AXES[: len(found)])
+    most = len(found) > _MOST_EXTERNAL_AXES or found != list(EXTERNAL_AXES[: len(found)])
     parts = (
         isinstance(node, s.Component) and node.name.lower() == EXTERNAL_COMPONENT
         for node in nodes(tuple(modules))

@@ -159,10 +159,10 @@ def _statement_parts(body: tuple[s.StatementNode, ...], within: Span | None) -> 
                 yield Part(node.span, within=within)
 
 
-ROUTINE_KINDS: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}
+_ROUTINE_KINDS: Final = {"PROC": "procedure", "FUNC": "function", "TRAP": "trap routine"}
 
 
-MEETING_TYPE: Final = "syncident"
+_MEETING_TYPE: Final = "syncident"
 """The type of what `WaitSyncTask` names."""
 
 
@@ -177,7 +177,7 @@ def shared_names(file: s.File) -> Iterator[tuple[str, str]]:
         for item in module.items:
             match item:
                 case s.Routine(kind=word, local=False, name=name):
-                    yield name, ROUTINE_KINDS[word]
+                    yield name, _ROUTINE_KINDS[word]
                 case s.Record(local=False, name=name) | s.Alias(local=False, name=name):
                     yield name, "type"
                 case s.Data(scope=scope, name=name) if scope != "LOCAL":
@@ -195,7 +195,7 @@ def _is_shared(module: s.Module) -> bool:
     return bool(data) and all(
         isinstance(item, s.Data)
         and not item.scope
-        and (item.storage == "PERS" or item.type.lower() == MEETING_TYPE)
+        and (item.storage == "PERS" or item.type.lower() == _MEETING_TYPE)
         for item in data
     )
 

@@ -178,7 +178,7 @@ MISSING: Final = {
 }
 
 _VALUE_PHRASES: Final = frozenset(("a value", "a statement"))
-PHRASES: Final = (
+_PHRASES: Final = (
     Phrase(frozenset(("MOTION",)), "a statement"),
     Phrase(frozenset(("NUMBER",)), "a value"),
     Phrase(frozenset(("POSITION", "NAME")), "a name", _VALUE_PHRASES),
@@ -226,7 +226,7 @@ def recovery_reader() -> LineReader:
         is_whole=lambda node: isinstance(node, s.Line) and node.statement is not None,
         prose=_PROSE,
         missing=MISSING,
-        phrases=PHRASES,
+        phrases=_PHRASES,
         unsaid={"SIGN": frozenset(("EQUALS",))},  # which compares there, as other operators do
         wrong=rules.SYNTAX,
     )

@@ -21,8 +21,8 @@ Effect = Literal[
     "reads", "gives", "sets", "needs", "stays", "moves", "jumps", "waits", "lines", "labels"
 ]
 
-ROLES: Final = ("motion", "command", "statement", "part")
-EFFECTS: Final = (
+_ROLES: Final = ("motion", "command", "statement", "part")
+_EFFECTS: Final = (
     "reads",
     "gives",
     "sets",
@@ -176,13 +176,13 @@ def _statements() -> Iterator[Statement]:
     role: Role = "part"
     for cells in _rows("statements"):
         if cells[0].startswith("["):
-            if cells[0][1:-1] not in ROLES:
+            if cells[0][1:-1] not in _ROLES:
                 raise ValueError(f"statements.txt: {cells[0]} is no role")
             role = cast(Role, cells[0][1:-1])
             continue
         word, levels, count, listed, first, instead = (*cells, *[""] * 4)[:6]
         effects = frozenset(listed.split())
-        if not effects <= set(EFFECTS):
+        if not effects <= set(_EFFECTS):
             raise ValueError(f"statements.txt: {word} has an effect that is none: {listed}")
         least, _, most = (count or "0-").partition("-")
         yield Statement(

@@ -29,7 +29,7 @@ from assistant.languages.rapid.tree.walk import called_in, inner_names, nodes
 from assistant.program.program import TakenNames, identifier
 from assistant.program.rewriting import rewrite
 
-MOST_ALIKE: Final = 4
+_MOST_ALIKE: Final = 4
 """Elements that are given the same value one by one: a loop takes no more steps."""
 _NAMING: Final = (s.NameRef, s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
@@ -41,7 +41,7 @@ def with_shared_arrays(modules: Sequence[s.Module], layouts: RecordLayouts) -> S
     for item in items:
         if isinstance(item, s.Routine):
             routines.setdefault(item.name.lower(), []).append(item)
-    given = {key for key, own in routines.items() if any(map(takes_arrays, own))}
+    given = {key for key, own in routines.items() if any(map(_takes_arrays, own))}
     if not given:
         return modules
     every = list(nodes(tuple(modules)))
@@ -116,7 +116,7 @@ def _aggregate_extents(value: s.AggregateNode, dimensions: int) -> tuple[int, ..
     return None if only is None else (len(value.items), *only)
 
 
-def takes_arrays(routine: s.Routine) -> bool:
+def _takes_arrays(routine: s.Routine) -> bool:
     """True if a routine has an array parameter."""
     return any(
         isinstance(one, s.ParameterNode) and one.dimensions
@@ -192,7 +192,7 @@ def _filled(
     def give(index: Sequence[s.Expression]) -> s.StatementNode:
         return s.Assignment(s.Element(s.NameRef(name), tuple(index)), value, span=node.span)
 
-    if math.prod(sizes) <= MOST_ALIKE:
+    if math.prod(sizes) <= _MOST_ALIKE:
         for place in product(*(range(1, size + 1) for size in sizes)):
             yield give([s.NumberLiteral(str(at)) for at in place])
         return
@@ -204,9 +204,9 @@ def _filled(
     yield inner
 
 
-COUNT_SUFFIX: Final = "_count"
+_COUNT_SUFFIX: Final = "_count"
 _DIM: Final = "dim"
-ParameterKey = tuple[str, str]
+_ParameterKey = tuple[str, str]
 """A routine and its parameter, in lower case."""
 
 
@@ -230,7 +230,7 @@ def with_counts(
             own = [name for name in _unsized(one) if (one.name.lower(), name) in counted]
             parts.append(_with_counts_of(one, own, routines, counted))
             if own:
-                names = ", ".join(f"`{name}{COUNT_SUFFIX}`" for name in own)
+                names = ", ".join(f"`{name}{_COUNT_SUFFIX}`" for name in own)
                 findings.append(rules.COUNTED(name=one.name, names=names, span=one.span))
         made.append(replace(module, items=tuple(parts)))
     return made, told
@@ -250,8 +250,8 @@ def _unsized(routine: s.Routine) -> list[str]:
 class _PassedArray:
     """A list that a call hands on: whose parameter it is, and which one it becomes."""
 
-    given: ParameterKey
-    taken: ParameterKey
+    given: _ParameterKey
+    taken: _ParameterKey
 
 
 def _passed_arrays(routines: dict[str, s.Routine]) -> Iterator[_PassedArray]:
@@ -286,7 +286,7 @@ def _whole_array(value: Any) -> str:
     return ""
 
 
-def _counted_parameters(routines: dict[str, s.Routine]) -> frozenset[ParameterKey]:
+def _counted_parameters(routines: dict[str, s.Routine]) -> frozenset[_ParameterKey]:
     """Return the array parameters whose size the program reads and whose arguments come from
     outside callers.
     """
@@ -321,14 +321,14 @@ def _with_counts_of(
     routine: s.Routine,
     own: list[str],
     routines: dict[str, s.Routine],
-    counted: frozenset[ParameterKey],
+    counted: frozenset[_ParameterKey],
 ) -> s.Routine:
     """A routine that has the sizes of its lists, and hands sizes on."""
 
     def size(value: s.Expression) -> s.Expression:
         whole = _whole_array(value)
         if whole in own:
-            return s.NameRef(whole + COUNT_SUFFIX)
+            return s.NameRef(whole + _COUNT_SUFFIX)
         return s.FunctionCall(
             "Dim", (s.Positional(s.NameRef(whole)), s.Positional(s.NumberLiteral("1")))
         )
@@ -336,7 +336,7 @@ def _with_counts_of(
     def visit(node: Any) -> Any:
         match node:
             case s.FunctionCall(_, (s.Positional(s.NameRef(of)), _)) if _is_size(node, of.lower()):
-                return s.NameRef(of.lower() + COUNT_SUFFIX) if of.lower() in own else node
+                return s.NameRef(of.lower() + _COUNT_SUFFIX) if of.lower() in own else node
             case s.ProcedureCall(str(name)) | s.FunctionCall(str(name)):
                 callee = routines.get(name.lower())
                 more = [
@@ -350,5 +350,5 @@ def _with_counts_of(
     body, handlers = rewrite((routine.body, routine.handlers), visit, ())
     if not own and body is routine.body and handlers is routine.handlers:
         return routine
-    added = (s.ParameterGroup(False, (s.ParameterNode("", "num", n + COUNT_SUFFIX),)) for n in own)
+    added = (s.ParameterGroup(False, (s.ParameterNode("", "num", n + _COUNT_SUFFIX),)) for n in own)
     return replace(routine, body=body, handlers=handlers, parameters=(*routine.parameters, *added))

@@ -27,18 +27,18 @@ from assistant.languages.rapid.tree.literals import literal_number
 from assistant.languages.rapid.tree.walk import called, inner_names, mentions, nodes, option
 from assistant.program.rewriting import rewrite
 
-LENGTH_ARRAY: Final = "raw_length"
-ROWS: Final = 8
-IN_ROW: Final = 128
+_LENGTH_ARRAY: Final = "raw_length"
+_ROWS: Final = 8
+_IN_ROW: Final = 128
 """Bytes per row, for controllers whose arrays end at 999: 1024 bytes in rows for each data."""
-WHOLE_SIZES: Final = {
+_WHOLE_SIZES: Final = {
     "usint": 1, "uint": 2, "udint": 4, "ulint": 8, "sint": -1, "int": -2, "dint": -4, "lint": -8,
 }  # fmt: skip
 """Bytes of the whole numbers that inttypes names, negative of those with a sign."""
-MOST_BYTES: Final = ROWS * IN_ROW
-LONGEST_TEXT: Final = 80
+_MOST_BYTES: Final = _ROWS * _IN_ROW
+_LONGEST_TEXT: Final = 80
 """Characters of a text (reference manual: string); what comes after them is received next."""
-DEFAULT_TIMEOUT: Final = "60"
+_DEFAULT_TIMEOUT: Final = "60"
 r"""Seconds that a socket waits without `\Time` (reference manual: SocketReceive)."""
 _LOOP_VARIABLE: Final = "raw_at"
 """The variable of the loops that go through lists of numbers."""
@@ -47,7 +47,7 @@ _ASSIGNABLE: Final = (s.NameRef, s.Component, s.Element)
 _NUMBER_TYPES: Final = frozenset(("num", "dnum", "byte"))
 
 
-class ByteCalls:
+class _ByteCalls:
     """types: of data and parameters by name, all in lower case. own: the number of the bytes that
     lists of numbers and texts go through. texts: `id` of calls with texts that sockets of bytes
     send or receive.
@@ -74,17 +74,17 @@ class ByteCalls:
         order = s.BoolLiteral("network" in call.options)
         match _byte_format(call):
             case "hex1", None:
-                return (call_at("put_byte", node, raw, at, value),)
+                return (_call_at("put_byte", node, raw, at, value),)
             case "intx", s.Node() as kind:
                 return (
-                    call_at("pack_whole", node, value, raw, at, _whole_number_kind(kind), order),
+                    _call_at("pack_whole", node, value, raw, at, _whole_number_kind(kind), order),
                 )
             case "float4", None:
-                return (call_at("pack_float", node, value, raw, at, order),)
+                return (_call_at("pack_float", node, value, raw, at, order),)
             case "ascii", None if self._is_number(value):
-                return (call_at("put_byte", node, raw, at, value),)
+                return (_call_at("put_byte", node, raw, at, value),)
             case "ascii", None:
-                return (call_at("pack_text", node, value, raw, at),)
+                return (_call_at("pack_text", node, value, raw, at),)
         return None
 
     def unpack(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
@@ -115,7 +115,7 @@ class ByteCalls:
         if len(call.given) != 1 or not set(call.options) <= {"fromindex"}:
             return None
         first = call.options.get("fromindex") or s.NumberLiteral("1")
-        return (call_at("clear_bytes", node, call.given[0], first),)
+        return (_call_at("clear_bytes", node, call.given[0], first),)
 
     def copy(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
         if len(call.given) != 4 or not set(call.options) <= {"noofbytes"}:
@@ -123,9 +123,9 @@ class ByteCalls:
         raw, first, into, at = call.given
         count = call.options.get("noofbytes")
         if count is None:
-            left = s.Infix("-", length_of(raw), s.Group(_whole_list(first)[0]))
+            left = s.Infix("-", _length_of(raw), s.Group(_whole_list(first)[0]))
             count = s.Infix("+", left, s.NumberLiteral("1"))
-        return (call_at("copy_bytes", node, raw, first, into, at, count),)
+        return (_call_at("copy_bytes", node, raw, first, into, at, count),)
 
     def send(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
         given, count = call.options, call.options.get("noofbytes")
@@ -134,22 +134,22 @@ class ByteCalls:
         if (text := given.get("str")) is not None and id(node) in self.texts:
             own, first = self._own(), s.NumberLiteral("1")
             return (
-                call_at("clear_bytes", node, own, first),
-                call_at("pack_text", node, text, own, first),
-                call_at("send_bytes", node, call.given[0], own, count or length_of(own)),
+                _call_at("clear_bytes", node, own, first),
+                _call_at("pack_text", node, text, own, first),
+                _call_at("send_bytes", node, call.given[0], own, count or _length_of(own)),
             )
         raw, array = given.get("rawdata"), _named_list(given.get("data"))
         if raw is not None:
-            return (call_at("send_bytes", node, call.given[0], raw, count or length_of(raw)),)
+            return (_call_at("send_bytes", node, call.given[0], raw, count or _length_of(raw)),)
         if array is None:
             return None
         own, at, first = self._own(), s.NameRef(_LOOP_VARIABLE), s.NumberLiteral("1")
         size = count or function_call("Dim", array, first)
-        put = call_at("put_byte", node, own, at, s.Element(array, (at,)))
+        put = _call_at("put_byte", node, own, at, s.Element(array, (at,)))
         return (
-            call_at("clear_bytes", node, own, first),
+            _call_at("clear_bytes", node, own, first),
             s.ForLoop(_LOOP_VARIABLE, first, size, first, (put,), span=node.span),
-            call_at("send_bytes", node, call.given[0], own, length_of(own)),
+            _call_at("send_bytes", node, call.given[0], own, _length_of(own)),
         )
 
     def receive(self, node: Any, call: Called[s.Expression]) -> Sequence[s.StatementNode] | None:
@@ -162,25 +162,25 @@ class ByteCalls:
         if raw is None and array is None and not isinstance(text, _ASSIGNABLE):
             return None
         into = self._own() if raw is None else raw
-        longest = MOST_BYTES if text is None else LONGEST_TEXT
+        longest = _MOST_BYTES if text is None else _LONGEST_TEXT
         least, most = (asked or s.NumberLiteral("1")), (asked or s.NumberLiteral(str(longest)))
-        seconds = given.get("time") or s.NumberLiteral(DEFAULT_TIMEOUT)
+        seconds = given.get("time") or s.NumberLiteral(_DEFAULT_TIMEOUT)
         made: list[s.StatementNode] = [
-            call_at("receive_bytes", node, call.given[0], into, least, most, seconds)
+            _call_at("receive_bytes", node, call.given[0], into, least, most, seconds)
         ]
         if array is not None and raw is None:
             at, first = s.NameRef(_LOOP_VARIABLE), s.NumberLiteral("1")
             value = function_call("byte_at", into, at)
             put = s.Assignment(s.Element(array, (at,)), value, span=node.span)
             made.append(
-                s.ForLoop(_LOOP_VARIABLE, first, length_of(into), first, (put,), span=node.span)
+                s.ForLoop(_LOOP_VARIABLE, first, _length_of(into), first, (put,), span=node.span)
             )
         if isinstance(text, _ASSIGNABLE):
-            value = function_call("unpack_text", into, s.NumberLiteral("1"), length_of(into))
+            value = function_call("unpack_text", into, s.NumberLiteral("1"), _length_of(into))
             made.append(s.Assignment(text, value, span=node.span))
         count = given.get("norecbytes")
         if isinstance(count, _ASSIGNABLE):
-            made.append(s.Assignment(count, length_of(into), span=node.span))
+            made.append(s.Assignment(count, _length_of(into), span=node.span))
         return made
 
     def _own(self) -> s.Expression:
@@ -196,8 +196,8 @@ class ByteCalls:
         return False
 
 
-def length_of(raw: Any) -> s.Element:
-    return s.Element(s.NameRef(LENGTH_ARRAY), (raw,))
+def _length_of(raw: Any) -> s.Element:
+    return s.Element(s.NameRef(_LENGTH_ARRAY), (raw,))
 
 
 def _named_list(node: s.Expression | None) -> Any:
@@ -214,7 +214,7 @@ def _whole_list(*values: s.Expression | None) -> tuple[s.Expression, ...]:
     return tuple(value for value in values if value is not None)
 
 
-def call_at(name: str, node: Any, *given: s.Expression | None) -> s.ProcedureCall:
+def _call_at(name: str, node: Any, *given: s.Expression | None) -> s.ProcedureCall:
     """A call that stands for a statement, at its place."""
     return s.ProcedureCall(name, tuple(map(s.Positional, _whole_list(*given))), span=node.span)
 
@@ -227,41 +227,41 @@ def _byte_format(call: Called[s.Expression]) -> tuple[str, s.Expression | None]:
 
 def _whole_number_kind(node: s.Expression) -> s.Expression:
     """The number of a type of whole numbers that is named."""
-    known = WHOLE_SIZES.get(node.name.lower()) if isinstance(node, s.NameRef) else None
+    known = _WHOLE_SIZES.get(node.name.lower()) if isinstance(node, s.NameRef) else None
     if known is None:
         return node
     size = s.NumberLiteral(str(abs(known)))
     return s.Prefix("-", size) if known < 0 else size
 
 
-_ByteLowering = Callable[[ByteCalls, Any, Called[s.Expression]], Sequence[s.StatementNode] | None]
+_ByteLowering = Callable[[_ByteCalls, Any, Called[s.Expression]], Sequence[s.StatementNode] | None]
 _LOWERINGS: Final[Mapping[str, _ByteLowering]] = {
-    "packrawbytes": ByteCalls.pack,
-    "unpackrawbytes": ByteCalls.unpack,
-    "clearrawbytes": ByteCalls.clear,
-    "copyrawbytes": ByteCalls.copy,
-    "socketsend": ByteCalls.send,
-    "socketreceive": ByteCalls.receive,
+    "packrawbytes": _ByteCalls.pack,
+    "unpackrawbytes": _ByteCalls.unpack,
+    "clearrawbytes": _ByteCalls.clear,
+    "copyrawbytes": _ByteCalls.copy,
+    "socketsend": _ByteCalls.send,
+    "socketreceive": _ByteCalls.receive,
 }
 """By lower-case names of instructions."""
 
 
-SOCKET_INSTRUCTIONS: Final = frozenset(("socketsend", "socketreceive"))
+_SOCKET_INSTRUCTIONS: Final = frozenset(("socketsend", "socketreceive"))
 """Instructions in lower case, whose first argument is a socket."""
 _BYTE_OPTIONS: Final = ("rawdata", "data")
 _PEEK_FUNCTION: Final = "socketpeek"
 
-SocketKey = tuple[str, str]
+_SocketKey = tuple[str, str]
 """A routine, empty for data of a module, and the name of what is a socket there or has one."""
 
 
-def texts_on_byte_sockets(routines: Sequence[s.Routine]) -> Set[int]:
+def _texts_on_byte_sockets(routines: Sequence[s.Routine]) -> Set[int]:
     """The calls with texts, by `id`, whose sockets also send or receive bytes."""
     same = _SocketNames()
     own = {one.name.lower(): one for one in routines}
     inner = {one.name.lower(): frozenset(_names_of_routine(one)) for one in routines}
-    bytes_of: list[SocketKey] = []
-    texts: list[tuple[SocketKey, s.Node]] = []
+    bytes_of: list[_SocketKey] = []
+    texts: list[tuple[_SocketKey, s.Node]] = []
     for routine in routines:
         low = routine.name.lower()
         for node in nodes(routine):
@@ -270,7 +270,7 @@ def texts_on_byte_sockets(routines: Sequence[s.Routine]) -> Set[int]:
             if not isinstance(node.name, str):
                 continue
             word = node.name.lower()
-            if word in SOCKET_INSTRUCTIONS or word == _PEEK_FUNCTION:
+            if word in _SOCKET_INSTRUCTIONS or word == _PEEK_FUNCTION:
                 key = _socket_key(next(iter(node.arguments), None), low, inner[low])
                 if key is not None and (
                     word == _PEEK_FUNCTION or option(node, *_BYTE_OPTIONS) is not None
@@ -294,7 +294,7 @@ def _names_of_routine(routine: s.Routine) -> Iterator[str]:
             yield node.name.lower()
 
 
-def _socket_key(given: Any, routine: str, inner: Set[str]) -> SocketKey | None:
+def _socket_key(given: Any, routine: str, inner: Set[str]) -> _SocketKey | None:
     """Arguments by the name that each begins with."""
     value = given.value if isinstance(given, s.Positional | s.Option) else None
     while isinstance(value, s.Component | s.Element):
@@ -328,27 +328,27 @@ class _SocketNames:
     """Names that stand for the same thing."""
 
     def __init__(self) -> None:
-        self.above: dict[SocketKey, SocketKey] = {}
+        self.above: dict[_SocketKey, _SocketKey] = {}
 
-    def first(self, key: SocketKey) -> SocketKey:
+    def first(self, key: _SocketKey) -> _SocketKey:
         """One name of all that are the same."""
         while key in self.above:
             key = self.above[key]
         return key
 
-    def join(self, one: SocketKey, other: SocketKey) -> None:
+    def join(self, one: _SocketKey, other: _SocketKey) -> None:
         one, other = self.first(one), self.first(other)
         if one != other:
             self.above[one] = other
 
 
-BYTES_TYPE: Final = "rawbytes"
-BYTES_PREFIX: Final = "raw_byte"
-MOST_DATA: Final = 40
+_BYTES_TYPE: Final = "rawbytes"
+_BYTES_PREFIX: Final = "raw_byte"
+_MOST_DATA: Final = 40
 """Data of the type in one program."""
 _SOCKET_CALLS: Final = ("socketsend", "socketreceive")
 
-ComponentNames = tuple[str, ...]
+_ComponentNames = tuple[str, ...]
 
 
 def with_raw_bytes(modules: Sequence[s.Module]) -> Sequence[s.Module]:
@@ -364,9 +364,9 @@ def with_raw_bytes(modules: Sequence[s.Module]) -> Sequence[s.Module]:
 def _is_of_bytes(node: Any) -> bool:
     match node:
         case s.Data(type=type) | s.ParameterNode(type=type):
-            return type.lower() == BYTES_TYPE
+            return type.lower() == _BYTES_TYPE
         case s.Record(components=components):
-            return any(type.lower() == BYTES_TYPE for type, _ in components)
+            return any(type.lower() == _BYTES_TYPE for type, _ in components)
         case s.ProcedureCall(str(name)) if name.lower() in _SOCKET_CALLS:
             return option(node, "rawdata", "data") is not None
     return False
@@ -391,31 +391,31 @@ class _RawBytes:
             if isinstance(one, s.ParameterNode)
         }
         self.fixed = {d.name.lower(): d.value for d in data if d.storage == "CONST"}
-        self.numbers: dict[int, dict[ComponentNames, int]] = {}
+        self.numbers: dict[int, dict[_ComponentNames, int]] = {}
         self.lists: set[str] = set()
         self.count = 0
         self.sound = True
         for one in (*data, *inner):
             self._counted(one)
-        texts = texts_on_byte_sockets(self.routines)
+        texts = _texts_on_byte_sockets(self.routines)
         self.takes_others = bool(texts) or any(
             isinstance(node, s.ProcedureCall) and option(node, "data") is not None
             for node in nodes(tuple(self.routines))
         )
         """True if sockets of bytes take lists of numbers or texts: the last bytes are for these."""
-        self.calls = ByteCalls(self.types, self.count + 1, texts)
+        self.calls = _ByteCalls(self.types, self.count + 1, texts)
         self.whole = [d for d in data if d.type.lower() in self.records]
         """Records of modules, whose bytes get their numbers when the program begins."""
 
     def _counted(self, one: s.Data) -> None:
         low = one.type.lower()
-        ways = [()] if low == BYTES_TYPE else self.records.get(low, ())
+        ways = [()] if low == _BYTES_TYPE else self.records.get(low, ())
         if not ways:
             return
         size = 1
         if one.dimensions:
             found = [self._extent(node) for node in one.dimensions]
-            if len(found) != 1 or found[0] is None or low != BYTES_TYPE:
+            if len(found) != 1 or found[0] is None or low != _BYTES_TYPE:
                 self.sound = False
                 return
             size = found[0]
@@ -436,13 +436,13 @@ class _RawBytes:
         """
         names = {name.lower() for name in inner_names(self.routines)} | set(self.types)
         names |= {one.name.lower() for one in self.routines}
-        added = {BYTES_PREFIX, LENGTH_ARRAY, *(one.name.lower() for one in library())}
-        if not self.sound or self.count > MOST_DATA or not names.isdisjoint(added):
+        added = {_BYTES_PREFIX, _LENGTH_ARRAY, *(one.name.lower() for one in library())}
+        if not self.sound or self.count > _MOST_DATA or not names.isdisjoint(added):
             return False
         main = [one for one in self.routines if one.name.lower() == "main"]
         if self.whole and len(main) != 1:
             return False
-        return all(self.types[name] == BYTES_TYPE for name in self.lists) and not self._recurs()
+        return all(self.types[name] == _BYTES_TYPE for name in self.lists) and not self._recurs()
 
     def _recurs(self) -> bool:
         """True if a routine with local raw bytes may be called recursively."""
@@ -471,10 +471,10 @@ class _RawBytes:
     def modules(self) -> Sequence[s.Module]:
         made = [self._module(module) for module in self.all]
         count = str(self.count + self.takes_others)
-        size = tuple(map(s.NumberLiteral, (count, str(ROWS), str(IN_ROW))))
+        size = tuple(map(s.NumberLiteral, (count, str(_ROWS), str(_IN_ROW))))
         data = (
-            s.Data("", "PERS", "num", BYTES_PREFIX, size),
-            s.Data("", "VAR", "num", LENGTH_ARRAY, size[:1]),
+            s.Data("", "PERS", "num", _BYTES_PREFIX, size),
+            s.Data("", "VAR", "num", _LENGTH_ARRAY, size[:1]),
         )
         own = {one.name.lower() for one in self.routines}
         there = tuple(one for one in library() if one.name.lower() not in own)
@@ -498,7 +498,7 @@ class _RawBytes:
         return replace(made, items=tuple(items))
 
     def _type(self, type: str) -> str:
-        return "num" if type.lower() == BYTES_TYPE else type
+        return "num" if type.lower() == _BYTES_TYPE else type
 
     def _declared(self, item: s.Data, storage: str) -> s.Data:
         numbers = self.numbers.get(id(item))
@@ -524,7 +524,7 @@ class _RawBytes:
                     extent = self._extent(node.dimensions[0]) if node.dimensions else 1
                     for each in range(number, number + (extent or 1)):
                         of = s.NumberLiteral(str(each))
-                        first.append(call_at("clear_bytes", node, of, s.NumberLiteral("1")))
+                        first.append(_call_at("clear_bytes", node, of, s.NumberLiteral("1")))
                 node = self._declared(node, "VAR")
             body.append(node)
         if not first and all(a is b for a, b in zip(body, routine.body, strict=True)):
@@ -541,7 +541,7 @@ class _RawBytes:
     def _value(self, node: Any) -> Any:
         """Elements of lists of bytes, lengths and parameters; any other node as it is."""
         match node:
-            case s.ParameterNode(type=type) if type.lower() == BYTES_TYPE:
+            case s.ParameterNode(type=type) if type.lower() == _BYTES_TYPE:
                 return replace(node, mode="", type="num", dimensions=0)
             case s.Element(s.NameRef(name) as base, (index,)) if name.lower() in self.lists:
                 if isinstance(index, s.Whole):
@@ -550,23 +550,23 @@ class _RawBytes:
                 return s.Group(s.Infix("+", base, before))
             case s.FunctionCall(name, (s.Positional(value, None),)):
                 if name.lower() == "rawbyteslen":
-                    return length_of(value)
+                    return _length_of(value)
                 if name.lower() == "socketpeek":
                     return replace(node, name="bytes_waiting")
         return node
 
 
-def _byte_components(items: Sequence[s.Item]) -> Mapping[str, Sequence[ComponentNames]]:
+def _byte_components(items: Sequence[s.Item]) -> Mapping[str, Sequence[_ComponentNames]]:
     """The ways to bytes in each type of records that has any, by lower-case name."""
     known = {one.name.lower(): one for one in items if isinstance(one, s.Record)}
-    found: dict[str, Sequence[ComponentNames]] = {}
+    found: dict[str, Sequence[_ComponentNames]] = {}
 
-    def ways(low: str) -> Sequence[ComponentNames]:
+    def ways(low: str) -> Sequence[_ComponentNames]:
         if low not in found:
             found[low] = ()  # a record that holds itself ends here
-            parts: list[ComponentNames] = []
+            parts: list[_ComponentNames] = []
             for type, name in known[low].components:
-                if type.lower() == BYTES_TYPE:
+                if type.lower() == _BYTES_TYPE:
                     parts.append((name,))
                 elif type.lower() in known:
                     parts += ((name, *way) for way in ways(type.lower()))
@@ -576,11 +576,11 @@ def _byte_components(items: Sequence[s.Item]) -> Mapping[str, Sequence[Component
     return {low: ways(low) for low in known if ways(low)}
 
 
-SHORTEST_LOOP: Final = 3
+_SHORTEST_LOOP: Final = 3
 """Statements that read a text; two more make a number of it."""
-TEXT_ENDS: Final = frozenset(("\r", ","))
-SKIPPED_CHARACTER: Final = "\n"
-Body = tuple[s.StatementNode, ...]
+_TEXT_ENDS: Final = frozenset(("\r", ","))
+_SKIPPED_CHARACTER: Final = "\n"
+_Body = tuple[s.StatementNode, ...]
 
 
 def with_line_reads(modules: Sequence[s.Module]) -> Sequence[s.Module]:
@@ -600,21 +600,21 @@ def _with_reads_in(node: Any) -> Any:
     return node if made is body else replace(node, body=made)
 
 
-def _with_line_reads(body: Body) -> Body:
+def _with_line_reads(body: _Body) -> _Body:
     made: list[s.StatementNode] = []
     at = 0
     while at < len(body):
-        text = _line_read(body[at : at + SHORTEST_LOOP])
+        text = _line_read(body[at : at + _SHORTEST_LOOP])
         if text is None:
             made.append(body[at])
             at += 1
             continue
-        target = _number_target(body[at + SHORTEST_LOOP : at + SHORTEST_LOOP + 2], text.into)
+        target = _number_target(body[at + _SHORTEST_LOOP : at + _SHORTEST_LOOP + 2], text.into)
         word = "ReadStr" if target is None else "ReadNum"
         given = s.Positional(text.socket), s.Option("Delim", s.StringLiteral(","))
         into = text.into if target is None else target
         made.append(s.Assignment(into, s.FunctionCall(word, given), span=body[at].span))
-        at += SHORTEST_LOOP if target is None else SHORTEST_LOOP + 2
+        at += _SHORTEST_LOOP if target is None else _SHORTEST_LOOP + 2
     return tuple(made) if len(made) < len(body) else body
 
 
@@ -626,7 +626,7 @@ class _LineRead:
     into: s.NameRef
 
 
-def _line_read(some: Body) -> _LineRead | None:
+def _line_read(some: _Body) -> _LineRead | None:
     match some:
         case (
             s.Assignment(s.NameRef() as into, s.StringLiteral("")),
@@ -648,7 +648,7 @@ def _line_read(some: Body) -> _LineRead | None:
         return None
     socket, last = received
     marks = {_tested_text(left, last), _tested_text(right, last)}
-    if marks != TEXT_ENDS or _tested_text(beside, last) != SKIPPED_CHARACTER or more != last:
+    if marks != _TEXT_ENDS or _tested_text(beside, last) != _SKIPPED_CHARACTER or more != last:
         return None
     return _LineRead(socket, into)
 
@@ -682,7 +682,7 @@ def _tested_text(condition: s.Expression | None, last: s.Expression) -> str | No
     return None
 
 
-def _number_target(some: Body, text: s.NameRef) -> s.Variable | None:
+def _number_target(some: _Body, text: s.NameRef) -> s.Variable | None:
     """Return the variable that takes the number read from a text; the program ends if the text is
     not a number.
     """
@@ -700,8 +700,8 @@ def _number_target(some: Body, text: s.NameRef) -> s.Variable | None:
     return None
 
 
-REMOVE_INSTRUCTION: Final = "removefile"
-IS_FILE: Final = "isfile"
+_REMOVE_INSTRUCTION: Final = "removefile"
+_IS_FILE: Final = "isfile"
 
 
 def with_emptied_files(
@@ -710,7 +710,7 @@ def with_emptied_files(
     """The modules of some files without such statements, and the findings of each."""
     nothing: list[list[Diagnostic]] = [[] for _ in modules]
     own = {i.name.lower() for m in modules for i in m.items if isinstance(i, s.Routine)}
-    if {REMOVE_INSTRUCTION, IS_FILE} & own or not mentions(files, (REMOVE_INSTRUCTION,)):
+    if {_REMOVE_INSTRUCTION, _IS_FILE} & own or not mentions(files, (_REMOVE_INSTRUCTION,)):
         return modules, nothing
     name = FreshNames(modules)("removed")
     made = [rewritten(module, lambda node: _emptied(node, name)) for module in modules]
@@ -725,7 +725,7 @@ def with_emptied_files(
 def _emptied(node: s.StatementNode, name: str) -> Iterator[s.StatementNode]:
     match node:
         case s.ProcedureCall(str(word), (s.Positional(path, None),)) if (
-            word.lower() == REMOVE_INSTRUCTION
+            word.lower() == _REMOVE_INSTRUCTION
         ):
             channel = s.Positional(s.NameRef(name))
             opened = (s.Positional(path), channel, s.Option("Write", None))
@@ -750,7 +750,7 @@ def _only_removes_existing(condition: Any, body: Sequence[Any], name: str) -> bo
             s.FunctionCall(str(word), (s.Positional(file, None), *_)),
             [s.ProcedureCall("Open", (s.Positional(path), s.Positional(s.NameRef(one)), *_)), _],
         ):
-            return (word.lower(), one) == (IS_FILE, name) and file == path
+            return (word.lower(), one) == (_IS_FILE, name) and file == path
         case s.Group(inner) | s.Infix("=", inner, s.BoolLiteral(True)), _:
             return _only_removes_existing(inner, body, name)
     return False
@@ -758,7 +758,7 @@ def _only_removes_existing(condition: Any, body: Sequence[Any], name: str) -> bo
 
 def _removed_file_findings(module: s.Module) -> Iterator[Diagnostic]:
     for node in nodes(module):
-        if isinstance(node, s.ProcedureCall) and str(node.name).lower() == REMOVE_INSTRUCTION:
+        if isinstance(node, s.ProcedureCall) and str(node.name).lower() == _REMOVE_INSTRUCTION:
             yield rules.LEFT_OUT(
                 what=str(node.name), loss="the file stays on the controller, and is empty",
                 cure="see that nothing asks whether it is there", span=node.span,

@@ -25,12 +25,12 @@ from assistant.program.rewriting import rewrite
 
 _CHOOSING: Final = ("aliasio", "getdataval")
 _END_PROGRAM: Final = s.Word("EXIT")
-READ_FUNCTIONS: Final = frozenset((*(one.lower() for one in VALUE_FUNCTIONS.values()), "testdi"))
+_READ_FUNCTIONS: Final = frozenset((*(one.lower() for one in VALUE_FUNCTIONS.values()), "testdi"))
 """Functions of the value of a signal, in lower case."""
 
 
 @dataclass(slots=True)
-class ChosenSignal:
+class _ChosenSignal:
     """One variable. inside: the routine that declares it, None for a module. names: of what
     it may be. choice, function: what holds the choice, and what gives the value.
     """
@@ -46,24 +46,24 @@ class ChosenSignal:
         return (0 if self.inside is None else id(self.inside)), self.data.name.lower()
 
 
-def chooses(node: Any) -> bool:
+def _chooses(node: Any) -> bool:
     match node:
         case s.ProcedureCall(str(word), (s.Positional(), s.Positional(s.NameRef()))):
             return word.lower() in _CHOOSING
     return False
 
 
-def is_named(node: Any, name: str) -> bool:
+def _is_named(node: Any, name: str) -> bool:
     return isinstance(node, s.NameRef) and node.name.lower() == name
 
 
 @dataclass(slots=True)
-class ChoiceWriter:
+class _ChoiceWriter:
     """Writes choices. remarks: by `id` of the module."""
 
-    chosen: Sequence[ChosenSignal]
+    chosen: Sequence[_ChosenSignal]
     remarks: dict[int, list[Diagnostic]] = field(default_factory=dict)
-    here: dict[str, ChosenSignal] = field(default_factory=dict)
+    here: dict[str, _ChosenSignal] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
 
     def module(self, module: s.Module) -> s.Module:
@@ -107,7 +107,7 @@ class ChoiceWriter:
             case s.Data() if any(node is one.data for one in self.here.values()):
                 return
             case s.ProcedureCall(str(), (s.Positional(source), s.Positional(s.NameRef(name)))) if (
-                chooses(node) and name.lower() in self.here
+                _chooses(node) and name.lower() in self.here
             ):
                 yield from self.choice(self.here[name.lower()], source, node)
             case s.ProcedureCall():
@@ -146,7 +146,7 @@ class ChoiceWriter:
                 yield self.value(node)
 
     def choice(
-        self, one: ChosenSignal, source: s.Expression, node: s.ProcedureCall
+        self, one: _ChosenSignal, source: s.Expression, node: s.ProcedureCall
     ) -> Iterator[s.StatementNode]:
         """`AliasIO` as the number of the signal that is chosen."""
         if not one.choice:
@@ -175,7 +175,7 @@ class ChoiceWriter:
         """An instruction, to whichever signal is chosen."""
         made: s.StatementNode = node
         for name, one in self.here.items():
-            if not any(is_named(part, name) for part in nodes(node)):
+            if not any(_is_named(part, name) for part in nodes(node)):
                 continue
             if not one.choice:
                 made = _with_signal(made, name, one.names[0])
@@ -193,7 +193,7 @@ class ChoiceWriter:
         def visit(part: Any) -> Any:
             match part:
                 case s.FunctionCall(str(word), (s.Positional(s.FunctionCall(inner, ())),)):
-                    if word.lower() in READ_FUNCTIONS and inner in functions:
+                    if word.lower() in _READ_FUNCTIONS and inner in functions:
                         read = s.FunctionCall(inner, ())
                         if word.lower() == "testdi":
                             return s.Group(s.Infix("=", read, s.NumberLiteral("1")))
@@ -211,13 +211,13 @@ class ChoiceWriter:
 
 def _with_signal(node: s.StatementNode, name: str, signal: str) -> s.StatementNode:
     def visit(part: Any) -> Any:
-        return replace(part, name=signal) if is_named(part, name) else part
+        return replace(part, name=signal) if _is_named(part, name) else part
 
     made: s.StatementNode = rewrite(node, visit, ())
     return made
 
 
-def _choice_items(one: ChosenSignal) -> list[s.Item]:
+def _choice_items(one: _ChosenSignal) -> list[s.Item]:
     """Return the data that holds a choice, and the function that returns the value of the chosen
     signal.
     """
@@ -239,7 +239,7 @@ def _choice_items(one: ChosenSignal) -> list[s.Item]:
     ]
 
 
-MOST_TEXTS: Final = 60
+_MOST_TEXTS: Final = 60
 """Texts of one expression; of more nobody chooses one by one."""
 _READING_INSTRUCTIONS: Final = frozenset(
     {"tpwrite", "errwrite", "errlog", "eventlog", "aliasio", "getdataval", "write", "strlen",
@@ -249,11 +249,11 @@ _READING_INSTRUCTIONS: Final = frozenset(
 parameters.
 """
 
-TextScope = s.Routine | None
+_TextScope = s.Routine | None
 """Scope of a name: a routine, or the modules."""
 
 
-class KnownTexts:
+class _KnownTexts:
     """Knows the texts of a program."""
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
@@ -271,7 +271,7 @@ class KnownTexts:
         self.own = {
             id(item): _declared_names(item) for item in items if isinstance(item, s.Routine)
         }
-        self.given: dict[tuple[int, str], list[tuple[TextScope, s.Expression]]] = {}
+        self.given: dict[tuple[int, str], list[tuple[_TextScope, s.Expression]]] = {}
         self.lost: set[tuple[int, str]] = set()
         """Variables that something changes beside assignments, by scope and lower-case name."""
         for item in items:
@@ -281,11 +281,11 @@ class KnownTexts:
         for name in twice:
             self.lost |= {key for key in self.given if key[0] == id(self.routines[name])}
 
-    def _key(self, name: str, scope: TextScope) -> tuple[int, str]:
+    def _key(self, name: str, scope: _TextScope) -> tuple[int, str]:
         inside = scope is not None and name.lower() in self.own.get(id(scope), ())
         return (id(scope) if inside else 0), name.lower()
 
-    def _look(self, node: Any, scope: TextScope) -> None:
+    def _look(self, node: Any, scope: _TextScope) -> None:
         match node:
             case s.Assignment(s.NameRef(name), value):
                 self.given.setdefault(self._key(name, scope), []).append((scope, value))
@@ -298,7 +298,7 @@ class KnownTexts:
             case s.ProcedureCall() | s.FunctionCall():
                 self._called(node, scope)
 
-    def _called(self, node: s.ProcedureCall | s.FunctionCall, scope: TextScope) -> None:
+    def _called(self, node: s.ProcedureCall | s.FunctionCall, scope: _TextScope) -> None:
         word = node.name.lower() if isinstance(node.name, str) else ""
         routine = self.routines.get(word)
         modes: Mapping[str, str] = {}
@@ -328,12 +328,12 @@ class KnownTexts:
 
     # ------------------------------------------------------------------------------ texts
 
-    def of(self, node: s.Expression, scope: TextScope) -> frozenset[str] | None:
+    def of(self, node: s.Expression, scope: _TextScope) -> frozenset[str] | None:
         """The texts that an expression may give, None if that is not known."""
         return self._of(node, scope, frozenset())
 
     def _of(
-        self, node: s.Expression, scope: TextScope, asked: frozenset[tuple[int, str]]
+        self, node: s.Expression, scope: _TextScope, asked: frozenset[tuple[int, str]]
     ) -> frozenset[str] | None:
         match node:
             case s.StringLiteral(value):
@@ -342,7 +342,7 @@ class KnownTexts:
                 return self._of(inner, scope, asked)
             case s.Infix("+", left, right):
                 first, second = self._of(left, scope, asked), self._of(right, scope, asked)
-                if first is None or second is None or len(first) * len(second) > MOST_TEXTS:
+                if first is None or second is None or len(first) * len(second) > _MOST_TEXTS:
                     return None
                 return frozenset(a + b for a in first for b in second)
             case s.NameRef(name):
@@ -350,7 +350,7 @@ class KnownTexts:
         return None
 
     def _named(
-        self, name: str, scope: TextScope, asked: frozenset[tuple[int, str]]
+        self, name: str, scope: _TextScope, asked: frozenset[tuple[int, str]]
     ) -> frozenset[str] | None:
         key = self._key(name, scope)
         if key in self.lost or key in asked:
@@ -362,7 +362,7 @@ class KnownTexts:
         found: frozenset[str] = frozenset()
         for where, value in self.given.get(key, ()):
             texts = self._of(value, where, asked | {key})
-            if texts is None or len(found | texts) > MOST_TEXTS:
+            if texts is None or len(found | texts) > _MOST_TEXTS:
                 return None
             found |= texts
         return found
@@ -391,7 +391,7 @@ def _declared_names(routine: s.Routine) -> frozenset[str]:
 
 
 _CHOICE_INSTRUCTIONS: Final = ("aliasio", "getdataval")
-LEAST_CHOICES: Final = 2
+_LEAST_CHOICES: Final = 2
 """Minimum known first letters of a text before signals with that beginning count as its possible
 values.
 """
@@ -411,8 +411,8 @@ class SignalChoices:
 
 def with_chosen_signals(modules: Sequence[s.Module]) -> SignalChoices:
     """Return the modules with signal choices; unchanged if they have none."""
-    chosen: list[ChosenSignal] = []
-    if any(map(chooses, nodes(tuple(modules)))):
+    chosen: list[_ChosenSignal] = []
+    if any(map(_chooses, nodes(tuple(modules)))):
         chosen = _SignalVariables(modules).found()
     if not chosen:
         return SignalChoices(modules, ((),) * len(modules))
@@ -421,7 +421,7 @@ def with_chosen_signals(modules: Sequence[s.Module]) -> SignalChoices:
         if len(one.names) > 1:
             one.choice = fresh(f"{one.data.name}_choice")
             one.function = fresh(f"{one.data.name}_value")
-    work = ChoiceWriter(chosen)
+    work = _ChoiceWriter(chosen)
     made = [work.module(module) for module in modules]
     remarks = tuple(tuple(work.remarks[id(module)]) for module in modules)
     signals = {name: SIGNAL_TYPES[one.data.type.lower()] for one in chosen for name in one.names}
@@ -441,9 +441,9 @@ class _SignalVariables:
     """Possible signals of each signal variable."""
 
     def __init__(self, modules: Sequence[s.Module]) -> None:
-        self.texts = KnownTexts(modules)
+        self.texts = _KnownTexts(modules)
         self.items = [item for module in modules for item in module.items]
-        self.variables: dict[tuple[int, str], ChosenSignal] = {}
+        self.variables: dict[tuple[int, str], _ChosenSignal] = {}
         for item in self.items:
             inside = item if isinstance(item, s.Routine) else None
             for node in (item,) if inside is None else inside.body:
@@ -451,11 +451,11 @@ class _SignalVariables:
                     case s.Data(storage="VAR", type=type, dimensions=()) if (
                         type.lower() in VALUE_FUNCTIONS
                     ):
-                        one = ChosenSignal(node, inside)
+                        one = _ChosenSignal(node, inside)
                         self.variables[one.key] = one
         self.sources: dict[tuple[int, str], set[str] | None] = {}
 
-    def found(self) -> list[ChosenSignal]:
+    def found(self) -> list[_ChosenSignal]:
         declared = {i.name.lower() for i in self.items if isinstance(i, s.Data)}
         self.declared = declared
         signals = {n for n in self._names() if n.lower() not in declared}
@@ -466,7 +466,7 @@ class _SignalVariables:
         chosen = []
         for key, names in self.sources.items():
             one = self.variables.get(key)
-            if one is None or not names or len(names) > MOST_TEXTS:
+            if one is None or not names or len(names) > _MOST_TEXTS:
                 continue
             spelled = {name.lower(): name for name in sorted(names, reverse=True)}
             one.names = tuple(sorted(spelled.values(), key=str.lower))
@@ -479,7 +479,7 @@ class _SignalVariables:
             if isinstance(node, s.NameRef):
                 yield node.name
 
-    def variable(self, name: str, inside: s.Routine) -> ChosenSignal | None:
+    def variable(self, name: str, inside: s.Routine) -> _ChosenSignal | None:
         low = name.lower()
         if low in self.texts.own.get(id(inside), ()):
             return self.variables.get((id(inside), low))
@@ -489,7 +489,7 @@ class _SignalVariables:
         for at, node in enumerate(body):
             match node:
                 case s.ProcedureCall(str(), (s.Positional(source), s.Positional(s.NameRef(name)))):
-                    if chooses(node) and (one := self.variable(name, inside)) is not None:
+                    if _chooses(node) and (one := self.variable(name, inside)) is not None:
                         names = self._sources(source, body[:at], inside, signals)
                         known = self.sources.setdefault(one.key, set())
                         both = None if names is None or known is None else known | names
@@ -516,7 +516,7 @@ class _SignalVariables:
             return set(texts)
         start = self._start(source, inside)
         like = {
-            name for name in signals if len(start) >= LEAST_CHOICES and _starts_with(name, start)
+            name for name in signals if len(start) >= _LEAST_CHOICES and _starts_with(name, start)
         }
         return like or None
 
@@ -527,7 +527,7 @@ class _SignalVariables:
         texts = self.texts.of(source, inside)
         return next(iter(texts)) if texts is not None and len(texts) == 1 else ""
 
-    def _is_only_used_well(self, one: ChosenSignal) -> bool:
+    def _is_only_used_well(self, one: _ChosenSignal) -> bool:
         """True if a choice can replace every use of a variable."""
         if len(one.names) == 1:
             return True
@@ -554,7 +554,7 @@ def _assigned_before(name: str, before: Sequence[s.StatementNode]) -> s.Expressi
             case s.Assignment(s.NameRef(target), value):
                 if target.lower() == name:
                     return value
-            case s.ProcedureCall() if chooses(node):
+            case s.ProcedureCall() if _chooses(node):
                 continue
             case s.CommentLine():
                 continue
@@ -570,7 +570,7 @@ def _is_supported(node: s.StatementNode, name: str) -> bool:
     if isinstance(node, s.ProcedureCall | s.Data):
         return True
     shallow = _own_expressions(node)
-    plain = sum(is_named(part, name) for part in nodes(shallow))
+    plain = sum(_is_named(part, name) for part in nodes(shallow))
     return plain == sum(_is_value_read(part, name) for part in nodes(shallow)) + _bare_uses(
         shallow, name
     )
@@ -596,19 +596,19 @@ def _is_value_read(node: Any, name: str) -> bool:
     """True if a function reads the value of the signal."""
     match node:
         case s.FunctionCall(str(word), (s.Positional(s.NameRef(inner)),)):
-            return inner.lower() == name and word.lower() in READ_FUNCTIONS
+            return inner.lower() == name and word.lower() in _READ_FUNCTIONS
     return False
 
 
 def _bare_uses(shallow: Any, name: str) -> int:
     """Count the uses of the name as a plain value: as an operand, or as the complete expression."""
-    count = sum(is_named(one, name) for one in shallow)
+    count = sum(_is_named(one, name) for one in shallow)
     for node in nodes(shallow):
         match node:
             case s.Infix(_, left, right):
-                count += is_named(left, name) + is_named(right, name)
+                count += _is_named(left, name) + _is_named(right, name)
             case s.Prefix(_, inner) | s.Group(inner):
-                count += is_named(inner, name)
+                count += _is_named(inner, name)
             case s.Assignment(_, value) | s.ReturnFrom(value):
-                count += is_named(value, name)
+                count += _is_named(value, name)
     return count

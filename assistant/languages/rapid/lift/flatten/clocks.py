@@ -23,13 +23,13 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import inner_names, mentions, nodes
 from assistant.program.rewriting import rewrite
 
-CLOCK_TYPE: Final = "clock"
-READ_FUNCTION: Final = "clkread"
-HIGH_RESOLUTION: Final = "highres"
-WRITE_INSTRUCTIONS: Final = frozenset(("write", "socketsend", "writestrbin"))
+_CLOCK_TYPE: Final = "clock"
+_READ_FUNCTION: Final = "clkread"
+_HIGH_RESOLUTION: Final = "highres"
+_WRITE_INSTRUCTIONS: Final = frozenset(("write", "socketsend", "writestrbin"))
 """Instructions that stay as their text until their channel is known."""
-ARRAY_SUFFIXES: Final = ("ran", "runs", "since")
-ZERO, ONE = s.NumberLiteral("0"), s.NumberLiteral("1")
+_ARRAY_SUFFIXES: Final = ("ran", "runs", "since")
+_ZERO, ONE = s.NumberLiteral("0"), s.NumberLiteral("1")
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,14 +68,14 @@ class _ClockArray:
             yield s.IfThen((s.IfBranch(s.Prefix("NOT", going), started),))
             now = function_call("ClkRead", s.NameRef(self.shared))
             begun = s.Assignment(self.of("since", at), now), s.Assignment(self.of("runs", at), ONE)
-            yield s.IfThen((s.IfBranch(s.Infix("=", self.of("runs", at), ZERO), begun),))
+            yield s.IfThen((s.IfBranch(s.Infix("=", self.of("runs", at), _ZERO), begun),))
         else:
-            left = self.now(at) if word == "clkstop" else ZERO
+            left = self.now(at) if word == "clkstop" else _ZERO
             yield s.Assignment(self.of("ran", at), left)
-            yield s.Assignment(self.of("runs", at), ZERO)
+            yield s.Assignment(self.of("runs", at), _ZERO)
 
 
-ClockArrays = Mapping[str, _ClockArray]
+_ClockArrays = Mapping[str, _ClockArray]
 """By the lower-case name of the array of clocks."""
 
 
@@ -84,12 +84,12 @@ def with_plain_clocks(
 ) -> tuple[Sequence[s.Module], list[list[Diagnostic]]]:
     """The modules of some files with such clocks, and the findings of each."""
     remarks: list[list[Diagnostic]] = [[] for _ in modules]
-    if not mentions(files, (READ_FUNCTION,)):
+    if not mentions(files, (_READ_FUNCTION,)):
         return modules, remarks
-    if mentions(files, (HIGH_RESOLUTION,)):
+    if mentions(files, (_HIGH_RESOLUTION,)):
         remarks = [list(_fine_read_findings(module)) for module in modules]
         modules = [rewrite(module, _plain_read, ()) for module in modules]
-    if mentions(files, tuple(WRITE_INSTRUCTIONS)):
+    if mentions(files, tuple(_WRITE_INSTRUCTIONS)):
         modules = _with_reads_before(modules)
     found = [
         (at, item)
@@ -104,13 +104,15 @@ def with_plain_clocks(
     name = FreshNames(modules)
     shared = name("clocks"), name("clocks_run")
     rows = {
-        item.name.lower(): _ClockArray(*shared, *(name(f"{item.name}_{x}") for x in ARRAY_SUFFIXES))
+        item.name.lower(): _ClockArray(
+            *shared, *(name(f"{item.name}_{x}") for x in _ARRAY_SUFFIXES)
+        )
         for _, item in found
     }
     made = [_with_clock_arrays(module, rows) for module in modules]
     first = found[0][0]
     clock, going = shared
-    data = s.Data("", "VAR", CLOCK_TYPE, clock), s.Data("", "VAR", "bool", going)
+    data = s.Data("", "VAR", _CLOCK_TYPE, clock), s.Data("", "VAR", "bool", going)
     made[first] = replace(made[first], items=(*data, *made[first].items))
     return made, remarks
 
@@ -123,13 +125,13 @@ def _with_reads_before(modules: Sequence[s.Module]) -> list[s.Module]:
 
     def said(node: s.StatementNode) -> Iterator[s.StatementNode]:
         word = str(node.name).lower() if isinstance(node, s.ProcedureCall) else ""
-        if word not in WRITE_INSTRUCTIONS or word in own:
+        if word not in _WRITE_INSTRUCTIONS or word in own:
             yield node
             return
         reads: list[s.FunctionCall] = []
 
         def read(part: Any) -> Any:
-            if not isinstance(part, s.FunctionCall) or str(part.name).lower() != READ_FUNCTION:
+            if not isinstance(part, s.FunctionCall) or str(part.name).lower() != _READ_FUNCTION:
                 return part
             reads.append(part)
             if len(held) < len(reads):
@@ -153,13 +155,13 @@ def _declarations(module: s.Module) -> Iterator[s.Data]:
 
 
 def _is_clock_array(item: s.Data) -> bool:
-    return item.type.lower() == CLOCK_TYPE and bool(item.dimensions) and item.value is None
+    return item.type.lower() == _CLOCK_TYPE and bool(item.dimensions) and item.value is None
 
 
 def _is_fine_read(node: Any) -> bool:
     match node:
         case s.FunctionCall(str(word), (s.Positional(), s.Option(option, None))):
-            return (word.lower(), option.lower()) == (READ_FUNCTION, HIGH_RESOLUTION)
+            return (word.lower(), option.lower()) == (_READ_FUNCTION, _HIGH_RESOLUTION)
     return False
 
 
@@ -197,7 +199,7 @@ def _clock_in(node: Any) -> tuple[str, str, tuple[Any, ...]] | None:
         case s.ProcedureCall(
             str(word), (s.Positional(s.Element(s.NameRef(array), at), None),)
         ) | s.FunctionCall(str(word), (s.Positional(s.Element(s.NameRef(array), at), None),)) if (
-            word.lower() in (READ_FUNCTION, "clkstart", "clkstop", "clkreset")
+            word.lower() in (_READ_FUNCTION, "clkstart", "clkstop", "clkreset")
         ):
             return word.lower(), array.lower(), at
     return None
@@ -219,7 +221,7 @@ def _supported_arrays(modules: Sequence[s.Module], names: Sequence[str]) -> set[
     return {name for name in once - inner if named[name] == meant[name]}
 
 
-def _with_clock_arrays(module: s.Module, rows: ClockArrays) -> s.Module:
+def _with_clock_arrays(module: s.Module, rows: _ClockArrays) -> s.Module:
     items: list[s.Item] = []
     for item in module.items:
         row = rows.get(item.name.lower()) if isinstance(item, s.Data) else None
@@ -232,14 +234,14 @@ def _with_clock_arrays(module: s.Module, rows: ClockArrays) -> s.Module:
     )
 
 
-def _clock_value(node: Any, rows: ClockArrays) -> Any:
+def _clock_value(node: Any, rows: _ClockArrays) -> Any:
     asked = _clock_in(node)
-    if asked is None or asked[0] != READ_FUNCTION or asked[1] not in rows:
+    if asked is None or asked[0] != _READ_FUNCTION or asked[1] not in rows:
         return node
     return rows[asked[1]].now(asked[2])
 
 
-def _clock_statements(node: s.StatementNode, rows: ClockArrays) -> Iterator[s.StatementNode]:
+def _clock_statements(node: s.StatementNode, rows: _ClockArrays) -> Iterator[s.StatementNode]:
     asked = _clock_in(node)
     if asked is None or asked[1] not in rows:
         yield node

@@ -49,10 +49,10 @@ _WRITES_BY_TEXT: Final = frozenset(("setdataval", "setalldataval"))
 """Instructions that change variables whose names are worked out."""
 _PARTS: Final = ("robconf", "extax", "robax")
 """Components of targets that other languages have only as numbers, or of the same target."""
-MOST_NESTED: Final = 40
+_MOST_NESTED: Final = 40
 """Constants that are declared by others; more is a circle."""
 
-TypedValue = tuple[str, s.Expression]
+_TypedValue = tuple[str, s.Expression]
 """A value that is written out, and its type without aliases; empty if that is not known."""
 
 
@@ -91,7 +91,7 @@ class _Constants:
         ]
         self._count = Counter(item.name.lower() for item in declared)
         self._data = {item.name.lower(): item for item in declared}
-        self._values: dict[str, TypedValue | None] = {}
+        self._values: dict[str, _TypedValue | None] = {}
         self._own: dict[str, s.Data | None] = {}
         self._deep = 0
 
@@ -155,7 +155,7 @@ class _Constants:
         found = self._typed(node)
         return None if found is None else found[1]
 
-    def _typed(self, node: Any) -> TypedValue | None:
+    def _typed(self, node: Any) -> _TypedValue | None:
         match node:
             case s.Group(inner):
                 return self._typed(inner)
@@ -191,7 +191,7 @@ class _Constants:
         number = None if value is None else literal_number(value)
         return number if number is not None and math.isfinite(number) else None
 
-    def _named(self, low: str) -> TypedValue | None:
+    def _named(self, low: str) -> _TypedValue | None:
         """Return the value of a name; None while its own declaration is evaluated, as for data
         declared in terms of itself.
         """
@@ -218,16 +218,16 @@ class _Constants:
         known = predefined_value(low) if low != "vmax" else None
         return None if known is None else (predefined_type(low), known)
 
-    def _declared(self, node: s.Data) -> TypedValue | None:
+    def _declared(self, node: s.Data) -> _TypedValue | None:
         changed = self._written is None or node.name.lower() in self._written
-        if node.value is None or (node.storage != "CONST" and changed) or self._deep > MOST_NESTED:
+        if node.value is None or (node.storage != "CONST" and changed) or self._deep > _MOST_NESTED:
             return None
         self._deep += 1
         value = self.value(node.value)
         self._deep -= 1
         return None if value is None else (self.layouts.base(node.type), value)
 
-    def _component(self, of: TypedValue | None, name: str) -> TypedValue | None:
+    def _component(self, of: _TypedValue | None, name: str) -> _TypedValue | None:
         if of is None or not isinstance(of[1], s.AggregateNode):
             return None
         names = [inner.lower() for inner, _ in self.layouts.components(of[0])]
@@ -237,8 +237,8 @@ class _Constants:
         return self.layouts.component(of[0], name) or "", value
 
     def _element(
-        self, of: TypedValue | None, indices: Sequence[s.Expression | s.Whole]
-    ) -> TypedValue | None:
+        self, of: _TypedValue | None, indices: Sequence[s.Expression | s.Whole]
+    ) -> _TypedValue | None:
         if of is None:
             return None
         type, value = of

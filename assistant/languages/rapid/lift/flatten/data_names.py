@@ -55,7 +55,7 @@ NO_AXIS_TEXT: Final = s.StringLiteral("9E+09")
 """The same as ValToStr writes it."""
 
 
-def unused_axes(modules: Sequence[s.Module]) -> frozenset[str]:
+def _unused_axes(modules: Sequence[s.Module]) -> frozenset[str]:
     """Components of external axes that no target which is written out gives a place."""
     return frozenset(EXTERNAL_AXES) - used_axes(modules)
 
@@ -68,7 +68,7 @@ def is_unused_axis(node: Any, unused: frozenset[str]) -> bool:
     return False
 
 
-def only_computes(routine: s.Routine | None, divisors: Set[str]) -> bool:
+def _only_computes(routine: s.Routine | None, divisors: Set[str]) -> bool:
     """True if a function only computes a value and cannot raise an error.
 
     divisors: lower-case names of data that are never 0.
@@ -149,7 +149,7 @@ class ProgramData:
         self.layouts, self.name, self.displaced = layouts, name, displaced
         self.steady = steady_types(modules, layouts)
         self.moving: dict[str, ChangedFrame] = {}
-        self.unused = unused_axes(modules)
+        self.unused = _unused_axes(modules)
         self.at: Span | None = None
         self.outside: list[tuple[Span | None, str]] = []
         self.remarks: list[Diagnostic] = []
@@ -204,7 +204,7 @@ class ProgramData:
         """True if a function of the modules changes nothing. name: in lower case."""
         routine = self.routines.get(name)
         own = set() if routine is None else {one.name.lower() for one in parameter_nodes(routine)}
-        return only_computes(routine, {PI} - self._declared - own)
+        return _only_computes(routine, {PI} - self._declared - own)
 
     def datum(self, node: s.Data | s.ParameterNode, shared: bool = False) -> Datum:
         """Return the datum of a declaration, with names for its parts if it is split.
@@ -423,11 +423,11 @@ _BASE_POSE: Any = [[0, 0, 0], [1, 0, 0, 0]]
 _LEAST_LOAD: Any = [LEAST_MASS, list(LEAST_CENTRE), [1, 0, 0, 0], 0, 0, 0]
 
 
-VMAX_SPEED: Final = 10000.0
+_VMAX_SPEED: Final = 10000.0
 """mm/s in the place of `vmax`, which is what the arm can: no arm's tool is faster."""
 
 
-ARM_MAXIMA: Final[Mapping[str, float]] = {"maxrobspeed": 5000.0, "maxrobreorientspeed": 500.0}
+_ARM_MAXIMA: Final[Mapping[str, float]] = {"maxrobspeed": 5000.0, "maxrobreorientspeed": 500.0}
 """Assumed results of functions that return a maximum of the arm: mm/s and deg/s.
 
 Values of `vmax` for the usual arms (3HAC050917, speeddata).
@@ -438,7 +438,7 @@ def arm_maximum(name: str) -> s.NumberLiteral | None:
     """Return the assumed result of a function that returns a maximum of the arm. name: in lower
     case.
     """
-    return s.NumberLiteral(f"{ARM_MAXIMA[name]:g}") if name in ARM_MAXIMA else None
+    return s.NumberLiteral(f"{_ARM_MAXIMA[name]:g}") if name in _ARM_MAXIMA else None
 
 
 @cache
@@ -457,7 +457,7 @@ def predefined_value(name: str) -> s.Expression | None:
             return _literal(_LEAST_LOAD)
     speed, zone = SPEEDS.get(name), ZONES.get(name)
     if speed is not None:
-        return _literal([min(speed.tcp, VMAX_SPEED), 500, 5000, 1000])
+        return _literal([min(speed.tcp, _VMAX_SPEED), 500, 5000, 1000])
     if zone is not None and zone.radius is not None:
         return _literal([False, zone.radius, *usual_sizes(zone.radius)])
     return None if zone is None else _literal([True, *(0,) * 6])

@@ -96,7 +96,7 @@ class _DisplacementRewriting:
         self.poses = fresh("executed_at"), fresh("programmed_at")
 
     def data(self) -> Iterator[s.Data]:
-        yield s.Data("", "VAR", "pose", self.name, (), zero_pose())
+        yield s.Data("", "VAR", "pose", self.name, (), _zero_pose())
         yield s.Data("", "PERS", "wobjdata", self.base, (), predefined_value(_BASE))
         for name in (self.there, self.meant):
             yield s.Data("", "VAR", "robtarget", name)
@@ -141,7 +141,7 @@ class _DisplacementRewriting:
             case s.ProcedureCall(str(name), (s.Positional(shift),)) if name.lower() == "pdispadd":
                 yield self._given(node, function_call("PoseMult", s.NameRef(self.name), shift))
             case s.ProcedureCall(str(name)) if name.lower() == _ENDING:
-                yield self._given(node, zero_pose())
+                yield self._given(node, _zero_pose())
             case s.ProcedureCall(str(name)) if name.lower() == "pdispon":
                 yield from self._on(node)
             case _:
@@ -163,7 +163,7 @@ class _DisplacementRewriting:
         else:
             frame = option(node, _FRAME) or s.Option("WObj", s.NameRef(_BASE))
             here = s.FunctionCall("CRobT", (s.Option("Tool", given[1]), frame))
-            yield self._given(node, zero_pose())
+            yield self._given(node, _zero_pose())
             yield s.Assignment(there, self._mounted(here), span=span)  # type: ignore[arg-type]
         if option(node, "rot") is not None:
             at, planned = (s.NameRef(name) for name in self.poses)
@@ -175,21 +175,21 @@ class _DisplacementRewriting:
                 node, function_call("PoseMult", at, function_call("PoseInv", planned))
             )
             return
-        yield self._given(node, zero_pose())
+        yield self._given(node, _zero_pose())
         for axis in "xyz":
             parts = (s.Component(s.Component(one, "trans"), axis) for one in (there, meant))
             moved = s.Component(s.Component(s.NameRef(self.name), "trans"), axis)
             yield s.Assignment(moved, s.Infix("-", *parts), span=span)
 
 
-def zero_pose() -> s.AggregateNode:
+def _zero_pose() -> s.AggregateNode:
     """The pose that displaces and turns nothing."""
     values = ((0, 0, 0), (1, 0, 0, 0))
     parts = (tuple(s.NumberLiteral(str(number)) for number in part) for part in values)
     return s.AggregateNode(tuple(map(s.AggregateNode, parts)))
 
 
-BASE_FRAME: Final = "wobj0"
+_BASE_FRAME: Final = "wobj0"
 _NAMED_VALUES: Final = (s.NameRef, s.Component, s.Element)
 
 
@@ -227,12 +227,12 @@ def _kinematics_call(node: s.FunctionCall, displaced: str) -> s.Expression | Non
     if not isinstance(tool, _NAMED_VALUES) or value is None:
         return None
     bare = isinstance(tool, s.NameRef) and tool.name.lower() == FLANGE
-    if isinstance(frame, s.NameRef) and frame.name.lower() == BASE_FRAME:
+    if isinstance(frame, s.NameRef) and frame.name.lower() == _BASE_FRAME:
         frame = None
     if bare and frame is None and not displaced:
         return function_call(node.name, value, tool) if options else None
-    user: s.Expression = zero_pose()
-    object: s.Expression = zero_pose()
+    user: s.Expression = _zero_pose()
+    object: s.Expression = _zero_pose()
     match frame:
         case s.NameRef() | s.Component() | s.Element():
             user, object = s.Component(frame, "uframe"), s.Component(frame, "oframe")
@@ -240,11 +240,11 @@ def _kinematics_call(node: s.FunctionCall, displaced: str) -> s.Expression | Non
             return None
     if displaced:
         object = function_call("PoseMult", object, s.NameRef(displaced))
-    tip: s.Expression = zero_pose() if bare else s.Component(tool, "tframe")
+    tip: s.Expression = _zero_pose() if bare else s.Component(tool, "tframe")
     return function_call(ARM_FUNCTIONS[node.name.lower()], value, tip, user, object)
 
 
-Remarks = tuple[Diagnostic, ...]
+_Remarks = tuple[Diagnostic, ...]
 
 
 def with_fixed_units(

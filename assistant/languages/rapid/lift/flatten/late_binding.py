@@ -104,7 +104,7 @@ def _known_end(value: Any) -> tuple[bool, str]:
     return True, ""
 
 
-MOST_CASES: Final = 80
+_MOST_CASES: Final = 80
 """Routines that one call may choose from."""
 _END_PROGRAM: Final = p.Stop(end=True)
 
@@ -177,7 +177,7 @@ def _matching_procedures(text: e.Expression, program: Program, count: int) -> li
 def _procedure_choice(
     text: e.Expression, given: tuple[e.Expression, ...], procedures: Sequence[Procedure]
 ) -> Iterator[p.Statement]:
-    if 0 < len(procedures) <= MOST_CASES:
+    if 0 < len(procedures) <= _MOST_CASES:
         cases = (p.Case((e.Text(q.name),), (p.Call(q.name, given),)) for q in procedures)
         yield p.Switch(text, tuple(cases), (_END_PROGRAM,))
 
@@ -202,14 +202,14 @@ def _choice_by_number(
                 yield p.Switch(number, tuple(cases), (_END_PROGRAM,))
 
 
-MOST_NAMES: Final = 40
+_MOST_NAMES: Final = 40
 """Data among which is chosen; more is no program that anybody reads."""
 _READS: Final = "getdataval"
 _WRITES: Final = "setdataval"
 _NO_SUCH: Final = s.RaiseError(s.NameRef("ERR_SYM_ACCESS"))
 """Error that both instructions raise for a name without data (3HAC050917: GetDataVal)."""
 
-DataType = tuple[str, int]
+_DataType = tuple[str, int]
 """Type without aliases, and number of dimensions."""
 
 
@@ -303,7 +303,7 @@ class _DataChoices:
             and not (writes and one.storage == "CONST")
             and _may_match(text, name)
         ]
-        if len(found) > MOST_NAMES:
+        if len(found) > _MOST_NAMES:
             return None
         pairs = ((one, value) if writes else (value, one) for one in found)
         cases = tuple(
@@ -316,7 +316,7 @@ class _DataChoices:
 
     def _kind(
         self, value: s.NameRef, own: Mapping[str, s.Data | s.ParameterNode]
-    ) -> DataType | None:
+    ) -> _DataType | None:
         low = value.name.lower()
         match own.get(low):
             case s.Data(type=type, dimensions=dimensions):

@@ -24,7 +24,7 @@ from assistant.languages.rapid.tree.literals import literal_number
 from assistant.languages.rapid.tree.walk import called, mentions, nodes
 from assistant.program.rewriting import rewrite
 
-SAME_CALLS: Final[Mapping[str, str]] = {
+_SAME_CALLS: Final[Mapping[str, str]] = {
     "vectmagn": "vector_length", "dotprod": "dot_product", "posevect": "vector_in",
     "orientzyx": "turn_of_angles", "norient": "unit_turn", "bitlsh": "bits_left",
     "bitrsh": "bits_right", "bitcheck": "has_bit", "strmatch": "text_found",
@@ -32,29 +32,29 @@ SAME_CALLS: Final[Mapping[str, str]] = {
     "testandset": "taken_if_free",
 }  # fmt: skip
 """Functions and instructions of RAPID, and those here that take the same arguments."""
-ROUNDING: Final = {"round": "rounded_to", "trunc": "cut_to"}
+_ROUNDING: Final = {"round": "rounded_to", "trunc": "cut_to"}
 r"""Those with `\Dec`."""
-BITS: Final = {"bitand": "BitAndDnum", "bitor": "BitOrDnum", "bitxor": "BitXOrDnum"}
+_BITS: Final = {"bitand": "BitAndDnum", "bitor": "BitOrDnum", "bitxor": "BitXOrDnum"}
 """Functions of bytes, and those of wider numbers that say the same."""
-ANGLE_FUNCTIONS: Final = {"x": "angle_about_x", "y": "angle_about_y", "z": "angle_about_z"}
+_ANGLE_FUNCTIONS: Final = {"x": "angle_about_x", "y": "angle_about_y", "z": "angle_about_z"}
 """By option of EulerZYX."""
-TEXT_READERS: Final = {"num": "number_of_text", "bool": "truth_of_text"}
+_TEXT_READERS: Final = {"num": "number_of_text", "bool": "truth_of_text"}
 """Library function that reads a text as data of a type: StrToVal."""
-TIME_DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
+_TIME_DIGITS: Final = {"hour": 1, "min": 4, "sec": 7}
 """By option of GetTime, where its two digits begin in the time of day."""
-BYTE_FORMATS: Final = {"hex": (16, 2), "okt": (8, 3), "bin": (2, 8)}
+_BYTE_FORMATS: Final = {"hex": (16, 2), "okt": (8, 3), "bin": (2, 8)}
 """By option of ByteToStr and StrToByte: the base, and how many digits a byte has (manual)."""
-LARGEST_BYTE: Final = 255
-FRAME_FUNCTION: Final = "frame_through"
+_LARGEST_BYTE: Final = 255
+_FRAME_FUNCTION: Final = "frame_through"
 """Library function in place of DefFrame."""
-LARGEST_EXACT: Final = 1 << 23
+_LARGEST_EXACT: Final = 1 << 23
 """Up to here a number of 32 bits has every whole one."""
-TEST_AND_SET: Final = SAME_CALLS["testandset"]
+TEST_AND_SET: Final = _SAME_CALLS["testandset"]
 """Library function that tests and sets a truth."""
 QUATERNION_PART: Final = "part_of_turn"
 QUATERNION_PRODUCT: Final = "turn_by"
 ORIENTATION: Final = "rot"
-ANGLE_DECIMALS: Final = 9
+_ANGLE_DECIMALS: Final = 9
 """Decimals of angles that are worked out: finer than a quaternion of single precision."""
 QUATERNION: Final = ("q1", "q2", "q3", "q4")
 TEXT_WRITERS: Final[Mapping[str, str]] = {
@@ -65,7 +65,7 @@ WHOLE_TYPES: Final = frozenset(("robtarget", "pose"))
 """Types of data that other languages keep whole, with angles instead of quaternions."""
 _LIBRARY_FUNCTIONS: Final = frozenset(
     (
-        *SAME_CALLS, *ROUNDING, *BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
+        *_SAME_CALLS, *_ROUNDING, *_BITS, "bitneg", "eulerzyx", "strtoval", "strfind", "distance",
         "numtostr", "strtobyte", "bytetostr", "gettime", "dectohex", "hextodec",
         "defframe", "text_and_number", "valtostr",
     )
@@ -176,7 +176,7 @@ def _may_call_library(node: Any) -> bool:
     return False
 
 
-Arguments = tuple[s.Expression, ...]
+_Arguments = tuple[s.Expression, ...]
 
 
 def library_call(typed: ExpressionTypes, node: Any) -> Any:
@@ -195,8 +195,8 @@ def library_call(typed: ExpressionTypes, node: Any) -> Any:
     options = {word.lower(): value for word, value in call.options.items()}
     if options:
         return _with_options(typed, key, given, options) or node
-    if key in SAME_CALLS:
-        return _with_function(node, SAME_CALLS[key], given)
+    if key in _SAME_CALLS:
+        return _with_function(node, _SAME_CALLS[key], given)
     made = _POSITIONAL[key](typed, given) if key in _POSITIONAL else None
     return node if made is None else made
 
@@ -210,24 +210,24 @@ def function_call(name: str, *given: s.Expression) -> s.FunctionCall:
 
 
 def _with_options(
-    typed: ExpressionTypes, key: str, given: Arguments, options: Mapping[str, s.Expression | None]
+    typed: ExpressionTypes, key: str, given: _Arguments, options: Mapping[str, s.Expression | None]
 ) -> s.Expression | None:
     match key, given, dict(options):
         case (("round" | "trunc"), (value,), {"dec": s.Node() as places, **rest}) if not rest:
-            return function_call(ROUNDING[key], value, places)
+            return function_call(_ROUNDING[key], value, places)
         case "eulerzyx", (turn,), one if len(one) == 1 and typed.whole_turn(turn) is None:
             (axis,) = one
-            return function_call(ANGLE_FUNCTIONS[axis], turn) if axis in ANGLE_FUNCTIONS else None
+            return function_call(_ANGLE_FUNCTIONS[axis], turn) if axis in _ANGLE_FUNCTIONS else None
         case "defframe", (a, b, c), {"origin": s.Node() as origin, **rest} if not rest:
-            return function_call(FRAME_FUNCTION, a, b, c, origin)
-        case "gettime", (), one if len(one) == 1 and (first := TIME_DIGITS.get(*one)) is not None:
+            return function_call(_FRAME_FUNCTION, a, b, c, origin)
+        case "gettime", (), one if len(one) == 1 and (first := _TIME_DIGITS.get(*one)) is not None:
             return function_call(
                 "two_digits", s.FunctionCall("CTime", ()), s.NumberLiteral(str(first))
             )
         case "strtobyte", (text,), {"char": None, **rest} if not rest:
             return None if _is_first_character(text) else _character_code(text)
         case "strtobyte", (text,), _ if (form := _byte_format(options)) is not None:
-            return _from_digits(text, form[0], LARGEST_BYTE)
+            return _from_digits(text, form[0], _LARGEST_BYTE)
         case "bytetostr", (value,), _ if (form := _byte_format(options)) is not None:
             return _to_digits(value, *form)
         case "strfind", (text, first, characters), {"notinset": None, **rest} if not rest:
@@ -237,7 +237,7 @@ def _with_options(
 
 def _byte_format(options: Mapping[str, s.Expression | None]) -> tuple[int, int] | None:
     """Base and digits of a byte that is written as an option says."""
-    words = [BYTE_FORMATS.get(word) for word, value in options.items() if value is None]
+    words = [_BYTE_FORMATS.get(word) for word, value in options.items() if value is None]
     return words[0] if len(words) == len(options) == 1 else None
 
 
@@ -264,29 +264,29 @@ def _character_code(text: s.Expression) -> s.Expression:
     return s.FunctionCall("StrToByte", (first, s.Option("Char")))
 
 
-def _read_text(typed: ExpressionTypes, given: Arguments) -> s.Expression | None:
+def _read_text(typed: ExpressionTypes, given: _Arguments) -> s.Expression | None:
     kind = typed.kind(given[1]) if len(given) == 2 else None
     place: Any = given[-1]
     if kind == ("pos", 0):
         return function_call(
             "position_of_text", given[0], *(s.Component(place, axis) for axis in "xyz")
         )
-    name = TEXT_READERS.get(kind[0]) if kind is not None and not kind[1] else None
+    name = _TEXT_READERS.get(kind[0]) if kind is not None and not kind[1] else None
     return None if name is None else function_call(name, *given)
 
 
-DECIMALS: Final = range(1, 7)
+_DECIMALS: Final = range(1, 7)
 """Decimals of a text that tell something of a number; for none there is a function."""
 
 
-def _fixed_decimals(_: ExpressionTypes, given: Arguments) -> s.Expression | None:
+def _fixed_decimals(_: ExpressionTypes, given: _Arguments) -> s.Expression | None:
     places = literal_number(given[1]) if len(given) == 2 else 0
-    if places is not None and places not in DECIMALS:
+    if places is not None and places not in _DECIMALS:
         return None
     return function_call("fixed_text", *given)
 
 
-def _distance(typed: ExpressionTypes, given: Arguments) -> s.Expression | None:
+def _distance(typed: ExpressionTypes, given: _Arguments) -> s.Expression | None:
     both = [isinstance(one, s.Component) and one.name.lower() == "trans" for one in given]
     whole = [
         isinstance(one, s.Component) and typed.whole_turn(_orientation_beside(one)) for one in given
@@ -299,26 +299,26 @@ def _orientation_beside(node: s.Component) -> s.Component:
     return s.Component(node.value, ORIENTATION)
 
 
-def _bit_function(name: str) -> Callable[[ExpressionTypes, Arguments], s.Expression | None]:
-    def made(_: ExpressionTypes, given: Arguments) -> s.Expression:
+def _bit_function(name: str) -> Callable[[ExpressionTypes, _Arguments], s.Expression | None]:
+    def made(_: ExpressionTypes, given: _Arguments) -> s.Expression:
         wide = (function_call("NumToDnum", one) for one in given)
-        return function_call("DnumToNum", function_call(BITS[name], *wide))
+        return function_call("DnumToNum", function_call(_BITS[name], *wide))
 
     return made
 
 
-_POSITIONAL: Final[Mapping[str, Callable[[ExpressionTypes, Arguments], s.Expression | None]]] = {
+_POSITIONAL: Final[Mapping[str, Callable[[ExpressionTypes, _Arguments], s.Expression | None]]] = {
     "strtoval": _read_text,
     "numtostr": _fixed_decimals,
     "distance": _distance,
-    "strtobyte": lambda _, given: _from_digits(given[0], 10, LARGEST_BYTE),
+    "strtobyte": lambda _, given: _from_digits(given[0], 10, _LARGEST_BYTE),
     "bytetostr": lambda _, given: _to_digits(given[0], 10, 1),
-    "dectohex": lambda _, given: _to_digits(_from_digits(given[0], 10, LARGEST_EXACT), 16, 1),
-    "hextodec": lambda _, given: _to_digits(_from_digits(given[0], 16, LARGEST_EXACT), 10, 1),
-    "defframe": lambda _, given: function_call(FRAME_FUNCTION, *given, s.NumberLiteral("1")),
+    "dectohex": lambda _, given: _to_digits(_from_digits(given[0], 10, _LARGEST_EXACT), 16, 1),
+    "hextodec": lambda _, given: _to_digits(_from_digits(given[0], 16, _LARGEST_EXACT), 10, 1),
+    "defframe": lambda _, given: function_call(_FRAME_FUNCTION, *given, s.NumberLiteral("1")),
     "strfind": lambda _, given: function_call("one_found", *given, s.BoolLiteral(False)),
     "bitneg": lambda _, given: s.Group(s.Infix("-", s.NumberLiteral("255"), s.Group(given[0]))),
-    **{name: _bit_function(name) for name in BITS},
+    **{name: _bit_function(name) for name in _BITS},
 }
 
 
@@ -339,8 +339,8 @@ def quaternion_angles(turn: Mapping[tuple[str, ...], s.Expression]) -> Sequence[
     numbers = [float(n) for n in map(literal_number, parts) if n is not None]
     if len(numbers) == len(parts) and any(numbers):
         angles = rotations.to_euler(rotations.canonical(numbers), "ZYX")
-        return [_number_literal(round(float(angle), ANGLE_DECIMALS)) for angle in angles]
-    return [function_call(ANGLE_FUNCTIONS[axis], s.AggregateNode(tuple(parts))) for axis in "zyx"]
+        return [_number_literal(round(float(angle), _ANGLE_DECIMALS)) for angle in angles]
+    return [function_call(_ANGLE_FUNCTIONS[axis], s.AggregateNode(tuple(parts))) for axis in "zyx"]
 
 
 def _number_literal(value: float) -> s.Expression:
@@ -361,7 +361,7 @@ def sum_of_texts(parts: Sequence[s.Expression]) -> s.Expression:
 
 
 LONG: Final = "dnum"
-SHORT: Final = "num"
+_SHORT: Final = "num"
 _CONVERSIONS: Final = frozenset(("numtodnum", "dnumtonum"))
 """Functions that give the same number as the other type."""
 _RENAMED: Final = {"dnumtostr": "NumToStr"}
@@ -383,11 +383,11 @@ def with_long_numbers(
     def short(node: Any) -> Any:
         match node:
             case s.Data(type=type) | s.ParameterNode(type=type) | s.Routine(type=type):
-                return replace(node, type=SHORT) if type.lower() == LONG else node
+                return replace(node, type=_SHORT) if type.lower() == LONG else node
             case s.Alias(type=type):
-                return replace(node, type=SHORT) if type.lower() == LONG else node
+                return replace(node, type=_SHORT) if type.lower() == LONG else node
             case s.Record(components=parts):
-                made = tuple((SHORT if of.lower() == LONG else of, name) for of, name in parts)
+                made = tuple((_SHORT if of.lower() == LONG else of, name) for of, name in parts)
                 return node if made == parts else replace(node, components=made)
             case s.Option(word, value) if word.lower() == LONG:
                 return s.Option("Num", value)

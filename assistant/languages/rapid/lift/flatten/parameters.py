@@ -26,8 +26,8 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import ERRNO, called_in, nodes, routines_of_handlers
 from assistant.program.rewriting import rewrite
 
-SWITCH: Final = "switch"
-PRESENT: Final = "present"
+_SWITCH: Final = "switch"
+_PRESENT: Final = "present"
 _ZERO: Final = s.NumberLiteral("0")
 _NOWHERE: Final = s.AggregateNode(
     (
@@ -36,7 +36,7 @@ _NOWHERE: Final = s.AggregateNode(
     )
 )
 _OUTSIDE: Final = s.AggregateNode((s.NumberLiteral("9E9"),) * 6)
-ABSENT_VALUES: Final[Mapping[str, s.Expression]] = {
+_ABSENT_VALUES: Final[Mapping[str, s.Expression]] = {
     "num": _ZERO,
     "bool": s.BoolLiteral(False),
     "string": s.StringLiteral(""),
@@ -62,10 +62,10 @@ class _Parameter:
 
     @property
     def is_switch(self) -> bool:
-        return self.node.type.lower() == SWITCH
+        return self.node.type.lower() == _SWITCH
 
 
-Parameters = Mapping[str, _Parameter]
+_Parameters = Mapping[str, _Parameter]
 """By lower-case name."""
 
 
@@ -88,7 +88,7 @@ def with_required(
     if not wanted:
         return modules
     asked = _OptionUses(modules, wanted)
-    made: dict[str, Parameters] = {}
+    made: dict[str, _Parameters] = {}
     added: list[s.Data] = []
     for key, routine in wanted.items():
         made[key] = dict(_required_parameters(routine, asked, layouts, name, added))
@@ -148,7 +148,7 @@ def _required_parameters(
             if not isinstance(one, s.ParameterNode):
                 continue
             low, type = one.name.lower(), layouts.base(one.type)
-            if type == SWITCH:
+            if type == _SWITCH:
                 yield low, _Parameter(one)
                 continue
             if asked.always(key, low):
@@ -170,8 +170,8 @@ def _required_parameters(
 
 def absent_value(type: str, layouts: RecordLayouts) -> s.Expression | None:
     """Return a value of a type, None if no value of the type can be written."""
-    if type in ABSENT_VALUES:
-        return ABSENT_VALUES[type]
+    if type in _ABSENT_VALUES:
+        return _ABSENT_VALUES[type]
     if type in SETTING_TYPES - SPEED_AND_ZONE or layouts.parts(type) is None:
         return None
     inner = [absent_value(layouts.base(of), layouts) for _, of in layouts.components(type)]
@@ -180,7 +180,7 @@ def absent_value(type: str, layouts: RecordLayouts) -> s.Expression | None:
 
 
 def _required_routine(
-    routine: s.Routine, made: Mapping[str, Parameters], wanted: Mapping[str, s.Routine]
+    routine: s.Routine, made: Mapping[str, _Parameters], wanted: Mapping[str, s.Routine]
 ) -> s.Routine:
     """A routine with required parameters, whose calls give all that others require."""
     own = made.get(routine.name.lower(), {})
@@ -188,7 +188,7 @@ def _required_routine(
     def change(part: Any) -> Any:
         match part:
             case s.FunctionCall(str(word), (s.Positional(s.NameRef(asked), None),)) if (
-                word.lower() == PRESENT and asked.lower() in own
+                word.lower() == _PRESENT and asked.lower() in own
             ):
                 return _presence_parameter(own[asked.lower()])
             case s.ProcedureCall(str(name), given) | s.FunctionCall(str(name), given) if (
@@ -224,7 +224,7 @@ def _presence_parameter(parameter: _Parameter) -> s.Expression:
     return s.BoolLiteral(not parameter.never)
 
 
-def _groups(group: s.ParameterGroup, own: Parameters) -> Iterator[s.ParameterGroup]:
+def _groups(group: s.ParameterGroup, own: _Parameters) -> Iterator[s.ParameterGroup]:
     """The required parameters that a group becomes, and what of it stays optional."""
     if not group.optional:
         yield group
@@ -245,7 +245,7 @@ def _groups(group: s.ParameterGroup, own: Parameters) -> Iterator[s.ParameterGro
 
 
 def _arguments(
-    callee: s.Routine, parameters: Parameters, given: Sequence[s.Argument], caller: Parameters
+    callee: s.Routine, parameters: _Parameters, given: Sequence[s.Argument], caller: _Parameters
 ) -> tuple[s.Argument, ...] | None:
     """Arguments in the order of the parameters; None for a call that nobody understands.
 
@@ -280,7 +280,7 @@ def _arguments(
 
 
 def _argument_values(
-    known: _Parameter, argument: s.Option | s.Conditional | None, caller: Parameters
+    known: _Parameter, argument: s.Option | s.Conditional | None, caller: _Parameters
 ) -> tuple[s.Expression, ...] | None:
     """Return the arguments passed for a parameter; None if the argument is not understood."""
     there: s.Expression = s.BoolLiteral(argument is not None)
@@ -409,7 +409,7 @@ def _is_late_bound(node: Any) -> bool:
     return late and bool(node.arguments)
 
 
-ERROR_PARAMETER: Final = "error_number"
+_ERROR_PARAMETER: Final = "error_number"
 
 
 def with_passed_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
@@ -432,7 +432,7 @@ def with_passed_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
 
     def asked(node: Any) -> Any:
         if isinstance(node, s.NameRef) and node.name.lower() == ERRNO:
-            return s.NameRef(ERROR_PARAMETER, span=node.span)
+            return s.NameRef(_ERROR_PARAMETER, span=node.span)
         return node
 
     def item(one: s.Item) -> s.Item:
@@ -441,8 +441,8 @@ def with_passed_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
         made = replace(one, handlers=rewrite(one.handlers, handed("ERRNO"), ()))
         if one.name.lower() not in asking:
             return made if made.handlers is not one.handlers else one
-        body = rewrite(rewrite(one.body, asked, ()), handed(ERROR_PARAMETER), ())
-        parameter = s.ParameterGroup(False, (s.ParameterNode("", "num", ERROR_PARAMETER),))
+        body = rewrite(rewrite(one.body, asked, ()), handed(_ERROR_PARAMETER), ())
+        parameter = s.ParameterGroup(False, (s.ParameterNode("", "num", _ERROR_PARAMETER),))
         return replace(made, body=body, parameters=(*one.parameters, parameter))
 
     return [replace(module, items=tuple(map(item, module.items))) for module in modules]
@@ -455,7 +455,7 @@ def _error_readers(routines: Sequence[s.Routine], handling: frozenset[str]) -> f
     """
     bodies = {one.name.lower(): one for one in routines}
     if any(
-        isinstance(n, s.NameRef) and n.name.lower() == ERROR_PARAMETER
+        isinstance(n, s.NameRef) and n.name.lower() == _ERROR_PARAMETER
         for n in nodes(tuple(routines))
     ):
         return frozenset()

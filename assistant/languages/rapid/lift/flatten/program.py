@@ -73,7 +73,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.program.program import Signal
 
 
-def with_traps(modules: Sequence[s.Module]) -> list[s.Module]:
+def _with_traps(modules: Sequence[s.Module]) -> list[s.Module]:
     """The modules with a procedure for each trap routine."""
     return list(map(_with_trap_procedures, modules))
 
@@ -136,7 +136,7 @@ def _flattened(files: Sequence[s.File], apart: frozenset[str]) -> FlatProgram | 
     still, of_axes = with_still_axes(without_unused_parameters(with_process_data(named)))
     standing, of_units = with_fixed_units(still)
     chosen = with_chosen_signals(standing)
-    read, of_names = with_named_data(with_cell_states(with_traps(chosen.modules)))
+    read, of_names = with_named_data(with_cell_states(_with_traps(chosen.modules)))
     whole = with_library(with_raw_bytes(read))
     layouts = RecordLayouts(whole, apart)
     uncalled: list[tuple[int, Diagnostic]] = []

@@ -33,7 +33,7 @@ READ_ONLY_TYPES: Final = SETTING_TYPES | {"loaddata"}
 """Types of data that instructions only read, though they want them to be PERS."""
 SPEED_AND_ZONE: Final = frozenset(("speeddata", "zonedata"))
 """Those of them that a move may also state by their parts."""
-MOST_PARTS: Final = 400
+_MOST_PARTS: Final = 400
 """Maximum parts of one record; a larger one is not split."""
 
 
@@ -108,7 +108,7 @@ class RecordLayouts:
         if base not in self._parts:
             self._parts[base] = None  # a record that holds itself ends here
             found = None if self.is_whole(base) else self._found(base)
-            self._parts[base] = found if found and len(found) <= MOST_PARTS else None
+            self._parts[base] = found if found and len(found) <= _MOST_PARTS else None
         return self._parts[base]
 
     def _found(self, base: str) -> tuple[Part, ...] | None:
@@ -262,7 +262,7 @@ _STATIONARY: Final = {TOOL: {"robhold": True}, FRAME: {"robhold": False, "ufprog
 _NO_UNIT: Final = {"ufmec": ""}
 _ENTRY: Final = "main"
 
-Body = tuple[s.StatementNode, ...]
+_Body = tuple[s.StatementNode, ...]
 
 
 def steady_types(modules: Sequence[s.Module], layouts: RecordLayouts) -> frozenset[str]:
@@ -393,7 +393,7 @@ class _FrameUpdates:
         handlers = tuple(replace(h, body=self.body(h.body)) for h in routine.handlers)
         return replace(routine, body=self.body(routine.body), handlers=handlers)
 
-    def body(self, body: Body) -> Body:
+    def body(self, body: _Body) -> _Body:
         made: list[s.StatementNode] = []
         for at, node in enumerate(body):
             made.append(self.inside(node))

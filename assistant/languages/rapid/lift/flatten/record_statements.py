@@ -73,15 +73,15 @@ def flat_declarations(node: s.Data, datum: Datum, values: Values) -> Iterator[s.
         yield replace(node, type=part.type, name=name, value=value)
 
 
-ArrayCell = tuple[tuple[int, ...], s.Expression]
+_ArrayCell = tuple[tuple[int, ...], s.Expression]
 """The indices and the value of an element."""
-MOST_ELEMENTS: Final = 120
+_MOST_ELEMENTS: Final = 120
 """Maximum elements of an array whose assignment in brackets is split; a larger one stays one
 statement.
 """
 
 
-def differs_in_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bool:
+def _differs_in_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bool:
     """True if brackets hold more or fewer values than the array has elements."""
     if not sizes:
         return False
@@ -90,10 +90,10 @@ def differs_in_size(value: s.AggregateNode, sizes: Sequence[s.Expression]) -> bo
     if extent is not None and extent != len(value.items):
         return True
     inner = (one for one in value.items if isinstance(one, s.AggregateNode))
-    return any(differs_in_size(one, others) for one in inner)
+    return any(_differs_in_size(one, others) for one in inner)
 
 
-def element_assignments(
+def _element_assignments(
     node: s.Assignment, kind: Kind | None, variable: Callable[[str, str], s.NameRef]
 ) -> Iterator[s.Assignment]:
     """Yield an assignment, split into one for each element if it assigns values in brackets to an
@@ -105,7 +105,7 @@ def element_assignments(
     match node:
         case s.Assignment(s.NameRef(name), s.AggregateNode() as value) if kind and kind[1]:
             rows = list(_array_cells(value, kind[1]))
-            if len(rows) <= MOST_ELEMENTS:
+            if len(rows) <= _MOST_ELEMENTS:
                 if name.lower() in names_in(value):
                     held = [(index, variable("new", kind[0])) for index, _ in rows]
                     for (_, place), (_, cell) in zip(held, rows, strict=True):
@@ -118,7 +118,7 @@ def element_assignments(
     yield node
 
 
-def _array_cells(value: s.AggregateNode, depth: int) -> Iterator[ArrayCell]:
+def _array_cells(value: s.AggregateNode, depth: int) -> Iterator[_ArrayCell]:
     """The values of an array in brackets, each with its indices."""
     for at, item in enumerate(value.items, 1):
         if depth == 1 or not isinstance(item, s.AggregateNode):
@@ -132,14 +132,14 @@ def names_in(value: Any) -> set[str]:
     return {node.name.lower() for node in nodes(value) if isinstance(node, s.NameRef)}
 
 
-def assigned_names(place: Any) -> set[str]:
+def _assigned_names(place: Any) -> set[str]:
     """The data that an assignment changes, in lower case."""
     while not isinstance(place, s.NameRef):
         place = place.value
     return {place.name.lower()}
 
 
-def index_names(place: Any) -> set[str]:
+def _index_names(place: Any) -> set[str]:
     """Names in the indices of what is assigned, in lower case."""
     found: set[str] = set()
     while not isinstance(place, s.NameRef):
@@ -149,7 +149,7 @@ def index_names(place: Any) -> set[str]:
     return found
 
 
-def with_joined_quaternions(
+def _with_joined_quaternions(
     values: Values, body: Sequence[s.StatementNode]
 ) -> Iterator[s.StatementNode]:
     """The statements; the four parts of a quaternion that are set one by one as a whole."""
@@ -200,13 +200,13 @@ def changes_speeds_or_zones(files: Sequence[s.File]) -> bool:
     )
 
 
-def has_parted_settings(run: MoveRun, find: Callable[[str], Datum | None]) -> bool:
+def _has_parted_settings(run: MoveRun, find: Callable[[str], Datum | None]) -> bool:
     """True if moves in columns name a speed or zone that is split. find: returns data by name."""
     named = {name for how in run.motions.table for name in (how.speed, how.zone)}
     return any(found is not None and found.names for found in map(find, named))
 
 
-def single_moves(run: MoveRun) -> Iterator[s.ProcedureCall]:
+def _single_moves(run: MoveRun) -> Iterator[s.ProcedureCall]:
     """The moves of a run."""
     for row in range(len(run)):
         kind, how = int(run.kinds[row]), run.motions[row]
@@ -288,7 +288,7 @@ class RoutineBody:
     def block(self, body: Sequence[s.StatementNode]) -> Nodes:
         return tuple(
             said
-            for node in with_joined_quaternions(self.values, body)
+            for node in _with_joined_quaternions(self.values, body)
             for said in self._statement(node)
         )
 
@@ -313,7 +313,7 @@ class RoutineBody:
                 yield from self._assigned(node, target, value)
             case s.ProcedureCall(str()) if (own := library_call(self.values, node)) is not node:
                 yield from self._said(own)
-            case s.ProcedureCall(str(name)) if raised := raise_statements(
+            case s.ProcedureCall(str(name)) if raised := _raise_statements(
                 node, self.values.is_own(name)
             ):
                 for one in raised:
@@ -321,8 +321,8 @@ class RoutineBody:
             case s.ProcedureCall(name, arguments):
                 said = name if isinstance(name, str) else plain(name)
                 yield replace(node, name=said, arguments=self.values.arguments(name, arguments))
-            case s.MoveRunNode(run) if has_parted_settings(run, self.values.find):
-                for move in single_moves(run):
+            case s.MoveRunNode(run) if _has_parted_settings(run, self.values.find):
+                for move in _single_moves(run):
                     yield from self._said(move)
             case s.ReturnFrom(value) if value is not None:
                 yield from self._returned(node, value)
@@ -410,7 +410,7 @@ class RoutineBody:
             if variable is NO_AXIS:
                 yield from self._still_called(said, node)
                 return
-            yield from element_assignments(
+            yield from _element_assignments(
                 replace(node, target=variable, value=said), kind, self._variable
             )
             return
@@ -438,7 +438,7 @@ class RoutineBody:
         match node:
             case s.Assignment(s.NameRef(name), s.AggregateNode() as value):
                 datum = self.values.find(name)
-                if datum is not None and differs_in_size(value, datum.sizes):
+                if datum is not None and _differs_in_size(value, datum.sizes):
                     found = rules.WRONG_SIZE(array=name, span=node.span)
                     self.program.remarks.append(found)
                     return True
@@ -525,14 +525,14 @@ class RoutineBody:
         asked = {path: names_in(parts[path]) for path in later}
         clashes = False
         for path in later:
-            clashes |= not changed.isdisjoint(asked[path] | index_names(places[path]))
-            changed |= assigned_names(places[path])
+            clashes |= not changed.isdisjoint(asked[path] | _index_names(places[path]))
+            changed |= _assigned_names(places[path])
         if clashes and kind[1]:
             raise NotExpressible("it reads parts of what it assigns")
         if not clashes:
             for path in later:
                 one: Any = s.Assignment(places[path], parts[path], span=node.span)  # type: ignore[arg-type]
-                yield from element_assignments(one, kind, self._variable)
+                yield from _element_assignments(one, kind, self._variable)
             return
         types = {one.path: one.type for one in self.program.layouts.parts(kind[0]) or ()}
         held = {path: self._variable("_".join(("new", *path)), types[path]) for path in later}
@@ -632,7 +632,7 @@ class RoutineBody:
         return {(axis,): s.Component(s.Component(held, "trans"), axis) for axis in "xyz"}
 
 
-def raise_statements(node: s.ProcedureCall, own: bool) -> Sequence[s.ProcedureCall | s.RaiseError]:
+def _raise_statements(node: s.ProcedureCall, own: bool) -> Sequence[s.ProcedureCall | s.RaiseError]:
     """`ErrRaise` as what it does: a message in the event log, and the error of that name.
 
     None of any other call, and of a name that is worked out. own: the program has such a routine.

@@ -58,8 +58,8 @@ from assistant.languages.rapid.tree.literals import literal_number
 
 Kind = tuple[str, int]
 """A type without aliases, and of how many dimensions."""
-POS: Final = "pos"
-ORIENT: Final = "orient"
+_POS: Final = "pos"
+_ORIENT: Final = "orient"
 
 
 class Kinds:
@@ -105,10 +105,10 @@ class Kinds:
                     return self.layouts.base(own.type), 0
                 known = None if name.lower() in self.program.own else signature(name)
                 return (known.result, 0) if known is not None and known.result else None
-            case s.Infix("*", left, right) if (ORIENT, 0) in (self.kind(left), self.kind(right)):
-                return ORIENT, 0
+            case s.Infix("*", left, right) if (_ORIENT, 0) in (self.kind(left), self.kind(right)):
+                return _ORIENT, 0
             case s.Infix("+" | "-" | "*" | "/", left, right):
-                return (POS, 0) if (POS, 0) in (self._side(left), self._side(right)) else None
+                return (_POS, 0) if (_POS, 0) in (self._side(left), self._side(right)) else None
             case s.Prefix("-" | "+", operand):
                 return self.kind(operand)
             case (
@@ -125,19 +125,19 @@ class Kinds:
 
     def _side(self, node: Any) -> Kind | None:
         """Return the kind of one side of an operator: values in brackets are a position there."""
-        return (POS, 0) if isinstance(node, s.AggregateNode) else self.kind(node)
+        return (_POS, 0) if isinstance(node, s.AggregateNode) else self.kind(node)
 
     def whole_turn(self, node: Any) -> s.Variable | None:
         """The plain target or pose that a node is the orientation of; None for any other."""
         raise NotImplementedError
 
 
-CONJUNCTIONS: Final = {"=": "AND", "<>": "OR"}
+_CONJUNCTIONS: Final = {"=": "AND", "<>": "OR"}
 """Operators that join the comparisons of parts."""
 _JOINT_TARGET: Final = "jointtarget"
-COMPARED_TYPES: Final = frozenset(("robtarget", "pose", _JOINT_TARGET))
+_COMPARED_TYPES: Final = frozenset(("robtarget", "pose", _JOINT_TARGET))
 _ANGLES: Final = ("X", "Y", "Z")
-NEAR_FUNCTION: Final = "pose_near"
+_NEAR_FUNCTION: Final = "pose_near"
 """Library function: true if a pose equals numbers within 0.005 mm and 0.05 degrees."""
 
 
@@ -153,7 +153,7 @@ class _ComparedValues(Protocol):
     def spread(self, node: Any, kind: Kind) -> RecordValue: ...
 
 
-def compared_records(
+def _compared_records(
     values: _ComparedValues, operator: str, left: Any, right: Any, kind: Kind
 ) -> s.Expression:
     """Return the comparison of two records, targets or poses, part by part; as one comparison if
@@ -163,12 +163,12 @@ def compared_records(
         first, second = values.spread(left, kind), values.spread(right, kind)
         types = {one.path: one.type for one in values.program.layouts.parts(kind[0]) or ()}
         each = [
-            compared_records(values, operator, first[path], second[path], (types[path], 0))
-            if types.get(path) in COMPARED_TYPES
+            _compared_records(values, operator, first[path], second[path], (types[path], 0))
+            if types.get(path) in _COMPARED_TYPES
             else s.Infix(operator, first[path], second[path])
             for path in first
         ]
-        return s.Group(reduce(lambda one, two: s.Infix(CONJUNCTIONS[operator], one, two), each))
+        return s.Group(reduce(lambda one, two: s.Infix(_CONJUNCTIONS[operator], one, two), each))
     type, program = kind[0], values.program
     for place, written in ((left, right), (right, left)):
         match written:
@@ -198,14 +198,14 @@ def _near_pose(
 ) -> s.Expression:
     """A pose that is compared with numbers, which the other controller has with other digits."""
     numbers = (*where, *turn)
-    near = values.plain(function_call(NEAR_FUNCTION, place, *numbers))
+    near = values.plain(function_call(_NEAR_FUNCTION, place, *numbers))
     return near if operator == "=" else s.Prefix("NOT", near)
 
 
 def _compared_pairs(operator: str, pairs: Sequence[tuple[Any, Any]]) -> s.Expression:
     """Return the condition that all parts of two values are equal, or that any differs."""
     each: list[s.Expression] = [s.Infix(operator, one, two) for one, two in pairs]
-    return s.Group(reduce(lambda one, two: s.Infix(CONJUNCTIONS[operator], one, two), each))
+    return s.Group(reduce(lambda one, two: s.Infix(_CONJUNCTIONS[operator], one, two), each))
 
 
 def _compared_parts(
@@ -328,11 +328,11 @@ def _number_aggregate(values: tuple[int, ...]) -> s.AggregateNode:
 
 
 POSITION_FUNCTION: Final = "cpos"
-TASK_LIST_TYPE: Final = "tasks"
+_TASK_LIST_TYPE: Final = "tasks"
 """The type of lists of tasks, which stay as they are."""
 """The function that gives a position alone."""
-TEXT_FUNCTION: Final = "valtostr"
-QUOTE: Final = s.FunctionCall("ByteToStr", (s.Positional(s.NumberLiteral("34")), s.Option("Char")))
+_TEXT_FUNCTION: Final = "valtostr"
+_QUOTE: Final = s.FunctionCall("ByteToStr", (s.Positional(s.NumberLiteral("34")), s.Option("Char")))
 """Quotation mark before and after a text that ValToStr writes."""
 
 CallParts = Callable[[s.FunctionCall], RecordValue]
@@ -344,7 +344,7 @@ AggregateVariable = Callable[[str, s.AggregateNode], s.Expression]
 
 CallVariable = Callable[[str, s.FunctionCall], s.Expression]
 """A variable of a type with what a function gives that is called before."""
-ASKING_FUNCTIONS: Final = {
+_ASKING_FUNCTIONS: Final = {
     "uinumentry": "num", "uidnumentry": "num", "uimessagebox": "num",
     "readstr": "string", "readnum": "num",
 }  # fmt: skip
@@ -403,18 +403,18 @@ class Values(Kinds):
             case s.Prefix(_, operand):
                 return replace(node, operand=self.plain(operand))
             case s.Infix(operator, left, right):
-                if operator in CONJUNCTIONS:
+                if operator in _CONJUNCTIONS:
                     kind = self.kind(left) or self.kind(right)
-                    if kind is not None and (self.is_record(kind) or kind[0] in COMPARED_TYPES):
-                        return compared_records(self, operator, left, right, kind)
+                    if kind is not None and (self.is_record(kind) or kind[0] in _COMPARED_TYPES):
+                        return _compared_records(self, operator, left, right, kind)
                 return replace(node, left=self.plain(left), right=self.plain(right))
             case s.FunctionCall("EulerZYX", (s.Option() as axis, s.Positional(turn))) if (
                 place := self.whole_turn(turn)
             ):
                 own = s.Positional(s.Component(place, ORIENTATION))
                 return replace(node, arguments=(axis, own))
-            case s.FunctionCall(name, (s.Positional(value),)) if name.lower() == TEXT_FUNCTION and (
-                shown := self._shown(value)
+            case s.FunctionCall(name, (s.Positional(value),)) if (
+                name.lower() == _TEXT_FUNCTION and (shown := self._shown(value))
             ):
                 return shown
             case s.FunctionCall(str(name), ()) if not self.is_own(name) and (
@@ -430,7 +430,7 @@ class Values(Kinds):
                 made = replace(node, arguments=self.arguments(name, arguments))
                 if str(name).lower() in TASK_READS and not self.is_own(name):
                     made = self.own_task(made)
-                type = ASKING_FUNCTIONS.get(str(name).lower(), "")
+                type = _ASKING_FUNCTIONS.get(str(name).lower(), "")
                 return self.hold(type, made) if type and not self.is_own(name) else made
         return node
 
@@ -484,7 +484,7 @@ class Values(Kinds):
         if value is NO_AXIS:
             return NO_AXIS_TEXT
         if base == "string":
-            return s.Group(sum_of_texts([QUOTE, value, QUOTE]))
+            return s.Group(sum_of_texts([_QUOTE, value, _QUOTE]))
         if base in TEXT_WRITERS:
             return function_call(TEXT_WRITERS[base], value)
         parts: RecordValue = {
@@ -520,7 +520,7 @@ class Values(Kinds):
             type = next(types, "") if isinstance(argument, s.Positional) else ""
             match argument:
                 case s.Positional(value) | s.Option(_, value) if (
-                    type == TASK_LIST_TYPE or self._mounted(value)
+                    type == _TASK_LIST_TYPE or self._mounted(value)
                 ):
                     made.append(argument)
                 case s.Positional(s.AggregateNode() as value) if type in ASSEMBLED_TYPES and (
@@ -663,7 +663,7 @@ class Values(Kinds):
         if parts is None:
             raise NotExpressible("nobody knows its parts")
         node = library_call(self, node)
-        if kind == (ORIENT, 0) and (place := self.whole_turn(node)) is not None:
+        if kind == (_ORIENT, 0) and (place := self.whole_turn(node)) is not None:
             return {path: self.plain(one) for path, one in quaternion_parts(place).items()}
         match node:
             case s.Group(inner):
@@ -677,12 +677,12 @@ class Values(Kinds):
                 return self._spread_items(items, type)
             case s.NameRef() | s.Component() | s.Element():
                 return self._spread_variable(node, kind)
-            case s.Infix(operator, left, right) if type == POS:
+            case s.Infix(operator, left, right) if type == _POS:
                 return self._spread_worked_out(operator, left, right)
-            case s.Prefix("-" | "+" as operator, operand) if type == POS:
+            case s.Prefix("-" | "+" as operator, operand) if type == _POS:
                 inside = self.spread(operand, kind)
                 return {path: s.Prefix(operator, s.Group(one)) for path, one in inside.items()}
-            case s.Infix("*", left, right) if type == ORIENT:
+            case s.Infix("*", left, right) if type == _ORIENT:
                 return self.spread(function_call(QUATERNION_PRODUCT, left, right), kind)
             case s.FunctionCall(str(name)) if name.lower() in (
                 *self.program.routines,
@@ -750,20 +750,20 @@ class Values(Kinds):
     def _spread_worked_out(self, operator: str, left: Any, right: Any) -> RecordValue:
         """Positions that are added, or multiplied by a number or each other as vectors."""
         kinds = self._side(left), self._side(right)
-        both = kinds == ((POS, 0), (POS, 0))
+        both = kinds == ((_POS, 0), (_POS, 0))
         if operator in "+-" and both:
-            first, second = (in_brackets(self.spread(side, (POS, 0))) for side in (left, right))
+            first, second = (in_brackets(self.spread(side, (_POS, 0))) for side in (left, right))
             return {way: s.Infix(operator, first[way], second[way]) for way in first}
-        if operator in "*/" and not both and (POS, 0) in kinds:
-            if kinds[0] == (POS, 0):
+        if operator in "*/" and not both and (_POS, 0) in kinds:
+            if kinds[0] == (_POS, 0):
                 by = grouped(self.plain(right))
-                first = in_brackets(self.spread(left, (POS, 0)))
+                first = in_brackets(self.spread(left, (_POS, 0)))
                 return {way: s.Infix(operator, one, by) for way, one in first.items()}
             if operator == "*":
                 by = grouped(self.plain(left))
-                second = in_brackets(self.spread(right, (POS, 0)))
+                second = in_brackets(self.spread(right, (_POS, 0)))
                 return {way: s.Infix(operator, by, one) for way, one in second.items()}
         if operator == "*" and both:
-            a, b = (in_brackets(self.spread(side, (POS, 0))) for side in (left, right))
+            a, b = (in_brackets(self.spread(side, (_POS, 0))) for side in (left, right))
             return cross_product(a, b)
         raise NotExpressible("it works with whole positions")

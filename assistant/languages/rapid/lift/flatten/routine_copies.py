@@ -71,13 +71,13 @@ def reentrant_routines(calls: Mapping[str, set[str]]) -> frozenset[str]:
     return recursive_names({**calls, "": frozenset(calls)})
 
 
-def assigned_names(routine: s.Routine) -> set[str]:
+def _assigned_names(routine: s.Routine) -> set[str]:
     """Names that a routine assigns to, in lower case."""
     targets = (root(one.target) for one in nodes(routine) if isinstance(one, s.Assignment))
     return {one.name.lower() for one in targets if one is not None}
 
 
-class ChangedData:
+class _ChangedData:
     """Which data routines may change, by names in lower case."""
 
     def __init__(self, routines: Routines) -> None:
@@ -110,7 +110,7 @@ class ChangedData:
         them.
         """
         if id(routine) not in self._own:
-            changed = assigned_names(routine)
+            changed = _assigned_names(routine)
             self._own[id(routine)] = frozenset(changed)  # for one that calls itself
             for one in nodes(routine):
                 if isinstance(one, s.ProcedureCall | s.FunctionCall):
@@ -154,14 +154,14 @@ def _is_only_read(slot: Parameter) -> bool:
     return slot.mode == "PERS" and slot.type in READ_ONLY_TYPES
 
 
-CallArguments = tuple[s.Expression | None, ...]
+_CallArguments = tuple[s.Expression | None, ...]
 """Arguments of a call for the parameters that a copy does not have, in their order; None for an
 omitted one.
 """
 
 
 @dataclass(frozen=True, slots=True)
-class CopiedParameter:
+class _CopiedParameter:
     """One of a routine. place: among the required ones, -1 of an optional one."""
 
     node: s.ParameterNode
@@ -178,7 +178,7 @@ class CopiedParameter:
 
 
 @dataclass(slots=True)
-class CallPattern:
+class _CallPattern:
     """A routine and its copies. ways: the arguments of its calls, and the name of the copy for
     each.
 
@@ -187,19 +187,19 @@ class CallPattern:
     """
 
     node: s.Routine
-    parameters: tuple[CopiedParameter, ...]
-    ways: dict[tuple[str | None, ...], tuple[str, CallArguments]] = field(default_factory=dict)
+    parameters: tuple[_CopiedParameter, ...]
+    ways: dict[tuple[str | None, ...], tuple[str, _CallArguments]] = field(default_factory=dict)
     stays: bool = False
     hidden: frozenset[str] = frozenset()
     changed: frozenset[str] = frozenset()
     runs: bool = False
 
     @staticmethod
-    def of(node: s.Routine, parameters: tuple[CopiedParameter, ...]) -> CallPattern:
+    def of(node: s.Routine, parameters: tuple[_CopiedParameter, ...]) -> _CallPattern:
         hidden = frozenset(name.lower() for name in inner_names((node,)))
         runs = any(isinstance(inner, s.MoveRunNode) for inner in nodes(node))
-        changed = frozenset(assigned_names(node))
-        return CallPattern(node, parameters, hidden=hidden, changed=changed, runs=runs)
+        changed = frozenset(_assigned_names(node))
+        return _CallPattern(node, parameters, hidden=hidden, changed=changed, runs=runs)
 
 
 def _aggregate(*values: s.Expression | float) -> s.AggregateNode:
@@ -212,14 +212,14 @@ def _aggregate(*values: s.Expression | float) -> s.AggregateNode:
 _ZERO_POSE: Final = _aggregate(_aggregate(0, 0, 0), _aggregate(1, 0, 0, 0))
 _TRUE, _FALSE = s.BoolLiteral(True), s.BoolLiteral(False)
 _LEAST_LOAD: Final = _aggregate(0.001, _aggregate(0, 0, 0.001), _aggregate(1, 0, 0, 0), 0, 0, 0)
-INITIAL_VALUES: Final = {
+_INITIAL_VALUES: Final = {
     "tooldata": _aggregate(_TRUE, _ZERO_POSE, _LEAST_LOAD),
     "wobjdata": _aggregate(_FALSE, _TRUE, s.StringLiteral(""), _ZERO_POSE, _ZERO_POSE),
 }
 """The flange, and the base: what a tool and a work object are before a caller sets them."""
 
 
-class UnreadCallers:
+class _UnreadCallers:
     """Arguments of unread callers: one for all parameters with the same type and name.
 
     data: the declarations for them, by the lower-case name of the first routine with that
@@ -249,7 +249,7 @@ class UnreadCallers:
     def of(self, routine: s.Routine, one: s.ParameterNode, optional: bool) -> s.NameRef | None:
         """Return the argument for a parameter; None if the parameter counts as omitted."""
         type = self._layouts.base(one.type)
-        if optional and type not in INITIAL_VALUES:
+        if optional and type not in _INITIAL_VALUES:
             return None
         key = type, one.name.lower()
         if key not in self._given:
@@ -259,15 +259,15 @@ class UnreadCallers:
                 self._taken.add(name)
             self._given[key] = s.NameRef(name)
             if type not in SIGNAL_TYPES:
-                start = INITIAL_VALUES.get(type)
+                start = _INITIAL_VALUES.get(type)
                 storage = "VAR" if start is None else "PERS"
                 data = s.Data("", storage, type, name, value=start, span=one.span)
                 self.data.setdefault(routine.name.lower(), []).append(data)
         return self._given[key]
 
 
-ENTRY: Final = "main"
-MOST_COPIES: Final = 60
+_ENTRY: Final = "main"
+_MOST_COPIES: Final = 60
 """Maximum copies of one routine; a program with more is unreadable."""
 _NAMING: Final = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
@@ -299,7 +299,7 @@ class _Copies:
         self.calls = call_graph(found)
         self.again = reentrant_routines(self.calls)
         self.routines = {
-            name: CallPattern.of(own[0], parameters)
+            name: _CallPattern.of(own[0], parameters)
             for name, own in found.items()
             if len(own) == 1 and (parameters := self._parameters(own[0]))
         }
@@ -314,11 +314,11 @@ class _Copies:
         ]
         written = (root(one.target) for one in every if isinstance(one, s.Assignment))
         self.written = {one.name.lower() for one in written if one is not None}
-        self.starts = ENTRY in found
-        self.callers = UnreadCallers(items, self.layouts, self.taken)
+        self.starts = _ENTRY in found
+        self.callers = _UnreadCallers(items, self.layouts, self.taken)
         self.free: dict[str, list[str]] = {}
         """Arguments of routines without callers, by the routine's lower-case name."""
-        self.changes = ChangedData(found)
+        self.changes = _ChangedData(found)
         declared = [item for item in items if isinstance(item, s.Data)]
         names = Counter(item.name.lower() for item in declared)
         self.arrays = {
@@ -332,21 +332,21 @@ class _Copies:
             if isinstance(one, s.ProcedureCall | s.FunctionCall) and isinstance(one.name, str):
                 self.written |= self.changes.by(one)
 
-    def _parameters(self, routine: s.Routine) -> tuple[CopiedParameter, ...]:
+    def _parameters(self, routine: s.Routine) -> tuple[_CopiedParameter, ...]:
         """Return the parameters that copies do not have; empty if one of the routine's parameters
         is unknown.
         """
         if routine.kind == "TRAP":
             return ()
         again = routine.name.lower() in self.again
-        found: list[CopiedParameter] = []
+        found: list[_CopiedParameter] = []
         place = 0
         for group in routine.parameters:
             for one in group.alternatives:
                 if isinstance(one, s.Placeholder):
                     return ()
                 if self._is_named(one) or (one.dimensions > 0 and not again):
-                    found.append(CopiedParameter(one, -1 if group.optional else place))
+                    found.append(_CopiedParameter(one, -1 if group.optional else place))
             place += not group.optional
         return tuple(found)
 
@@ -413,20 +413,20 @@ class _Copies:
                     made[id(one.node)] = self._called(one.node)
         return sum(map(len, copies.values())) + len(made) > before
 
-    def _is_idle(self, one: CallPattern) -> bool:
+    def _is_idle(self, one: _CallPattern) -> bool:
         """True if no call passes the devices that a routine requires, so that it is not
         translated.
         """
         devices = any(self._is_free(q) and q.place >= 0 for q in one.parameters)
         return devices and self.starts and not (one.ways or one.stays or self._is_late(one))
 
-    def _is_late(self, one: CallPattern) -> bool:
+    def _is_late(self, one: _CallPattern) -> bool:
         """True if a call by a text may reach a routine; such a call never reaches a function."""
         return one.node.kind == "PROC" and any(accepts_call(one.node, call) for call in self.late)
 
-    def _is_free(self, q: CopiedParameter) -> bool:
+    def _is_free(self, q: _CopiedParameter) -> bool:
         """True if the parameter is a device, tool or work object, which only callers know."""
-        return self._is_device(q.node) or self.layouts.base(q.node.type) in INITIAL_VALUES
+        return self._is_device(q.node) or self.layouts.base(q.node.type) in _INITIAL_VALUES
 
     def _free(self, copies: Mapping[str, Sequence[s.Routine]], made: Mapping[int, s.Item]) -> bool:
         """Give library routines arguments that a calling program sets; True if there were any such
@@ -442,7 +442,7 @@ class _Copies:
         }
         called = {to for name in left for to in self.calls[name] if to != name}
         for name in [name for name in left if name not in called] or list(left)[:1]:
-            one = self.routines[name] = CallPattern.of(self.routines[name].node, left[name])
+            one = self.routines[name] = _CallPattern.of(self.routines[name].node, left[name])
             given = tuple(self.callers.of(one.node, q.node, q.place < 0) for q in one.parameters)
             new = identifier(one.node.name, self.taken)
             self.taken.add(new)
@@ -477,7 +477,7 @@ class _Copies:
         return made
 
     def _call(
-        self, node: s.ProcedureCall | s.FunctionCall, one: CallPattern, own: set[str]
+        self, node: s.ProcedureCall | s.FunctionCall, one: _CallPattern, own: set[str]
     ) -> s.ProcedureCall | s.FunctionCall:
         """Return the call of a copy; the call itself if no copy fits it."""
         split = self._split(node, one, own)
@@ -487,7 +487,7 @@ class _Copies:
         given, left = split
         way = tuple(None if value is None else argument_key(value) for value in given)
         if way not in one.ways:
-            if len(one.ways) >= MOST_COPIES:
+            if len(one.ways) >= _MOST_COPIES:
                 one.stays = True
                 return node
             names = [value.name for value in given if isinstance(value, s.NameRef)]
@@ -498,8 +498,8 @@ class _Copies:
         return replace(node, name=name, arguments=left)
 
     def _split(
-        self, node: s.ProcedureCall | s.FunctionCall, one: CallPattern, own: set[str]
-    ) -> tuple[CallArguments, tuple[s.Argument, ...]] | None:
+        self, node: s.ProcedureCall | s.FunctionCall, one: _CallPattern, own: set[str]
+    ) -> tuple[_CallArguments, tuple[s.Argument, ...]] | None:
         """Return the arguments that a copy does not take, and the remaining ones; None if they are
         unknown.
         """
@@ -533,7 +533,7 @@ class _Copies:
         return tuple(given), tuple(left)
 
     def _fits(
-        self, value: s.Expression, q: CopiedParameter, one: CallPattern, own: set[str]
+        self, value: s.Expression, q: _CopiedParameter, one: _CallPattern, own: set[str]
     ) -> bool:
         """True if a copy may have the value in place of the parameter."""
         found = root(value)
@@ -557,7 +557,7 @@ class _Copies:
 
     # ------------------------------------------------------------------------------- copies
 
-    def _copy(self, one: CallPattern, name: str, given: CallArguments) -> s.Routine:
+    def _copy(self, one: _CallPattern, name: str, given: _CallArguments) -> s.Routine:
         """A routine with what it is given in the place of its parameters."""
         values = {q.key: v for q, v in zip(one.parameters, given, strict=True)}
         first: list[s.StatementNode] = []
@@ -575,7 +575,7 @@ class _Copies:
         return replace(made, name=name, parameters=groups, body=body, handlers=handlers)
 
     def _may_change(
-        self, one: CallPattern, q: CopiedParameter, value: Any, given: CallArguments
+        self, one: _CallPattern, q: _CopiedParameter, value: Any, given: _CallArguments
     ) -> bool:
         """True if an array passed by value may change while the routine runs."""
         low, changed = value.name.lower(), self.changes.of(one.node.name.lower())
@@ -587,7 +587,7 @@ class _Copies:
             for other, gives in others
         )
 
-    def _held(self, one: CallPattern, q: CopiedParameter, value: Any) -> s.NameRef:
+    def _held(self, one: _CallPattern, q: _CopiedParameter, value: Any) -> s.NameRef:
         """An array of the module that another is copied to."""
         array = self.arrays[value.name.lower()]
         name = identifier(f"{one.node.name}_{q.node.name}", self.taken)

@@ -17,14 +17,14 @@ from assistant.languages.rapid.tree.syntax import MotionNames
 from assistant.program.rewriting import rewrite
 
 T = TypeVar("T")
-Body = tuple[s.StatementNode, ...]
+_Body = tuple[s.StatementNode, ...]
 StatementRewriting = Callable[[s.StatementNode], Iterable[s.StatementNode]]
 
 
 def rewritten(value: T, said: StatementRewriting) -> T:
     """A module or routine with what `said` makes of each statement; itself if that is the same."""
 
-    def body(statements: Body) -> Body:
+    def body(statements: _Body) -> _Body:
         made = tuple(one for node in statements for one in said(node))
         same = len(made) == len(statements)
         same = same and all(a is b for a, b in zip(made, statements, strict=True))
@@ -54,7 +54,7 @@ def rewritten(value: T, said: StatementRewriting) -> T:
     return rewrite(value, change, ())
 
 
-def _with_body(node: Any, body: Body) -> Any:
+def _with_body(node: Any, body: _Body) -> Any:
     return node if body is node.body else replace(node, body=body)
 
 

@@ -17,7 +17,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.program.rewriting import rewrite
 
-MOST_ROUNDS: Final = 12
+_MOST_ROUNDS: Final = 12
 """Maximum rounds of removal; a variable that only unread variables read is removed in the next
 round.
 """
@@ -41,7 +41,7 @@ def without_unread_data(
     """The modules without the made variables that nothing reads, and those of each."""
     left = list(modules)
     gone: set[str] = set()
-    for _ in range(MOST_ROUNDS if program.made else 0):
+    for _ in range(_MOST_ROUNDS if program.made else 0):
         dead = _dead_variables(left, program) - gone
         if not dead:
             break

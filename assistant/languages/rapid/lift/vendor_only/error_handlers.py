@@ -22,9 +22,9 @@ from assistant.program.rewriting import Body, head, map_bodies, map_expressions,
 from assistant.program.vendor_statements import effect_of
 
 ERRNO: Final = "errno"
-ANY_ERROR: Final = "long_jmp_all_err"
+_ANY_ERROR: Final = "long_jmp_all_err"
 WAIT_TIMEOUT: Final = "err_wait_maxtime"
-MOST_STATEMENTS: Final = 40
+_MOST_STATEMENTS: Final = 40
 """Maximum statements for one error in a handler: they are repeated wherever that error may
 occur.
 """
@@ -44,7 +44,7 @@ def handles(handler: s.Handler | None, error: str) -> bool:
     if handler is None:
         return False
     listed = {one.name.lower() for one in handler.numbers if isinstance(one, s.NameRef)}
-    return not handler.numbers or error in listed or ANY_ERROR in listed
+    return not handler.numbers or error in listed or _ANY_ERROR in listed
 
 
 def raised_error(node: p.Statement) -> str | None:
@@ -87,7 +87,7 @@ def reduced_handler(
     body = tuple(_with_error_name(node, error) for node in body)
     body = _with_own_lines(map_spans(body, lambda _: span))
     nodes = [*walk(body)]
-    if len(nodes) > MOST_STATEMENTS or any(isinstance(one, p.Label | p.Goto) for one in nodes):
+    if len(nodes) > _MOST_STATEMENTS or any(isinstance(one, p.Label | p.Goto) for one in nodes):
         return None
     return None if any(map(_asks_error, nodes)) else body
 

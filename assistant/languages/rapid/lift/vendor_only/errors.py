@@ -27,9 +27,9 @@ from assistant.program.analysis.io_use import with_used_signals
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier, walk
 from assistant.program.rewriting import Body, is_repeatable, map_bodies, map_expressions, records
 
-EXIT_CYCLE: Final = "exitcycle"
+_EXIT_CYCLE: Final = "exitcycle"
 """Stands for the end of the cycle, which no handler is for."""
-ZERO: Final = e.Number(0)
+_ZERO: Final = e.Number(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class _Handled:
     text: p.Opaque | None
 
 
-class RaisedErrors:
+class _RaisedErrors:
     """Errors that procedures raise. numbers: the numbers of errors. leaves: by procedure, the
     errors that it may leave to its callers.
 
@@ -59,7 +59,7 @@ class RaisedErrors:
         self.taken = TakenNames(n for q in program.procedures for n in q.variables)
         self.taken.update(program.variables, program.signals, program.targets)
         self.error = e.Name(identifier("error_number", self.taken))
-        self.numbers: dict[str, int] = {EXIT_CYCLE: -1}
+        self.numbers: dict[str, int] = {_EXIT_CYCLE: -1}
         self.called = {key: _called_names(one.procedure.body) for key, one in self.known.items()}
         self.callers: dict[str, set[str]] = {key: set() for key in self.known}
         for key, names in self.called.items():
@@ -106,7 +106,7 @@ class RaisedErrors:
                 after
                 for error in self.raised(key)
                 for after in self._after(key, error)
-                if after == EXIT_CYCLE or key in self._taken_above(after)
+                if after == _EXIT_CYCLE or key in self._taken_above(after)
             )
             if found != self.leaves[key]:
                 self.leaves[key] = found
@@ -120,7 +120,7 @@ class RaisedErrors:
     def _after(self, key: str, error: str) -> set[str]:
         """Return the errors that remain after a procedure's handler has treated one."""
         handler = self.known[key].handler
-        if error == EXIT_CYCLE or not h.handles(handler, error):
+        if error == _EXIT_CYCLE or not h.handles(handler, error):
             return {error}
         body = self.left(key, error)
         names = (h.raised_error(node) for node in walk(body or ()))
@@ -168,7 +168,7 @@ _OTHER_HANDLERS: Final = {
 }
 
 
-def limited_wait(node: p.Statement) -> p.WaitSignal | p.WaitUntil | None:
+def _limited_wait(node: p.Statement) -> p.WaitSignal | p.WaitUntil | None:
     """A wait with a longest time."""
     if isinstance(node, p.WaitSignal | p.WaitUntil) and node.timeout is not None:
         return node if is_repeatable(wait_condition(node)) else None
@@ -178,14 +178,14 @@ def limited_wait(node: p.Statement) -> p.WaitSignal | p.WaitUntil | None:
 def _own_errors(body: Body) -> set[str]:
     found: set[str] = set()
     for node in walk(body):
-        if limited_wait(node) is not None:
+        if _limited_wait(node) is not None:
             found.add(h.WAIT_TIMEOUT)
         elif stopped_moves.is_search(node):
             found |= {stopped_moves.SIGNAL_EARLY, stopped_moves.SIGNAL_MISSED}
         elif name := h.raised_error(node):
             found.add(name)
         elif h.exit_word(node) == "EXITCYCLE":
-            found.add(EXIT_CYCLE)
+            found.add(_EXIT_CYCLE)
     return found
 
 
@@ -193,16 +193,16 @@ def _called_names(body: Body) -> set[str]:
     return {node.procedure.lower() for node in walk(body) if isinstance(node, p.Call)}
 
 
-RETRIES: Final = 4
+_RETRIES: Final = 4
 """Maximum retries of a statement (system parameters: No Of Retry)."""
-REMAINING_RETRIES: Final = "remainingretries"
+_REMAINING_RETRIES: Final = "remainingretries"
 _STOP: Final = p.Stop(end=True)
 
 
-class ErrorLowering:
+class _ErrorLowering:
     """One procedure. own: variables that it gets."""
 
-    def __init__(self, errors: RaisedErrors, key: str) -> None:
+    def __init__(self, errors: _RaisedErrors, key: str) -> None:
         self.errors, self.key = errors, key
         self.own: dict[str, Variable] = {}
         taken = TakenNames(errors.taken)
@@ -220,7 +220,7 @@ class ErrorLowering:
 
     def statement(self, node: p.Statement) -> Iterator[p.Statement]:
         errors = self.errors
-        wait = limited_wait(node)
+        wait = _limited_wait(node)
         if wait is not None and self._is_taken(h.WAIT_TIMEOUT):
             self.own[self.over.name] = Variable("truth")
             yield from self.tried(
@@ -241,9 +241,9 @@ class ErrorLowering:
             yield from self.called(node, sorted(left))
         elif (
             isinstance(node, p.Interrupt)
-            and EXIT_CYCLE in errors.leaves[node.call.procedure.lower()]
+            and _EXIT_CYCLE in errors.leaves[node.call.procedure.lower()]
         ):
-            yield replace(node, ends=e.Binary("<>", errors.error, ZERO))
+            yield replace(node, ends=e.Binary("<>", errors.error, _ZERO))
         else:
             yield node
 
@@ -284,8 +284,8 @@ class ErrorLowering:
         """The end of the cycle: out of the entry at once, else by way of all callers."""
         if self.key == self.errors.entry:
             yield p.Return()
-        elif EXIT_CYCLE in self.errors.leaves[self.key]:
-            yield p.Assign(self.errors.error, self.errors.number(EXIT_CYCLE))
+        elif _EXIT_CYCLE in self.errors.leaves[self.key]:
+            yield p.Assign(self.errors.error, self.errors.number(_EXIT_CYCLE))
             yield p.Return()
         else:
             yield node
@@ -293,12 +293,12 @@ class ErrorLowering:
     def called(self, node: p.Call, left: list[str]) -> Iterator[p.Statement]:
         """A call, and what becomes of the errors that it leaves."""
         error = self.errors.error
-        if left == [EXIT_CYCLE]:
+        if left == [_EXIT_CYCLE]:
             yield node
             back: Body = (p.Return(),)
             if self.key == self.errors.entry:
-                back = (p.Assign(error, ZERO), p.Return())
-            yield p.If((p.Branch(e.Binary("<>", error, ZERO), back),))
+                back = (p.Assign(error, _ZERO), p.Return())
+            yield p.If((p.Branch(e.Binary("<>", error, _ZERO), back),))
             return
         yield from self.tried((node,), None, left[0], left)
 
@@ -330,12 +330,12 @@ class ErrorLowering:
             cared = branches[0].body if alike else (p.If(branches),)
         jumps = {node.label for node in walk(cared) if isinstance(node, p.Goto)}
         if again in jumps or self.tries in records(cared):
-            yield p.Assign(self.tries, ZERO)
+            yield p.Assign(self.tries, _ZERO)
         if again in jumps:
             yield p.Label(again)
         yield from act
         if left is not None:
-            yield p.If((p.Branch(e.Binary("<>", number, ZERO), cared),))
+            yield p.If((p.Branch(e.Binary("<>", number, _ZERO), cared),))
         elif over is not None:
             yield p.If((p.Branch(over, cared),))
         else:
@@ -345,8 +345,8 @@ class ErrorLowering:
 
     def cared(self, error: str, again: str, behind: str, called: bool = False) -> Body:
         """Return the handling of an error, with jumps to the retry and to the next statement."""
-        clear: Body = (p.Assign(self.errors.error, ZERO),) if called else ()
-        if error == EXIT_CYCLE:
+        clear: Body = (p.Assign(self.errors.error, _ZERO),) if called else ()
+        if error == _EXIT_CYCLE:
             return (*clear, p.Return()) if self.key == self.errors.entry else (p.Return(),)
         body = self.errors.left(self.key, error)
         if body is not None and error in (stopped_moves.SIGNAL_EARLY, stopped_moves.SIGNAL_MISSED):
@@ -360,9 +360,9 @@ class ErrorLowering:
 
     def left_to_try(self, x: e.Expression) -> e.Expression:
         """`RemainingRetries()` of a handler: how often it may still be tried again."""
-        if isinstance(x, e.Apply) and x.function.lower() == REMAINING_RETRIES:
+        if isinstance(x, e.Apply) and x.function.lower() == _REMAINING_RETRIES:
             self.own[self.tries.name] = Variable("number")
-            return e.Binary("-", e.Number(RETRIES), self.tries)
+            return e.Binary("-", e.Number(_RETRIES), self.tries)
         return x
 
     def leave(self, error: str) -> Iterator[p.Statement]:
@@ -387,7 +387,7 @@ class ErrorLowering:
                     made += () if last else (p.Goto(behind),)
                 case "RESETRETRYCOUNT", _:
                     self.own[self.tries.name] = Variable("number")
-                    made.append(p.Assign(self.tries, ZERO))
+                    made.append(p.Assign(self.tries, _ZERO))
                 case "EXITCYCLE", _:
                     made += self.exit(node)
                 case _, str() as name:
@@ -409,12 +409,12 @@ class ErrorLowering:
     def stopped_by(self, node: p.Statement) -> Iterator[p.Statement]:
         """An error in a handler stops the program."""
         if isinstance(node, p.Call) and self.errors.leaves.get(node.procedure.lower()):
-            yield p.If((p.Branch(e.Binary("<>", self.errors.error, ZERO), (_STOP,)),))
+            yield p.If((p.Branch(e.Binary("<>", self.errors.error, _ZERO), (_STOP,)),))
 
     def again(self, label: str) -> Iterator[p.Statement]:
         """Once more, if that was not too often."""
         self.own[self.tries.name] = Variable("number")
-        often = e.Binary(">=", self.tries, e.Number(RETRIES))
+        often = e.Binary(">=", self.tries, e.Number(_RETRIES))
         yield p.If((p.Branch(often, (_STOP,)),))
         yield p.Assign(self.tries, e.Binary("+", self.tries, e.Number(1)))
         yield p.Goto(label)
@@ -444,7 +444,7 @@ def with_errors(program: Program, lift: StatementLift, findings: Findings) -> Pr
     """
     if not any(_involves_errors(node) for node in program.statements()):
         return program
-    return _with_error_tests(RaisedErrors(program, lift, findings))
+    return _with_error_tests(_RaisedErrors(program, lift, findings))
 
 
 def _involves_errors(node: p.Statement) -> bool:
@@ -453,7 +453,7 @@ def _involves_errors(node: p.Statement) -> bool:
     return h.raised_error(node) is not None or h.exit_word(node) == "EXITCYCLE"
 
 
-def _with_error_tests(errors: RaisedErrors) -> Program:
+def _with_error_tests(errors: _RaisedErrors) -> Program:
     procedures = tuple(_tested_procedure(errors, key) for key in errors.known)
     signals = with_used_signals(errors.program.signals, errors.meaning.used)
     program = replace(errors.program, procedures=procedures, signals=signals)
@@ -461,7 +461,7 @@ def _with_error_tests(errors: RaisedErrors) -> Program:
     procedures = program.procedures
     if not any(record == errors.error for record in records(procedures)):
         return program
-    first: Body = (p.Assign(errors.error, ZERO),)
+    first: Body = (p.Assign(errors.error, _ZERO),)
     procedures = tuple(
         replace(q, body=first + q.body) if q.name.lower() == errors.entry else q for q in procedures
     )
@@ -469,7 +469,7 @@ def _with_error_tests(errors: RaisedErrors) -> Program:
     return replace(program, procedures=procedures, variables=variables)
 
 
-def _tested_procedure(errors: RaisedErrors, key: str) -> Procedure:
+def _tested_procedure(errors: _RaisedErrors, key: str) -> Procedure:
     one = errors.known[key]
     if one.text is not None:
         said = sorted(x for x in errors.raised(key) if errors.left(key, x) is not None)
@@ -477,6 +477,6 @@ def _tested_procedure(errors: RaisedErrors, key: str) -> Procedure:
             errors.findings.append(rules.HANDLED(
                 name=one.procedure.name, errors=", ".join(said) or "none of its errors"
             ))  # fmt: skip
-    making = ErrorLowering(errors, key)
+    making = _ErrorLowering(errors, key)
     body = making.body(one.procedure.body)
     return replace(one.procedure, body=body, variables={**one.procedure.variables, **making.own})

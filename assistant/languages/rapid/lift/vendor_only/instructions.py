@@ -75,8 +75,8 @@ class VendorLowering:
         return e.plain_number(value) if value is not None else None
 
 
-Replacement = Iterator[p.Statement]
-InstructionLowering = Callable[[VendorLowering, Called[s.Expression], p.Opaque], Replacement]
+_Replacement = Iterator[p.Statement]
+_InstructionLowering = Callable[[VendorLowering, Called[s.Expression], p.Opaque], _Replacement]
 
 
 def lowered_instruction(telling: VendorLowering, node: p.Opaque) -> Sequence[p.Statement]:
@@ -93,7 +93,7 @@ def lowered_instruction(telling: VendorLowering, node: p.Opaque) -> Sequence[p.S
     if telling.displaced:
         losses.pop("noeoffs", None)
     plain = without_options(call, losses)
-    known, tell = called(plain), LOWERINGS.get(word_of(call))
+    known, tell = called(plain), _LOWERINGS.get(word_of(call))
     with telling.findings.at(node.span):
         said = [*lifted_call(plain, node, telling.meaning)] if losses else []
         if not said and tell is not None and known is not None:
@@ -114,7 +114,7 @@ def _option_name(call: s.ProcedureCall, option: str) -> str:
 
 def _move_with_stated_motion(
     telling: VendorLowering, call: Called[s.Expression], _: p.Opaque
-) -> Replacement:
+) -> _Replacement:
     r"""A move whose speed or corner is stated by `\V` and `\Z` instead of by its data."""
     options = dict(call.options)
     speed, size = telling.number(options.pop("v", None)), telling.number(options.pop("z", None))
@@ -145,10 +145,10 @@ _CORNER_LOSS: Final = (
 )
 
 
-def _move_setting_output(word: str) -> InstructionLowering:
+def _move_setting_output(word: str) -> _InstructionLowering:
     """A move that sets an output at its end: as a move and what sets the output."""
 
-    def does(telling: VendorLowering, call: Called[s.Expression], node: p.Opaque) -> Replacement:
+    def does(telling: VendorLowering, call: Called[s.Expression], node: p.Opaque) -> _Replacement:
         *given, signal, value = call.given
         setting = lift_call(Called(word, (signal, value)), telling.meaning)
         yield from _move_then(telling, replace(call, given=given), node, setting)
@@ -158,7 +158,7 @@ def _move_setting_output(word: str) -> InstructionLowering:
 
 def _move_setting_group(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque
-) -> Replacement:
+) -> _Replacement:
     *given, signal = call.given
     options = dict(call.options)
     setting = lift_call(Called("SetGO", (signal, options.pop("value", None))), telling.meaning)
@@ -167,7 +167,7 @@ def _move_setting_group(
 
 def _move_calling(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque
-) -> Replacement:
+) -> _Replacement:
     """A move that calls a procedure at its end."""
     *given, name = call.given
     known = telling.program.procedure(name.value) if isinstance(name, s.StringLiteral) else None
@@ -177,7 +177,7 @@ def _move_calling(
 
 def _move_then(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque, then: p.Statement | None
-) -> Replacement:
+) -> _Replacement:
     """A plain move, and what is done at its end."""
     move = lift_call(replace(call, word=_PLAIN_MOVES[call.word.lower()[:5]]), telling.meaning)
     if then is None or not isinstance(move, p.MoveStatement):
@@ -190,7 +190,7 @@ def _move_then(
 # --------------------------------------------------------------------------------- settings
 
 
-def _acceleration(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> Replacement:
+def _acceleration(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> _Replacement:
     """`AccSet`: the acceleration; how fast it grows is each controller's own."""
     match call.given:
         case (most, ramp) if most is not None and ramp is not None and not call.options:
@@ -204,7 +204,7 @@ def _acceleration(telling: VendorLowering, call: Called[s.Expression], _: p.Opaq
 _FULL_PERCENT: Final = 100.0
 
 
-def _velocity(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> Replacement:
+def _velocity(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> _Replacement:
     """`VelSet`: the share of programmed speeds; `limits` sees to the most that there may be."""
     match call.given:
         case (share, most) if share is not None and most is not None and not call.options:
@@ -213,7 +213,7 @@ def _velocity(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) 
 
 def _process_move(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque
-) -> Replacement:
+) -> _Replacement:
     """Lower a move with a process; report data of the equipment, besides signals, as omitted."""
     kind = (
         "brush" if call.word.lower() == BRUSH_INSTRUCTION else PROCESS_MOVES[call.word.lower()].kind
@@ -235,7 +235,7 @@ def _report_corner(telling: VendorLowering, move: p.MoveStatement, node: p.Opaqu
 
 
 _PROCESS_LOWERINGS: Final[
-    Mapping[str, Callable[[VendorLowering, Called[s.Expression]], Replacement]]
+    Mapping[str, Callable[[VendorLowering, Called[s.Expression]], _Replacement]]
 ] = {
     "arc": lambda telling, call: process_moves.weld_move(call, telling.meaning, telling.welds),
     "spot": lambda telling, call: process_moves.spot_move(call, telling.meaning, telling.spots()),
@@ -270,7 +270,7 @@ _EQUIPMENT_LOSSES: Final[Mapping[str, tuple[str, str]]] = {
 """By kind of process what its equipment is not told, and what to do about it."""
 
 
-def _meet_tasks(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> Replacement:
+def _meet_tasks(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> _Replacement:
     said = [*task_sync(call, telling.lists)]
     match call.given:
         case (s.NameRef(point), _) if said:
@@ -281,7 +281,7 @@ def _meet_tasks(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque
 
 def _synchronised_moves(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque
-) -> Replacement:
+) -> _Replacement:
     """Lower `SyncMoveOn` and `SyncMoveOff`: tasks meet there; between them each arm moves
     independently.
     """
@@ -294,7 +294,7 @@ def _synchronised_moves(
     yield from said
 
 
-def _test_and_set(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> Replacement:
+def _test_and_set(telling: VendorLowering, call: Called[s.Expression], _: p.Opaque) -> _Replacement:
     """`WaitTestAndSet`: waits until a truth is false and sets it."""
     match call.given:
         case (s.NameRef() as node,) if not call.options:
@@ -308,7 +308,7 @@ TEST_AND_SET_LOSS: Final = (
     "another program may take it between the test and the next line",
     "let one program alone wait for it, or give each a variable of its own",
 )
-LOWERINGS: Final[Mapping[str, InstructionLowering]] = {
+_LOWERINGS: Final[Mapping[str, _InstructionLowering]] = {
     "waittestandset": _test_and_set,
     **dict.fromkeys((*PROCESS_MOVES, BRUSH_INSTRUCTION), _process_move),
     "waitsynctask": _meet_tasks,

@@ -49,8 +49,8 @@ from assistant.program.statement_index import records_in_procedures
 from assistant.program.undeclared_names import interrupts
 
 Call = Called[s.Expression]
-LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
-EDGE_LEVEL: Final = 2.0
+_LEVELS: Final = {"low": 0.0, "high": 1.0, "edge": 2.0}
+_EDGE_LEVEL: Final = 2.0
 _SIGNAL_ORDERS: Final = {
     f"isignal{letters[-2:]}": signal for letters, signal in SIGNAL_TYPES.items()
 }
@@ -220,12 +220,12 @@ class _InterruptLowering:
             case (s.NameRef(signal), value, _) if (level := _level_number(value)) is not None:
                 pass
             case (s.NameRef(signal), _):
-                level = EDGE_LEVEL
+                level = _EDGE_LEVEL
             case _:
                 return None
         self.meaning.used.append((signal, _SIGNAL_ORDERS[call.word.lower()]))
         watch = self.changing(e.Name(signal), f"{name}_seen")
-        if level == EDGE_LEVEL:
+        if level == _EDGE_LEVEL:
             return watch
         (note,) = watch.noted
         assert isinstance(note, p.Assign)
@@ -409,11 +409,11 @@ def _called_procedures(program: Program, answers: set[str]) -> set[str]:
 def _level_number(node: s.Expression | None) -> float | None:
     match node:
         case s.NameRef(name):
-            return LEVELS.get(name.lower())
+            return _LEVELS.get(name.lower())
         case None:
             return None
     number = literal_number(node)
-    return number if number in LEVELS.values() else None
+    return number if number in _LEVELS.values() else None
 
 
 _WATCHES: Final[Mapping[str, Callable[[_InterruptLowering, Call, str], _Watch | None]]] = {

@@ -182,9 +182,9 @@ def _states_external_axis(target: Target | JointTarget) -> bool:
 
 T = TypeVar("T")
 
-FARTHEST_TIP: Final = 1e6
+_FARTHEST_TIP: Final = 1e6
 """mm from the flange; no tool is that long, and other controllers refuse the number."""
-MOST_EXTERNAL_AXES: Final = 2
+_MOST_EXTERNAL_AXES: Final = 2
 """External axes at most of a target in the other languages here."""
 
 
@@ -261,7 +261,7 @@ def _without_names(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
 
 def _is_out_of_reach(tool: Tool) -> bool:
     """True if the tip of a tool is at an impossible distance, as after a failed calibration."""
-    return not all(abs(value) < FARTHEST_TIP for value in tool.tip.position)
+    return not all(abs(value) < _FARTHEST_TIP for value in tool.tip.position)
 
 
 def _has_too_many_axes(value: Target | JointTarget | e.Expression | None) -> bool:
@@ -269,7 +269,7 @@ def _has_too_many_axes(value: Target | JointTarget | e.Expression | None) -> boo
         case e.TargetValue(target) | e.JointValue(target):
             return _has_too_many_axes(target)
         case Target() | JointTarget():
-            return any(place == place for place in value.external[MOST_EXTERNAL_AXES:])
+            return any(place == place for place in value.external[_MOST_EXTERNAL_AXES:])
     return False
 
 

@@ -29,7 +29,7 @@ from assistant.program.program import Declaration, Program, Signal, walk
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
 from assistant.program.vendor_statements import effect_of
 
-DEFAULT_PULSE: Final = e.Number(0.2)
+_DEFAULT_PULSE: Final = e.Number(0.2)
 """Seconds of a pulse that states none (RAPID reference manual, PulseDO)."""
 _ZERO, _ONE = e.Number(0), e.Number(1)
 
@@ -62,7 +62,7 @@ def inverse_pulse(
     length = call.options.get("plength")
     if signal is None or call.options.keys() - {"plength"} or len(call.given) != 1:
         return
-    seconds = DEFAULT_PULSE if length is None else meaning.expression(length)
+    seconds = _DEFAULT_PULSE if length is None else meaning.expression(length)
     if signal.lower() in on:
         yield _other_value(signal, seconds)
     else:

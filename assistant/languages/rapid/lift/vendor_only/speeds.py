@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-LIMIT_NAME: Final = "speed_limit"
+_LIMIT_NAME: Final = "speed_limit"
 """Name of the variable for the maximum speed of a move, in mm/s; a number is appended if the name
 is taken.
 """
@@ -66,7 +66,7 @@ def with_speed_limit(program: Program) -> tuple[Program, str]:
     if None not in numbers and _is_within_limit(program, min(n for n in numbers if n is not None)):
         return program, ""
     taken = TakenNames(declared(program))
-    name = identifier(LIMIT_NAME, taken)
+    name = identifier(_LIMIT_NAME, taken)
 
     def kept(node: p.Opaque) -> Iterator[p.Statement]:
         if (found := _vel_set_values(node)) is not None:
@@ -244,11 +244,11 @@ def _path_moves(
             yield p.Move(kind, target, motion, span=node.row_span(row))  # type: ignore[arg-type]
 
 
-FASTEST_AXIS: Final = 720.0
+_FASTEST_AXIS: Final = 720.0
 """deg/s of each axis if no robot is named: as fast as any axis of the catalogue turns, so
 that a move never takes less time than it states."""
-AXIS_COUNT: Final = 6
-SHORTEST_TIME: Final = 0.001
+_AXIS_COUNT: Final = 6
+_SHORTEST_TIME: Final = 0.001
 """Seconds of a move that states no time at all: as fast as the axes turn."""
 _TIME_OPTION: Final = "t"
 _CLEAR_PATH: Final = "clearpath"
@@ -396,9 +396,9 @@ class _TimedMoveLowering:
         way = e.Apply(self.function, (self.begin, self.end))
         plain = e.plain_number(timed.seconds)
         seconds = (
-            e.number_of(max(plain, SHORTEST_TIME))
+            e.number_of(max(plain, _SHORTEST_TIME))
             if plain is not None
-            else e.Apply("max", (timed.seconds, e.number_of(SHORTEST_TIME)))
+            else e.Apply("max", (timed.seconds, e.number_of(_SHORTEST_TIME)))
         )
         share = e.Binary("/", e.Binary("*", e.Number(100), way), seconds)
         least = e.Apply("max", (e.Number(1), share))
@@ -411,9 +411,11 @@ class _TimedMoveLowering:
     def share(self) -> Procedure:
         """A function: the seconds that the slowest axis takes from some joints to others."""
         longest = e.Name("longest")
-        speeds = [FASTEST_AXIS] * AXIS_COUNT if self.arm is None else [*map(float, self.arm.speeds)]
+        speeds = (
+            [_FASTEST_AXIS] * _AXIS_COUNT if self.arm is None else [*map(float, self.arm.speeds)]
+        )
         body: list[p.Statement] = [p.Assign(longest, e.Number(0))]
-        for at, fastest in enumerate(speeds[:AXIS_COUNT], 1):
+        for at, fastest in enumerate(speeds[:_AXIS_COUNT], 1):
             parts = (e.Member(e.Name(name), f"j{at}") for name in ("start", "goal"))
             way = e.Apply("abs", (e.Binary("-", *parts),))
             seconds = e.Binary("/", way, e.number_of(fastest))
@@ -430,7 +432,8 @@ _SHARE_OF_ARM: Final = (
     "see that the program can wait that much longer, and run it slowly first",
 )
 _SHARE_OF_ANY_ARM: Final = (
-    f"the move gets the share of the speed of axes that turn by {FASTEST_AXIS:g} degrees a second, "
+    "the move gets the share of the speed of axes that turn by "
+    f"{_FASTEST_AXIS:g} degrees a second, "
     "at least 1 %: it takes longer with slower axes",
     "name the robot with --robot",
 )

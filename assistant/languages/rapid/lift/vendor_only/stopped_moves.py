@@ -32,20 +32,20 @@ from assistant.program.vendor_statements import effect_of
 
 SIGNAL_MISSED: Final = "err_whlsearch"
 SIGNAL_EARLY: Final = "err_sigsupsearch"
-SEARCH_MOVES: Final = {"searchl": "MoveL", "searchc": "MoveC"}
-STOP_OPTIONS: Final = ("stop", "pstop", "sstop")
-FLANK_OPTIONS: Final = ("flanks", "posflank", "negflank", "highlevel", "lowlevel")
-PATH_INSTRUCTIONS: Final = frozenset(
+_SEARCH_MOVES: Final = {"searchl": "MoveL", "searchc": "MoveC"}
+_STOP_OPTIONS: Final = ("stop", "pstop", "sstop")
+_FLANK_OPTIONS: Final = ("flanks", "posflank", "negflank", "highlevel", "lowlevel")
+_PATH_INSTRUCTIONS: Final = frozenset(
     ("STOREPATH", "RESTOPATH", "CLEARPATH", "STOPMOVE", "STARTMOVE")
 )
 """Instructions in the handlers of these errors for the path of the search, which is not
 translated.
 """
-POSITION_LOSS: Final = (
+_POSITION_LOSS: Final = (
     "it is read where the arm has stopped, a little behind the place where the signal changed",
     "search so slowly that this does not matter",
 )
-PAUSE_LOSS: Final = (
+_PAUSE_LOSS: Final = (
     "where the signal has to change twice, the arm stops for a moment at the first change",
     "begin the search where the signal is as it is before the flank",
 )
@@ -58,7 +58,7 @@ def is_search(node: p.Statement) -> bool:
     if not isinstance(node, p.Opaque) or node.text[:6].lower() != "search":
         return False
     call = instruction_of(node)
-    return call is not None and str(call.name).lower() in SEARCH_MOVES
+    return call is not None and str(call.name).lower() in _SEARCH_MOVES
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +82,9 @@ class Search:
     @property
     def losses(self) -> Iterator[tuple[str, tuple[str, str]]]:
         """Parts of a search that are not translated, each with its effect and cure."""
-        yield "the very place of the search", POSITION_LOSS
+        yield "the very place of the search", _POSITION_LOSS
         if self.flank in ("posflank", "negflank"):
-            yield rf"\{self.flank} on the way", PAUSE_LOSS
+            yield rf"\{self.flank} on the way", _PAUSE_LOSS
 
     def said(
         self, fails: Callable[[str], Body], seen: Callable[[], e.Name]
@@ -115,7 +115,7 @@ class Search:
 
 def without_path_recovery(body: Body) -> Body:
     """Return the handler of a search without its statements about the remaining path."""
-    left = (node for node in body if exit_word(node) not in PATH_INSTRUCTIONS)
+    left = (node for node in body if exit_word(node) not in _PATH_INSTRUCTIONS)
     return tuple(map_bodies(node, without_path_recovery) for node in left)
 
 
@@ -124,11 +124,11 @@ def search_of(node: p.Statement, program: Program, meaning: NameResolver) -> Sea
     call = instruction_of(node) if isinstance(node, p.Opaque) else None
     found = None if call is None else called(call)
     given = [] if found is None else [one for one in found.given if one is not None]
-    if found is None or found.word.lower() not in SEARCH_MOVES or len(given) < len(found.given):
+    if found is None or found.word.lower() not in _SEARCH_MOVES or len(given) < len(found.given):
         return None
     options = dict(found.options)
-    stops = [options.pop(one, None) is None for one in STOP_OPTIONS if one in options]
-    flanks = [one for one in FLANK_OPTIONS if one in options]
+    stops = [options.pop(one, None) is None for one in _STOP_OPTIONS if one in options]
+    flanks = [one for one in _FLANK_OPTIONS if one in options]
     for one in flanks:
         del options[one]
     match given:
@@ -136,7 +136,7 @@ def search_of(node: p.Statement, program: Program, meaning: NameResolver) -> Sea
             len(stops) == 1 and len(flanks) <= 1 and targets
         ):
             ends: list[s.Expression] = [*targets, speed, _FINE, tool]
-            way: Called[s.Expression] = Called(SEARCH_MOVES[found.word.lower()], ends, options)
+            way: Called[s.Expression] = Called(_SEARCH_MOVES[found.word.lower()], ends, options)
             move, kept = lift_call(way, meaning), meaning.expression(place)
             if isinstance(move, p.Move | p.MoveCircular) and isinstance(
                 kept, e.Name | e.Member | e.Index

@@ -103,7 +103,7 @@ def wait_until_over(wait: p.WaitSignal | p.WaitUntil, over: e.Expression) -> Ite
 
 
 _ONE: Final = e.Number(1)
-TASK_LIST_TYPE: Final = "tasks"
+_TASK_LIST_TYPE: Final = "tasks"
 """The type of data of the lists."""
 
 
@@ -121,7 +121,7 @@ def task_lists(program: Program) -> Mapping[str, e.Expression]:
     for item in items:
         match item:
             case s.Data(type=type, name=name, value=s.AggregateNode(rows)) if (
-                type.lower() == TASK_LIST_TYPE
+                type.lower() == _TASK_LIST_TYPE
             ):
                 counts.setdefault(name.lower(), set()).add(sum(map(_names_task, rows)))
             case s.Data(name=name) if name.lower().endswith(TASK_COUNT_SUFFIX):
