@@ -226,7 +226,7 @@ def _first_names(names: Mapping[str, object] | list[str]) -> str:
 
 
 def _report_leftover(finding: Diagnostic) -> None:
-    """Tells it to whom `told_by` named."""
+    """Report it to the function that `reporting_leftovers` named."""
     tell = _reporter.get()
     if tell is not None:
         tell(finding)

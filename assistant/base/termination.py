@@ -124,7 +124,7 @@ def raise_on_termination(
 def signals_handled(
     met: SignalHandler, signals: Sequence[str] = _TERMINATING_SIGNALS
 ) -> Iterator[None]:
-    """Meanwhile that is called instead of ending this program; see `told_to_end`."""
+    """Call `met` instead of ending this program; see `raise_on_termination`."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

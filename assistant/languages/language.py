@@ -374,8 +374,8 @@ class Language(abc.ABC, Generic[T]):
     def spelled(self, program: Program) -> Callable[[str, str, str], str]:  # noqa: ARG002
         """Return a function from an item of an adapted program to its name in the text, if any.
 
-        Its arguments are the item's kind (`ONE_OF`, `parameter`, `label`), its procedure and its
-        name. It returns an empty text for an item without a name.
+        Its arguments are the item's kind (`TABLE_NOUNS`, `parameter`, `label`), its procedure and
+        its name. It returns an empty text for an item without a name.
         """
         return lambda kind, owner, name: name  # noqa: ARG005
 

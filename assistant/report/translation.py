@@ -303,7 +303,7 @@ _NAMED_TABLES: Final = (
 
 @dataclass(frozen=True, slots=True)
 class NamedItem:
-    """A name of a program. kind: see `ONE_OF`, or parameter or label. owner: its procedure."""
+    """A name of a program. kind: see `TABLE_NOUNS`, or parameter or label. owner: its procedure."""
 
     kind: str
     owner: str

@@ -112,8 +112,8 @@ def map_npz(found: ReachMap) -> bytes:
 def map_picture(found: ReachMap, title: str, format: str = "png") -> bytes:
     """Slices of the region, coloured by the room, the mean over the directions (0 if not reached).
 
-    Slices are level, at most `MOST_SLICES` of them, or along another plane if that has one layer.
-    Raises Refused, naming the extra, without matplotlib.
+    Slices are level, at most `_MOST_MAP_SLICES` of them, or along another plane if that has one
+    layer. Raises Refused, naming the extra, without matplotlib.
     """
     from matplotlib.colors import ListedColormap
 
@@ -350,7 +350,7 @@ def swept_csv(found: SweptSpace) -> bytes:
 
 
 def swept_npz(found: SweptSpace) -> bytes:
-    """The columns of `Swept` as a NumPy archive; a row of `swept` for each of `bodies`."""
+    """The columns of `SweptSpace` as a NumPy archive; a row of `swept` for each of `bodies`."""
     data = io.BytesIO()
     np.savez_compressed(
         data,

@@ -196,7 +196,7 @@ class MapInUse:
     ) -> Reached:
         """Move an arm to a target (d,) pixels: a coarse movement and `corrections` fine ones.
 
-        pace: learning rates for the movements (`cooling.in_use`). asks: called with the joints (a,)
+        pace: learning rates for the movements (`rates_in_use`). asks: called with the joints (a,)
         of the first movement before anything moves; False ends the call with a Refused. Raises
         Refused, before anything moves, for a target that is not a picture, is unlike all learnt
         ones, or is reached only outside the ranges of the joints. It also raises Refused if the

@@ -56,7 +56,7 @@ _HALF_NEIGHBOURS: Final = np.array(
 def _pairs_within(points: Points, distance: float) -> tuple[Indices, Indices, Points]:
     """Pairs i < j of points (n, 3) at most `distance` apart, and how far apart they are.
 
-    Sorted by distance, then i, then j. Of more than `MOST_IN_CELL` points in one cube of
+    Sorted by distance, then i, then j. Of more than `_MOST_CELL_NEIGHBOURS` points in one cube of
     that size not all pairs come, yet enough to reach each of the points from any other.
     """
     cells = np.floor(points / distance).astype(np.int64)

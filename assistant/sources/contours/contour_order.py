@@ -163,7 +163,7 @@ def order_contours(
 
 @dataclass(frozen=True, slots=True)
 class PointOrder:
-    """rows: of points, in the order to visit them. before, after: as of `Ordering`."""
+    """rows: of points, in the order to visit them. before, after: as of `ContourOrder`."""
 
     rows: tuple[int, ...]
     before: float

@@ -407,7 +407,7 @@ def _wedges(
     step: float,
     side: int,
 ) -> list[Any]:
-    """Regions outside joints, between the normals of both sides; `side` as of `bands`."""
+    """Regions outside joints, between the normals of both sides; `side` as of `contour_band`."""
     turns = _joint_turns(source)
     rows = np.flatnonzero(wedged & (np.abs(turns) > _SLIGHT_TURN) & (side * turns <= 0.0))
     turn, arriving = turns[rows], np.roll(source.arriving, 1, axis=0)[rows]

@@ -3,8 +3,9 @@
 `Process` holds the defaults of motion, tools, frames, signals, lines and a `Layer` for each layer
 whose contours are followed. The records of a layer: `Shaping` (side, starts, leads, passes),
 `SpeedProfile`, `OutputSwitching` and `ContourTravel`. `Surroundings` is what a source asks of the
-cell: how long travel takes, and from where the tool can reach a place; `cell.ways_in` implements
-it. Lengths are mm, speeds mm/s, times seconds, angles degrees.
+cell: how long travel takes, and from where the tool can reach a place;
+`cell.planning.approaches` implements it. Lengths are mm, speeds mm/s, times seconds,
+angles degrees.
 
 `SeenSettings` is the table of frames that cameras locate; each key may be left out:
 

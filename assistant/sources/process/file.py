@@ -198,7 +198,7 @@ SPEED_KEYS: Final[Mapping[str, tuple[str, Read]]] = {
     "end_speed": ("end", settings_tables.speed),
     "end_length": ("end_length", settings_tables.number("mm", above=0.0)),
 }
-"""Keys of the process file, each with the field of `Pace` and its reading."""
+"""Keys of the process file, each with the field of `SpeedProfile` and its reading."""
 
 TRAVEL_KEYS: Final[Mapping[str, tuple[str, Read]]] = {
     "travel_height": ("height", settings_tables.number("mm", above=0.0)),
