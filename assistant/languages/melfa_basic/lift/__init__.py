@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-_PASSES: Final = (
+PASSES: Final = (
     "procedures",  # blocks, subroutines, functions and interrupt handlers in code lines
     "symbols",  # names of a file: variables, targets, signals, functions
     "untranslatable_reasons",  # why a statement has no equivalent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-_PASSES: Final = (
+PASSES: Final = (
     "expressions",
     "name_clashes",  # names that are declared more than once
     "clocks",  # as timers, for other languages with a sum
