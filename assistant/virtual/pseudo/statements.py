@@ -1,6 +1,6 @@
 """Statements and interrupts of a pseudo-program, and the start of one in a kernel.
 
-`assistant.program.interrupts` states what interrupts mean.
+`assistant.program.statements` states what interrupts mean.
 """
 
 from __future__ import annotations

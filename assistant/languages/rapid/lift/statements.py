@@ -1,7 +1,7 @@
 """Statements of RAPID as those of the pseudo-program, with calls of instructions and triggers.
 
 A statement that the pseudo-program cannot express stays as its text (`Opaque`), with the reason. An
-instruction is matched against the rows of `tables/statements.py`. `TriggL` and its kin, with the
+instruction is matched against the rows of `tables/equivalents.py`. `TriggL` and its kin, with the
 data that `TriggIO` and `TriggEquip` set up, are outputs set on the way of a move.
 """
 
