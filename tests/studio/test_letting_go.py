@@ -232,7 +232,6 @@ def test_a_hand_stays_as_it_is_once_its_window_has_gone(bench: Bench, address: s
         assert there.since(began, "HND") == []
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.skipif(os.name == "nt", reason="it has no such signals")
 @pytest.mark.parametrize(
     ("closes", "signals"),
