@@ -256,7 +256,7 @@ def _bytes(lines: Sequence[str], encoding: str) -> bytes:
 
 
 _ABSENT_FILE: Final = "/dev/null"
-"""Where a program is that is not there, as a unified difference says it."""
+"""Name of a missing program in a unified difference."""
 
 
 def difference(before: bytes | None, after: bytes | None, one: str, other: str) -> str:
