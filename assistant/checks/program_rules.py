@@ -29,12 +29,12 @@ from assistant.base.diagnostics import (
 )
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.io_use import used_signal_names
+from assistant.program.analysis.io_use import sets_on_way, used_signal_names
 from assistant.program.analysis.motion_use import straight_lengths
+from assistant.program.analysis.uses import constant_numbers, constant_value
 from assistant.program.expressions import Expression, Name, Number, TargetValue
 from assistant.program.geometry import ArcMeasures
 from assistant.program.motion import Blend, Kind, Speed
-from assistant.program.passes.trigger_positions import constant_numbers, constant_value, sets_on_way
 from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import head, records
 from assistant.program.statements import (

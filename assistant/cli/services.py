@@ -25,7 +25,7 @@ from assistant.cli.presentation import Format, print_findings, say
 if TYPE_CHECKING:
     from assistant.controllers.gateway import Gateway
     from assistant.program.geometry import Pose
-    from assistant.sources.process import Trust
+    from assistant.sources.seen_settings import Trust
     from assistant.sources.sights import Sight
     from assistant.studio.studio import Studio
     from assistant.vision.pose_server import Answer
@@ -266,8 +266,8 @@ def _run_answer(
     given: _AnswerOptions, process: Path | None, robot: str | None, cell: Path | None
 ) -> int:
     """Run the answering service; return 0 if everything requested was found, else 1."""
-    from assistant.sources.process import DEFAULT_TRUST
     from assistant.sources.process.file import read_process
+    from assistant.sources.seen_settings import DEFAULT_TRUST
     from assistant.sources.sights import read_sights
 
     trust = DEFAULT_TRUST if process is None else read_process(process).seen.trust

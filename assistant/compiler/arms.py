@@ -16,7 +16,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, did_you_mean, error,
 from assistant.base.source_text import SourceText, decode, path_of, read_bytes
 from assistant.program.program import Program
 from assistant.program.undeclared_names import SAME_ARM
-from assistant.sources.process import SeenSettings
+from assistant.sources.seen_settings import SeenSettings
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:

@@ -38,7 +38,6 @@ from assistant.compiler.travel import with_planned_travels
 from assistant.compiler.work_locations import fold_unplaced_work, with_locations
 from assistant.program import pseudo
 from assistant.program.program import Program
-from assistant.sources.process.placement import check_drawn
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -152,6 +151,8 @@ def check_files(
         where = files[0] if len(files) == 1 else _folder_of(files)
         with _collecting(checked, where):
             if placement is not None:
+                from assistant.sources.process.placement import check_drawn
+
                 check_drawn(FilePath(files[0]))
             if spoken is not None:
                 found = _check_program(spoken, files, stands, process, checked)

@@ -27,8 +27,7 @@ from assistant.program import pseudo
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.project_file import Project, project_of
 from assistant.program.vendor_statements import with_effects
-from assistant.sources.process import NO_SEEN_SETTINGS, SeenSettings
-from assistant.sources.process.placement import check_drawn
+from assistant.sources.seen_settings import NO_SEEN_SETTINGS, SeenSettings
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
@@ -93,6 +92,8 @@ def load(
     source = FilePath(path)
     stated = () if unit is None else (unit_stated(path, unit),)
     if placement is not None:
+        from assistant.sources.process.placement import check_drawn
+
         check_drawn(source)
     if source.suffix.lower() == pseudo.SUFFIX:
         text = read_pseudo(path)

@@ -39,7 +39,6 @@ from assistant.compiler.loader import (
 )
 from assistant.languages import Language
 from assistant.languages.language_types import SharedData
-from assistant.sources.process.placement import check_drawn
 
 if TYPE_CHECKING:
     from assistant.languages.language_types import TaskLoading
@@ -549,6 +548,8 @@ def load(
             placement=placement,
         )
     if placement is not None:
+        from assistant.sources.process.placement import check_drawn
+
         check_drawn(FilePath(path))
     left = list[Diagnostic]()
     tasks = tasks_of(list(programs_in(str(path), language, left.append)), language)

@@ -33,9 +33,8 @@ from assistant.program import statements as p
 from assistant.program.analysis.uses import declared
 from assistant.program.geometry import IDENTITY, Frame, Pose
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
-from assistant.program.settings_tables import listed, shown
 from assistant.program.undeclared_names import channels
-from assistant.sources.process import PoseServer
+from assistant.sources.seen_settings import PoseServer
 from assistant.sources.sights import FOUND, QUESTION, Sight, doubts
 
 _POSITION_NAMES: Final = ("x", "y", "z")
@@ -238,6 +237,8 @@ def _seen_pose(
     name: str, frame: Frame, program: Program, arms: Arms, found: Findings
 ) -> Pose | None:
     """Return the pose of a frame as seen, in the robot's base; None with findings if unknown."""
+    from assistant.program.settings_tables import listed, shown
+
     sights = {key.casefold(): sight for key, sight in (arms.seeing.found or {}).items()}
     sight = sights.get(frame.seen.casefold())
     if sight is None:
@@ -270,6 +271,8 @@ def _sight_in_base(sight: Sight, program: Program, arms: Arms) -> Pose | None:
 def _query_faults(
     program: Program, seen: Mapping[str, Frame], plain: Mapping[str, Frame]
 ) -> Iterator[Diagnostic]:
+    from assistant.program.settings_tables import shown
+
     for name, frame in seen.items():
         if program.entry is None or program.procedure(program.entry) is None:
             yield _about_frame(_NO_ENTRY_TO_ASK(name=frame.seen), name)

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, Final
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,8 @@ from assistant.base.arrays import Floats, Rows, require_same_length, rows_of
 from assistant.lazy import pictured
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.geometry import BASE, FLANGE, Configuration, Pose, Target
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,3 +289,30 @@ def configuration_row(configuration: Configuration | None) -> tuple[int, ...]:
         return (UNSTATED, 0, 0, 0, 0, 0)
     c = configuration
     return (int(c.back), int(c.down), int(c.flip), *c.quadrants)
+
+
+@dataclass(frozen=True, slots=True)
+class ValueNames(Generic[T]):
+    """Names of speeds, or blends, that a language declares.
+
+    kind: speeds or blends. predefined: by name. name: of a value, predefined or to be declared.
+    """
+
+    kind: str
+    predefined: Mapping[str, T]
+    name: Callable[[T], str]
+
+    def meant(self, name: str, declared: Mapping[str, T]) -> T | None:
+        """Return the value with this name if the name is its standard name; None for another
+        declared name.
+
+        declared: by lower-case name.
+        """
+        value = declared.get(name.lower())
+        if value is None:
+            return self.predefined.get(name.lower())
+        return value if self.name(value) == name.lower() else None
+
+    def named(self, declared: Mapping[str, T]) -> dict[str, T]:
+        """Return the values whose names differ from their standard names."""
+        return {n: v for n, v in declared.items() if n.lower() != self.name(v)}

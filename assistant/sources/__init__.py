@@ -7,15 +7,18 @@ import importlib
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
 from assistant.base.budgets import TABLE, most_unpacked, within
 from assistant.base.diagnostics import Unreadable, error
 from assistant.base.length_units import known_unit, unit_stated
 from assistant.base.source_text import is_file
-from assistant.sources.process import NO_PROCESS, NO_SEEN_SETTINGS, Process, SurroundingsByRobot
-from assistant.sources.process.placement import PLACED_BY_OPTIONS, DrawingPlacement, check_drawn
 from assistant.sources.reading import Reader, Reading
+from assistant.sources.seen_settings import NO_SEEN_SETTINGS
+
+if TYPE_CHECKING:
+    from assistant.sources.process import Process, SurroundingsByRobot
+    from assistant.sources.process.placement import DrawingPlacement
 
 __all__ = ["READERS", "Reading", "process_of", "read"]
 
@@ -60,6 +63,8 @@ def read(
     waypoints that repeat the one before them are left out, with a note.
     Raises Unreadable or Refused.
     """
+    from assistant.sources.process.placement import PLACED_BY_OPTIONS, check_drawn
+
     source = FilePath(path)
     module = READERS.get(source.suffix.lower())
     if module is None:
@@ -116,6 +121,8 @@ def _size(source: FilePath) -> int:
 
 def process_of(source: FilePath, process: str | FilePath | None = None) -> Process:
     """The process file of a source, or none; raises Unreadable or Refused."""
+    from assistant.sources.process import NO_PROCESS
+
     beside = source.with_suffix(PROCESS_SUFFIX)
     chosen = FilePath(process) if process else beside if is_file(beside) else None
     if chosen is None:

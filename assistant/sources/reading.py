@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.program import Program
-from assistant.sources.process import NO_SEEN_SETTINGS, Process, SeenSettings
+from assistant.sources.seen_settings import NO_SEEN_SETTINGS, SeenSettings
+
+if TYPE_CHECKING:
+    from assistant.sources.process import Process
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,27 +17,24 @@ from __future__ import annotations
 import datetime
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path as FilePath
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.source_text import decode, read_bytes
-from assistant.program import settings_tables
 from assistant.program.geometry import Pose
-from assistant.program.settings_tables import (
-    ENCODINGS,
-    REPAIRED,
-    Read,
-    Table,
-    Wrong,
-    kind_of,
-    listed,
-    read_toml,
-    shown,
+from assistant.sources.seen_settings import (
+    DEFAULT_TRUST,
+    NO_SEEN_SETTINGS,
+    PoseServer,
+    SeenSettings,
+    Trust,
 )
-from assistant.sources.process import DEFAULT_TRUST, PoseServer, SeenSettings, Trust
-from assistant.sources.process import NO_SEEN_SETTINGS as NOT_STATED
+
+if TYPE_CHECKING:
+    from assistant.program.settings_tables import Read, Table
 
 _NOTHING_FOUND: Final = error(
     "SR010",
@@ -117,7 +114,7 @@ class Seeing:
 
         Raises Unreadable or Refused for the file of found objects that it names.
         """
-        if stated == NOT_STATED:
+        if stated == NO_SEEN_SETTINGS:
             return self
         found = read_sights(stated.found) if stated.found and self.found is None else self.found
         return Seeing(found, self.ask or stated.ask, stated.trust)
@@ -132,6 +129,8 @@ def seeing(found: str | FilePath | None = None, ask: str | None = None) -> Seein
     """
     asked = None
     if ask is not None:
+        from assistant.program.settings_tables import Wrong
+
         try:
             asked = PoseServer.parse(ask)
         except Wrong as wrong:
@@ -144,6 +143,8 @@ def read_sights(path: str | FilePath) -> Mapping[str, Sight]:
 
     Raises Unreadable if it is not TOML, Refused, with every finding, if the content has errors.
     """
+    from assistant.program.settings_tables import ENCODINGS, read_toml
+
     source = decode(read_bytes(path, most=SETTINGS_FILE), str(path), ENCODINGS)
     top = read_toml(source)
     tables = list(top.table("found").named(identifiers=False))
@@ -183,6 +184,8 @@ def _spoken(seconds: float) -> str:
 
 def _moment(value: Any) -> datetime.datetime:
     """A date with its time, as TOML has it or as ISO 8601 text."""
+    from assistant.program.settings_tables import Wrong, kind_of, shown
+
     if isinstance(value, str):
         try:
             value = datetime.datetime.fromisoformat(value)
@@ -196,28 +199,37 @@ def _moment(value: Any) -> datetime.datetime:
         raise Wrong("is out of range", "write it as 2026-01-31T13:01:30Z") from None
 
 
-_KEYS: Final[Mapping[str, Read]] = {
-    "position": settings_tables.position,
-    "quaternion": settings_tables.quaternion,
-    "sigma_mm": settings_tables.number("mm", least=0.0),
-    "sigma_deg": settings_tables.number("degrees", least=0.0),
-    "confidence": settings_tables.number("", least=0.0, most=1.0),
-    "seen": _moment,
-    "frame": settings_tables.choice("base", "world"),
-}
 _OPEN: Final = ("frame",)
+
+
+@cache
+def _keys() -> Mapping[str, Read]:
+    from assistant.program.settings_tables import choice, number, position, quaternion
+
+    return {
+        "position": position,
+        "quaternion": quaternion,
+        "sigma_mm": number("mm", least=0.0),
+        "sigma_deg": number("degrees", least=0.0),
+        "confidence": number("", least=0.0, most=1.0),
+        "seen": _moment,
+        "frame": choice("base", "world"),
+    }
 
 
 def _sight(name: str, table: Table) -> Sight | None:
     """None with a finding where the table is wrong."""
-    known = {key: value for key, value in table.content.items() if key in _KEYS}
-    found = Table(table.page, table.path, known).read(_KEYS)
-    lacking = [key for key in _KEYS if key not in known and key not in _OPEN]
+    from assistant.program.settings_tables import EXACT_LENGTH, REPAIRED, Table, listed, shown
+
+    keys = _keys()
+    known = {key: value for key, value in table.content.items() if key in keys}
+    found = Table(table.page, table.path, known).read(keys)
+    lacking = [key for key in keys if key not in known and key not in _OPEN]
     if lacking:
         table.say(_NOT_SAID, name=shown(name), keys=listed(lacking))
     if lacking or len(found) < len(known):
         return None
     turn, length = found.pop("quaternion")
-    if abs(length - 1.0) > settings_tables.EXACT_LENGTH:
+    if abs(length - 1.0) > EXACT_LENGTH:
         table.say(REPAIRED, "quaternion", key="quaternion", length=length)
     return Sight(name, Pose(found.pop("position"), turn), **found)

@@ -22,7 +22,7 @@ from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import shown
-from assistant.sources.process import DEFAULT_TRUST, Trust
+from assistant.sources.seen_settings import DEFAULT_TRUST, Trust
 from assistant.sources.sights import DOUBTFUL, FOUND, NOT_THERE, QUESTION, Sight, doubts
 
 _NOT_A_QUESTION: Final = error(

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Frame, Pose
 from assistant.program.settings_tables import Wrong
-from assistant.sources.process import PoseServer, Trust
 from assistant.sources.process.file import read_process
+from assistant.sources.seen_settings import PoseServer, Trust
 from assistant.sources.sights import Sight, doubts, read_sights, seeing
 
 NOW = datetime.datetime(2026, 1, 31, 12, 0, tzinfo=datetime.UTC)

@@ -199,8 +199,8 @@ class Rapid(Language["File"]):
         can be anywhere, so a program with triggers is lifted again and compared.
         """
         from assistant.languages.rapid.text.changes import merge
+        from assistant.program.analysis.io_use import sets_on_way
         from assistant.program.comparison import compare
-        from assistant.program.passes.trigger_positions import sets_on_way
 
         merged, origin = merge(tree, before, after), program.origin
         if not sets_on_way(program) and (origin is None or not sets_on_way(origin.lifted)):

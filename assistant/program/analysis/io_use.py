@@ -318,3 +318,8 @@ def _called_by_record(part: Any) -> str:
 def _either_effect(ways: Iterator[_OpenChannels | None]) -> _OpenChannels | None:
     known = [one for one in ways if one is not None]
     return frozenset().union(*known) if known else None
+
+
+def sets_on_way(program: Program) -> bool:
+    """True if any move sets outputs during its motion."""
+    return any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements())

@@ -13,9 +13,9 @@ from typing import Any, Final
 from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import records
-from assistant.program.statement_index import records_in_body
+from assistant.program.statement_index import once_per_program, records_in_body
 from assistant.program.vendor_statements import effect_of
 
 POSITION: Final = "<position>"
@@ -367,3 +367,35 @@ def recursive_names(calls: Mapping[str, Collection[str]]) -> frozenset[str]:
                 if len(whole) > 1 or name in calls[name]:
                     found.update(whole)
     return frozenset(found)
+
+
+def constant_numbers(program: Program, procedure: Procedure) -> Mapping[str, e.Number]:
+    """Numbers of the constants that a procedure sees, by lower-case name."""
+    shared = _shared_constants(program)
+    own = {parameter.name.lower() for parameter in procedure.parameters}
+    own |= {name.lower() for name in procedure.variables}
+    if not own:
+        return shared
+    found = {name: value for name, value in shared.items() if name not in own}
+    hidden = {parameter.name.lower() for parameter in procedure.parameters}
+    found |= {k: v for k, v in _constant_numbers(procedure.variables).items() if k not in hidden}
+    return found
+
+
+@once_per_program
+def _shared_constants(program: Program) -> dict[str, e.Number]:
+    return _constant_numbers(program.variables)
+
+
+def _constant_numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
+    """Return the constant numbers among some variables, by lower-case name."""
+    return {
+        name.lower(): one.initial
+        for name, one in variables.items()
+        if one.storage == "constant" and isinstance(one.initial, e.Number)
+    }
+
+
+def constant_value(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:
+    """Return the number of a constant, any other value as it is. numbers: of `constant_numbers`."""
+    return numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value

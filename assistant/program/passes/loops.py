@@ -16,13 +16,12 @@ import re
 from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base_variable, declared, names_in
-from assistant.program.passes.legalisation import Legalisation
 from assistant.program.program import (
     Procedure,
     Program,
@@ -34,6 +33,9 @@ from assistant.program.program import (
 )
 from assistant.program.rewriting import Body, head, map_bodies, map_head, records, rewrite
 from assistant.program.vendor_statements import effect_of, respelled
+
+if TYPE_CHECKING:
+    from assistant.program.passes.legalisation import Legalisation
 
 Found = dict[tuple[str, str], Diagnostic]
 Tells = Callable[..., Diagnostic]

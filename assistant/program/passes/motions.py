@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Final, Generic, TypeVar
 
@@ -15,7 +15,7 @@ from assistant.base.diagnostics import Span
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE
-from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Kind, Path, Speed
+from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Kind, Path, Speed, ValueNames
 from assistant.program.passes.legalisation import Corners, Legalisation, Rewording
 from assistant.program.passes.legalisation import Motions as MotionTable
 from assistant.program.passes.paths import reported_at_lines, table_of
@@ -73,33 +73,6 @@ def joint_percent(tcp: float, most: float) -> float:
     if math.isinf(tcp):
         return 100.0
     return float(math.floor(min(100.0, max(1.0, 100.0 * tcp / most))))
-
-
-@dataclass(frozen=True, slots=True)
-class ValueNames(Generic[T]):
-    """Names of speeds, or blends, that a language declares.
-
-    kind: speeds or blends. predefined: by name. name: of a value, predefined or to be declared.
-    """
-
-    kind: str
-    predefined: Mapping[str, T]
-    name: Callable[[T], str]
-
-    def meant(self, name: str, declared: Mapping[str, T]) -> T | None:
-        """Return the value with this name if the name is its standard name; None for another
-        declared name.
-
-        declared: by lower-case name.
-        """
-        value = declared.get(name.lower())
-        if value is None:
-            return self.predefined.get(name.lower())
-        return value if self.name(value) == name.lower() else None
-
-    def named(self, declared: Mapping[str, T]) -> dict[str, T]:
-        """Return the values whose names differ from their standard names."""
-        return {n: v for n, v in declared.items() if n.lower() != self.name(v)}
 
 
 class NamedValues(Generic[T]):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import takewhile
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Declared
 from assistant.program import expressions as e
@@ -18,7 +18,6 @@ from assistant.program import statements as p
 from assistant.program.analysis.definite_assignment import AssignmentAnalysis
 from assistant.program.analysis.uses import called, declared, locals_of, recursive_names
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
-from assistant.program.passes.legalisation import Legalisation
 from assistant.program.program import (
     Procedure,
     Program,
@@ -31,6 +30,9 @@ from assistant.program.program import (
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
 from assistant.program.statement_index import records_in_body
 from assistant.program.undeclared_names import interrupts
+
+if TYPE_CHECKING:
+    from assistant.program.passes.legalisation import Legalisation
 
 NOTHING: Final[dict[ValueType, e.Expression]] = {
     "number": e.Number(0),

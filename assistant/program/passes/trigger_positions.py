@@ -8,14 +8,14 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.io_use import doubtful_pulses
+from assistant.program.analysis.io_use import doubtful_pulses, sets_on_way
 from assistant.program.analysis.motion_use import straight_lengths
+from assistant.program.analysis.uses import constant_numbers, constant_value
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.legalisation import Legalisation, Outputs
 from assistant.program.passes.motions import declared_value
-from assistant.program.program import Procedure, Program, Variable
+from assistant.program.program import Program
 from assistant.program.rewriting import Body, map_bodies
-from assistant.program.statement_index import once_per_program
 
 _DECIMALS: Final = 3
 """Decimals of computed mm."""
@@ -61,45 +61,10 @@ def with_measured_places(job: Legalisation) -> Program:
     )
 
 
-def sets_on_way(program: Program) -> bool:
-    """True if any move sets outputs during its motion."""
-    return any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements())
-
-
-def constant_numbers(program: Program, procedure: Procedure) -> Mapping[str, e.Number]:
-    """Numbers of the constants that a procedure sees, by lower-case name."""
-    shared = _shared_constants(program)
-    own = {parameter.name.lower() for parameter in procedure.parameters}
-    own |= {name.lower() for name in procedure.variables}
-    if not own:
-        return shared
-    found = {name: value for name, value in shared.items() if name not in own}
-    hidden = {parameter.name.lower() for parameter in procedure.parameters}
-    found |= {k: v for k, v in _constant_numbers(procedure.variables).items() if k not in hidden}
-    return found
-
-
-@once_per_program
-def _shared_constants(program: Program) -> dict[str, e.Number]:
-    return _constant_numbers(program.variables)
-
-
-def _constant_numbers(variables: Mapping[str, Variable]) -> dict[str, e.Number]:
-    """Return the constant numbers among some variables, by lower-case name."""
-    return {
-        name.lower(): one.initial
-        for name, one in variables.items()
-        if one.storage == "constant" and isinstance(one.initial, e.Number)
-    }
-
-
-def constant_value(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:
-    """The number that a constant stands for, anything else as it is. numbers: see `constants`."""
-    return numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
-
-
 def with_constant_values(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
-    """With numbers for truths and constants, and no delay of no time. numbers: see `constants`."""
+    """Write truths and constants as numbers and drop a delay of 0. numbers: see
+    `constant_numbers`.
+    """
     value = e.Number(int(x.value.value)) if isinstance(x.value, e.Truth) else x.value
     ahead = None if x.ahead is None else constant_value(x.ahead, numbers)
     return replace(

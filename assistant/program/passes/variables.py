@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Declared
 from assistant.program import expressions as e
@@ -22,7 +22,6 @@ from assistant.program.analysis.definite_assignment import AssignmentAnalysis
 from assistant.program.analysis.motion_use import Setting, left_settings
 from assistant.program.analysis.uses import declared
 from assistant.program.expressions import Name
-from assistant.program.passes.legalisation import Legalisation
 from assistant.program.passes.procedure_forms import NOTHING
 from assistant.program.program import Procedure, Program, ValueType, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
@@ -32,6 +31,9 @@ from assistant.program.statement_index import (
     records_in_procedures,
 )
 from assistant.program.undeclared_names import interrupts
+
+if TYPE_CHECKING:
+    from assistant.program.passes.legalisation import Legalisation
 
 SCALAR: Final = frozenset({"number", "integer", "truth", "text"})
 """Types of persistent data that begin with nothing where no text gives them a value."""

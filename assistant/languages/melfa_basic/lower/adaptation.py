@@ -47,7 +47,7 @@ from assistant.program import statements as p
 from assistant.program import undeclared_names
 from assistant.program.analysis.io_use import channels_open_together, with_one_name
 from assistant.program.analysis.motion_use import branches_by_frame
-from assistant.program.analysis.uses import shared_between_units
+from assistant.program.analysis.uses import constant_numbers, shared_between_units
 from assistant.program.geometry import BASE
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.passes.expression_forms import (
@@ -98,7 +98,6 @@ from assistant.program.passes.signals import (
 from assistant.program.passes.switches import plain_switch, with_single_reads
 from assistant.program.passes.trigger_positions import (
     by_speed,
-    constant_numbers,
     with_constant_values,
     with_ends_apart,
     with_measured_places,

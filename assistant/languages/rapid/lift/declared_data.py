@@ -37,8 +37,7 @@ from assistant.languages.runs.paths import (
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
-from assistant.program.motion import UNSTATED, Blend, Kind, Path, Speed
-from assistant.program.passes.motions import ValueNames
+from assistant.program.motion import UNSTATED, Blend, Kind, Path, Speed, ValueNames
 from assistant.program.program import TakenNames, Variable, identifier
 from assistant.robots.configurations import from_confdata
 

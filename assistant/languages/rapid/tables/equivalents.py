@@ -19,8 +19,7 @@ from assistant.languages.rapid.tables.constants import SPEED_CAP, usual_sizes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.expressions import Binary, Expression, Number, Truth
-from assistant.program.motion import Blend, Speed
-from assistant.program.passes.motions import ValueNames
+from assistant.program.motion import Blend, Speed, ValueNames
 from assistant.program.statements import ComputedBlend
 
 _MOTION_ARGUMENTS: Final = r"{speed}, {blend}, {tool} \WObj:={frame:other?} \TLoad:={load?}"
