@@ -15,7 +15,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from typing import Final, Protocol
 
 import numpy as np
@@ -185,7 +184,8 @@ class _Gaps:
         self.instead.write(text[:, edge:], keep[:, edge:])
 
 
-_FOUR: Final = np.frombuffer(b"".join(b"%04d" % i for i in range(10000)), np.uint8).reshape(-1, 4)
+_FOUR: Final = (np.arange(10000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8)
+"""The digits of all numbers of four, a row for each."""
 _ZERO, _POINT, _PLUS, _MINUS = b"0.+-"
 
 
@@ -468,6 +468,8 @@ def columns_html(told: str, columns: Mapping[str, ArrayLike]) -> str:
 
 def html_text(given: str) -> str:
     """A text as a page shows it, on one line, nothing in it that a page obeys."""
+    from html import escape
+
     return escape(visible(given))
 
 

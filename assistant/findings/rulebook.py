@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import importlib.resources
 import pkgutil
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -76,6 +75,8 @@ def pages() -> Mapping[str, Page]:
     """Return the pages about rules, by code: one file of `pages/` for each family that has one."""
     folder = importlib.resources.files("assistant.findings") / "pages"
     files = sorted(folder.iterdir(), key=lambda file: file.name)
+    import tomllib
+
     tables = [tomllib.loads(file.read_text(encoding="utf-8")) for file in files]
     return {code: Page(**page) for table in tables for code, page in table.items()}
 

@@ -11,7 +11,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,12 @@ from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
 from assistant.program.geometry import Target
 from assistant.program.motion import Kind, Path, configuration_row
-from assistant.program.passes.legalisation import Legalisation, Units
 from assistant.program.program import Procedure, Program, TakenNames, bodies, identifier, walk
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.vendor_statements import effect_of
+
+if TYPE_CHECKING:
+    from assistant.program.passes.legalisation import Legalisation, Units
 
 _ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
 

@@ -10,6 +10,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.passes.comments import with_plain_comments
 from assistant.program.passes.legalisation import (
     Capabilities,
     Comments,
@@ -19,7 +20,6 @@ from assistant.program.passes.legalisation import (
 )
 from assistant.program.passes.motions import with_stated_motions
 from assistant.program.passes.names import with_legal_names
-from assistant.program.passes.operator_texts import with_plain_comments
 from assistant.program.passes.paths import with_points
 from assistant.program.program import identifier
 

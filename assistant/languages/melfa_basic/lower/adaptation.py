@@ -50,6 +50,13 @@ from assistant.program.analysis.motion_use import branches_by_frame
 from assistant.program.analysis.uses import constant_numbers, shared_between_units
 from assistant.program.geometry import BASE
 from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.passes.comments import (
+    as_comment,
+    comment_lines,
+    plain_comment,
+    with_blank_lines,
+    with_comments_in_front,
+)
 from assistant.program.passes.expression_forms import (
     fixed_text,
     with_shift_parts,
@@ -69,13 +76,6 @@ from assistant.program.passes.line_lengths import with_short_sums
 from assistant.program.passes.loops import with_settled_loops
 from assistant.program.passes.motions import ByValue
 from assistant.program.passes.names import with_declared_names
-from assistant.program.passes.operator_texts import (
-    as_comment,
-    comment_lines,
-    plain_comment,
-    with_blank_lines,
-    with_comments_in_front,
-)
 from assistant.program.passes.parameters import with_sayable_procedures
 from assistant.program.passes.paths import split
 from assistant.program.passes.positions import in_base

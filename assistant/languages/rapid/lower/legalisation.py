@@ -67,6 +67,7 @@ from assistant.program.analysis.io_use import signal_uses, with_used_signals
 from assistant.program.analysis.uses import changed_by_others
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Path, Speed
+from assistant.program.passes.comments import comment_lines, plain_comment, with_comments_behind
 from assistant.program.passes.expression_forms import (
     as_truth,
     compared,
@@ -99,12 +100,7 @@ from assistant.program.passes.motions import (
     declared_value,
     one_acceleration,
 )
-from assistant.program.passes.operator_texts import (
-    comment_lines,
-    plain_comment,
-    short_messages,
-    with_comments_behind,
-)
+from assistant.program.passes.operator_texts import short_messages
 from assistant.program.passes.paths import move_at, reported_at_lines, split, with_paths
 from assistant.program.passes.positions import with_named_places, with_whole_angles
 from assistant.program.passes.procedure_forms import (
