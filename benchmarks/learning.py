@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 
-from assistant.learning.maps.experiments import (
+from assistant.learning.experiments import (
     CalibratedBaseline,
     Experiment,
     baseline_errors,
@@ -18,7 +18,7 @@ from assistant.learning.maps.experiments import (
     nearest_baseline,
     three_joints,
 )
-from assistant.learning.maps.map_training import (
+from assistant.learning.map_training import (
     MapErrors,
     draw_test_goals,
     goals_with_noise,
@@ -26,7 +26,7 @@ from assistant.learning.maps.map_training import (
     train_and_measure,
     usual_plan,
 )
-from assistant.learning.maps.observed_arm import Goals
+from assistant.learning.observed_arm import Goals
 
 STEPS = (1_000, 10_000, 30_000)
 NOISE = 0.2

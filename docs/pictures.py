@@ -346,8 +346,8 @@ def calibrated() -> bytes:
     import numpy as np
 
     from assistant import robots
-    from assistant.learning.calibration.arm_calibration import calibrate
-    from assistant.learning.calibration.measured_poses import read_measured
+    from assistant.learning.arm_calibration import calibrate
+    from assistant.learning.measured_poses import read_measured
 
     arm = robots.get("rv-2aj")
     poses = read_measured(PROJECT / "samples/calibration/rv-2aj.csv", arm)

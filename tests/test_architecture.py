@@ -86,7 +86,7 @@ LANGUAGE: tuple[str, ...] = (
     *("rules", "tables", "tree", "reading", "text", "checks", "lift", "convert", "lower"),
 )
 """Rooms of every language; each may import those before it, also lazily and for types."""
-SHARED_ROOMS = frozenset({"checks", "recovery", "runs", "settings", "texts"})
+SHARED_ROOMS = frozenset({"checks", "recovery", "runs", "texts"})
 """Folders beside the languages that are none: what one room of all of them shares."""
 NOT_IN_ALL = frozenset({"convert"})
 """From one dialect to another: a language without dialects has none."""

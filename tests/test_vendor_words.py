@@ -60,7 +60,7 @@ EXCEPTIONS: Final = {
     ("languages/__init__.py", "melfa"): "the table of languages",
     ("languages/__init__.py", "rapid"): "the table of languages",
     ("languages/texts/printed_trees.py", "str"): "a type of Python",
-    ("learning/calibration/calibration_output.py", "tool0"): "what robot files call the flange",
+    ("learning/calibration_output.py", "tool0"): "what robot files call the flange",
     ("program/editor_support.py", "function"): "a sort of word",
     ("program/geometry.py", "tool0"): "the flange's own name in a pseudo-program",
     ("program/pseudo/words.py", "function"): "what pseudo-programs have as well",

@@ -24,7 +24,7 @@ KNOWN = {
     "controllers/abb/sftp.py": "on the controller",
     "controllers/cyclic/process.py": "for a process of its own, in a folder for the moment",
     "controllers/cyclic/worker.py": "for the process that started it, in the same folder",
-    "learning/maps/map_file.py": "into memory",
+    "learning/map_file.py": "into memory",
     "languages/grammar.py": "kept like bytecode, and made anew where it is damaged",
     "project/builds.py": "in a folder for the moment",
     "virtual/irc5/cabinet.py": "in a folder that appears whole, on a virtual disk",

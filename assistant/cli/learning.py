@@ -24,11 +24,11 @@ from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
-    from assistant.learning.maps.experiments import Experiment, ExperimentSettings
-    from assistant.learning.maps.extended_map import ExtendedMap
-    from assistant.learning.maps.map_training import MapErrors, TrainingPlan
-    from assistant.learning.maps.observed_arm import Goals, ObservedArm
-    from assistant.learning.maps.observed_arm import ToolRule as Held
+    from assistant.learning.experiments import Experiment, ExperimentSettings
+    from assistant.learning.extended_map import ExtendedMap
+    from assistant.learning.map_training import MapErrors, TrainingPlan
+    from assistant.learning.observed_arm import Goals, ObservedArm
+    from assistant.learning.observed_arm import ToolRule as Held
     from assistant.report.figures import LatticeStage
     from assistant.vision.cameras.camera import Camera
 
@@ -191,7 +191,7 @@ def _learning_task(options: _LearnOptions) -> ExperimentSettings:
     import numpy as np
 
     from assistant.compiler.arms import robot_of
-    from assistant.learning.maps.experiments import ExperimentSettings
+    from assistant.learning.experiments import ExperimentSettings
 
     robot = robot_of(options.robot)
     assert robot is not None
@@ -323,9 +323,9 @@ class _LearnOutputs:
 
 
 def _run_learn(options: _LearnOptions, outputs: _LearnOutputs) -> int:
-    from assistant.learning.maps.experiments import experiment_of
-    from assistant.learning.maps.map_file import load_map, save_map
-    from assistant.learning.maps.map_training import (
+    from assistant.learning.experiments import experiment_of
+    from assistant.learning.map_file import load_map, save_map
+    from assistant.learning.map_training import (
         draw_test_goals,
         measure_errors,
         split_recording,
@@ -423,7 +423,7 @@ def _task_in_recorded_ranges(
 
 
 def _current_errors(net: ExtendedMap, arm: ObservedArm, tests: Goals) -> MapErrors:
-    from assistant.learning.maps.map_training import measure_errors
+    from assistant.learning.map_training import measure_errors
 
     return measure_errors(net, arm, tests)
 
@@ -438,7 +438,7 @@ def _print_at_once(options: _LearnOptions, line: str) -> None:
 def _table_head(
     net: ExtendedMap, arm: ObservedArm, tests: Goals, *, recorded: bool
 ) -> Iterator[str]:
-    from assistant.learning.maps.map_training import TEST_GOALS
+    from assistant.learning.map_training import TEST_GOALS
 
     share = 0.0 if recorded else 1.0 - len(tests.pixels) / TEST_GOALS
     hidden = f", {share:.0%} of them hidden" if share else ""
@@ -460,7 +460,7 @@ def _print_result(
     options: _LearnOptions,
 ) -> None:
     from assistant.findings.formats import finding_record
-    from assistant.learning.maps.map_training import measure_overrun
+    from assistant.learning.map_training import measure_overrun
     from assistant.learning.rules import BEYOND_RANGES, UNITS_WITHOUT_WINS
 
     left, path = float((net.wins == 0.0).mean()), str(written[0])
@@ -505,7 +505,7 @@ def _check_output_names(options: _LearnOptions, outputs: _LearnOutputs) -> None:
 
 
 def _initial_map(made: Experiment, options: _LearnOptions) -> ExtendedMap:
-    from assistant.learning.maps.map_training import start_map_with_shape
+    from assistant.learning.map_training import start_map_with_shape
 
     if options.lattice is None:
         return made.start(options.seed)
@@ -514,8 +514,8 @@ def _initial_map(made: Experiment, options: _LearnOptions) -> ExtendedMap:
 
 
 def _learning_plan(net: ExtendedMap, options: _LearnOptions) -> TrainingPlan:
-    from assistant.learning.maps.extended_map import first_cooling, relearning_cooling
-    from assistant.learning.maps.map_training import MEASURED_STEPS, TrainingPlan
+    from assistant.learning.extended_map import first_cooling, relearning_cooling
+    from assistant.learning.map_training import MEASURED_STEPS, TrainingPlan
 
     again = options.go_on is not None
     cooling = (relearning_cooling if again else first_cooling)(options.steps, options.noise)
@@ -527,12 +527,8 @@ def _rival_results(
     made: Experiment, net: ExtendedMap, arm: ObservedArm, tests: Goals, options: _LearnOptions
 ) -> Iterable[tuple[str, MapErrors]]:
     """The map with noise, and the rivals without and with it."""
-    from assistant.learning.maps.experiments import (
-        CalibratedBaseline,
-        baseline_errors,
-        nearest_baseline,
-    )
-    from assistant.learning.maps.map_training import goals_with_noise, measure_errors
+    from assistant.learning.experiments import CalibratedBaseline, baseline_errors, nearest_baseline
+    from assistant.learning.map_training import goals_with_noise, measure_errors
 
     noise = options.noise or _TEST_NOISE
     blurred, seen = arm.noisy(noise, options.seed + 5), goals_with_noise(tests, noise, options.seed)

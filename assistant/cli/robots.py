@@ -20,7 +20,7 @@ from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
 
 if TYPE_CHECKING:
-    from assistant.learning.calibration.parameter_fit import KnownPlacement
+    from assistant.learning.parameter_fit import KnownPlacement
     from assistant.vision.cameras.camera import Camera
 
 
@@ -229,10 +229,10 @@ def _run_calibrate(robot: str, measured: Path, options: _CalibrationOptions) -> 
     from assistant.base.diagnostics import Severity
     from assistant.base.file_sets import write_files
     from assistant.compiler.arms import robot_of
-    from assistant.learning.calibration import calibration_output
-    from assistant.learning.calibration.arm_calibration import calibrate
-    from assistant.learning.calibration.calibration_output import corrected_files
-    from assistant.learning.calibration.measured_poses import read_measured
+    from assistant.learning import calibration_output
+    from assistant.learning.arm_calibration import calibrate
+    from assistant.learning.calibration_output import corrected_files
+    from assistant.learning.measured_poses import read_measured
 
     output = options.output
     if output.suffix.lower() != ".toml" or not output.stem:
@@ -278,8 +278,8 @@ def _run_poses(robot: str, options: _PoseOptions) -> int:
 
     from assistant.base.file_sets import write_files
     from assistant.compiler.arms import robot_of
-    from assistant.learning.calibration import calibration_output
-    from assistant.learning.calibration.pose_selection import suggest_poses
+    from assistant.learning import calibration_output
+    from assistant.learning.pose_selection import suggest_poses
 
     if options.count < _FEWEST_POSES:
         raise Refused(_FEW_POSES(count=options.count, least=_FEWEST_POSES), exit_status=2)
@@ -329,7 +329,7 @@ def _refuse_own_file(robot: str, files: Iterable[Path]) -> None:
 
 
 def _known_parts(tool: str | None, *, in_base: bool) -> KnownPlacement:
-    from assistant.learning.calibration.parameter_fit import KnownPlacement
+    from assistant.learning.parameter_fit import KnownPlacement
     from assistant.program.geometry import IDENTITY
 
     base = IDENTITY if in_base else None

@@ -10,7 +10,7 @@ import pytest
 import assistant
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.learning.calibration.measured_poses import measured_from_columns
+from assistant.learning.measured_poses import measured_from_columns
 from assistant.program.geometry import Pose
 from assistant.program.motion import Path, Speed
 from assistant.robots.configurations import from_flags, to_confdata

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from assistant.learning.maps.experiments import three_joints
-from assistant.learning.maps.map_training import draw_test_goals
+from assistant.learning.experiments import three_joints
+from assistant.learning.map_training import draw_test_goals
 from benchmarks.learning import rows
 
 

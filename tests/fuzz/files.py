@@ -27,12 +27,12 @@ from assistant.controllers.named import controllers_of
 from assistant.deploy.history import read_journal, steps_of
 from assistant.deploy.record import Record, read_record
 from assistant.findings.severities import severities_for
-from assistant.learning.calibration.arm_calibration import calibrate
-from assistant.learning.calibration.measured_poses import read_measured
-from assistant.learning.maps.experiments import three_joints
-from assistant.learning.maps.map_file import COLUMNS, load_map, save_map
-from assistant.learning.maps.map_training import start_map_with_shape, train_and_measure, usual_plan
-from assistant.learning.maps.proposals import MapInUse
+from assistant.learning.arm_calibration import calibrate
+from assistant.learning.experiments import three_joints
+from assistant.learning.map_file import COLUMNS, load_map, save_map
+from assistant.learning.map_training import start_map_with_shape, train_and_measure, usual_plan
+from assistant.learning.measured_poses import read_measured
+from assistant.learning.proposals import MapInUse
 from assistant.program import pseudo
 from assistant.program.settings_tables import ENCODINGS
 from assistant.project import project_of

@@ -112,7 +112,7 @@ HARMLESS = {
     "controllers/mitsubishi/control_mode.py": "bytes, which end at CR and LF only",
     "controllers/trajectory_execution.py": "bytes, which end at CR and LF only",
     "controllers/connection.py": "words of an error, for people",
-    "languages/melfa_basic/reading/recovery/mistakes.py": "a table of the package",
+    "languages/melfa_basic/reading/mistakes.py": "a table of the package",
     "languages/melfa_basic/tables/vocabulary/__init__.py": "a table of the package",
     "languages/rapid/tables/predefined.py": "a table of the package",
     "languages/texts/words.py": "a table of the package",

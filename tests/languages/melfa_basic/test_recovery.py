@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.base.diagnostics import has_errors
-from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign_words
+from assistant.languages.melfa_basic.reading.mistakes import MISTAKES, foreign_words
 from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.mistakes import Slip

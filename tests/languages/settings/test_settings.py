@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pytest
 
 from assistant.languages.line_blocks import EXIT
-from assistant.languages.settings.flow import (
+from assistant.languages.settings_flow import (
     ELSEWHERE,
     INHERITED,
     UNKNOWN,
@@ -25,7 +25,7 @@ from assistant.languages.settings.flow import (
     Steps,
     UnknownSettings,
 )
-from assistant.languages.settings.forms import MOST_FORMS, CalledForms, PassLabels, divided_flow
+from assistant.languages.settings_forms import MOST_FORMS, CalledForms, PassLabels, divided_flow
 
 SPEED, TOOL = range(2)
 INITIAL: State = (Held(10.0), Held("flange"))

@@ -9,9 +9,9 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.learning.calibration.arm_calibration import calibrate
-from assistant.learning.calibration.measured_poses import measured_from_columns, read_measured
-from assistant.learning.calibration.parameter_fit import KnownPlacement
+from assistant.learning.arm_calibration import calibrate
+from assistant.learning.measured_poses import measured_from_columns, read_measured
+from assistant.learning.parameter_fit import KnownPlacement
 from assistant.program.geometry import IDENTITY
 from tests.learning.calibration.truth import drawn, joints_of, points_of, quaternions_of
 

@@ -9,10 +9,10 @@ import pytest
 
 from assistant import robots
 from assistant.base import rotations
-from assistant.learning.calibration.arm_calibration import calibrate
-from assistant.learning.calibration.calibration_output import corrected_files
-from assistant.learning.calibration.measured_poses import measured_from_columns
-from assistant.learning.calibration.parameter_fit import KnownPlacement
+from assistant.learning.arm_calibration import calibrate
+from assistant.learning.calibration_output import corrected_files
+from assistant.learning.measured_poses import measured_from_columns
+from assistant.learning.parameter_fit import KnownPlacement
 from assistant.program.geometry import IDENTITY
 from tests.learning.calibration.truth import (
     NOMINAL,

@@ -10,9 +10,9 @@ import pytest
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
-from assistant.learning.calibration.arm_calibration import calibrate
-from assistant.learning.calibration.measured_poses import measured_from_columns, read_measured
-from assistant.learning.calibration.pose_selection import suggest_poses
+from assistant.learning.arm_calibration import calibrate
+from assistant.learning.measured_poses import measured_from_columns, read_measured
+from assistant.learning.pose_selection import suggest_poses
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.camera_file import Rig, write_cameras
 from tests.cli.test_commands import run

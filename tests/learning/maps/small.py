@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from assistant.learning.maps.experiments import three_joints
-from assistant.learning.maps.map_file import save_map
-from assistant.learning.maps.map_training import train_and_measure, usual_plan
+from assistant.learning.experiments import three_joints
+from assistant.learning.map_file import save_map
+from assistant.learning.map_training import train_and_measure, usual_plan
 
 SMALL = Path(__file__).parent / "data" / "three_joints.npz"
 STEPS = 30_000

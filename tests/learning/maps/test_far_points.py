@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.learning.maps.observed_arm import pair_for
+from assistant.learning.observed_arm import pair_for
 from tests.cli.test_commands import run
 
 

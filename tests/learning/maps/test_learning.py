@@ -11,7 +11,7 @@ import pytest
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.experiments import (
+from assistant.learning.experiments import (
     TOOL_POINTS,
     TOOL_TIP,
     CalibratedBaseline,
@@ -23,8 +23,8 @@ from assistant.learning.maps.experiments import (
     over_ranges,
     three_joints,
 )
-from assistant.learning.maps.extended_map import try_targets
-from assistant.learning.maps.map_training import (
+from assistant.learning.extended_map import try_targets
+from assistant.learning.map_training import (
     TrainingPlan,
     draw_test_goals,
     measure_errors,
@@ -36,7 +36,7 @@ from assistant.learning.maps.map_training import (
     train_recorded,
     usual_plan,
 )
-from assistant.learning.maps.observed_arm import (
+from assistant.learning.observed_arm import (
     InBox,
     check_box,
     check_ranges,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.map_file import load_map, save_map
+from assistant.learning.map_file import load_map, save_map
 from tests.learning.maps.small import SMALL
 
 

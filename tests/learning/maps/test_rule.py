@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assistant.base.arrays import Floats
-from assistant.learning.maps.extended_map import (
+from assistant.learning.extended_map import (
     LEAST_SHARE,
     ExtendedMap,
     LearningRates,

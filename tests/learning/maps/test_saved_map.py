@@ -10,12 +10,12 @@ import pytest
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.experiments import TOOL_TIP, moved_aside, over_ranges, three_joints
-from assistant.learning.maps.extended_map import ExtendedMap, rates_in_use, try_targets
-from assistant.learning.maps.map_file import load_map
-from assistant.learning.maps.map_training import measure_errors, train_and_measure, usual_plan
-from assistant.learning.maps.observed_arm import Goals, InBox, observed_arm
-from assistant.learning.maps.proposals import MapInUse
+from assistant.learning.experiments import TOOL_TIP, moved_aside, over_ranges, three_joints
+from assistant.learning.extended_map import ExtendedMap, rates_in_use, try_targets
+from assistant.learning.map_file import load_map
+from assistant.learning.map_training import measure_errors, train_and_measure, usual_plan
+from assistant.learning.observed_arm import Goals, InBox, observed_arm
+from assistant.learning.proposals import MapInUse
 from tests.learning.maps.small import SMALL, STEPS
 
 EXPERIMENT = three_joints()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assistant.learning.maps.experiments import five_joints, six_joints, three_joints
-from assistant.learning.maps.map_training import (
+from assistant.learning.experiments import five_joints, six_joints, three_joints
+from assistant.learning.map_training import (
     draw_test_goals,
     goals_with_noise,
     measure_errors,

@@ -39,7 +39,7 @@ from assistant.languages.melfa_basic.tables.equivalents import TRIGGER_MEASURES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.line_tables import target_of
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.settings.flow import Computed
+from assistant.languages.settings_flow import Computed
 from assistant.languages.vendor_statements import SETTINGS_DIFFER
 from assistant.program import expressions as e
 from assistant.program import statements as p

@@ -37,7 +37,7 @@ from assistant.languages.melfa_basic.tree.line_tables import (
 )
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.runs.paths import path_kinds, settings_of_parts
-from assistant.languages.settings.flow import UNKNOWN, Computed
+from assistant.languages.settings_flow import UNKNOWN, Computed
 from assistant.program import statements as p
 from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import identifier

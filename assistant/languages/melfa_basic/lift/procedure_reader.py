@@ -27,8 +27,8 @@ from assistant.languages.melfa_basic.tables.variables import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.control_flow import labels_of
-from assistant.languages.settings.flow import UNKNOWN
-from assistant.languages.settings.forms import Form, PassLabels
+from assistant.languages.settings_flow import UNKNOWN
+from assistant.languages.settings_forms import Form, PassLabels
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import TakenNames, identifier

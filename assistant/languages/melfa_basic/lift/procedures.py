@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.tree.control_flow import (
     statement_of,
 )
 from assistant.languages.melfa_basic.tree.walk import literal, statements_in
-from assistant.languages.settings.flow import Interrupt
+from assistant.languages.settings_flow import Interrupt
 
 Code = Sequence[s.Entry]
 

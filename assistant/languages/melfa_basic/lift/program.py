@@ -46,8 +46,8 @@ from assistant.languages.melfa_basic.lift.symbols import (
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.control_flow import statement_of
 from assistant.languages.melfa_basic.tree.walk import program_name, statements_in
-from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
-from assistant.languages.settings.forms import CalledForms, Form, divided_flow
+from assistant.languages.settings_flow import UNKNOWN, Flow, Held, State
+from assistant.languages.settings_forms import CalledForms, Form, divided_flow
 from assistant.program.analysis.integer_inference import without_needless_rounding
 from assistant.program.passes import procedure_forms
 from assistant.program.program import (

@@ -54,7 +54,7 @@ from assistant.languages.melfa_basic.tree.control_flow import (
 )
 from assistant.languages.melfa_basic.tree.line_tables import Positions
 from assistant.languages.melfa_basic.tree.walk import literal, nodes, program_stem, statements_in
-from assistant.languages.settings.flow import (
+from assistant.languages.settings_flow import (
     UNKNOWN,
     Calls,
     Changes,
@@ -69,7 +69,7 @@ from assistant.languages.settings.flow import (
     calls_in,
     with_interrupts,
 )
-from assistant.languages.settings.forms import CalledForms
+from assistant.languages.settings_forms import CalledForms
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE, IDENTITY, Frame, Tool

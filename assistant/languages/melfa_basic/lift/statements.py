@@ -72,8 +72,8 @@ from assistant.languages.melfa_basic.tree.walk import (
     statements_in,
 )
 from assistant.languages.patterns import Called, Reading
-from assistant.languages.settings.flow import UNKNOWN, UnknownSettings
-from assistant.languages.settings.forms import Form
+from assistant.languages.settings_flow import UNKNOWN, UnknownSettings
+from assistant.languages.settings_forms import Form
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable

@@ -52,7 +52,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
         if isinstance(node, Stop):
-            from assistant.languages.melfa_basic.reading.recovery.mistakes import recovery_reader
+            from assistant.languages.melfa_basic.reading.mistakes import recovery_reader
 
             item, found = recovery_reader().read(source, start, stop, node, len(findings))
             span = Span(start, end)

@@ -18,7 +18,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, evenly_spaced, norms
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.extended_map import (
+from assistant.learning.extended_map import (
     JOINTS_OF_POINTS,
     ArmFunction,
     Cooling,
@@ -31,8 +31,8 @@ from assistant.learning.maps.extended_map import (
     teach_units,
     try_targets,
 )
-from assistant.learning.maps.observed_arm import Goals, ObservedArm, Space, point_slopes
-from assistant.learning.maps.proposals import RANGE_TOLERANCE
+from assistant.learning.observed_arm import Goals, ObservedArm, Space, point_slopes
+from assistant.learning.proposals import RANGE_TOLERANCE
 from assistant.learning.rules import BAD_LATTICE, FEW_POINTS, FEW_ROWS, TOOL_RARELY_SEEN
 
 _TARGETS_AT_ONCE: Final = 16

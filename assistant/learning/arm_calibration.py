@@ -21,14 +21,9 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.learning import rules
-from assistant.learning.calibration.arm_models import (
-    EstimatedErrors,
-    LengthsModel,
-    Parameter,
-    arm_model,
-)
-from assistant.learning.calibration.measured_poses import MeasuredPoses
-from assistant.learning.calibration.parameter_fit import (
+from assistant.learning.arm_models import EstimatedErrors, LengthsModel, Parameter, arm_model
+from assistant.learning.measured_poses import MeasuredPoses
+from assistant.learning.parameter_fit import (
     PLACEMENT_COUNT,
     FitProblem,
     FitState,

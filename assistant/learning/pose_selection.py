@@ -16,9 +16,9 @@ import numpy as np
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.base.diagnostics import Refused
 from assistant.learning import rules
-from assistant.learning.calibration.arm_models import EstimatedErrors, Parameter, arm_model
-from assistant.learning.calibration.measured_poses import measured_from_columns
-from assistant.learning.calibration.parameter_fit import (
+from assistant.learning.arm_models import EstimatedErrors, Parameter, arm_model
+from assistant.learning.measured_poses import measured_from_columns
+from assistant.learning.parameter_fit import (
     MOST_SIGMA,
     FitProblem,
     KnownPlacement,

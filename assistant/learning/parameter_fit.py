@@ -24,8 +24,8 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
-from assistant.learning.calibration.arm_models import ArmModel, Parameter, rotation_vectors
-from assistant.learning.calibration.measured_poses import MeasuredPoses
+from assistant.learning.arm_models import ArmModel, Parameter, rotation_vectors
+from assistant.learning.measured_poses import MeasuredPoses
 from assistant.program.geometry import IDENTITY, Pose, Quaternion, Vector
 
 _SHIFT_NAMES: Final = ("x", "y", "z")

@@ -21,8 +21,8 @@ from assistant.base.budgets import most_unpacked
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes
-from assistant.learning.maps.extended_map import ExtendedMap, MapScale, MapTask
-from assistant.learning.maps.map_training import MOST_UNITS
+from assistant.learning.extended_map import ExtendedMap, MapScale, MapTask
+from assistant.learning.map_training import MOST_UNITS
 from assistant.learning.rules import NO_MAP, OTHER_MAP_VERSION
 
 _VERSION: Final = 1

@@ -16,7 +16,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.learning.maps.extended_map import (
+from assistant.learning.extended_map import (
     ArmFunction,
     ExtendedMap,
     LearningRates,

@@ -18,7 +18,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, norms, rows_of
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.extended_map import MapTask
+from assistant.learning.extended_map import MapTask
 from assistant.learning.rules import BAD_BOX, BAD_RANGE, BOX_NOT_REACHED, NO_AXIS, NO_LENGTH
 from assistant.program.geometry import Pose
 from assistant.robots import Robot

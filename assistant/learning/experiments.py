@@ -19,9 +19,9 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, norms
 from assistant.base.diagnostics import Refused
-from assistant.learning.maps.extended_map import JOINTS_OF_POINTS, ExtendedMap, MapTask
-from assistant.learning.maps.map_training import MapErrors, start_map
-from assistant.learning.maps.observed_arm import (
+from assistant.learning.extended_map import JOINTS_OF_POINTS, ExtendedMap, MapTask
+from assistant.learning.map_training import MapErrors, start_map
+from assistant.learning.observed_arm import (
     Goals,
     InBox,
     InRanges,

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.settings.flow import (
+from assistant.languages.settings_flow import (
     UNKNOWN,
     Flow,
     Held,

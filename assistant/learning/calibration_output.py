@@ -13,10 +13,10 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from assistant.base import rotations
-from assistant.learning.calibration.arm_calibration import Calibration
-from assistant.learning.calibration.arm_models import LengthsModel
-from assistant.learning.calibration.parameter_fit import BASE_PARAMETERS, PLACEMENT_COUNT, Residual
-from assistant.learning.calibration.pose_selection import SuggestedPoses
+from assistant.learning.arm_calibration import Calibration
+from assistant.learning.arm_models import LengthsModel
+from assistant.learning.parameter_fit import BASE_PARAMETERS, PLACEMENT_COUNT, Residual
+from assistant.learning.pose_selection import SuggestedPoses
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Scara, SixAxis

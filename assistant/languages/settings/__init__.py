@@ -1,1 +1,0 @@
-"""Settings made by separate statements: the value that holds at each line, and its consequences."""

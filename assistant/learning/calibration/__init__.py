@@ -1,1 +1,0 @@
-"""Calibration of arms: small errors of lengths, zeros and base from measured poses."""

@@ -1,1 +1,0 @@
-"""Extended Kohonen maps: nets that learn from pictures the joints for a target."""
