@@ -17,6 +17,7 @@ from typing import Final
 from urllib.parse import SplitResult, parse_qsl, quote, unquote, urlencode, urlsplit
 
 from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.worker_processes import VARIABLE_PREFIX
 from assistant.controllers import rules
 
 
@@ -305,7 +306,6 @@ def _is_this_computer(host: str) -> bool:
 
 USER_VARIABLE: Final = "ROBOT_ASSISTANT_USER"
 PASSWORD_VARIABLE: Final = "ROBOT_ASSISTANT_PASSWORD"  # noqa: S105 - the name of a variable
-_VARIABLE_PREFIX: Final = "ROBOT_ASSISTANT_"
 _KEYRING_SERVICE: Final = "robot-assistant"
 """Service name in the keyring; the entry is `user@host`."""
 
@@ -331,16 +331,7 @@ def password_variable(controller: str, what: str) -> str:
 
     what: USER or PASSWORD.
     """
-    return f"{_VARIABLE_PREFIX}{controller.upper().replace('-', '_')}_{what}"
-
-
-def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
-    """The environment for another process, which has no business with controllers."""
-    return {
-        name: value
-        for name, value in environment.items()
-        if not (name.upper().startswith(_VARIABLE_PREFIX) and name.upper().endswith("PASSWORD"))
-    }
+    return f"{VARIABLE_PREFIX}{controller.upper().replace('-', '_')}_{what}"
 
 
 def find_credentials(

@@ -15,7 +15,7 @@ import subprocess
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.controllers.address import without_passwords
+from assistant.base.worker_processes import without_passwords
 
 _OPTIONS: Final = (
     "--literal-pathspecs",

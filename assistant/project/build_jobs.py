@@ -1,8 +1,6 @@
 """Build jobs: each program made separately, in processes, with digests of the files it reads.
 
-A worker process imports nothing of the process that asked, so that a script or notebook that
-builds a project needs no guard, as `multiprocessing` would. Files that are opened while a program
-is made are its inputs; Python's audit events report them.
+Files that are opened while a program is made are its inputs; Python's audit events report them.
 """
 
 from __future__ import annotations
@@ -10,31 +8,25 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-import pickle
-import queue
-import signal
-import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import BinaryIO, Final, Generic, TypeVar
+from typing import Final
 
 from assistant import languages
 from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_access import read_file
 from assistant.base.source_text import read_bytes
+from assistant.base.worker_processes import at_once
 from assistant.compiler import compile
 from assistant.compiler.arms import open_cell, robot_of
 from assistant.compiler.combine import combine_sources
 from assistant.compiler.loader import language_of, load, read_trees
 from assistant.compiler.motion_proof import Proving
 from assistant.compiler.style import style_of
-from assistant.controllers.address import without_passwords
 from assistant.findings.severities import apply_severities
 from assistant.languages import Tree
 from assistant.program.project_file import PROJECT_FILES
@@ -137,127 +129,6 @@ def _on_audit_event(event: str, arguments: tuple[object, ...]) -> None:
         name = os.fsdecode(path)
         for seen in _recorders:
             seen.append((str(FilePath(name).absolute()), is_folder))
-
-
-A = TypeVar("A")
-B = TypeVar("B")
-
-WORKER_SCRIPT: Final = (
-    "import sys; sys.path[:] = sys.argv[1:]; "
-    "from assistant.project.build_jobs import serve; serve()"
-)
-ENDED: Final = 5.0
-"""Seconds in which all processes have to end after their last answer; then they are killed."""
-
-
-def at_once(
-    function: Callable[[A], B], arguments: Sequence[A], count: int, lost: Callable[[A], B]
-) -> list[B]:
-    """Return the function's result for each argument, computed in `count` processes. function: of a
-    module, found by its name.
-
-    lost: answers in place of a process that died; only its current argument is lost.
-    """
-    workers: queue.SimpleQueue[_Worker[A, B]] = queue.SimpleQueue()
-    there = [_Worker(function, lost) for _ in range(count)]
-    for one in there:
-        workers.put(one)
-
-    def answered(argument: A) -> B:
-        worker = workers.get()
-        try:
-            return worker.answered(argument)
-        finally:
-            workers.put(worker)
-
-    try:
-        with ThreadPoolExecutor(count) as threads:
-            try:
-                return list(threads.map(answered, arguments))
-            except BaseException:  # Ctrl-C as well: threads wait for their answers
-                threads.shutdown(wait=False, cancel_futures=True)
-                for one in there:
-                    one.kill()
-                raise
-    finally:
-        for one in there:
-            one.dismiss()
-        deadline = time.monotonic() + ENDED
-        for one in there:
-            one.end(deadline)
-
-
-class _Worker(Generic[A, B]):
-    """A process that answers one argument after another; a new one replaces it if it dies."""
-
-    def __init__(self, function: Callable[[A], B], lost: Callable[[A], B]) -> None:
-        self._function, self._lost = function, lost
-        self._process: subprocess.Popen[bytes] | None = None
-
-    def _begin(self) -> subprocess.Popen[bytes]:
-        return subprocess.Popen(  # noqa: S603
-            [sys.executable, "-c", WORKER_SCRIPT, *sys.path],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=without_passwords(),
-        )
-
-    def answered(self, argument: A) -> B:
-        asked = pickle.dumps((self._function, argument))
-        try:
-            self._process = self._process or self._begin()
-            to, answers = self._process.stdin, self._process.stdout
-            assert to is not None
-            assert answers is not None
-            to.write(asked)
-            to.flush()
-            answer: B = pickle.load(answers)  # noqa: S301 (of a process of ours)
-        except (OSError, EOFError, pickle.UnpicklingError):
-            self.kill()
-            self.end(time.monotonic() + ENDED)
-            self._process = None
-            return self._lost(argument)
-        return answer
-
-    def kill(self) -> None:
-        if self._process is not None:
-            self._process.kill()
-
-    def dismiss(self) -> None:
-        """Close the questions of the process, at which it ends."""
-        if self._process is not None and self._process.stdin is not None:
-            with contextlib.suppress(OSError):
-                self._process.stdin.close()
-
-    def end(self, deadline: float) -> None:
-        """Wait for the process to end; kill it at the deadline, which loses no answer."""
-        if self._process is None:
-            return
-        self.dismiss()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(max(0.0, deadline - time.monotonic()))
-        self._process.kill()
-        self._process.wait()
-        if self._process.stdout is not None:
-            self._process.stdout.close()
-
-
-def serve() -> None:
-    """Answer requests on standard input until it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asked ends this process
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what a library prints is no answer
-    _answer_requests(sys.stdin.buffer, answers)
-
-
-def _answer_requests(questions: BinaryIO, answers: BinaryIO) -> None:
-    while True:
-        try:
-            function, argument = pickle.load(questions)  # noqa: S301 (of who started this one)
-        except EOFError:
-            return
-        answers.write(pickle.dumps(function(argument)))
-        answers.flush()
 
 
 @dataclass(frozen=True, slots=True)

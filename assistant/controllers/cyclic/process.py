@@ -32,7 +32,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.controllers.address import without_passwords
+from assistant.base.worker_processes import without_passwords
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.loop import Delays, Endpoint, Link, Report, Timing
 from assistant.controllers.cyclic.setpoint_source import Settings, correction_line

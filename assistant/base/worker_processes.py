@@ -1,0 +1,138 @@
+"""Worker processes: each answers one request after another; `at_once` asks several.
+
+A worker imports nothing of the process that asks, so that a script or notebook needs no guard; it
+gets no password, and ends with the process that asks. `concurrent.futures` promises none of these:
+it imports the script, hands on the environment, and loses all that is unfinished if a worker dies.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import queue
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final, TypeVar
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+VARIABLE_PREFIX: Final = "ROBOT_ASSISTANT_"
+"""Beginning of the environment variables of this program."""
+_SCRIPT: Final = (
+    "import sys; sys.path[:] = sys.argv[1:]; "
+    "from assistant.base.worker_processes import serve; serve()"
+)
+
+
+def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """The environment for another process, which has no business with controllers."""
+    return {
+        name: value
+        for name, value in environment.items()
+        if not (name.upper().startswith(VARIABLE_PREFIX) and name.upper().endswith("PASSWORD"))
+    }
+
+
+class WorkerDied(Exception):
+    """The process died at a request, or cannot be started."""
+
+
+class Worker:
+    """A process that starts with the first request, and anew after it died.
+
+    errors: its standard error, as `subprocess` takes it. What functions print goes there, too.
+    """
+
+    def __init__(self, errors: int | None = None) -> None:
+        self._errors = errors
+        self._closed = False
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def answer(self, function: Callable[[A], B], argument: A) -> B:
+        """Return the result of a module's function; raise WorkerDied if the process dies at it.
+
+        One request at a time.
+        """
+        request = pickle.dumps((function, argument))
+        try:
+            process = self._started()
+            assert process.stdin is not None
+            assert process.stdout is not None
+            process.stdin.write(request)
+            process.stdin.flush()
+            result: B = pickle.load(process.stdout)  # noqa: S301 (of a process of ours)
+        except (OSError, EOFError, ValueError, pickle.UnpicklingError) as error:
+            self._end()
+            raise WorkerDied from error
+        return result
+
+    def close(self) -> None:
+        """Kill the process for good, from any thread; a pending request raises WorkerDied."""
+        self._closed = True
+        self._end()
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        if self._process is None and not self._closed:
+            self._process = subprocess.Popen(  # noqa: S603 (ourselves)
+                [sys.executable, "-c", _SCRIPT, *sys.path],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._errors,
+                env=without_passwords(),
+            )
+        if self._process is None or self._closed:  # perhaps while the process started
+            raise EOFError
+        return self._process
+
+    def _end(self) -> None:
+        process, self._process = self._process, None
+        if process is not None:
+            with contextlib.suppress(OSError), process:
+                process.kill()
+
+
+def at_once(
+    function: Callable[[A], B], arguments: Sequence[A], count: int, lost: Callable[[A], B]
+) -> list[B]:
+    """Return the results of a module's function in order, computed by `count` processes.
+
+    lost: answers in place of a process that died; only its current argument is lost.
+    """
+    workers = [Worker() for _ in range(count)]
+    idle = queue.SimpleQueue[Worker]()
+    for one in workers:
+        idle.put(one)
+
+    def answer(argument: A) -> B:
+        worker = idle.get()
+        try:
+            return worker.answer(function, argument)
+        except WorkerDied:
+            return lost(argument)
+        finally:
+            idle.put(worker)
+
+    with ThreadPoolExecutor(count) as threads:
+        try:
+            return list(threads.map(answer, arguments))
+        finally:  # after Ctrl-C, threads still wait for answers
+            threads.shutdown(wait=False, cancel_futures=True)
+            for one in workers:
+                one.close()
+
+
+def serve() -> None:
+    """Answer requests on standard input until it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asked ends this process
+    requests, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what a library prints is no answer
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            function, argument = pickle.load(requests)  # noqa: S301 (of who started this one)
+            answers.write(pickle.dumps(function(argument)))
+            answers.flush()
