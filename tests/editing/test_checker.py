@@ -67,12 +67,12 @@ def test_findings_from_the_process_are_those_from_here(tmp_path, checker, path, 
 def test_a_process_that_dies_is_started_anew_and_one_that_is_closed_is_not(tmp_path, checker):
     workspace = apart(Workspace(), checker)
     wanted = [str(one) for one in service.settled(Workspace().open(str(tmp_path / "W.mod"), WRONG))]
-    for act in (lambda: None, lambda: checker._process.kill(), checker.close):
+    for act in (lambda: None, lambda: checker._worker._process.kill(), checker.close):
         act()
         workspace.close(str(tmp_path / "W.mod"))
         found = service.settled(workspace.open(str(tmp_path / "W.mod"), WRONG))
         assert [str(one) for one in found] == wanted
-    assert checker._process is None
+    assert checker._worker._process is None
 
 
 def test_keys_and_requests_are_answered_while_a_whole_program_is_looked_at(tmp_path):

@@ -218,7 +218,7 @@ def test_a_process_apart_looks_at_whole_programs_and_ends_with_the_studio(tmp_pa
         one = desk(studio, studio.windows.opened(lambda _: None))
         one.open(tmp_path / "Main.mod", "Main.mod")
         found = service.settled(one.document(tmp_path / "Main.mod"))
-        process = studio.live[KIND].checker._process
+        process = studio.live[KIND].checker._worker._process
         assert "RA401" in [each.diagnostic.code for each in found]
         assert process.poll() is None
     finally:
