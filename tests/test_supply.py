@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import base64
 import hashlib
+import importlib.metadata
 import os
 import re
 import shutil
@@ -20,6 +22,8 @@ from packaging.utils import canonicalize_name
 PROJECT = Path(__file__).parent.parent
 PINNED = re.compile(r"^(?P<name>[a-z0-9-]+)==(?P<version>[^ ;]+)(?: ; (?P<when>.+?))? \\$", re.M)
 PYTHONS = ("3.11", "3.12", "3.13")
+HANDED_ON = {"assistant", "_typeshed", "anyio", "lsprotocol"}
+"""Modules that come with Python's types, starlette and pygls."""
 
 
 def needed() -> list[Requirement]:
@@ -59,6 +63,30 @@ def test_a_version_is_pinned_of_all_that_is_asked_for(one, python):
     ]
     assert rows
     assert all(one.specifier.contains(version) for version in rows), "`make pins` is to be run"
+
+
+def test_all_that_the_package_imports_is_asked_for():
+    stated = tomllib.loads((PROJECT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = stated["optional-dependencies"]
+    (every,) = map(Requirement, extras["all"])
+    rows = [*stated["dependencies"], *(row for name in every.extras for row in extras[name])]
+    asked = {canonicalize_name(Requirement(row).name) for row in rows}
+    known = importlib.metadata.packages_distributions()
+    for module in sorted(imported() - set(sys.stdlib_module_names) - HANDED_ON):
+        packages = {canonicalize_name(name) for name in known.get(module, [module])}
+        assert packages & asked, module
+
+
+def imported() -> set[str]:
+    """The first words of the modules that the package imports, anywhere in it."""
+    found: set[str] = set()
+    for file in (PROJECT / "assistant").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_bytes())):
+            if isinstance(node, ast.Import):
+                found.update(name.name.partition(".")[0] for name in node.names)
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                found.add(node.module.partition(".")[0])
+    return found
 
 
 @pytest.mark.parametrize("name", ["backends.txt", "pins.txt"])
