@@ -9,9 +9,7 @@ second with the value.
 
 from __future__ import annotations
 
-import base64
 import contextlib
-import hashlib
 import re
 import threading
 import time
@@ -23,7 +21,7 @@ from typing import TYPE_CHECKING, Final
 from wsproto.connection import Connection as WebSocket
 from wsproto.connection import ConnectionType
 from wsproto.events import CloseConnection, Message, Ping
-from wsproto.utilities import LocalProtocolError, RemoteProtocolError
+from wsproto.utilities import LocalProtocolError, RemoteProtocolError, generate_accept_token
 
 from assistant.virtual.irc5 import rws_hardware, rws_messages, rws_rapid
 from assistant.virtual.irc5.cabinet import OUTPUT_TYPES, Cabinet, Signal
@@ -169,8 +167,6 @@ _TICK: Final = 0.02
 """Seconds between two looks of a WebSocket."""
 _MOST_GROUPS: Final = 64
 _MOST_WATCHED: Final = 1000
-GUID: Final = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
-"""GUID of the handshake (RFC 6455, 1.3)."""
 _POLICY_VIOLATION: Final = 1008
 _GOING_AWAY: Final = 1001
 _POLL: Final = re.compile(r"/poll/(\d+)")
@@ -341,12 +337,11 @@ class Subscriptions:
             connection.refuse_socket()
             return True
         group.spent = True
-        digest = hashlib.sha1((key + GUID).encode(), usedforsecurity=False).digest()
         rows = (
             "HTTP/1.1 101 Switching Protocols",
             "Upgrade: websocket",
             "Connection: Upgrade",
-            f"Sec-WebSocket-Accept: {base64.b64encode(digest).decode()}",
+            f"Sec-WebSocket-Accept: {generate_accept_token(key.encode()).decode()}",
             f"Sec-WebSocket-Protocol: {protocol}",
         )
         with contextlib.suppress(OSError, LocalProtocolError, RemoteProtocolError):
