@@ -22,6 +22,7 @@ KNOWN = {
     "cli/controller_commands.py": "a log, which grows by a row at a time",
     "controllers/abb/ftp.py": "a part that later runs go on with",
     "controllers/abb/sftp.py": "on the controller",
+    "controllers/recording.py": "into memory",
     "controllers/cyclic/process.py": "for a process of its own, in a folder for the moment",
     "controllers/cyclic/worker.py": "for the process that started it, in the same folder",
     "learning/map_file.py": "into memory",

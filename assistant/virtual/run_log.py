@@ -7,7 +7,6 @@ mm, degrees, unit quaternions (w, x, y, z).
 from __future__ import annotations
 
 import io
-import zipfile
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -320,10 +319,7 @@ def motion_columns(
 def npz(columns: TraceColumns) -> bytes:
     """The columns as a file of NumPy; the same columns give the same bytes."""
     data = io.BytesIO()
-    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, column in columns.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
-                np.lib.format.write_array(file, column, allow_pickle=False)
+    np.savez_compressed(data, **columns)  # type: ignore[arg-type]
     return data.getvalue()
 
 
