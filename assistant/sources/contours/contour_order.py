@@ -25,11 +25,11 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.arrays import Floats, Rows
 from assistant.base.diagnostics import Diagnostic, error, warning
 from assistant.program.geometry import Vector
 from assistant.program.settings_tables import shown
-from assistant.sources.contours.chains import Contour, Indices
+from assistant.sources.contours.chains import Contour
 from assistant.sources.contours.curves import (
     Arc,
     FreeCurve,
@@ -474,9 +474,7 @@ class _Tour:
 
 NO_HOLDER: Final = -1
 _HOLDER_BATCH: Final = 256
-"""Contours whose holders are searched together."""
-_MOST_CROSSINGS: Final = 1 << 20
-"""Sides of polygons times points that are processed together; bounds memory."""
+"""Contours whose holders are searched together; bounds memory."""
 _PROBED_PARTS: Final = (0.17, 0.5, 0.83)
 """Parts of a contour's way that have to be inside, most of them: ends may touch the outline."""
 
@@ -485,57 +483,33 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
     """For each contour the smallest closed one that it lies inside, or -1.
 
     direction: of the tool, along which it is seen. tolerance: mm that an arc may leave its
-    chords. A contour that crosses another one is inside it if most of it is. Of n contours
-    boxes are compared n by n in columns; polygons only where boxes hold each other.
+    chords. A contour that crosses another one is inside it if most of it is.
     """
     if not any(c.closed for c in contours):
         return [NO_HOLDER] * len(contours)
+    import shapely
+
     across = _view_axes(direction)
     outlines = [_polygon_outline(c, tolerance) @ across.T for c in contours]
     low, high = (np.array([f(o, axis=0) for o in outlines]) for f in (np.min, np.max))
-    areas = np.array(
-        [_polygon_area(o) if c.closed else 0.0 for o, c in zip(outlines, contours, strict=True)]
-    )
-    probes = np.array([_probe_points(o) for o in outlines])
-    outer = np.flatnonzero(areas > tolerance**2)
-    outer = outer[np.argsort(areas[outer], kind="stable")]
-    found = np.full(len(contours), NO_HOLDER, dtype=np.intp)
-    middle = np.pad((low + high) / 2.0, ((0, 0), (0, 1)))
-    order = _along_morton_curve(middle)
+    areas = np.zeros(len(contours))
+    closed = [i for i, c in enumerate(contours) if c.closed and len(outlines[i]) > 2]
+    polygons = np.array([shapely.Polygon(outlines[i]) for i in closed], dtype=object)
+    areas[closed] = shapely.area(polygons)
+    parts = len(_PROBED_PARTS)
+    probes = shapely.points(np.concatenate([_probe_points(o) for o in outlines]))
+    tree, found = shapely.STRtree(probes), np.full(len(contours), NO_HOLDER, dtype=np.intp)
+    order = np.argsort(areas[closed], kind="stable")[::-1]  # the smallest holder is set last
     for first in range(0, len(order), _HOLDER_BATCH):
-        inner = order[first : first + _HOLDER_BATCH]
-        near = (low[outer] <= high[inner].max(axis=0)) & (high[outer] >= low[inner].min(axis=0))
-        may = outer[near.all(axis=1)]
-        held = (
-            (low[may] <= low[inner, None] + tolerance)
-            & (high[may] >= high[inner, None] - tolerance)
-        ).all(axis=2) & (areas[may] > areas[inner, None] + tolerance**2)
-        for row, holder in _first_inside(held, may, probes[inner], outlines):
-            found[inner[row]] = holder
+        some = order[first : first + _HOLDER_BATCH]
+        outer, probe = tree.query(polygons[some], predicate="contains")
+        pairs, inside = np.unique(outer * len(contours) + probe // parts, return_counts=True)
+        pairs = pairs[inside > parts / 2]
+        holder, inner = np.array(closed)[some][pairs // len(contours)], pairs % len(contours)
+        boxed = (low[holder] <= low[inner] + tolerance) & (high[holder] >= high[inner] - tolerance)
+        held = boxed.all(axis=1) & (areas[holder] > areas[inner] + tolerance**2)
+        found[inner[held]] = holder[held]
     return [int(holder) for holder in found]
-
-
-def _first_inside(
-    held: Truths, may: Indices, probes: Points, outlines: Sequence[Points]
-) -> Iterator[tuple[Indices, int]]:
-    """Rows of probes (n, k, 2) with the first holder, in order of `may`, that is around them.
-
-    held: (n, m), which of the holders `may` (m,) come into question; it is used up.
-    """
-    open_ = np.flatnonzero(held.any(axis=1))
-    while open_.size:
-        columns = held[open_].argmax(axis=1)
-        held[open_, columns] = False
-        settled = np.zeros(len(open_), dtype=bool)
-        for column in np.unique(columns):
-            of = np.flatnonzero(columns == column)
-            inside = _are_inside(probes[open_[of]].reshape(-1, 2), outlines[may[column]])
-            most = inside.reshape(len(of), -1).mean(axis=1) > 0.5
-            settled[of[most]] = True
-            if most.any():
-                yield open_[of[most]], int(may[column])
-        open_ = open_[~settled]
-        open_ = open_[held[open_].any(axis=1)]
 
 
 def _view_axes(direction: Vector) -> Points:
@@ -561,12 +535,6 @@ def _polygon_outline(contour: Contour, tolerance: float) -> Points:
     return np.concatenate(parts if contour.closed else [*parts, [contour.end]])
 
 
-def _polygon_area(outline: Points) -> float:
-    """Return the area of a polygon (n, 2), by the shoelace formula."""
-    x, y = (outline - outline[0]).T
-    return 0.5 * abs(float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum()))
-
-
 def _probe_points(outline: Points) -> Points:
     """Points (k, 2) between corners of an outline."""
     place = np.array(_PROBED_PARTS) * (len(outline) - 1)
@@ -574,19 +542,6 @@ def _probe_points(outline: Points) -> Points:
     after = np.minimum(row + 1, len(outline) - 1)
     part = (place - row)[:, None]
     return np.asarray((1.0 - part) * outline[row] + part * outline[after])
-
-
-def _are_inside(points: Points, outline: Points) -> Truths:
-    """Which points (n, 2) a closed polygon (m, 2) is around, by the parity of crossings."""
-    (x0, y0), (x1, y1) = outline.T, np.roll(outline, -1, axis=0).T
-    together = max(1, _MOST_CROSSINGS // len(outline))
-    found = np.empty(len(points), dtype=bool)
-    for first in range(0, len(points), together):
-        x, y = points[first : first + together, :, None].transpose(1, 0, 2)
-        over = (y0 > y) != (y1 > y)
-        left = ((x - x0) * (y1 - y0) < (x1 - x0) * (y - y0)) == (y1 > y0)
-        found[first : first + together] = (over & left).sum(axis=1) % 2 == 1
-    return found
 
 
 _HOLDER_FIRST = warning(

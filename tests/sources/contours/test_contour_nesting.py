@@ -95,6 +95,13 @@ def test_what_touches_the_outline_from_inside():
     assert holders([square(0, 0, 100), square(0, 0, 100)], DOWN, 0.05) == [-1, -1]
 
 
+def test_a_line_there_and_back_holds_nothing():
+    ends = (0.0, 0.0, 0.0), (9.0, 0.0, 0.0)
+    flat = Contour((Line(*ends, "L"), Line(*ends[::-1], "L")), True, "L")
+    assert holders([flat, flat], DOWN, 0.05) == [-1, -1]
+    assert holders([flat, square(0, 0, 100)], DOWN, 0.05) == [1, -1]
+
+
 def test_it_is_seen_along_the_tool():
     def upright(size):
         corners = ((-size, -size), (size, -size), (size, size), (-size, size))
