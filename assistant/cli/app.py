@@ -135,12 +135,16 @@ def _command(name: str) -> Any:
     return command
 
 
+_BUILT: Final = _Commands()
+"""A process may run several commands: each is built once."""
+
+
 class _Group(TyperGroup):
     """All commands."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
-        self.commands = _Commands()
+        self.commands = _BUILT
 
 
 app: Final = typer.Typer(
