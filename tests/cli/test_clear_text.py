@@ -28,19 +28,23 @@ def run(capsys, *arguments):
     return capsys.readouterr()
 
 
-@pytest.mark.parametrize(
-    ("text", "code"),
-    [
-        ("ftp://anna@192.168.125.1", "CN115"), ("rws://anna@irc5", "CN116"),
-        ("melfa://cr", "CN116"),
-        ("ftps://anna@irc5", None), ("sftp://anna@irc5", None), ("rwss://anna@irc5", None),
-        ("melfa-serial://COM3", None), ("ftp://anna@127.0.0.1", None), ("rws://a@[::1]", None),
-        ("melfa://localhost", None),
-    ],
-)  # fmt: skip
-def test_what_is_not_encrypted_on_its_way(text, code):
-    told = clear_text_finding(parse(text))
-    assert code == (told and told.code)
+ADDRESSES = {
+    "ftp://anna@192.168.125.1": "CN115",
+    "rws://anna@irc5": "CN116",
+    "melfa://cr": "CN116",
+    "ftps://anna@irc5": None,
+    "sftp://anna@irc5": None,
+    "rwss://anna@irc5": None,
+    "melfa-serial://COM3": None,
+    "ftp://anna@127.0.0.1": None,
+    "rws://a@[::1]": None,
+    "melfa://localhost": None,
+}
+
+
+def test_what_is_not_encrypted_on_its_way():
+    told = {text: clear_text_finding(parse(text)) for text in ADDRESSES}
+    assert {text: finding and finding.code for text, finding in told.items()} == ADDRESSES
 
 
 def test_it_is_said_once_in_text_and_json(peer, capsys):

@@ -6,7 +6,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import threading
 
 import numpy as np
@@ -15,6 +14,8 @@ import pytest
 from assistant import languages
 from assistant.cli import main
 from assistant.virtual.irc5 import VirtualIrc5
+from tests.cli.processes import Command
+from tests.cli.tables import each
 from tests.controllers.abb.exchanging import PlainRobot, RunningRobot
 
 
@@ -39,7 +40,7 @@ def poses(file, rows=4):
     return file
 
 
-def test_the_module_is_written_whole(capsys, tmp_path, monkeypatch):
+def test_the_module_is_written_and_names_that_it_needs_are_told(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     given = ["--tool", "GRIPPER", "--tip", "0,0,118", "--mass", "0.9", "--speed", "v50"]
     status, out, _ = run(capsys, "exchange", "module", "-o", "px.mod", *given)
@@ -50,30 +51,9 @@ def test_the_module_is_written_whole(capsys, tmp_path, monkeypatch):
     status, out, _ = run(capsys, "exchange", "module", "-o", "-", *given)
     assert status == 0 and out == text
 
-
-def test_names_that_the_controller_must_have_are_told(capsys, tmp_path):
-    file = tmp_path / "px.mod"
+    file = tmp_path / "own.mod"
     status, _, err = run(capsys, "exchange", "module", "-o", file, "--speed", "v151")
     assert status == 0 and "`v151`" in err and "v151,fine" in file.read_text("ascii")
-
-
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize(
-    ("given", "code", "status"),
-    [
-        (["--tool", "a;b"], "CN515", 1),
-        (["--tool", "robtarget"], "CN515", 1),
-        (["--tip", "1,2"], "CL261", 2),
-        (["--tip", "1,2,x"], "CL261", 2),
-        (["--tip", "1,2,3", "--centre", "0"], "CL261", 2),
-        (["--longest", "0"], "CN516", 1),
-    ],
-)
-def test_what_the_module_cannot_hold_is_a_finding(capsys, tmp_path, given, code, status):
-    file = tmp_path / "px.mod"
-    found, _, err = run(capsys, "exchange", "module", "-o", file, *given)
-    assert found == status and code in err and "Traceback" not in err
-    assert not file.exists()
 
 
 def test_the_robot_says_where_it_is_and_stops(capsys, robot):
@@ -154,19 +134,16 @@ def test_nothing_moves_that_nobody_confirmed(capsys, robot, tmp_path):
     assert status == 0 and "z 400.00" in out
 
 
-def test_an_interrupt_stops_the_robot_and_says_so(tmp_path):
+def test_an_interrupt_stops_the_robot_and_says_so(tmp_path, forks):
     with RunningRobot(tmp_path / "home", pace=1.0) as robot:
         table, record = tmp_path / "far.npy", tmp_path / "far.csv"
         np.save(table, np.array([[420.0 - 40.0 * i, 60, 400, 0, 0, 1, 0] for i in range(1, 6)]))
-        process = subprocess.Popen(
-            [
-                *(sys.executable, "-m", "assistant", "exchange", "follow"),
-                *(robot.controller.address, str(table), "--yes", "--record", str(record)),
-            ],
+        process = Command(
+            *(forks, "exchange", "follow", robot.controller.address, table),
+            *("--yes", "--record", record),
             env={**os.environ, "ROBOT_ASSISTANT_PASSWORD": robot.controller.password},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            text=True,
         )
         seen = robot.home / "exchange_answer.txt"
         for _ in range(4000):
@@ -218,25 +195,32 @@ def test_the_plain_module_has_the_names_that_are_given(capsys, tmp_path):
     assert "\\MaxTime:=240;" in text
 
 
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize(
-    ("given", "code", "status"),
-    [
-        (["--files", "a,b,c"], "CL267", 2),
-        (["--answers", "a,b,c"], "CL267", 2),
-        (["--plain", "--files", "a,b"], "CL261", 2),
-        (["--plain", "--zone", "z10"], "CL266", 2),
-        (["--plain", "--files", "a,b,a"], "CN515", 1),
-        (["--plain", "--files", "main.mod,b,c"], "CN515", 1),
-        (["--plain", "--tool", "posnow"], "CN515", 1),
-    ],
+NO_MODULE = (
+    (["--tool", "a;b"], "CN515", 1),
+    (["--tool", "robtarget"], "CN515", 1),
+    (["--tip", "1,2"], "CL261", 2),
+    (["--tip", "1,2,x"], "CL261", 2),
+    (["--tip", "1,2,3", "--centre", "0"], "CL261", 2),
+    (["--longest", "0"], "CN516", 1),
+    (["--files", "a,b,c"], "CL267", 2),
+    (["--answers", "a,b,c"], "CL267", 2),
+    (["--plain", "--files", "a,b"], "CL261", 2),
+    (["--plain", "--zone", "z10"], "CL266", 2),
+    (["--plain", "--files", "a,b,a"], "CN515", 1),
+    (["--plain", "--files", "main.mod,b,c"], "CN515", 1),
+    (["--plain", "--tool", "posnow"], "CN515", 1),
 )
-def test_what_a_plain_exchange_does_not_have_is_a_finding(capsys, tmp_path, given, code, status):
+
+
+def test_what_a_module_cannot_hold_is_a_finding(capsys, tmp_path):
     file = tmp_path / "px.mod"
-    found, _, err = run(capsys, "exchange", "module", "-o", file, *given)
-    assert found == status and code in err and "Traceback" not in err
-    assert not file.exists()
-    if code == "CL266":
-        follow = ["ftp://user@127.0.0.1:1", poses(tmp_path / "way.npy"), "--plain", "--through"]
-        found, _, err = run(capsys, "exchange", "follow", *follow, "--yes")
-        assert found == status and code in err
+
+    def check(given, code, status):
+        found, _, err = run(capsys, "exchange", "module", "-o", file, *given)
+        assert found == status and code in err and "Traceback" not in err
+        assert not file.exists()
+
+    each(NO_MODULE, check)
+    follow = ["ftp://user@127.0.0.1:1", poses(tmp_path / "way.npy"), "--plain", "--through"]
+    status, _, err = run(capsys, "exchange", "follow", *follow, "--yes")
+    assert status == 2 and "CL266" in err

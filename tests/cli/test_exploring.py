@@ -53,11 +53,12 @@ def codes(capsys: Capture, *words: str, exits: int = 2) -> list[str]:
 
 
 def test_where_a_program_was_it_may_go_again_and_nowhere_else(here: Path, capsys: Capture) -> None:
-    told = answer(
-        capsys, "explore", "program", "demo.pseudo", "--cell", "cell.toml", "--chart", "arm.npz"
-    )
+    words = ("explore", "program", "demo.pseudo", "--cell", "cell.toml", "--chart", "arm.npz")
+    for name, text in (("demo", PROGRAM), ("farther", FARTHER)):  # a short way
+        (here / f"{name}.pseudo").write_text(text.replace("[250, 100,", "[250, -60,"))
+    told = answer(capsys, *words)
     assert told["chart"]["runs"] == 1 and told["contacts"] == 0
-    assert told["chart"]["free"] == load_map("arm.npz").counts()[CellState.FREE] > 5000
+    assert told["chart"]["free"] == load_map("arm.npz").counts()[CellState.FREE] > 2000
     assert run(capsys, "check", "demo.pseudo", "--cell", "known.toml")[0] == 0
     found = set(codes(capsys, "check", "farther.pseudo", "--cell", "known.toml", exits=1))
     assert found == {"CK459", "CK497"}
@@ -74,10 +75,10 @@ def test_where_a_program_was_it_may_go_again_and_nowhere_else(here: Path, capsys
 def test_contacts_that_were_found_are_in_the_way_of_a_program(here: Path, capsys: Capture) -> None:
     """At a place of the way, where a contact made a free cell an occupied one."""
     words = ("explore", "program", "demo.pseudo", "--cell", "cell.toml", "--chart", "arm.npz")
-    answer(capsys, *words)
+    answer(capsys, *words, "--size", "20")
     known = load_map("arm.npz")
     none = np.zeros(0, dtype=np.int64)
-    save_map(known.with_run(none, keys_of(np.array([[25, 0, 33]]))), "arm.npz")
+    save_map(known.with_run(none, keys_of(np.array([[12, 0, 16]]))), "arm.npz")
     for unknown in ("free", "blocked"):
         text = f"{CELL}explored = 'arm.npz'\nunknown = '{unknown}'\n"
         (here / "beside.toml").write_text(text, encoding="utf-8")
@@ -88,17 +89,17 @@ def test_wandering_goes_on_with_a_map_and_the_same_seed_gives_the_same(
     here: Path, capsys: Capture
 ) -> None:
     words = ("explore", "wander", "cell.toml", "--hidden", "hidden.toml", "--size", "20")
-    first = answer(capsys, *words, "--runs", "8", "--seed", "3", "--chart", "one.npz")
-    answer(capsys, *words, "--runs", "8", "--seed", "3", "--chart", "two.npz")
+    first = answer(capsys, *words, "--runs", "4", "--seed", "1", "--chart", "one.npz")
+    answer(capsys, *words, "--runs", "4", "--seed", "1", "--chart", "two.npz")
     assert Path("one.npz").read_bytes() == Path("two.npz").read_bytes()
-    assert [row["runs"] for row in first["explored"]] == [1, 2, 4, 8]
+    assert [row["runs"] for row in first["explored"]] == [1, 2, 4]
     assert first["contacts"] > 0
-    more = answer(capsys, *words, "--runs", "4", "--chart", "two.npz")
-    assert more["chart"]["runs"] == 12 and more["chart"]["litres"] > first["chart"]["litres"]
+    more = answer(capsys, *words, "--runs", "2", "--chart", "two.npz")
+    assert more["chart"]["runs"] == 6 and more["chart"]["litres"] > first["chart"]["litres"]
     told = answer(capsys, "explore", "compare", "one.npz", "two.npz")
     assert told["gained"] > 0 and told["lost"] == told["blocked"] == 0
     told = answer(capsys, "explore", "merge", "one.npz", "two.npz", "-o", "both.npz")
-    assert told["chart"]["free"] == more["chart"]["free"] and told["chart"]["runs"] == 20
+    assert told["chart"]["free"] == more["chart"]["free"] and told["chart"]["runs"] == 10
     shown = answer(capsys, "explore", "show", "two.npz")
     assert {key: shown[key] for key in more["chart"]} == more["chart"]
     assert "cells    20 mm" in run(capsys, "explore", "show", "two.npz", "-o", "two.png")[1]
@@ -123,26 +124,24 @@ def test_a_recording_of_a_motion_knows_what_the_program_does(here: Path, capsys:
 MOVE = "move linear b speed 200 mm/s blend fine"
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
-        f"if s = 1\n{MOVE}\nend",
-        f"while s = 1\n{MOVE}\nend",
-        f"for i from 1 to n\n{MOVE}\nend",
-        f"{MOVE} until s = 1",
-        f"goto behind\n{MOVE}\nlabel behind",
-    ],
+BODIES = (
+    f"if s = 1\n{MOVE}\nend",
+    f"while s = 1\n{MOVE}\nend",
+    f"for i from 1 to n\n{MOVE}\nend",
+    f"{MOVE} until s = 1",
+    f"goto behind\n{MOVE}\nlabel behind",
 )
-def test_a_program_that_may_go_several_ways_tells_nothing(
-    here: Path, capsys: Capture, body: str
-) -> None:
+
+
+def test_a_program_that_may_go_several_ways_tells_nothing(here: Path, capsys: Capture) -> None:
     """What it has not done would be called free."""
     said = "target a [2"
     text = PROGRAM.replace(said, f"signal s digital input\nvariable n number = 0\n{said}")
-    (here / "demo.pseudo").write_text(text.replace(MOVE, body), encoding="utf-8")
     words = ("explore", "program", "demo.pseudo", "--cell", "cell.toml", "--chart", "arm.npz")
-    assert codes(capsys, *words, exits=1) == ["CK492"]
-    assert not Path("arm.npz").exists()
+    for body in BODIES:
+        (here / "demo.pseudo").write_text(text.replace(MOVE, body), encoding="utf-8")
+        assert codes(capsys, *words, exits=1) == ["CK492"], body
+        assert not Path("arm.npz").exists()
 
 
 def test_what_was_free_and_is_occupied_is_told_by_the_exit_status(

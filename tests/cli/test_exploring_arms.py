@@ -119,13 +119,13 @@ def test_contacts_stop_it_and_no_cell_of_the_obstacle_is_free(capsys, cell, by) 
         assert controller.inputs(["10"]) == {"10": 0.0}, "it has gone back"
 
 
-@pytest.mark.parametrize("devices", ["RS232, OPT12", "OPT12, "])
-def test_lines_that_lead_nowhere_are_refused_before_anything_starts(capsys, cell, devices) -> None:
+def test_lines_that_lead_nowhere_are_refused_before_anything_starts(capsys, cell) -> None:
     left = ", ".join(f"OPT{i}" for i in range(13, 19))
-    cell.state.parameters.write("COMDEV", f"{devices}, {left}", all_levels=True)
     before = cell.state.joints
-    status, _, said = run(capsys, *WANDER, "--by", "data-link", "--yes")
-    assert status == 2 and "CN209" in said and "COMDEV = OPT12, OPT13" in said, said
+    for devices in ("RS232, OPT12", "OPT12, "):
+        cell.state.parameters.write("COMDEV", f"{devices}, {left}", all_levels=True)
+        status, _, said = run(capsys, *WANDER, "--by", "data-link", "--yes")
+        assert status == 2 and "CN209" in said and "COMDEV = OPT12, OPT13" in said, said
     assert cell.state.joints == before and not [*cell.state.store] and not Path("arm.npz").exists()
 
 
@@ -155,28 +155,19 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(
-    "cases", [REFUSED[:4], pytest.param(REFUSED[4:], marks=pytest.mark.slow)], ids=["few", "more"]
-)
-def test_what_is_refused_moves_nothing_and_writes_no_chart(capsys, cell, cases) -> None:
+def test_what_is_refused_moves_nothing_and_writes_no_chart(capsys, cell) -> None:
     before = cell.state.joints
-    for words, code in cases:
+    for words, code in REFUSED:
         status, _, said = run(capsys, "explore", *words)
         assert (status, code in said) == (2, True), (words, said)
-    assert cell.state.joints == before and not Path("arm.npz").exists()
-
-
-def test_a_virtual_contact_needs_an_input_and_a_cell(capsys, cell) -> None:
     for more in (("--contact", "10"), ("--cell", "real.toml"), ("--contact", "x", "--cell", "c")):
         status, _, said = run(capsys, "virtual", "cr", *more)
         assert status == 2 and "CL105" in said, said
-
-
-def test_another_arm_is_refused(capsys, cell) -> None:
     text = Path("assistant.toml").read_text(encoding="utf-8")
     Path("assistant.toml").write_text(text.replace("rv-2aj", "rv-2a"), encoding="utf-8")
     status, _, said = run(capsys, *WANDER, "--yes")
     assert status == 2 and "CL284" in said, said
+    assert cell.state.joints == before and not Path("arm.npz").exists()
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ import pytest
 
 from assistant.blocks.fmu.co_simulation import this_platform
 from tests.blocks.code.compiled import compiler
+from tests.cli.tables import each
 from tests.cli.test_commands import run
 from tests.robots.test_urdf import OFFSET, WRISTED
 
@@ -23,7 +24,7 @@ def names(file: Path) -> list[str]:
         return archive.namelist()
 
 
-def test_the_name_of_a_robot_gives_an_arm(capsys: Capture, tmp_path: Path) -> None:
+def test_the_name_or_the_file_of_a_robot_gives_an_arm(capsys: Capture, tmp_path: Path) -> None:
     compiler()
     file = tmp_path / "arm.fmu"
     status, out, err = run(capsys, "fmu", "rv-2aj", "-o", str(file))
@@ -33,6 +34,10 @@ def test_the_name_of_a_robot_gives_an_arm(capsys: Capture, tmp_path: Path) -> No
         f"wrote {file}",
     ]
     assert f"binaries/{this_platform()}/rv_2aj_simulated.so" in names(file)
+    own = tmp_path / "own.urdf"
+    own.write_text(WRISTED, encoding="utf-8")
+    status, out, _ = run(capsys, "fmu", own, "--lag", "0.05", "-o", file)
+    assert status == 0 and out.startswith("own, simulated: 31 parameters")
 
 
 def test_a_program_gives_its_motion(capsys: Capture, tmp_path: Path) -> None:
@@ -48,38 +53,30 @@ def test_a_program_gives_its_motion(capsys: Capture, tmp_path: Path) -> None:
     assert answer["guid"] in described and 'stepSize="0.05"' in described
 
 
-def test_the_file_of_a_robot_is_an_arm(capsys: Capture, tmp_path: Path) -> None:
-    own = tmp_path / "own.urdf"
-    own.write_text(WRISTED, encoding="utf-8")
-    status, out, _ = run(capsys, "fmu", str(own), "--lag", "0.05", "-o", str(tmp_path / "a.fmu"))
-    assert status == 0 and out.startswith("own, simulated: 31 parameters")
+REFUSED = (
+    ("own.urdf", (), "arm.fmu", 1, "BL301"),  # without a closed form
+    ("rv-2aj", (), "arm.zip", 2, "CL560"),
+    *(("rv-2aj", ("--lag", lag), "arm.fmu", 2, "--lag") for lag in ("inf", "nan", "-1", "1e300")),
+    ("rv-2aj", ("--cycle", "0.01"), "arm.fmu", 2, "CL561"),
+    ("rv-2aj", ("--period", "0.01"), "arm.fmu", 2, "CL561"),
+    ("irb1200-7-0.7", ("--kind", "live"), "live.fmu", 1, "BL406"),
+    (GLUING, ("--robot", "rv-2aj"), "gluing.fmu", 1, "is not written as an FMU"),  # out of reach
+)
 
 
-def test_an_arm_without_a_closed_form_is_refused(capsys: Capture, tmp_path: Path) -> None:
-    own = tmp_path / "own.urdf"
-    own.write_text(OFFSET, encoding="utf-8")
-    status, _, err = run(capsys, "fmu", str(own), "-o", str(tmp_path / "a.fmu"))
-    assert status == 1 and "BL301" in err
-    assert not (tmp_path / "a.fmu").exists()
+def test_what_cannot_be_a_block_is_refused(
+    capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.urdf").write_text(OFFSET, encoding="utf-8")
 
+    def check(name: str, more: tuple[str, ...], file: str, status: int, code: str) -> None:
+        ended, out, err = run(capsys, "fmu", name, *more, "-o", file)
+        assert (ended, code in out + err) == (status, True)
+        assert "error" in err.lower()
+        assert [one.name for one in tmp_path.iterdir()] == ["own.urdf"]
 
-def test_a_program_out_of_reach_is_not_written(capsys: Capture, tmp_path: Path) -> None:
-    file = tmp_path / "gluing.fmu"
-    status, out, err = run(capsys, "fmu", GLUING, "--robot", "rv-2aj", "-o", str(file))
-    assert status == 1 and "error" in err and "is not written as an FMU" in out
-    assert not file.exists()
-
-
-def test_a_file_of_another_kind_is_refused(capsys: Capture, tmp_path: Path) -> None:
-    status, _, err = run(capsys, "fmu", "rv-2aj", "-o", str(tmp_path / "arm.zip"))
-    assert status == 2 and "CL560" in err
-
-
-@pytest.mark.parametrize("lag", ["inf", "nan", "-1", "1e300"])
-def test_a_lag_that_is_none_is_refused(capsys: Capture, tmp_path: Path, lag: str) -> None:
-    status, _, err = run(capsys, "fmu", "rv-2aj", "--lag", lag, "-o", str(tmp_path / "a.fmu"))
-    assert status == 2 and "--lag" in err
-    assert list(tmp_path.iterdir()) == []
+    each(REFUSED, check)
 
 
 def test_a_live_controller_has_its_own_cycle(capsys: Capture, tmp_path: Path) -> None:
@@ -91,19 +88,6 @@ def test_a_live_controller_has_its_own_cycle(capsys: Capture, tmp_path: Path) ->
         described = archive.read("modelDescription.xml").decode()
     assert 'stepSize="0.0035"' in described
     assert 'canHandleVariableCommunicationStepSize="false"' in described
-
-
-def test_a_live_arm_of_another_maker_is_refused(capsys: Capture, tmp_path: Path) -> None:
-    words = ("--kind", "live", "-o", str(tmp_path / "live.fmu"))
-    status, _, err = run(capsys, "fmu", "irb1200-7-0.7", *words)
-    assert status == 1 and "BL406" in err
-
-
-@pytest.mark.parametrize("option", [("--cycle", "0.01"), ("--period", "0.01")])
-def test_an_option_of_another_kind_is_refused(capsys: Capture, tmp_path: Path, option) -> None:
-    output = tmp_path / "arm.fmu"
-    status, _, said = run(capsys, "fmu", "rv-2aj", "-o", output, *option)
-    assert (status, "CL561" in said, output.exists()) == (2, True, False)
 
 
 def test_what_only_running_a_program_tells_is_said_not_to_be_played(

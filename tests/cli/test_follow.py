@@ -11,15 +11,11 @@ import sys
 import threading
 from contextlib import closing
 
-import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.base.diagnostics import Refused
-from assistant.compiler.commanded_motion import trajectory_of_source
 from assistant.controllers import connect, parse
 from assistant.controllers.mitsubishi.cr import Cr
-from assistant.controllers.states import Position
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.real_time import Enet, mxt_commands
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm
@@ -168,12 +164,17 @@ REFUSED = [
 ]
 
 
-def test_what_is_refused_before_anything_moves(capsys, cr, here):
+def test_what_is_refused_before_anything_moves(capsys, cr, here, tmp_path):
     for text, more, status, code in REFUSED:
         (here / "way.csv").write_text(text, encoding="utf-8")
         found, _, said = run(capsys, "follow", "cell1", "way.csv", *more, "--yes")
         assert (found, code in said) == (status, True), said
         assert cr.names() == ()
+    project = tmp_path / "assistant.toml"
+    project.write_text(project.read_text().replace("robot =", "#"))
+    (here / "way.csv").write_text(FIVE, encoding="utf-8")
+    status, _, said = run(capsys, "follow", "cell1", "way.csv", "--by", "mxt", "--yes")
+    assert status == 2 and "CL251" in said
 
 
 def test_packets_do_not_go_over_a_serial_line(capsys, here, tmp_path):
@@ -186,57 +187,3 @@ def test_packets_do_not_go_over_a_serial_line(capsys, here, tmp_path):
         for by, cure in (("mxt", "melfa://"), ("data-link", "two other lines")):
             status, _, said = run(capsys, "follow", "cell1", "way.csv", "--by", by)
             assert (status, "CN209" in said, cure in said) == (2, True, True), said
-
-
-def test_without_a_robot_no_trajectory_is_followed(capsys, cr, here, tmp_path):
-    project = tmp_path / "assistant.toml"
-    project.write_text(project.read_text().replace("robot =", "#"))
-    (here / "way.csv").write_text(FIVE, encoding="utf-8")
-    status, _, said = run(capsys, "follow", "cell1", "way.csv", "--by", "mxt", "--yes")
-    assert status == 2 and "CL251" in said
-
-
-ARM = robots.get("rv-2aj")
-HOME = Position((0.0, 0.0, 90.0, None, 90.0, 0.0), (160.0, 0.0, 478.0), (0.0, 0.0, 1.0, 0.0))
-
-
-def test_the_motion_begins_where_the_arm_is_and_ends_at_the_last_target(here):
-    (here / "way.csv").write_text(FIVE, encoding="utf-8")
-    bent = Position((20.0, 0.0, 90.0, None, 90.0, 0.0), HOME.position, HOME.quaternion)
-    found = trajectory_of_source("way.csv", ARM, bent, 0.05, 100.0)
-    assert np.allclose(found.joints[0], (20.0, 0.0, 90.0, 90.0, 0.0))
-    assert np.allclose(found.positions[-1], (175.0, 0.0, 470.0))
-    assert np.diff(found.seconds).max() <= 0.05 + 1e-9
-    slow = trajectory_of_source("way.csv", ARM, bent, 0.05, 50.0)
-    assert slow.seconds[-1] == pytest.approx(2.0 * found.seconds[-1])
-    first = trajectory_of_source("way.csv", ARM, None, 0.05, 100.0)
-    assert np.allclose(first.positions[0], (160.0, 0.0, 478.0))
-    six = found.numbered(found.joints, np.nan)
-    assert six.shape == (len(found.seconds), 6) and np.isnan(six[:, 3]).all()
-
-
-def test_a_wait_is_a_part_of_the_motion(here):
-    seconds = [
-        trajectory_of_source(str(_program(here, line)), ARM, HOME, 0.05, 100.0).seconds[-1]
-        for line in ("# nothing", "wait 1 s")
-    ]
-    assert seconds[1] - seconds[0] == pytest.approx(1.0, abs=0.01)
-
-
-@pytest.mark.parametrize("line", ["stop", "if 1 = 1\n    stop\n  end"])
-def test_a_program_that_does_more_than_move_is_not_followed(here, line):
-    with pytest.raises(Refused) as refused:
-        trajectory_of_source(str(_program(here, line)), ARM, HOME, 0.05, 100.0)
-    assert [finding.code for finding in refused.value.findings] == ["CO721"]
-
-
-def _program(here, line):
-    """A pseudo-program with one more statement behind its moves."""
-    from assistant.program import pseudo
-    from assistant.sources import read
-
-    (here / "way.csv").write_text(FIVE, encoding="utf-8")
-    text = pseudo.print_program(read(here / "way.csv").program).text
-    file = here / "way.pseudo"
-    file.write_text(text.replace("\nend", f"\n  {line}\nend", 1), encoding="utf-8")
-    return file

@@ -5,15 +5,12 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from assistant import languages
-from assistant.base.source_text import SourceText
-from assistant.compiler.formatter import NOT_THE_SAME, format_text
-from assistant.languages.rapid import Rapid
+from tests.cli.tables import each
 from tests.cli.test_commands import run
 
 UNTIDY = b"MODULE m\r\nvar num a := 1 ;\r\nENDMODULE"
@@ -118,57 +115,45 @@ def test_a_link_stays_one(capsys, folder):
     assert (folder / "one.mod").read_bytes() == TIDY
 
 
-def test_standard_input_goes_to_standard_output():
-    command = [sys.executable, "-m", "assistant", "fmt", "-"]
-    done = subprocess.run(command, input=UNTIDY, capture_output=True)
+def test_standard_input_goes_to_standard_output(forks):
+    def given(text, *options):
+        program = [forks.folder / "robot-assistant", "fmt", "-", *options]
+        return subprocess.run(program, input=text, capture_output=True)
+
+    done = given(UNTIDY)
     assert (done.returncode, done.stdout) == (0, TIDY)
-    done = subprocess.run(command, input=BROKEN, capture_output=True)
+    done = given(BROKEN)
     assert (done.returncode, done.stdout) == (1, BROKEN)
     assert b"standard input:" in done.stderr
-    assert subprocess.run([*command, "--check"], input=UNTIDY, capture_output=True).returncode == 1
+    assert given(UNTIDY, "--check").returncode == 1
 
 
-class Forgetful(Rapid):
-    """Formats by leaving something out."""
-
-    left_out = ""
-
-    def format(self, tree):
-        return super().format(tree).replace(self.left_out, "")
-
-
-@pytest.mark.parametrize("left_out", ["    VAR num b;\n", "! a note", ";"])
-def test_a_wrong_formatter_does_no_harm(left_out):
-    language = Forgetful()
-    language.left_out = left_out
-    text = "MODULE m\n VAR num a:= ! a note\n 1;\nVAR num b;\nENDMODULE\n"
-    formatted = format_text(SourceText(text, "m.mod"), language)
-    assert not formatted.changed
-    assert formatted.text == text
-    assert [f.code for f in formatted.findings] == [NOT_THE_SAME.code]
-
-
-@pytest.mark.parametrize("name", [name for name in languages.names() if name != "rapid"])
-def test_programs_are_written_in_the_layout(capsys, tmp_path, name):
+def test_programs_are_written_in_the_layout(capsys, tmp_path):
     source = Path(__file__).parents[2] / "samples" / "positioning.csv"
-    robot = "rv-2aj" if name == "melfa-basic-4" else "rv-4frl"
-    run(capsys, "compile", source, "-l", name, "-r", robot, "-o", tmp_path)
-    (file,) = tmp_path.glob("*.prg")
-    written = file.read_bytes()
-    assert run(capsys, "fmt", "--check", file)[0] == 0
-    file.write_bytes(written.replace(b"=(", b" = ( "))
-    assert run(capsys, "fmt", "--check", file)[0] == 1
-    assert run(capsys, "fmt", file)[0] == 0
-    assert file.read_bytes() == written
+    for name in languages.names():
+        if name == "rapid":
+            continue
+        robot, folder = "rv-2aj" if name == "melfa-basic-4" else "rv-4frl", tmp_path / name
+        run(capsys, "compile", source, "-l", name, "-r", robot, "-o", folder)
+        (file,) = folder.glob("*.prg")
+        written = file.read_bytes()
+        assert run(capsys, "fmt", "--check", file)[0] == 0, name
+        file.write_bytes(written.replace(b"=(", b" = ( "))
+        assert run(capsys, "fmt", "--check", file)[0] == 1, name
+        assert run(capsys, "fmt", file)[0] == 0, name
+        assert file.read_bytes() == written, name
 
 
-@pytest.mark.parametrize("value", ["", "x", "0", "10,0", "10,10,10", "-1,1", "1.5"])
-def test_a_numbering_that_is_none_is_wrong_usage(capsys, folder, value):
+def test_a_numbering_that_is_none_is_wrong_usage(capsys, folder):
     before = contents(folder)
-    status, out, err = run(capsys, "fmt", f"--renumber={value}", folder / "one.mod")
-    assert status == 2
-    assert "CL005" in err and "--renumber 10,10" in err and not out
-    assert contents(folder) == before
+
+    def check(value):
+        status, out, err = run(capsys, "fmt", f"--renumber={value}", folder / "one.mod")
+        assert status == 2
+        assert "CL005" in err and "--renumber 10,10" in err and not out
+        assert contents(folder) == before
+
+    each(("", "x", "0", "10,0", "10,10,10", "-1,1", "1.5"), check)
 
 
 def test_steps_are_numbered_anew(capsys, tmp_path, folder):

@@ -99,7 +99,8 @@ REFUSED: dict[str, Words] = {
     ],
 }
 """What this controller cannot do is refused, and leaves nothing either."""
-QUICK = ("info", "teach", "backup", "verify")
+QUICK = ("backup", "verify")
+WHILE_WAITING = ("info", "variables", "teach", "inputs")
 
 
 @pytest.fixture
@@ -155,17 +156,15 @@ def guided() -> Guidance:
 
 
 def test_quick_commands_leave_the_controller_as_it_was(capsys, ready):
+    """And a program that waits goes on waiting."""
     check_each(capsys, ready, QUICK)
+    assert run(capsys, "start", "cell1", "--yes", "--no-wait")[0] == 0
+    check_each(capsys, ready, WHILE_WAITING)
 
 
 @pytest.mark.slow
 def test_each_command_leaves_the_controller_as_it_was(capsys, ready):
     check_each(capsys, ready, [*COMMANDS, *REFUSED])
-
-
-def test_a_program_that_waits_goes_on_waiting(capsys, ready):
-    assert run(capsys, "start", "cell1", "--yes", "--no-wait")[0] == 0
-    check_each(capsys, ready, ("info", "variables", "teach", "inputs"))
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ import pytest
 
 from assistant import languages
 from assistant.base.budgets import FACTOR_VARIABLE
+from tests.cli.tables import each
 from tests.cli.test_commands import run
 
 MODULE = "MODULE m\n{data}\nPROC main()\n{body}\nENDPROC\nENDMODULE\n"
@@ -24,12 +25,12 @@ needs_pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system h
 
 @pytest.fixture
 def pipe(tmp_path: Path) -> Iterator[Path]:
-    """A named pipe `x.mod` that somebody has open for writing, for five seconds at most."""
+    """A named pipe `x.mod` that somebody has open for writing, for 20 seconds at most."""
     path = tmp_path / "x.mod"
     os.mkfifo(path)
     with os.fdopen(os.open(path, os.O_RDWR), "wb", buffering=0) as end:
         end.write(MODULE.format(data="", body="").encode())
-        closing = threading.Timer(5, end.close)
+        closing = threading.Timer(20, end.close)
         closing.start()
         yield path
         closing.cancel()
@@ -56,43 +57,46 @@ PIPES = [
 
 
 @needs_pipes
-@pytest.mark.parametrize("words", PIPES)
-def test_no_command_waits_at_a_pipe(words, pipe, tmp_path, capsys, monkeypatch):
+def test_no_command_waits_at_a_pipe(pipe, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "x.mod.toml").symlink_to(pipe)
     (tmp_path / "robot.toml").write_text(ROBOT.format(pipe.name), encoding="utf-8")
     (tmp_path / "t.csv").write_text(TABLE, encoding="utf-8")
-    named = words.replace("PIPE", pipe.name).replace("OUT", "out").replace("TABLE", "t.csv")
-    status, _, err = run(capsys, *named.split())
-    assert status == 2 and "IN009" in err and "a named pipe" in err
-    assert not (tmp_path / "out").exists()
+
+    def check(words):
+        named = words.replace("PIPE", pipe.name).replace("OUT", "out").replace("TABLE", "t.csv")
+        status, _, err = run(capsys, *named.split())
+        assert status == 2 and "IN009" in err and "a named pipe" in err
+        assert not (tmp_path / "out").exists()
+
+    each(PIPES, check)
+
+
+DEVICES = (
+    "check /dev/zero",
+    "compile t.csv -l rapid -o out --process /dev/zero",
+    "robots show robot.toml",
+)
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="the system has no such device")
-@pytest.mark.parametrize(
-    "words",
-    [
-        "check /dev/zero",
-        "compile t.csv -l rapid -o out --process /dev/zero",
-        "robots show robot.toml",
-    ],
-)
-def test_no_command_reads_a_device(words, tmp_path, capsys, monkeypatch):
+def test_no_command_reads_a_device(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "robot.toml").write_text(ROBOT.format("/dev/zero"), encoding="utf-8")
     (tmp_path / "t.csv").write_text(TABLE, encoding="utf-8")
-    status, _, err = run(capsys, *words.split())
-    assert status == 2 and "IN009" in err and "a device" in err
+    for words in DEVICES:
+        status, _, err = run(capsys, *words.split())
+        assert status == 2 and "IN009" in err and "a device" in err, words
 
 
-@pytest.mark.parametrize("size", ["100000,100000,100000", "2000000000"])
-def test_an_array_is_not_multiplied_out(size, tmp_path, capsys, monkeypatch):
+def test_an_array_is_not_multiplied_out(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv(FACTOR_VARIABLE, "0.3")
     file = tmp_path / "arr.mod"
-    at = ",".join("1" for _ in size.split(","))
-    file.write_text(MODULE.format(data=f"VAR num a{{{size}}};", body=f"a{{{at}}}:=2;"))
-    status, out, err = run(capsys, "translate", file, "--to", "melfa-basic-5", "-o", tmp_path)
-    assert status == 1 and "MB209" in out + err and "LM0" not in out + err
+    for size in ("100000,100000,100000", "2000000000"):
+        at = ",".join("1" for _ in size.split(","))
+        file.write_text(MODULE.format(data=f"VAR num a{{{size}}};", body=f"a{{{at}}}:=2;"))
+        status, out, err = run(capsys, "translate", file, "--to", "melfa-basic-5", "-o", tmp_path)
+        assert status == 1 and "MB209" in out + err and "LM0" not in out + err, size
 
 
 def test_a_long_string_takes_the_memory_of_its_characters():

@@ -222,15 +222,14 @@ def test_a_report_is_written_whole_or_not_at_all(tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["folder.xml", "report.xml"]
 
 
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
-def test_whatever_ends_the_program_asks_for_an_end_in_order(name):
-    number = getattr(signal, name)
-    before = signal.getsignal(number)
-    with end_in_order() as halt:
-        signal.raise_signal(number)
-        signal.raise_signal(number)
-        assert halt.asked
-    assert signal.getsignal(number) is before
+def test_whatever_ends_the_program_asks_for_an_end_in_order():
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        before = signal.getsignal(number)
+        with end_in_order() as halt:
+            signal.raise_signal(number)
+            signal.raise_signal(number)
+            assert halt.asked, number
+        assert signal.getsignal(number) is before
 
 
 # --------------------------------------------------------------------------------- the command line

@@ -39,21 +39,20 @@ def test_json_is_a_line_each(capsys, cr):
     assert samples[-1]["seconds"] >= 0.02
 
 
-def test_a_log_is_not_written_over(capsys, cr, here):
+def test_a_log_is_not_written_over_nor_left_of_nothing(capsys, cr, here):
     (here / "run.csv").write_text("mine")
     status, _, said = run(capsys, "monitor", "cell1", "--seconds", "0.1", "--log", "run.csv")
     assert status == 2 and "CL220" in said and (here / "run.csv").read_text() == "mine"
     status, _, said = run(capsys, "monitor", "cell1", "--log", "none/run.csv")
     assert status == 2 and "CL221" in said
 
-
-def test_a_controller_that_is_not_reached_leaves_no_log(capsys, here):
+    (here / "run.csv").unlink()
     status, _, said = run(capsys, "monitor", "melfa://127.0.0.1:1", "--log", "run.csv")
     assert status == 2 and "CN201" in said and not (here / "run.csv").exists()
 
 
-def test_a_live_table_until_ctrl_c(cr, here):
-    with Terminal("monitor", "cell1", "--interval", "0.05", folder=here) as terminal:
+def test_a_live_table_until_ctrl_c(cr, here, forks):
+    with Terminal(forks, "monitor", "cell1", "--interval", "0.05", folder=here) as terminal:
         terminal.until("RV-2AJ")
         terminal.until("J3 90.00")
         cr.alarm(4140)
@@ -70,7 +69,7 @@ def test_monitoring_needs_no_right(capsys, cr):
         assert other.ask("1;1;OVRD=50").startswith("QoK")  # which is still theirs
 
 
-def test_signals_and_parameters(capsys, cr):
+def test_signals_are_read_and_parameters_are_set(capsys, cr):
     assert run(capsys, "inputs", "cell1", "5", "6")[:2] == (0, "5 = 0\n6 = 0\n")
     with Wire(cr.port) as wire:
         wire.ask("1;1;INDMY")
@@ -81,8 +80,6 @@ def test_signals_and_parameters(capsys, cr):
     status, _, said = run(capsys, "parameters", "cell1", "NONSENSE")
     assert status == 1 and "CN" in said
 
-
-def test_a_parameter_is_set_and_told_as_changed(capsys, cr):
     assert run(capsys, "parameters", "cell1")[:2] == (0, "")
     assert run(capsys, "parameters", "cell1", "MEXTL=0,0,50,0,0,0")[0] == 0
     status, out, _ = run(capsys, "parameters", "cell1")

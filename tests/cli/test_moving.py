@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -14,8 +13,10 @@ import pytest
 from assistant.controllers import Controller, connect
 from assistant.controllers.states import State
 from assistant.virtual.irc5.rws_faults import Fault
+from tests.cli.processes import Command
 from tests.cli.terminal import Terminal
 from tests.cli.test_commands import run
+from tests.forks import Forks
 
 MODULE = """MODULE cell
 PERS num done:=0;
@@ -49,12 +50,10 @@ def now() -> tuple[State, float]:
 
 
 @contextmanager
-def process(*arguments: str) -> Iterator[subprocess.Popen[str]]:
+def process(forks: Forks, *arguments: str) -> Iterator[Command]:
     """A command that goes on meanwhile, without a terminal."""
-    command = [sys.executable, "-m", "assistant", *arguments]
-    with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as child:
+    streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with Command(forks, *arguments, **streams) as child:
         yield child
         child.kill()
 
@@ -69,28 +68,37 @@ ASKING = [
     ("follow", "cell1", "way.csv", "--by", "exchange"),
 ]
 WAY = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n422,0,750,0.5,0,0.8660254,0\n430,0,750,0.5,0,0.8660254,0\n"
+BEYOND = [
+    (("jog", "cell1", "J1", "500"), "CO711"),
+    (("jog", "cell1", "Z", "-3000"), "CO713"),
+    (("jog", "cell1", "J9", "1"), "CO712"),
+]
 
 
 def test_without_a_terminal_nothing_moves_unasked(capsys, rws, here):
+    """Nor is anybody asked about what is beyond the limits, or cannot be done by hand."""
     (here / "way.csv").write_text(WAY, encoding="utf-8")
     for arguments in ASKING:
         status, out, said = run(capsys, *arguments)
         assert status == 2 and "CL203" in said and "type `cell1`" in said and not out
+    for arguments, code in BEYOND:
+        status, _, said = run(capsys, *arguments, "--yes")
+        assert status in (1, 2) and code in said
+    for arguments in (("jog", "cell1", "J1", "5"), ("hand", "cell1", "open")):
+        status, _, said = run(capsys, *arguments, "--yes")
+        assert status == 2 and "CN209" in said and "CL24" not in said
     state, _ = now()
     assert not state.motors and not state.running
 
 
-def test_another_word_is_no_yes(rws, here):
-    with Terminal("motors", "cell1", "on", folder=here) as terminal:
+def test_the_name_typed_is_a_yes_and_another_word_is_none(capsys, rws, here, forks):
+    with Terminal(forks, "motors", "cell1", "on", folder=here) as terminal:
         terminal.until("Type `cell1` to confirm: ")
         terminal.type("cell2\n")
         status, said = terminal.end()
     assert status == 2 and "CL204" in said
     assert not now()[0].motors
-
-
-def test_the_name_typed_is_a_yes(capsys, rws, here):
-    with Terminal("motors", "cell1", "on", folder=here) as terminal:
+    with Terminal(forks, "motors", "cell1", "on", folder=here) as terminal:
         asked = terminal.until("Type `cell1` to confirm: ")
         assert "the arm can move from then on" in asked
         terminal.type("cell1\n")
@@ -120,22 +128,25 @@ def test_it_is_not_waited_for_if_nobody_wants(capsys, loaded):
     assert run(capsys, "variables", "cell1", "done=5", "--program", "cell")[:2] == (0, "done = 5\n")
 
 
-@pytest.mark.parametrize("ending", ["SIGINT", "SIGTERM", "SIGHUP", "SIGTSTP"])
-def test_ctrl_c_stops_the_arm_and_tells_where_it_is(capsys, loaded, ending):
+ENDINGS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGTSTP")
+
+
+def test_ctrl_c_stops_the_arm_and_tells_where_it_is(loaded, forks):
     """So does the end of a pipeline or a terminal, and Ctrl-Z, which would halt us alone."""
-    with process("start", "cell1", "cell.mod", "--yes") as child:
-        assert "Ctrl-C stops it" in child.stdout.readline()
-        child.send_signal(getattr(signal, ending))
-        _, said = child.communicate(timeout=30)
-    assert child.returncode == 128 + getattr(signal, ending)
-    assert said.endswith(f"ended by {ending}\n")
-    assert "CL240" in said and "stands at J1 " in said and "Traceback" not in said
-    state, first = now()
-    assert not state.running and f"J1 {first:.2f}" in said
+    for ending in ENDINGS:
+        with process(forks, "start", "cell1", "cell.mod", "--yes") as child:
+            assert "Ctrl-C stops it" in child.stdout.readline()
+            child.send_signal(getattr(signal, ending))
+            _, said = child.communicate(timeout=30)
+        assert child.returncode == 128 + getattr(signal, ending)
+        assert said.endswith(f"ended by {ending}\n")
+        assert "CL240" in said and "stands at J1 " in said and "Traceback" not in said
+        state, first = now()
+        assert not state.running and f"J1 {first:.2f}" in said
 
 
-def test_an_emergency_stop_ends_the_wait(loaded):
-    with process("start", "cell1", "cell.mod", "--yes") as child:
+def test_an_emergency_stop_ends_the_wait(loaded, forks):
+    with process(forks, "start", "cell1", "cell.mod", "--yes") as child:
         assert "Ctrl-C stops it" in child.stdout.readline()
         loaded.press_emergency_stop()
         out, said = child.communicate(timeout=30)
@@ -143,8 +154,8 @@ def test_an_emergency_stop_ends_the_wait(loaded):
     assert not now()[0].running
 
 
-def test_where_nobody_answers_it_is_not_known_whether_the_arm_stands(loaded):
-    with process("start", "cell1", "cell.mod", "--yes") as child:
+def test_where_nobody_answers_it_is_not_known_whether_the_arm_stands(loaded, forks):
+    with process(forks, "start", "cell1", "cell.mod", "--yes") as child:
         assert "Ctrl-C stops it" in child.stdout.readline()
         loaded.stop()
         _, said = child.communicate(timeout=60)
@@ -152,8 +163,8 @@ def test_where_nobody_answers_it_is_not_known_whether_the_arm_stands(loaded):
     assert "CL241" in said and "emergency stop" in said
 
 
-def test_a_second_ctrl_c_gives_up(loaded):
-    with process("start", "cell1", "cell.mod", "--yes") as child:
+def test_a_second_ctrl_c_gives_up(loaded, forks):
+    with process(forks, "start", "cell1", "cell.mod", "--yes") as child:
         assert "Ctrl-C stops it" in child.stdout.readline()
         loaded.faults.add(Fault("delay", seconds=1.0))
         child.send_signal(signal.SIGINT)
@@ -164,36 +175,14 @@ def test_a_second_ctrl_c_gives_up(loaded):
     assert "CL241" in said and "given up" in said and "CL240" not in said
 
 
-BEYOND = [
-    (("jog", "cell1", "J1", "500"), "CO711"),
-    (("jog", "cell1", "Z", "-3000"), "CO713"),
-    (("jog", "cell1", "J9", "1"), "CO712"),
-]
-
-
-def test_beyond_the_limits_nobody_is_asked(capsys, rws):
-    for arguments, code in BEYOND:
-        status, _, said = run(capsys, *arguments, "--yes")
-        assert status in (1, 2) and code in said
-
-
-def test_what_a_controller_cannot_do_by_hand(capsys, rws):
-    for arguments in (("jog", "cell1", "J1", "5"), ("hand", "cell1", "open")):
-        status, _, said = run(capsys, *arguments, "--yes")
-        assert status == 2 and "CN209" in said and "CL24" not in said
-
-
-def test_another_robot_than_the_project_says(capsys, loaded, tmp_path):
+def test_the_robot_of_the_project_has_to_be_there(capsys, loaded, tmp_path):
     project = tmp_path / "assistant.toml"
-    project.write_text(project.read_text().replace("irb1200-7-0.7", "rv-2aj"))
+    text = project.read_text()
+    project.write_text(text.replace("irb1200-7-0.7", "rv-2aj"))
     status, _, said = run(capsys, "start", "cell1", "cell.mod", "--yes")
     assert status == 2 and "CO702" in said
     assert not now()[0].running
-
-
-def test_without_a_robot_that_is_said(capsys, loaded, tmp_path):
-    project = tmp_path / "assistant.toml"
-    project.write_text(project.read_text().replace("robot =", "#"))
+    project.write_text(text.replace("robot =", "#"))
     status, _, said = run(capsys, "start", "cell1", "cell.mod", "--no-wait", "--yes")
     assert status == 0 and "CO714" in said
     assert run(capsys, "stop", "cell1")[0] == 0
@@ -209,16 +198,17 @@ def ready(capsys, cr):
     return cr
 
 
-def test_one_axis_is_moved_by_hand(capsys, ready):
+def test_one_axis_and_a_hand_are_moved(capsys, ready):
     status, out, _ = run(capsys, "jog", "cell1", "J1", "-5", "--speed", "100", "--yes")
     assert status == 0 and out.startswith("J1 -5.00  J2 0.00")
     status, out, _ = run(capsys, "jog", "cell1", "z", "-3", "--yes", "--format", "json")
     assert status == 0
     assert json.loads(out)["position"]["position"] == pytest.approx([159.39, -13.94, 475.0])
+    assert run(capsys, "hand", "cell1", "close", "--yes")[:2] == (0, "cell1: hand 1 closed\n")
 
 
-def test_ctrl_c_stops_a_motion_by_hand(ready):
-    with process("jog", "cell1", "J1", "90", "--speed", "3", "--yes") as child:
+def test_ctrl_c_stops_a_motion_by_hand(ready, forks):
+    with process(forks, "jog", "cell1", "J1", "90", "--speed", "3", "--yes") as child:
         while now()[1] == 0.0:
             assert child.poll() is None
         child.send_signal(signal.SIGINT)
@@ -228,7 +218,7 @@ def test_ctrl_c_stops_a_motion_by_hand(ready):
     assert 0.0 < first < 89.0 and f"J1 {first:.2f}" in said
 
 
-def test_a_program_is_started_by_the_link(capsys, ready, here):
+def test_a_program_is_started_by_the_link_and_a_fault_of_it_is_its_end(capsys, ready, here):
     (here / "pick.prg").write_text(
         "10 MOV J1\n20 END\nJ1=(+10.00,+0.00,+90.00,+0.00,+90.00,+0.00)\n"
     )
@@ -236,9 +226,6 @@ def test_a_program_is_started_by_the_link(capsys, ready, here):
     status, out, _ = run(capsys, "start", "cell1", "PICK", "--yes")
     assert status == 0 and "the program has ended" in out
     assert now()[1] == pytest.approx(10.0)
-
-
-def test_a_fault_of_the_program_is_its_end(capsys, ready, here):
     (here / "bad.prg").write_text(
         "10 MOV J1\n20 END\nJ1=(+400.00,+0.00,+90.00,+0.00,+90.00,+0.00)\n"
     )
@@ -246,7 +233,3 @@ def test_a_fault_of_the_program_is_its_end(capsys, ready, here):
     status, out, said = run(capsys, "start", "cell1", "BAD", "--yes")
     assert status == 1 and "error" in out + said
     assert not now()[0].running
-
-
-def test_a_hand_is_closed(capsys, ready):
-    assert run(capsys, "hand", "cell1", "close", "--yes")[:2] == (0, "cell1: hand 1 closed\n")

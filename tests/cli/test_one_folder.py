@@ -26,6 +26,7 @@ TRANSLATE = ("translate", "--to", "melfa-basic-6", "-o", "out")
 @pytest.mark.parametrize(
     ("command", "suffix", "text", "written"),
     [(COMPILE, "pseudo", PSEUDO, "job.mod"), (TRANSLATE, "mod", MODULE, "JOB.prg")],
+    ids=["compile", "translate"],
 )
 def test_a_file_of_another_source_is_not_replaced(
     command, suffix, text, written, tmp_path, monkeypatch, capsys
@@ -75,10 +76,11 @@ def test_python_refuses_it_as_well(tmp_path):
     made[1].write(tmp_path / "out", overwrite=True)
 
 
-@pytest.mark.parametrize("memory", [b"", b"[1]", b"{", b'{"job.mod": 5}', b"\xff"])
-def test_a_memory_that_is_broken_counts_as_none(memory, tmp_path, monkeypatch, capsys):
+def test_a_memory_that_is_broken_counts_as_none(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("one.pseudo").write_text(PSEUDO.format(x=1))
     Path("out/.robot-assistant/written").mkdir(parents=True)
-    Path("out/.robot-assistant/written/sources.json").write_bytes(memory)
-    assert run(capsys, *COMPILE, "one.pseudo")[0] == 0
+    for memory in (b"", b"[1]", b"{", b'{"job.mod": 5}', b"\xff"):
+        Path("out/.robot-assistant/written/sources.json").write_bytes(memory)
+        assert run(capsys, *COMPILE, "one.pseudo")[0] == 0, memory
+        Path("out/job.mod").unlink()

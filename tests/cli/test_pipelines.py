@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft7Validator
 
+from tests.cli.tables import each
 from tests.cli.test_check import BROKEN, CLEAN, ODD, write
 from tests.cli.test_commands import SAMPLES, run
 from tests.cli.test_many_cells import NASTY, read
@@ -112,16 +113,22 @@ def test_junit_is_well_formed_whatever_is_in_a_name(programs, capsys):
     assert len(list(suite.iter("failure"))) >= 1
 
 
-@pytest.mark.parametrize(
-    ("checked", "statuses"),
-    [("clean", (0, 0, 0)), ("odd", (0, 1, 0)), ("broken", (1, 1, 0)), ("none.mod", (2, 2, 2))],
+FAILING = (
+    ("clean", (0, 0, 0)),
+    ("odd", (0, 1, 0)),
+    ("broken", (1, 1, 0)),
+    ("none.mod", (2, 2, 2)),
 )
-def test_what_fails_a_check(programs, capsys, checked, statuses):
-    said = [
-        run(capsys, "check", checked, "--fail-on", one)[0] for one in ("error", "warning", "never")
-    ]
-    assert tuple(said) == statuses
-    assert run(capsys, "check", checked)[0] == statuses[1], "as it is without the option"
+
+
+def test_what_fails_a_check(programs, capsys):
+    def check(checked, statuses):
+        levels = ("error", "warning", "never")
+        said = [run(capsys, "check", checked, "--fail-on", one)[0] for one in levels]
+        assert tuple(said) == statuses
+        assert run(capsys, "check", checked)[0] == statuses[1], "as it is without the option"
+
+    each(FAILING, check)
 
 
 def test_a_project_fails_by_the_same_option(tmp_path, capsys, monkeypatch):

@@ -26,6 +26,7 @@ from assistant.virtual.program_run import Settings, prepared
 from assistant.vision.cameras.camera import Camera, Lens, looking_at
 from assistant.vision.cameras.camera_file import Rig, read_cameras, write_cameras
 from assistant.vision.pointing.devices import Device, ball, wand
+from tests.cli.tables import each
 from tests.cli.test_commands import run
 from tests.vision.pointing.scenes import BENT, SMALL, grey, shown, taken
 
@@ -297,30 +298,33 @@ def test_the_last_of_the_way_is_led_by_what_is_seen_of_the_tool(
     tell(f"virtual RV-2AJ led to a shown place by what is seen of its tool: {off:.3f} mm off")
 
 
-@pytest.mark.parametrize(
-    ("more", "status", "code"),
-    [
-        (("--servo", "seen.toml"), 2, "CL519"),
-        (("--device", "stick"), 2, "VS117"),
-        (("--camera", "left"), 2, "VS115"),
-        (("--camera", "top"), 2, "VS013"),
-        (("--go",), 2, "CL510"),
-        (("--now",), 2, "CL512"),
-        (("--stroke", "--go"), 2, "CL512"),
-        (("--frames", 1), 2, "CL515"),
-        (("--above", 1000), 2, "CL515"),
-        (("-r", "r2d2"), 2, "r2d2"),
-    ],
+WRONG = (
+    (("--servo", "seen.toml"), 2, "CL519"),
+    (("--device", "stick"), 2, "VS117"),
+    (("--camera", "left"), 2, "VS115"),
+    (("--camera", "top"), 2, "VS013"),
+    (("--go",), 2, "CL510"),
+    (("--now",), 2, "CL512"),
+    (("--stroke", "--go"), 2, "CL512"),
+    (("--frames", 1), 2, "CL515"),
+    (("--above", 1000), 2, "CL515"),
+    (("-r", "r2d2"), 2, "r2d2"),
 )
-def test_wrong_usage(capsys, here: Path, more, status: int, code: str) -> None:
+
+
+def test_wrong_usage(capsys, here: Path) -> None:
     rig = Rig(
         {camera.name: camera for camera in cameras_with(SMALL)},
         {},
         {"left": "seen", "right": "seen"},
     )
     write_cameras(here / "cameras.toml", rig)
-    found, _, said = run(capsys, *POINT, *more)
-    assert (found, code in said) == (status, True), said
+
+    def check(more: tuple[object, ...], status: int, code: str) -> None:
+        found, _, said = run(capsys, *POINT, *more)
+        assert (found, code in said) == (status, True), said
+
+    each(WRONG, check)
 
 
 def test_what_else_is_refused(capsys, cr, here: Path, tmp_path: Path) -> None:

@@ -96,15 +96,14 @@ def test_a_line_that_leads_nowhere_is_3140(capsys: pytest.CaptureFixture[str]) -
     assert status == 1 and "error 3140" in said and "COM2:" in said and "--line" in said
 
 
-@pytest.mark.parametrize("target", ["65536", "127.0.0.1:99999", "9" * 5000])
-def test_a_line_to_no_port_is_refused(capsys: pytest.CaptureFixture[str], target: str) -> None:
-    from tests.cli.test_commands import run
-
-    line = f"COM1={target}"
-    status, _, said = run(capsys, "run", SAMPLES / "MULTITASK.prg", "-r", "rv-2aj", "--line", line)
-    assert (status, "VC217" in said) == (2, True), said
-    status, _, said = run(capsys, "virtual", "cr", "--port", "0", "--line", line)
-    assert (status, "CL101" in said) == (2, True), said
+def test_a_line_to_no_port_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    program = ("run", SAMPLES / "MULTITASK.prg", "-r", "rv-2aj")
+    for target in ("65536", "127.0.0.1:99999", "9" * 5000):
+        line = f"COM1={target}"
+        status, _, said = run(capsys, *program, "--line", line)
+        assert (status, "VC217" in said) == (2, True), said
+        status, _, said = run(capsys, "virtual", "cr", "--port", "0", "--line", line)
+        assert (status, "CL101" in said) == (2, True), said
 
 
 def test_the_check_reports_the_variable_that_is_set_too_late(

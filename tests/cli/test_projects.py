@@ -65,21 +65,17 @@ def test_check_ends_with_its_status(capsys, started):
     assert run(capsys, "check")[0] == 1
 
 
-@pytest.mark.parametrize("words", [("check", "--robot", "rv-2aj"), ("check", "--unit", "mm")])
-def test_options_of_files_say_nothing_of_a_project(capsys, started, words):
-    status, _, err = run(capsys, *words)
-    assert (status, "PR206" in err) == (2, True)
-
-
-@pytest.mark.parametrize("command", ["check", "build"])
-def test_where_no_project_is(capsys, tmp_path, monkeypatch, command):
-    monkeypatch.chdir(tmp_path)
-    status, _, err = run(capsys, command)
-    assert (status, "PR101" in err) == (2, True)
+def test_options_of_files_say_nothing_of_a_project(capsys, started):
+    for words in (("check", "--robot", "rv-2aj"), ("check", "--unit", "mm")):
+        status, _, err = run(capsys, *words)
+        assert (status, "PR206" in err) == (2, True), words
 
 
 def test_what_is_wrong_in_the_file_is_shown_with_its_line(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    for command in ("check", "build"):
+        status, _, err = run(capsys, command)
+        assert (status, "PR101" in err) == (2, True), command
     (tmp_path / "waiting.pseudo").write_text(pseudo())
     (tmp_path / "assistant.toml").write_text(
         f'{CELLS}[programs.a]\nsource = "waiting.pseudo"\n[targets.cell1]\nprogramms = ["a"]\n'

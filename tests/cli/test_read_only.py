@@ -5,6 +5,7 @@ import stat
 import pytest
 
 from assistant.cli import main
+from tests.cli.tables import each
 
 MODULE = "MODULE seam\nPROC main()\nWaitTime 1;\nENDPROC\nENDMODULE\n"
 PSEUDO = "program p\n\nprocedure main\n  wait 1 s\nend\n"
@@ -38,29 +39,27 @@ def written(here, command, capsys):
     return here / "seam.mod" if command == "fmt" else found[0]
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_a_protected_file_is_not_replaced(here, command, capsys):
-    target = written(here, command, capsys)
-    target.write_text(MODULE)
-    target.chmod(0o444)
-    code, said = run(capsys, *COMMANDS[command])
-    assert code == 2 and "CO201" in said.err and "it is read-only" in said.err, said.err
-    assert target.read_text() == MODULE and stat.S_IMODE(target.stat().st_mode) == 0o444
-    assert not list(here.rglob(".robot-assistant-*"))
+def test_a_protected_file_is_not_replaced_and_what_is_replaced_keeps_its_rights(here, capsys):
+    def check(command):
+        target = written(here, command, capsys)
+        target.write_text(MODULE)
+        target.chmod(0o444)
+        code, said = run(capsys, *COMMANDS[command])
+        assert code == 2 and "CO201" in said.err and "it is read-only" in said.err, said.err
+        assert target.read_text() == MODULE and stat.S_IMODE(target.stat().st_mode) == 0o444
+        assert not list(here.rglob(".robot-assistant-*"))
+        target.chmod(0o640)
+        run(capsys, *COMMANDS[command], *(["--overwrite"] if command == "compile" else []))
+        assert target.read_text() != MODULE and stat.S_IMODE(target.stat().st_mode) == 0o640
+        if command != "fmt":
+            target.unlink()
+
+    each(COMMANDS, check)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_what_is_replaced_keeps_its_rights(here, command, capsys):
-    target = written(here, command, capsys)
-    target.write_text(MODULE)
-    target.chmod(0o640)
-    run(capsys, *COMMANDS[command], *(["--overwrite"] if command == "compile" else []))
-    assert target.read_text() != MODULE and stat.S_IMODE(target.stat().st_mode) == 0o640
-
-
-@pytest.mark.parametrize("folder", ["p.pseudo/x", "/proc/closed/x"])
-def test_a_folder_that_cannot_be_made_is_told_as_that(here, folder, capsys):
-    for command in ("compile", "translate"):
-        *words, _ = COMMANDS[command]
-        code, said = run(capsys, *words, folder)
-        assert code == 2 and "CO201" in said.err and "CL901" not in said.err, said.err
+def test_a_folder_that_cannot_be_made_is_told_as_that(here, capsys):
+    for folder in ("p.pseudo/x", "/proc/closed/x"):
+        for command in ("compile", "translate"):
+            *words, _ = COMMANDS[command]
+            code, said = run(capsys, *words, folder)
+            assert code == 2 and "CO201" in said.err and "CL901" not in said.err, said.err

@@ -18,6 +18,7 @@ def test_files_of_a_file_server_are_deleted(capsys, irc5):
     (irc5.folder / "seam.mod").write_text(MODULE.format("seam"))
     (irc5.folder / "position.txt").write_text("[1,2,3]\n")
     (irc5.folder / "parts").mkdir()
+    assert run(capsys, "rm")[0] == run(capsys, "rm", "cell1")[0] == 2
     status, _, said = run(capsys, "rm", "cell1", "seam.mod")
     assert status == 2 and "CL203" in said and (irc5.folder / "seam.mod").exists()
     for name, code in (("none.mod", "CL210"), ("parts", "DP238"), ("../x", "CN207")):
@@ -92,8 +93,3 @@ def test_a_module_in_memory_is_not_deleted(capsys, rws):
         controller.unload("seam")
     assert run(capsys, "rm", "cell1", "seam.mod", "--yes")[0] == 0
     assert [file.name for file in rws.folder.iterdir()] == ["parts"]
-
-
-@pytest.mark.parametrize("given", [(), ("cell1",)])
-def test_nothing_is_deleted_that_is_not_named(capsys, irc5, given):
-    assert run(capsys, "rm", *given)[0] == 2

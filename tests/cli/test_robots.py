@@ -7,12 +7,11 @@ import sys
 from importlib.resources import files
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.report.robots import arm_drawing, joint_axes
 from assistant.robots.robot_file import FIELDS, LENGTH_NAMES
+from tests.cli.tables import each
 from tests.cli.test_commands import run
 from tests.robots.test_urdf import OFFSET, WRISTED
 
@@ -80,29 +79,30 @@ def test_the_list_for_programs(capsys: Capture) -> None:
     }
 
 
-@pytest.mark.parametrize("name", robots.names())
-def test_all_of_a_robot_is_shown(name: str, capsys: Capture) -> None:
-    robot = robots.get(name)
-    said = json.loads(run(capsys, "robots", "show", name, "--format", "json")[1])
-    assert said["name"] == name
-    assert said["source"] == robot.source
-    assert said["unconfirmed"] == list(robot.unconfirmed)
-    assert (said["tcp_speed_mm_s"], said["repeatability_mm"]) == (
-        *(robot.tcp_speed, robot.repeatability),
-    )
-    axes = said["axes"]
-    assert [axis["name"] for axis in axes] == list(robot.axes)
-    assert [axis["limits"] for axis in axes] == robot.limits.tolist()
-    assert [axis["speed"] for axis in axes] == robot.speeds.tolist()
-    assert said["home_flange"]["position"] == pytest.approx(robot.fk(robot.home)[0][0])
-    assert said["lengths_mm"]
+def test_all_of_a_robot_is_shown(capsys: Capture) -> None:
+    def check(name: str) -> None:
+        robot = robots.get(name)
+        said = json.loads(run(capsys, "robots", "show", name, "--format", "json")[1])
+        assert said["name"] == name
+        assert said["source"] == robot.source
+        assert said["unconfirmed"] == list(robot.unconfirmed)
+        assert (said["tcp_speed_mm_s"], said["repeatability_mm"]) == (
+            *(robot.tcp_speed, robot.repeatability),
+        )
+        axes = said["axes"]
+        assert [axis["name"] for axis in axes] == list(robot.axes)
+        assert [axis["limits"] for axis in axes] == robot.limits.tolist()
+        assert [axis["speed"] for axis in axes] == robot.speeds.tolist()
+        assert said["home_flange"]["position"] == pytest.approx(robot.fk(robot.home)[0][0])
+        assert said["lengths_mm"]
 
-    text = run(capsys, "robots", "show", name)[1]
-    assert f"source: {robot.source}" in text
-    assert all(field in text for field in robot.unconfirmed)
-    assert [line.split()[0] for line in text.splitlines() if line.endswith(("degrees", " mm"))][
-        -len(robot.axes) :
-    ] == list(robot.axes)
+        text = run(capsys, "robots", "show", name)[1]
+        assert f"source: {robot.source}" in text
+        assert all(field in text for field in robot.unconfirmed)
+        rows = [line for line in text.splitlines() if line.endswith(("degrees", " mm"))]
+        assert [row.split()[0] for row in rows][-len(robot.axes) :] == list(robot.axes)
+
+    each(robots.names(), check)
 
 
 def test_the_format_may_stand_before_the_command(capsys: Capture) -> None:
@@ -149,38 +149,32 @@ def test_compiling_for_an_own_robot(own: Path, tmp_path: Path, capsys: Capture) 
     assert targets[0] == targets[1]
 
 
-@pytest.mark.parametrize(
-    ("text", "lengths"),
-    [
-        (WRISTED, {"d1": 399.1, "a1": 0.0, "a2": 350.0, "a3": -42.0, "d4": 351.0, "d6": 82.0}),
-        (OFFSET, {}),
-    ],
+URDFS = (
+    (WRISTED, {"d1": 399.1, "a1": 0.0, "a2": 350.0, "a3": -42.0, "d4": 351.0, "d6": 82.0}),
+    (OFFSET, {}),
 )
-def test_an_own_robot_out_of_a_urdf(
-    text: str, lengths: dict[str, float], tmp_path: Path, capsys: Capture
-) -> None:
+
+
+def test_an_own_robot_out_of_a_urdf(tmp_path: Path, capsys: Capture) -> None:
     file, picture = tmp_path / "own.urdf", tmp_path / "own.png"
-    file.write_text(text, encoding="utf-8")
-    options = ("--draw", picture, "--format", "json")
-    status, out, err = run(capsys, "robots", "show", file, *options)
-    assert status == 0
-    said = json.loads(out)
-    assert (said["name"], said["payload_kg"]) == ("own", None)
-    assert said["lengths_mm"] == pytest.approx(lengths)
+    for text, lengths in URDFS:
+        file.write_text(text, encoding="utf-8")
+        draw = ("--draw", picture) if text == OFFSET else ()
+        status, out, err = run(capsys, "robots", "show", file, *draw, "--format", "json")
+        assert status == 0
+        said = json.loads(out)
+        assert (said["name"], said["payload_kg"]) == ("own", None)
+        assert said["lengths_mm"] == pytest.approx(lengths)
+        # What the file leaves open is told.
+        assert err.startswith("RB")
+        assert "payload         not known\n" in run(capsys, "robots", "show", file)[1]
     assert picture.read_bytes().startswith(PNG)
-    # What the file leaves open is told.
-    assert err.startswith("RB")
-    assert "payload         not known\n" in run(capsys, "robots", "show", file)[1]
 
 
-@pytest.mark.parametrize(
-    ("name", "code"),
-    [("irb9999", "CO002"), ("none.toml", "IN001"), ("none.urdf", "IN001")],
-)
-def test_no_such_robot(name: str, code: str, tmp_path: Path, capsys: Capture) -> None:
-    status, out, err = run(capsys, "robots", "show", name)
-    assert (status, out) == (2, "")
-    assert err.startswith(code)
+def test_no_such_robot(capsys: Capture) -> None:
+    for name, code in (("irb9999", "CO002"), ("none.toml", "IN001"), ("none.urdf", "IN001")):
+        status, out, err = run(capsys, "robots", "show", name)
+        assert (status, out, err.startswith(code)) == (2, "", True), name
 
 
 def test_a_robot_file_with_a_fault(own: Path, capsys: Capture) -> None:
@@ -191,16 +185,16 @@ def test_a_robot_file_with_a_fault(own: Path, capsys: Capture) -> None:
     assert "payload_kg" in err
 
 
-@pytest.mark.parametrize(("suffix", "begins"), [(".png", PNG), (".svg", b"<?xml")])
-def test_a_drawing_is_written(suffix: str, begins: bytes, tmp_path: Path, capsys: Capture) -> None:
-    file = tmp_path / "new" / f"arm{suffix}"
-    status, out, _ = run(capsys, "robots", "show", "rv-4frl", "--draw", file)
+def test_a_drawing_is_written(tmp_path: Path, capsys: Capture) -> None:
+    png, svg = tmp_path / "new" / "arm.png", tmp_path / "svg" / "arm.svg"
+    status, out, _ = run(capsys, "robots", "show", "rv-4frl", "--draw", png)
     assert status == 0
-    assert out.endswith(f"\ndrawing: {file}\n")
-    assert file.read_bytes().startswith(begins)
-    assert list(file.parent.iterdir()) == [file]
-    said = run(capsys, "robots", "show", "rv-4frl", "--draw", file, "--format", "json")[1]
-    assert json.loads(said)["drawing"] == str(file)
+    assert out.endswith(f"\ndrawing: {png}\n")
+    said = run(capsys, "robots", "show", "rv-4frl", "--draw", svg, "--format", "json")[1]
+    assert json.loads(said)["drawing"] == str(svg)
+    for file, begins in ((png, PNG), (svg, b"<?xml")):
+        assert file.read_bytes().startswith(begins)
+        assert list(file.parent.iterdir()) == [file]
 
 
 def test_without_being_asked_nothing_is_drawn(
@@ -233,28 +227,3 @@ def test_without_matplotlib_the_extra_is_named(
     assert (status, out) == (2, "")
     assert err.startswith("CL008")
     assert "robot-assistant[plot]" in err
-
-
-@pytest.mark.parametrize("name", robots.names())
-def test_the_axes_of_a_drawing_are_those_of_the_arm(name: str) -> None:
-    robot = robots.get(name)
-    axes = {axis.name: axis for axis in joint_axes(robot)}
-    assert tuple(axes) == robot.axes
-    for turned in np.flatnonzero(~robot.sliding):
-        # What lies on an axis stays where it is when only its joint turns.
-        axis = axes[robot.axes[turned]]
-        joints = np.array(robot.home, dtype=float)
-        fixed = robot.fk([joints])[0][0] - axis.point
-        joints[turned] += 50.0
-        moved = robot.fk([joints])[0][0] - axis.point
-        assert moved @ axis.direction == pytest.approx(fixed @ axis.direction, abs=1e-6)
-        assert np.linalg.norm(moved) == pytest.approx(np.linalg.norm(fixed), abs=1e-6)
-    assert axes["J1"].direction == pytest.approx([0.0, 0.0, 1.0])
-    if robot.arm.kind != "scara":
-        axis_2 = [robot.lengths.a1, 0.0, robot.lengths.d1]
-        assert axes["J2"].point == pytest.approx(axis_2, abs=1e-6)
-
-
-def test_the_same_robot_gives_the_same_bytes() -> None:
-    robot = robots.get("rv-2aj")
-    assert arm_drawing(robot, "svg") == arm_drawing(robot, "svg")

@@ -16,7 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.cli.processes import Command
+from tests.cli.tables import each
 from tests.cli.test_commands import run
+from tests.forks import Forks
 
 Capture = pytest.CaptureFixture[str]
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -114,28 +117,26 @@ def test_a_run_ends_where_it_is_asked_to(capsys: Capture, cell: Path, part: Path
     assert "CL024" in err and "cell.mod:1" in err
 
 
-@pytest.mark.parametrize(
-    ("options", "code", "line"),
-    [
-        ((), "VC213", 5),
-        (("--max-time", "2", "--signals", "far.toml"), "VC215", 5),
-        (("--max-steps", "2"), "VC214", 5),
-    ],
+EARLY = (
+    ((), "VC213", 5),
+    (("--max-time", "2", "--signals", "far.toml"), "VC215", 5),
+    (("--max-steps", "2"), "VC214", 5),
 )
+
+
 def test_what_ends_a_run_early_has_its_place(
-    capsys: Capture,
-    cell: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    options: tuple[str, ...],
-    code: str,
-    line: int,
+    capsys: Capture, cell: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(cell.parent)
     write(cell.parent, "far.toml", SCRIPT.format(name='"diPart"').replace("1.25", "9"))
-    status, out, err = run(capsys, "run", "cell.mod", *options)
-    assert status == 1
-    assert f"{code} error cell.mod:{line}: " in err
-    assert "came to its end" not in out
+
+    def check(options: tuple[str, ...], code: str, line: int) -> None:
+        status, out, err = run(capsys, "run", "cell.mod", *options)
+        assert status == 1
+        assert f"{code} error cell.mod:{line}: " in err
+        assert "came to its end" not in out
+
+    each(EARLY, check)
 
 
 def test_errors_of_the_program_have_their_place(capsys: Capture, tmp_path: Path) -> None:
@@ -156,33 +157,43 @@ def test_errors_of_the_program_have_their_place(capsys: Capture, tmp_path: Path)
     )
 
 
-@pytest.mark.parametrize(
-    ("options", "code"),
-    [
-        (("--until", "-1"), "CL022"),
-        (("--until", "nan"), "CL022"),
-        (("--until", "other.mod:3"), "CL027"),
-        (("--until", "cell.mod:99"), "CL027"),
-        (("--break", "cell.mod"), "CL027"),
-        (("--max-time", "0"), "CL023"),
-        (("--max-steps", "0"), "CL023"),
-        (("--trace", "run.csv"), "CL021"),
-        (("--period", "-1"), "CL023"),
-        (("--plot", "run.gif"), "CL009"),
-        (("--plot", "run.png"), "CL029"),
-        (("--robot", "nothing"), "CO002"),
-        (("--signals", "none.toml"), "IN001"),
-        (("--unit", "mm"), "CO023"),
-        (("--step", "--format", "json"), "CL028"),
-        (("--trace", "cell.mod"), "CL021"),
-    ],
+WRONG = (
+    (("--until", "-1"), "CL022"),
+    (("--until", "nan"), "CL022"),
+    (("--until", "other.mod:3"), "CL027"),
+    (("--until", "cell.mod:99"), "CL027"),
+    (("--break", "cell.mod"), "CL027"),
+    (("--max-time", "0"), "CL023"),
+    (("--max-steps", "0"), "CL023"),
+    (("--trace", "run.csv"), "CL021"),
+    (("--period", "-1"), "CL023"),
+    (("--plot", "run.gif"), "CL009"),
+    (("--plot", "run.png"), "CL029"),
+    (("--robot", "nothing"), "CO002"),
+    (("--signals", "none.toml"), "IN001"),
+    (("--unit", "mm"), "CO023"),
+    (("--step", "--format", "json"), "CL028"),
+    (("--trace", "cell.mod"), "CL021"),
 )
-def test_wrong_usage_is_said(
-    capsys: Capture, cell: Path, options: tuple[str, ...], code: str
-) -> None:
-    status, out, err = run(capsys, "run", cell, *options)
-    assert status == 2
-    assert code in (out if "json" in options else err)
+
+OUTSIDE = (
+    (("--disk", "nowhere"), "CL031"),
+    (("--host", "192.168.125.1"), "CL030"),
+    (("--host", "=127.0.0.1"), "CL030"),
+    (("--line", "COM1"), "CL033"),
+    (("--line", "COM1=1", "--line", "com1:=2"), "CL043"),
+    (("--host", "a=b", "--host", "a=c"), "CL043"),
+    (("--line", "COM1=10003"), "VC207"),
+)
+
+
+def test_wrong_usage_is_said(capsys: Capture, cell: Path) -> None:
+    def check(options: tuple[str, ...], code: str) -> None:
+        status, out, err = run(capsys, "run", cell, *options)
+        assert status == 2
+        assert code in (out if "json" in options else err)
+
+    each((*WRONG, *OUTSIDE), check)
 
 
 def test_a_signal_that_no_program_uses_is_told(capsys: Capture, cell: Path) -> None:
@@ -249,11 +260,11 @@ def test_a_person_steps_through_a_program(
     assert out.splitlines()[-1].startswith(f"{cell}: came to its end: 0.50 s")
 
 
-def test_stepping_in_a_terminal(cell: Path) -> None:
+def test_stepping_in_a_terminal(cell: Path, forks: Forks) -> None:
     """Over a terminal of its own, as a person has it."""
     ours, theirs = pty.openpty()
-    command = [sys.executable, "-m", "assistant", "run", str(cell), "--break", "cell.mod:5"]
-    with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=subprocess.DEVNULL) as child:
+    streams = {"stdin": theirs, "stdout": theirs, "stderr": subprocess.DEVNULL}
+    with Command(forks, "run", cell, "--break", "cell.mod:5", **streams) as child:
         os.close(theirs)
         said = b""
         for typed, awaited in ((b"", b"> "), (b"i diPart 1\n", b"dipart = 1"), (b"q\n", b"asked")):
@@ -313,25 +324,6 @@ def test_a_folder_is_the_disk_of_the_controller(capsys: Capture, tmp_path: Path)
     assert (home / "done.txt").read_text() == "done\n"
 
 
-@pytest.mark.parametrize(
-    ("given", "code"),
-    [
-        (("--disk", "nowhere"), "CL031"),
-        (("--host", "192.168.125.1"), "CL030"),
-        (("--host", "=127.0.0.1"), "CL030"),
-        (("--line", "COM1"), "CL033"),
-        (("--line", "COM1=1", "--line", "com1:=2"), "CL043"),
-        (("--host", "a=b", "--host", "a=c"), "CL043"),
-        (("--line", "COM1=10003"), "VC207"),
-    ],
-)
-def test_what_is_outside_has_to_be_there(
-    capsys: Capture, cell: Path, given: tuple[str, ...], code: str
-) -> None:
-    status, _, err = run(capsys, "run", cell, *given)
-    assert (status, code in err) == (2, True)
-
-
 def test_a_program_from_standard_input_cannot_ask_there(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -340,35 +332,38 @@ def test_a_program_from_standard_input_cannot_ask_there(
     assert (status, "CL032" in err) == (2, True)
 
 
-@pytest.mark.parametrize("option", ["--disk", "--host"])
-def test_what_a_language_does_not_use_is_said(capsys: Capture, tmp_path: Path, option: str) -> None:
+def test_what_a_language_does_not_use_is_said(capsys: Capture, tmp_path: Path) -> None:
     program = write(tmp_path, "PART.prg", MELFA)
-    value = tmp_path if option == "--disk" else "a=b"
-    status, _, err = run(capsys, "run", program, option, value)
-    assert (status, "VC207" in err) == (2, True)
+    none = f"COM1={tmp_path / 'none'}"
+    for option, value, code in (
+        *(("--disk", tmp_path, "VC207"), ("--host", "a=b", "VC207"), ("--line", none, "VC217")),
+    ):
+        status, _, err = run(capsys, "run", program, option, value)
+        assert (status, code in err) == (2, True), option
 
 
-@pytest.mark.parametrize(
-    ("options", "code", "told"),
-    [
-        ("", "VC212", "quotients"),
-        ('quotients = "zero"', "", "3 = 1"),
-        ('quotients = "floor"', "", "4 = 1"),
-        ('quotient = "zero"', "VC208", "`quotients`"),
-        ('quotients = "up"', "VC209", '"floor"'),
-        ("tools = { 1 = [0, 0] }", "VC209", "X, Y, Z, A, B, C"),
-        ("bits = true", "VC209", "32"),
-        ("digits = 0", "VC209", "above 0"),
-    ],
+OPEN = (
+    ("", "VC212", "quotients"),
+    ('quotients = "zero"', "", "3 = 1"),
+    ('quotients = "floor"', "", "4 = 1"),
+    ('quotient = "zero"', "VC208", "`quotients`"),
+    ('quotients = "up"', "VC209", '"floor"'),
+    ("tools = { 1 = [0, 0] }", "VC209", "X, Y, Z, A, B, C"),
+    ("bits = true", "VC209", "32"),
+    ("digits = 0", "VC209", "above 0"),
 )
-def test_what_the_manuals_leave_open(
-    capsys: Capture, tmp_path: Path, options: str, code: str, told: str
-) -> None:
+
+
+def test_what_the_manuals_leave_open(capsys: Capture, tmp_path: Path) -> None:
     program = write(tmp_path, "OPEN.prg", "1 M_Out(-(-7\\2))=1\n2 End\n")
-    script = write(tmp_path, "open.toml", f"[options]\n{options}\n")
-    status, out, err = run(capsys, "run", program, "--signals", script)
-    assert told in out + err and code in err
-    assert status == (0 if not code else 1 if code == "VC212" else 2)
+
+    def check(options: str, code: str, told: str) -> None:
+        script = write(tmp_path, "open.toml", f"[options]\n{options}\n")
+        status, out, err = run(capsys, "run", program, "--signals", script)
+        assert told in out + err and code in err
+        assert status == (0 if not code else 1 if code == "VC212" else 2)
+
+    each(OPEN, check)
 
 
 def test_options_are_for_languages_that_have_some(capsys: Capture, tmp_path: Path) -> None:
@@ -429,23 +424,15 @@ def test_lines_lead_to_this_computer(capsys: Capture) -> None:
     assert "stop" in out
 
 
-def test_a_line_that_cannot_be_had(capsys: Capture, tmp_path: Path) -> None:
-    program = write(tmp_path, "PART.prg", MELFA)
-    status, _, err = run(capsys, "run", program, "--line", f"COM1={tmp_path / 'none'}")
-    assert (status, "VC217" in err) == (2, True)
-
-
-def test_a_run_that_is_interrupted_tells_what_it_did(tmp_path: Path) -> None:
+def test_a_run_that_is_interrupted_tells_what_it_did(tmp_path: Path, forks: Forks) -> None:
     endless = "SetDO doGrip,1;\nWHILE TRUE DO\ndone:=done+1;\nENDWHILE\n"
     text = f"MODULE a\nVAR num done;\nPROC main()\n{endless}ENDPROC\nENDMODULE\n"
     program = write(tmp_path, "a.mod", text)
-    command = [sys.executable, "-m", "assistant", "run", str(program), "--real-time"]
-    limits = ["--max-steps", "100000000"]
-    with subprocess.Popen(
-        [*command, *limits], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-    ) as child:
+    words = ("run", program, "--real-time", "--max-steps", "100000000")
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with Command(forks, *words, **streams) as child:
         assert child.stdout is not None
-        assert b"dogrip = 1" in child.stdout.readline()
+        assert "dogrip = 1" in child.stdout.readline()
         child.send_signal(signal.SIGINT)
-        assert b"was ended as asked" in child.stdout.read()
+        assert "was ended as asked" in child.stdout.read()
     assert child.returncode == 130

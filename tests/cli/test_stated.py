@@ -65,6 +65,7 @@ def put(text: str) -> None:
 
 
 def test_compile_takes_language_robot_process_and_unit_of_the_project(run: Run) -> None:
+    """It is the same program as with everything on the command line."""
     put(ONE)
     status, _, errors = run("compile", "drawings/part.dxf", "-o", "out")
     assert status == 0, errors
@@ -72,11 +73,6 @@ def test_compile_takes_language_robot_process_and_unit_of_the_project(run: Run) 
     assert "v37" in text or "37" in text
     assert "IRB 1200" in text or "irb1200-7-0.7" in text
     assert "DX101" not in errors  # the unit is stated
-
-
-def test_it_is_the_same_program_as_with_everything_on_the_command_line(run: Run) -> None:
-    put(ONE)
-    assert run("compile", "drawings/part.dxf", "-o", "out")[0] == 0
     Path("assistant.toml").unlink()
     words = ("-l", "rapid", "-r", "irb1200-7-0.7", "-p", "glue.toml", "--unit", "mm")
     assert run("compile", "drawings/part.dxf", "-o", "plain", *words)[0] == 0
@@ -105,32 +101,26 @@ def test_the_command_line_counts_where_it_says_something(run: Run) -> None:
     assert "91" in made.read_text()
 
 
-@pytest.mark.parametrize("command", ["check", "simulate", "show"])
-def test_other_commands_take_it_as_well(run: Run, command: str) -> None:
+def test_other_commands_take_it_as_well(run: Run) -> None:
+    """So `check` looks at what a robot reaches without naming it."""
     put(ONE)
-    status, said, errors = run(command, "drawings/part.dxf")
-    assert status == 0, errors
-    assert "DX101" not in errors
-    if command == "show":
-        assert "table" in said and "37" in said
-
-
-def test_check_looks_at_what_a_robot_reaches_without_naming_it(run: Run) -> None:
-    put(ONE)
+    for command in ("check", "simulate", "show"):
+        status, said, errors = run(command, "drawings/part.dxf")
+        assert status == 0, (command, errors)
+        assert "DX101" not in errors, command
+        if command == "show":
+            assert "table" in said and "37" in said
     Path("glue.toml").write_text(GLUE.replace("380", "3800"))
     status, said, _ = run("check", "drawings/part.dxf", "--format", "json")
     assert status == 1
     assert any(finding["code"].startswith("RB") for finding in json.loads(said)["findings"])
 
 
-def test_nothing_says_the_language(run: Run) -> None:
+def test_nothing_says_the_language_or_the_project_is_wrong(run: Run) -> None:
     status, _, errors = run("compile", "drawings/part.dxf")
     assert (status, "CL053" in errors) == (2, True)
     put(ONE.replace("drawings/part.dxf", "glue.toml"))
     assert "CL053" in run("compile", "drawings/part.dxf")[2]
-
-
-def test_a_project_that_is_wrong_is_told_of(run: Run) -> None:
     put(ONE.replace('"irb1200-7-0.7"', '"nobody"'))
     status, _, errors = run("compile", "drawings/part.dxf")
     assert (status, "PR107" in errors) == (2, True)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
-
-import pytest
 
 from assistant.sources import read
+from tests.cli.processes import Command
 from tests.cli.terminal import Terminal
 from tests.cli.test_commands import run
 from tests.wire import Wire
@@ -38,8 +36,8 @@ def test_a_name_that_is_there_stays_unless_it_is_to_be_replaced(capsys, cr, here
     assert (here / "points.toml").read_text() == text
 
 
-def test_key_presses_in_a_terminal(cr, here):
-    with Terminal("teach", "cell1", "above", "below", "left", folder=here) as terminal:
+def test_key_presses_in_a_terminal(cr, here, forks):
+    with Terminal(forks, "teach", "cell1", "above", "below", "left", folder=here) as terminal:
         terminal.until("above: Enter stores it, q ends")
         terminal.type("x\r")
         terminal.until("above: x 160.00")
@@ -52,9 +50,9 @@ def test_key_presses_in_a_terminal(cr, here):
     assert list(read(here / "taught.toml").program.targets) == ["above", "below"]
 
 
-def test_ctrl_c_keeps_what_was_stored(capsys, cr, here):
+def test_ctrl_c_keeps_what_was_stored(capsys, cr, here, forks):
     assert run(capsys, "teach", "cell1", "p1", "--now")[0] == 0  # so p2 is the first free name
-    with Terminal("teach", "cell1", folder=here) as terminal:
+    with Terminal(forks, "teach", "cell1", folder=here) as terminal:
         terminal.until("p2: Enter stores it")
         terminal.type("\r")
         terminal.until("p3: Enter stores it")
@@ -63,19 +61,20 @@ def test_ctrl_c_keeps_what_was_stored(capsys, cr, here):
     assert list(read(here / "taught.toml").program.targets) == ["p1", "p2"]
 
 
-@pytest.mark.parametrize(("typed", "names"), [("\n\n", ["p1", "p2"]), ("\nq\n", ["p1"])])
-def test_lines_of_an_input(cr, here, typed, names):
-    command = [sys.executable, "-m", "assistant", "teach", "cell1"]
-    done = subprocess.run(command, input=typed, text=True, capture_output=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+def test_lines_of_an_input(cr, here, forks):
     file = here / "taught.toml"
-    assert (list(read(file).program.targets) if file.exists() else []) == names
+    for typed, names in (("\n\n", ["p1", "p2"]), ("\nq\n", ["p1"])):
+        pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+        with Command(forks, "teach", "cell1", **pipes) as child:
+            _, said = child.communicate(typed, timeout=60)
+        assert child.returncode == 0, said
+        assert list(read(file).program.targets) == names
+        file.unlink()
 
 
-def test_when_a_signal_comes(cr, here):
-    with Wire(cr.port) as wire, Terminal(
-        "teach", "cell1", "a", "b", "--on", "5", folder=here
-    ) as terminal:  # fmt: skip
+def test_when_a_signal_comes(cr, here, forks):
+    words = ("teach", "cell1", "a", "b", "--on", "5")
+    with Wire(cr.port) as wire, Terminal(forks, *words, folder=here) as terminal:
         wire.ask("1;1;INDMY")
         terminal.until("a: `5` stores it, q ends")
         wire.ask("1;1;IN=5;0001")

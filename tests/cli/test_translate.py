@@ -13,16 +13,35 @@ from assistant.base.source_text import SourceText
 from assistant.cli import main
 from assistant.languages.melfa_basic import MelfaBasic
 from assistant.languages.melfa_basic.tree.syntax import File
+from tests.cli.tables import each
 from tests.cli.test_commands import run
 from tests.view.cases import data_of
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 PALLET = SAMPLES / "melfa" / "PALLET.prg"
-EXCHANGE = SAMPLES / "rapid" / "pose_exchange.mod"
 CELL = SAMPLES / "melfa" / "cell.process.toml"
 TO_RAPID = ("--to", "rapid", "-r", "irb1200-7-0.7", "--from-robot", "rv-4frl", "-p", CELL)
 
 Capture = pytest.CaptureFixture[str]
+FILE_MODULE = """MODULE files
+  VAR iodev ioFile;
+  PROC main()
+    WaitTime 1;
+    Open "HOME:/a.txt",ioFile\\Read;
+    Rewind ioFile;
+    SetDO doDone,1;
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.fixture
+def exchange(tmp_path: Path) -> Path:
+    """A module that rewinds a file, in line 6, which no other language can."""
+    file = tmp_path / "in" / "files.mod"
+    file.parent.mkdir()
+    file.write_text(FILE_MODULE)
+    return file
 
 
 def test_a_program_that_can_be_said_is_written(tmp_path: Path, capsys: Capture) -> None:
@@ -36,12 +55,21 @@ def test_a_program_that_can_be_said_is_written(tmp_path: Path, capsys: Capture) 
     assert "MoveJ PHome" in (tmp_path / "PALLET.mod").read_text().splitlines()[22]
 
 
-def test_nothing_is_written_if_something_cannot_be_said(tmp_path: Path, capsys: Capture) -> None:
-    status, out, _ = run(capsys, "translate", EXCHANGE, "--to", "melfa-basic-5", "-o", tmp_path)
+def test_nothing_is_written_if_something_cannot_be_said(
+    tmp_path: Path, exchange: Path, capsys: Capture
+) -> None:
+    """And a draft, which is, is still no success."""
+    to = ("translate", exchange, "--to", "melfa-basic-5", "-o", tmp_path / "out")
+    status, out, _ = run(capsys, *to)
     assert status == 1
     lines = out.splitlines()
-    assert f"    {EXCHANGE}:33: Rewind ioFile" in lines
-    assert list(tmp_path.iterdir()) == []
+    assert f"    {exchange}:6: Rewind ioFile" in lines
+    assert not (tmp_path / "out").exists()
+    status, out, _ = run(capsys, *to, "--draft")
+    assert status == 1
+    assert "the files are a draft" in out
+    (file,) = (tmp_path / "out").glob("[!.]*")
+    assert file.read_text().startswith("1 ' DRAFT")
 
 
 def test_a_summary_has_reasons_first_places_and_how_many_more(
@@ -61,53 +89,38 @@ def test_a_summary_has_reasons_first_places_and_how_many_more(
     assert not any(line.startswith(f"{module}:3:") for line in lines)
 
 
-def test_a_draft_is_written_and_still_no_success(tmp_path: Path, capsys: Capture) -> None:
-    status, out, _ = run(
-        capsys, "translate", EXCHANGE, "--to", "melfa-basic-5", "-o", tmp_path, "--draft"
-    )
-    assert status == 1
-    assert "the files are a draft" in out
-    (file,) = tmp_path.glob("[!.]*")
-    assert file.read_text().startswith("1 ' DRAFT")
-
-
-def test_the_answer_in_json(tmp_path: Path, capsys: Capture) -> None:
-    status, out, _ = run(
-        capsys, "translate", EXCHANGE, "--to", "melfa-basic-6", "-o", tmp_path, "--format", "json"
-    )
+def test_the_answer_in_json_and_findings_at_their_lines(exchange: Path, capsys: Capture) -> None:
+    given = ("translate", exchange, "--to", "melfa-basic-6", "--format")
+    status, out, _ = run(capsys, *given, "json")
     answer = json.loads(out)
     assert (status, answer["ok"], answer["written"]) == (1, False, [])
     (program,) = answer["programs"]
-    rewind = next(s for s in program["statements"] if s["line"] == 33)
+    rewind = next(s for s in program["statements"] if s["line"] == 6)
     assert (rewind["level"], rewind["text"]) == ("not", "Rewind ioFile")
     assert rewind["reasons"][0]["code"] == "MB209"
     counts = [s["level"] for s in program["statements"]]
     assert {k: v for k, v in program["totals"].items() if v} == {
         level: counts.count(level) for level in set(counts)
     }
+    for form, place in (("sarif", '"startLine": 6'), ("github", "line=6")):
+        status, out, _ = run(capsys, *given, form)
+        assert (status, place in out) == (1, True), form
 
 
-@pytest.mark.parametrize("format", ["sarif", "github"])
-def test_findings_stand_at_their_lines(tmp_path: Path, capsys: Capture, format: str) -> None:
-    status, out, _ = run(
-        capsys, "translate", EXCHANGE, "--to", "melfa-basic-6", "-o", tmp_path, "--format", format
-    )
-    assert status == 1
-    assert ('"startLine": 33' if format == "sarif" else "line=33") in out
-
-
-def test_reports_are_written_as_their_suffix_says(tmp_path: Path, capsys: Capture) -> None:
+def test_reports_are_written_as_their_suffix_says(
+    tmp_path: Path, exchange: Path, capsys: Capture
+) -> None:
     for name in ("r.html", "r.json", "r.txt"):
-        given = ("translate", EXCHANGE, "--to", "melfa-basic-6", "--report", tmp_path / name)
+        given = ("translate", exchange, "--to", "melfa-basic-6", "--report", tmp_path / name)
         assert run(capsys, *given)[0] == 1
     html = (tmp_path / "r.html").read_text()
     beside = data_of(html)["beside"]
-    assert "Rewind ioFile" in beside["texts"][0]["lines"][32]
-    assert beside["reasons"]["33"].startswith("MB209")
-    assert "IsFile(stTarget) AND IsFile(stTurn)" in html
+    assert "Rewind ioFile" in beside["texts"][0]["lines"][5]
+    assert beside["reasons"]["6"].startswith("MB209")
+    assert "SetDO doDone,1" in html
     (data,) = json.loads((tmp_path / "r.json").read_text())
-    assert data["statements"][0]["line"] == 5
-    assert ":33: not: Rewind ioFile" in (tmp_path / "r.txt").read_text()
+    assert data["statements"][0]["line"] == 2
+    assert ":6: not: Rewind ioFile" in (tmp_path / "r.txt").read_text()
 
 
 def test_a_page_holds_texts_as_texts(tmp_path: Path, capsys: Capture) -> None:
@@ -193,28 +206,34 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("kind", list(BAD))
-@pytest.mark.parametrize("order", [1, -1])
-def test_each_program_answers_for_itself(
-    tmp_path: Path, capsys: Capture, kind: str, order: int
-) -> None:
-    text, worst = BAD[kind]
-    (tmp_path / "GOOD.prg").write_text(FINE)
-    bad = tmp_path / ("BAD.txt" if worst == 2 else "BAD.prg")
-    bad.write_text(text)
-    both = [tmp_path / "GOOD.prg", bad][::order]
-    status, _, err = run(capsys, "translate", *both, "--to", "rapid", "-o", tmp_path / "out")
-    assert status == worst
-    assert "BAD" in err or kind == "what cannot be said"
-    assert [path.name for path in (tmp_path / "out").glob("[!.]*")] == ["GOOD.mod"]
+def test_each_program_answers_for_itself(tmp_path: Path, capsys: Capture) -> None:
+    def check(kind: str, order: int) -> None:
+        folder = tmp_path / f"{kind}{order}"
+        folder.mkdir()
+        text, worst = BAD[kind]
+        (folder / "GOOD.prg").write_text(FINE)
+        bad = folder / ("BAD.txt" if worst == 2 else "BAD.prg")
+        bad.write_text(text)
+        both = [folder / "GOOD.prg", bad][::order]
+        status, _, err = run(capsys, "translate", *both, "--to", "rapid", "-o", folder / "out")
+        assert status == worst
+        assert "BAD" in err or kind == "what cannot be said"
+        assert [path.name for path in (folder / "out").glob("[!.]*")] == ["GOOD.mod"]
+
+    each([(kind, order) for kind in BAD for order in (1, -1)], check)
 
 
-@pytest.mark.parametrize("command", ["translate", "check", "fmt", "compile"])
+INSIDE = {
+    "translate": ("--to", "rapid", "-o", "OUT"),
+    "check": (),
+    "fmt": (),
+    "compile": ("-l", "rapid", "-o", "OUT"),
+}
+
+
 def test_what_fails_inside_is_the_finding_of_one_program(
-    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch, command: str
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("FIRST", "FAULT", "LAST"):
-        (tmp_path / f"{name}.prg").write_text(FINE)
     parse = MelfaBasic.parse
 
     def parsed(self: MelfaBasic, source: SourceText) -> File:
@@ -224,25 +243,26 @@ def test_what_fails_inside_is_the_finding_of_one_program(
 
     monkeypatch.setattr(MelfaBasic, "parse", parsed)
     monkeypatch.delenv("ROBOT_ASSISTANT_TRACEBACK", raising=False)
-    names = [tmp_path / f"{name}.prg" for name in ("FIRST", "FAULT", "LAST")]
-    out = ("-o", tmp_path / "out")
-    options = {
-        "translate": ("--from", "melfa-basic-5", "--to", "rapid", *out),
-        "check": ("--from", "melfa-basic-5"),
-        "fmt": ("--from", "melfa-basic-5"),
-        "compile": ("--from", "melfa-basic-5", "-l", "rapid", *out),
-    }[command]
-    with pytest.raises(SystemExit) as ended:
-        main([command, *map(str, (*names, *options))])
-    said, err = capsys.readouterr()
-    assert ended.value.code == 2
-    assert err.count("CL900 error") == 1
-    assert "FAULT.prg" in err
-    if "-o" in options:
-        written = sorted(path.name for path in (tmp_path / "out").glob("*.mod"))
-        assert written == ["FIRST.mod", "LAST.mod"]
-    else:
-        assert "3 checked" in said or "2 files" in said
+
+    def check(command: str) -> None:
+        out = tmp_path / command
+        names = [tmp_path / f"{name}.prg" for name in ("FIRST", "FAULT", "LAST")]
+        for name in names:
+            name.write_text(FINE)
+        options = [str(out) if word == "OUT" else word for word in INSIDE[command]]
+        with pytest.raises(SystemExit) as ended:
+            main([command, *map(str, names), "--from", "melfa-basic-5", *options])
+        said, err = capsys.readouterr()
+        assert ended.value.code == 2
+        assert err.count("CL900 error") == 1
+        assert "FAULT.prg" in err
+        if "-o" in options:
+            written = sorted(path.name for path in out.glob("*.mod"))
+            assert written == ["FIRST.mod", "LAST.mod"]
+        else:
+            assert "3 checked" in said or "2 files" in said
+
+    each(INSIDE, check)
 
 
 def test_parts_that_a_program_loads_are_translated_with_it(tmp_path: Path, capsys: Capture) -> None:
@@ -262,23 +282,26 @@ def test_parts_that_a_program_loads_are_translated_with_it(tmp_path: Path, capsy
     assert "CO008" in err and "CO102" not in err
 
 
-@pytest.mark.parametrize(
-    "given",
-    [
-        ["nowhere.mod", "--to", "rapid"],
-        [str(PALLET), "--to", "karel"],
-        [str(PALLET), "--to", "rapid", "-r", "r2d2"],
-        [str(SAMPLES / "plate.dxf"), "--to", "rapid"],
-        [str(PALLET)],
-        [str(PALLET), "--to", "rapid", "-p", "nowhere.toml"],
-    ],
+WRONG = (
+    ["nowhere.mod", "--to", "rapid"],
+    [str(PALLET), "--to", "karel"],
+    [str(PALLET), "--to", "rapid", "-r", "r2d2"],
+    [str(SAMPLES / "plate.dxf"), "--to", "rapid"],
+    [str(PALLET)],
+    [str(PALLET), "--to", "rapid", "-p", "nowhere.toml"],
 )
-def test_wrong_usage_is_2(tmp_path: Path, capsys: Capture, given: list[str]) -> None:
+
+
+def test_wrong_usage_is_2(tmp_path: Path, capsys: Capture) -> None:
     output = tmp_path / "out"
-    status, _, err = run(capsys, "translate", *given, "-o", output)
-    assert status == 2
-    assert err
-    assert not output.exists()
+
+    def check(given: list[str]) -> None:
+        status, _, err = run(capsys, "translate", *given, "-o", output)
+        assert status == 2
+        assert err
+        assert not output.exists()
+
+    each(WRONG, check)
 
 
 def test_a_program_is_not_written_over(tmp_path: Path, capsys: Capture) -> None:
@@ -304,19 +327,34 @@ def test_nothing_on_standard_input_is_no_program(
     assert list(tmp_path.iterdir()) == []
 
 
+PART = """1 Tool P_NTool
+2 Base P_NBase
+3 Spd 100
+4 If M_In(3)=1 Then GoTo *LEFT
+5 Wait M_In(4)=1
+6 Mov P1
+7 *LEFT
+8 M_Out(9)=1
+9 End
+P1=(+400.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)
+"""
+
+
 def test_a_proof_by_motion(tmp_path: Path, capsys: Capture) -> None:
-    given = ("translate", PALLET, *TO_RAPID, "-o", tmp_path, "--prove", "--seed", "2")
+    source = tmp_path / "PART.prg"
+    source.write_text(PART)
+    given = ("translate", source, *TO_RAPID[:-2], "-o", tmp_path / "out", "--prove", "--seed", "2")
     status, out, _ = run(capsys, *given)
     assert status == 0
-    assert f"{PALLET}: text read back: proven: " in out
-    assert f"{PALLET}: motion compared: branches taken: 4 of 4 in PALLET.prg" in out
-    assert "11 runs, 814 visits, 319 signal changes and 13 waits for inputs" in out
+    assert f"{source}: text read back: proven: " in out
+    assert f"{source}: motion compared: branches taken: 2 of 2 in PART.prg" in out
+    assert "5 runs, 4 visits, 5 signal changes and 5 waits for inputs" in out
     assert "0.0000 degrees: proven; not compared: speeds of joint moves" in out
-    assert (tmp_path / "PALLET.mod").is_file()
+    assert (tmp_path / "out" / "PART.mod").is_file()
     status, out, _ = run(capsys, *given, "--format", "json")
     (program,) = json.loads(out)["programs"]
-    assert (status, program["motion"]["holds"], program["motion"]["visits"]) == (0, True, 814)
-    assert program["motion"]["branches"][1] == {"program": "PALLET.mod", "taken": 4, "of": 4}
+    assert (status, program["motion"]["holds"], program["motion"]["visits"]) == (0, True, 4)
+    assert program["motion"]["branches"][1] == {"program": "PART.mod", "taken": 2, "of": 2}
 
 
 def test_nothing_is_written_without_the_proof_that_was_asked_for(
@@ -337,16 +375,13 @@ def test_nothing_is_written_without_the_proof_that_was_asked_for(
     assert list((tmp_path / "out").glob("[!.]*")) == []
 
 
-def test_a_script_without_a_proof_is_refused(tmp_path: Path, capsys: Capture) -> None:
-    status, _, err = run(capsys, "translate", PALLET, *TO_RAPID, "--signals", tmp_path / "s.toml")
-    assert status == 2
-    assert "CL020" in err
-
-
-def test_programs_do_not_go_to_standard_output(
+def test_a_script_without_a_proof_and_programs_to_standard_output_are_refused(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    status, _, err = run(capsys, "translate", PALLET, *TO_RAPID, "--signals", tmp_path / "s.toml")
+    assert status == 2
+    assert "CL020" in err
     status, out, err = run(capsys, "translate", PALLET, *TO_RAPID, "-o", "-")
     assert (status, out) == (2, "")
     assert "CL014" in err

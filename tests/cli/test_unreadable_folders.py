@@ -37,24 +37,26 @@ def closed(tmp_path, monkeypatch):
     folder.chmod(0o755)
 
 
+COMMANDS = (
+    ("check", "closed"),
+    ("fmt", "--check", "closed"),
+    ("coverage", "closed"),
+    ("translate", "closed", "--to", "melfa-basic-5"),
+    ("plan", "closed", "--to", "melfa://127.0.0.1:1"),
+)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such rights")
-@pytest.mark.parametrize(
-    "command",
-    [
-        ("check", "closed"), ("fmt", "--check", "closed"), ("coverage", "closed"),
-        ("translate", "closed", "--to", "melfa-basic-5"),
-        ("plan", "closed", "--to", "melfa://127.0.0.1:1"),
-    ],
-    ids=lambda command: command[0],
-)  # fmt: skip
-def test_a_folder_that_may_not_be_read(closed, command, capsys):
-    for name in ("closed", "nowhere"):  # what it needs is loaded before it runs as nobody
-        with pytest.raises(SystemExit):
-            main([name if word == "closed" else word for word in command])
-        capsys.readouterr()
+def test_a_folder_that_may_not_be_read(closed, capsys):
+    for command in COMMANDS:
+        for name in ("closed", "nowhere"):  # what it needs is loaded before it runs as nobody
+            with pytest.raises(SystemExit):
+                main([name if word == "closed" else word for word in command])
+            capsys.readouterr()
     closed.chmod(0)
-    with as_nobody(), pytest.raises(SystemExit) as ended:
-        main(list(command))
-    said = capsys.readouterr()
-    assert ended.value.code == 2 and "IN003" in said.err and "`closed`" in said.err, said.err
-    assert "no robot programs" not in said.err
+    for command in COMMANDS:
+        with as_nobody(), pytest.raises(SystemExit) as ended:
+            main(list(command))
+        said = capsys.readouterr()
+        assert ended.value.code == 2 and "IN003" in said.err and "`closed`" in said.err, said.err
+        assert "no robot programs" not in said.err

@@ -4,28 +4,25 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import threading
 
 import pytest
 
-from assistant.cli import main
+from tests.cli.processes import Command
+from tests.cli.tables import each
+from tests.cli.test_commands import run
 from tests.virtual.cr.test_serial import Line
 from tests.wire import Wire
 
 
 @pytest.fixture
-def served(tmp_path):
+def served(tmp_path, forks):
     """What a started controller says of itself."""
     started = []
 
     def start(*options):
-        process = subprocess.Popen(
-            [sys.executable, "-m", "assistant", "virtual", "cr", "--port", "0", *options],
-            cwd=tmp_path,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
+        words = ("virtual", "cr", "--port", "0", *options)
+        process = Command(forks, *words, cwd=tmp_path, stdout=subprocess.PIPE)
         started.append(process)
         guard = threading.Timer(20, process.kill)
         guard.start()
@@ -45,10 +42,9 @@ def served(tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="it has no such signals")
-def test_sigterm_ends_it_in_order(tmp_path):
-    command = [sys.executable, "-m", "assistant", "virtual", "cr", "--port", "0"]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, cwd=tmp_path, **pipes) as process:
+def test_sigterm_ends_it_in_order(tmp_path, forks):
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with Command(forks, "virtual", "cr", "--port", "0", cwd=tmp_path, **pipes) as process:
         assert "listening" in process.stdout.readline()
         process.send_signal(signal.SIGTERM)
         out, said = process.communicate(timeout=30)
@@ -71,22 +67,23 @@ def test_all_its_lines_are_told(served, tmp_path):
     assert len(re.findall(r"data link COM\d: at 127\.0\.0\.1:\d+", said)) == 7
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--refuse", "OVRD"), "CL103"),
-        (("--refuse", "=5640"), "CL103"),
-        (("--serial", "/dev/nothing"), "CL101"),
-        (("--serial", "pty:."), "CL101"),
-        (("--line", "COM1=pty"), "pty:FILE"),
-        (("--robot", "irb140-6-0.81"), "CL101"),
-        (("--port", "99999"), "65535"),
-    ],
+UNSERVED = (
+    (("--refuse", "OVRD"), "CL103"),
+    (("--refuse", "=5640"), "CL103"),
+    (("--serial", "/dev/nothing"), "CL101"),
+    (("--serial", "pty:."), "CL101"),
+    (("--line", "COM1=pty"), "pty:FILE"),
+    (("--robot", "irb140-6-0.81"), "CL101"),
+    (("--port", "99999"), "65535"),
 )
-def test_what_cannot_be_served_is_said(options, said, capsys, tmp_path, monkeypatch):
+
+
+def test_what_cannot_be_served_is_said(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    port = () if "--port" in options else ("--port", "0")
-    with pytest.raises(SystemExit) as ended:
-        main(["virtual", "cr", *port, *options])
-    assert ended.value.code == 2
-    assert said in capsys.readouterr().err
+
+    def check(options, said):
+        port = () if "--port" in options else ("--port", "0")
+        status, _, err = run(capsys, "virtual", "cr", *port, *options)
+        assert (status, said in err) == (2, True), err
+
+    each(UNSERVED, check)
