@@ -15,6 +15,7 @@ from assistant import robots
 from assistant.base.arrays import Floats
 from assistant.cell.collision.model import Carriers
 from assistant.cell.link_bodies import place_robot
+from assistant.cli import main
 from assistant.program.geometry import Pose
 from assistant.view.live_page import LivePage
 from assistant.view.page import filled_page
@@ -50,18 +51,23 @@ def looking(browser: Any, address: str, asks: tuple[str, ...] = ()) -> Iterator[
     assert asked == [address, *asks]
 
 
-@pytest.fixture
-def opened(
-    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> Iterator[tuple[Any, str]]:
-    """The page of a program that touches a post, and its text."""
+@pytest.fixture(scope="module")
+def seam(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a program that touches a post."""
     pytest.importorskip("coal")
-    program, cell = written(tmp_path)
-    out = tmp_path / "seam.html"
-    run(capsys, "view", program, "--cell", cell, "--html", out)
-    capsys.readouterr()
-    with looking(browser, out.as_uri()) as page:
-        yield page, out.read_text(encoding="utf-8")
+    folder = tmp_path_factory.mktemp("seam")
+    program, cell = written(folder)
+    out = folder / "seam.html"
+    with pytest.raises(SystemExit):
+        main(["view", str(program), "--cell", str(cell), "--html", str(out)])
+    return out
+
+
+@pytest.fixture
+def opened(browser: Any, seam: Path) -> Iterator[tuple[Any, str]]:
+    """This page, and its text."""
+    with looking(browser, seam.as_uri()) as page:
+        yield page, seam.read_text(encoding="utf-8")
 
 
 UNREACHED = """() => [...document.querySelectorAll("body *")]

@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,7 +20,10 @@ import pytest
 from assistant import robots
 from assistant.view.live_page import LivePage
 from assistant.virtual.cr import VirtualCr
+from tests.cli.processes import Command
+from tests.cli.tables import each
 from tests.cli.test_commands import run
+from tests.forks import Forks
 from tests.view.cases import data_of
 from tests.wire import Wire
 
@@ -80,13 +82,12 @@ def test_every_page_is_told_the_latest_and_the_last() -> None:
 
 
 @contextmanager
-def viewing(*words: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def viewing(forks: Forks, *words: str) -> Iterator[tuple[Command, str]]:
     """The command that follows cell1, and the address of its page."""
-    command = [sys.executable, "-m", "assistant", "view", str(PLATE), "--live", "cell1", *words]
-    environment = {**os.environ, "BROWSER": "true", "PYTHONPATH": str(PROJECT)}
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
-    )
+    environment = {**os.environ, "BROWSER": "true"}
+    streams = dict.fromkeys(("stdout", "stderr"), subprocess.PIPE)
+    live = ("view", PLATE, "--live", "cell1")
+    process = Command(forks, *live, *words, env=environment, **streams)
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
@@ -97,12 +98,12 @@ def viewing(*words: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
         process.communicate()
 
 
-def test_the_page_is_told_where_the_arm_of_a_controller_is(cr: VirtualCr) -> None:
+def test_the_page_is_told_where_the_arm_of_a_controller_is(cr: VirtualCr, forks: Forks) -> None:
     robot = robots.get("rv-2aj")
     with Wire(cr.port) as other:
         other.ask("1;1;OPEN=OTHER")
         assert other.ask("1;1;CNTLON").startswith("QoK")
-        with viewing("-r", "rv-2aj") as (process, address):
+        with viewing(forks, "-r", "rv-2aj") as (process, address):
             with urlopen(address, timeout=10) as page:
                 data = data_of(page.read().decode())
             assert data["live"] == "cell1"
@@ -121,8 +122,8 @@ def test_the_page_is_told_where_the_arm_of_a_controller_is(cr: VirtualCr) -> Non
 
 
 @pytest.mark.slow
-def test_a_controller_that_is_lost_is_told_to_the_page(cr: VirtualCr) -> None:
-    with viewing("-r", "rv-2aj") as (process, address):
+def test_a_controller_that_is_lost_is_told_to_the_page(cr: VirtualCr, forks: Forks) -> None:
+    with viewing(forks, "-r", "rv-2aj") as (process, address):
         with urlopen(f"{address}events", timeout=30) as lines:
             assert event(lines)[0] == "sample"
             cr.stop()
@@ -134,20 +135,20 @@ def test_a_controller_that_is_lost_is_told_to_the_page(cr: VirtualCr) -> None:
         assert told[1]["text"] in process.stderr.read()
 
 
-@pytest.mark.parametrize(
-    ("words", "code"),
-    [
-        (("--live", "cell1", "-r", "rv-2aj", "--html", "page.html"), "CL046"),
-        (("--live", "cell1", "-r", "irb1200-7-0.7"), "CL047"),
-        (("--live", "{address}", "-r", "irb1200-7-0.7"), "CL048"),
-        (("--live", "melfa://127.0.0.1:1", "-r", "rv-2aj"), "CN201"),
-    ],
+NOT_FOLLOWED = (
+    (("--live", "cell1", "-r", "rv-2aj", "--html", "page.html"), "CL046"),
+    (("--live", "cell1", "-r", "irb1200-7-0.7"), "CL047"),
+    (("--live", "{address}", "-r", "irb1200-7-0.7"), "CL048"),
+    (("--live", "melfa://127.0.0.1:1", "-r", "rv-2aj"), "CN201"),
 )
-def test_what_is_not_followed(
-    words: tuple[str, ...], code: str, cr: VirtualCr, here: Path, capsys: Capture
-) -> None:
-    given = [word.format(address=cr.address) for word in words]
-    status, said, told = run(capsys, "view", PLATE, *given)
-    assert (status, code in told) == (2, True)
-    assert "http://" not in said
-    assert not (here / "page.html").exists()
+
+
+def test_what_is_not_followed(cr: VirtualCr, here: Path, capsys: Capture) -> None:
+    def check(words: tuple[str, ...], code: str) -> None:
+        given = [word.format(address=cr.address) for word in words]
+        status, said, told = run(capsys, "view", PLATE, *given)
+        assert (status, code in told) == (2, True)
+        assert "http://" not in said
+        assert not (here / "page.html").exists()
+
+    each(NOT_FOLLOWED, check)

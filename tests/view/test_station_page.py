@@ -16,7 +16,8 @@ __all__ = ["browser"]
 CELL = Path(__file__).parents[2] / "samples" / "cell"
 
 
-@pytest.mark.parametrize("robot", ["rv-2aj", pytest.param("irb1200-7-0.7", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["rv-2aj", "irb1200-7-0.7"])
 def test_arm_and_path_around_the_bodies_are_in_the_picture(
     robot: str, browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
