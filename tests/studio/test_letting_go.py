@@ -6,7 +6,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -20,6 +19,8 @@ import pytest
 
 from assistant import controllers
 from assistant.virtual.cr import VirtualCr
+from tests.cli.processes import Command
+from tests.forks import Forks
 from tests.studio.cells import Bench, serial
 from tests.studio.serving import Page
 from tests.studio.test_control import Window, bench, codes, taken
@@ -240,19 +241,15 @@ def test_a_hand_stays_as_it_is_once_its_window_has_gone(bench: Bench, address: s
     ids=["a window and SIGTERM", "Ctrl-C twice", "SIGTERM and SIGHUP", "Ctrl-Z"],
 )  # fmt: skip
 def test_motors_go_off_before_the_studio_ends(
-    closes: bool, signals: list[str], bench: Bench, folder: Path
+    closes: bool, signals: list[str], bench: Bench, folder: Path, forks: Forks
 ) -> None:
     cell = cell_of(bench)
-    command = [sys.executable, "-m", "assistant", "studio", str(folder), "--no-open"]
-    with (
-        heard(cell) as there,
-        subprocess.Popen(
-            [*command, "--format", "json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-        ) as process,
-    ):
+    words = ("studio", folder, "--no-open", "--format", "json")
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with heard(cell) as there, Command(forks, *words, **streams) as process:
         assert process.stdout is not None
-        said = b""
-        while not said.endswith(b"}\n"):
+        said = ""
+        while not said.endswith("}\n"):
             said += process.stdout.readline()
         with controlled(json.loads(said)["address"]) as window:
             there.lag = 0.2
