@@ -9,6 +9,7 @@ folder and standard streams to a fork of that process, and end as the fork does.
 from __future__ import annotations
 
 import ast
+import atexit
 import gc
 import importlib
 import os
@@ -20,8 +21,10 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import types
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Never, Self
@@ -115,7 +118,23 @@ def _answer(line: socket.socket) -> None:
     for stream, number in zip(streams, (0, 1, 2), strict=True):
         os.dup2(stream, number)
         os.close(stream)
-    _run(words, folder, variables)
+    try:
+        _run(words, folder, variables)
+    except SystemExit as ended:
+        _end(ended.code)
+
+
+def _end(code: str | int | None) -> Never:
+    """Ends as the interpreter does, but leaves its objects, whose memory is shared, alone."""
+    if isinstance(code, str):
+        sys.stderr.write(f"{code}\n")
+    threading._shutdown()  # type: ignore[attr-defined]
+    atexit._run_exitfuncs()
+    with suppress(OSError, ValueError):
+        sys.stdout.flush()
+    with suppress(OSError, ValueError):
+        sys.stderr.flush()
+    os._exit(code if isinstance(code, int) else int(code is not None))
 
 
 def _run(words: Sequence[str], folder: str, variables: Mapping[str, str]) -> Never:
