@@ -15,6 +15,7 @@ from assistant.vision.cameras.calibration import Board
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.camera_file import Rig, read_cameras, write_cameras
 from tests.cli.tables import each
+from tests.cli.test_commands import run as here
 from tests.vision.calibration.scenes import LENS, shown, stand
 
 BOARD = "charuco 7x5 40 30"
@@ -85,9 +86,14 @@ REFUSED = (
 )
 
 
-def test_what_cannot_be_is_told(cell: Path, forks) -> None:
+def test_what_cannot_be_is_told(
+    cell: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(cell)
+
     def check(arguments: tuple[str, ...], code: str) -> None:
-        assert code in run(cell, forks, "camera", *arguments, status=2)
+        status, out, err = here(capsys, "camera", *arguments)
+        assert (status, code in out + err) == (2, True)
 
     each(REFUSED, check)
 
