@@ -19,6 +19,7 @@ from typer.core import TyperGroup
 
 from assistant import __version__
 from assistant.base.diagnostics import Refused
+from assistant.cli.command import function_of
 
 _NOT_AN_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
 """Assignments, `text="a:b@c"`, and paths on a Windows drive."""
@@ -62,11 +63,16 @@ def _adopt_format(words: Sequence[str]) -> None:
 
 
 COMMANDS: Final[Mapping[str, str]] = {
-    **dict.fromkeys(
-        ("compile", "translate", "compare", "show", "check", "explain", "fmt", "coverage"),
-        "program_commands",
-    ),
-    **dict.fromkeys(("simulate", "view", "info", "scene"), "cell_views"),
+    "compile": "compilation",
+    "translate": "translation",
+    "compare": "program_checks",
+    "show": "program_text",
+    "check": "program_checks",
+    "explain": "program_checks",
+    "fmt": "program_text",
+    "coverage": "translation",
+    "simulate": "simulation",
+    **dict.fromkeys(("view", "info", "scene"), "cell_views"),
     **dict.fromkeys(("kinematics", "fmu"), "block_export"),
     "see": "known_objects",
     "learn": "learning",
@@ -86,12 +92,12 @@ COMMANDS: Final[Mapping[str, str]] = {
     "robots": "robots",
     "exchange": "pose_exchange",
     "reach": "reach",
-    "explore": "exploration_commands",
+    "explore": "exploration_charts",
     "camera": "cameras",
     "objects": "known_objects",
 }
-"""Command, in the order of the help → the module of this folder that has it under its name: a
-function, or the `Typer` of a group.
+"""Command, in the order of the help → the module of this folder that has it: a class of its name
+with a capital, or the `Typer` of a group.
 """
 _NEGATIVE_ARGUMENTS: Final = frozenset({"jog"})
 """Commands with an argument that may begin with a minus."""
@@ -125,9 +131,10 @@ class _Commands(MutableMapping[str, Any]):
 
 def _command(name: str) -> Any:
     module = importlib.import_module(f"assistant.cli.{COMMANDS[name]}")
-    found = getattr(module, name)
+    found = getattr(module, name, None)
     if not isinstance(found, typer.Typer):
-        function, found = found, typer.Typer(add_completion=False, rich_markup_mode=None)
+        function = found if callable(found) else function_of(getattr(module, name.capitalize()))
+        found = typer.Typer(add_completion=False, rich_markup_mode=None)
         minus = {"ignore_unknown_options": True} if name in _NEGATIVE_ARGUMENTS else None
         found.command(name, context_settings=minus)(function)
     command = typer.main.get_command(found)

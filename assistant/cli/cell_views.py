@@ -21,35 +21,32 @@ import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, has_errors, worst
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.compilation import keep_sources, working
+from assistant.cli.command import command
 from assistant.cli.controller_session import Session, connected, robot_of_cell, state_lines
 from assistant.cli.options import (
+    NO_PAGE,
+    PAGE_SUFFIXES,
     AccelerationOption,
-    AskAtOption,
     CellOption,
+    DrawingOptions,
     EntryOption,
     FormatOption,
     FromLanguage,
     FromRobot,
-    MarkOption,
-    OpenOption,
-    PageOption,
-    PlaceOption,
-    ProcessOption,
+    ReaderOptions,
     RobotOption,
-    SeenOption,
     Source,
     UnitOption,
-    placement_of,
     with_project_defaults,
 )
-from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.cli.report_pages import NO_PAGE, SUFFIXES, page_name, solved_sheet
-from assistant.cli.simulation import SimulationOptions, report_errors, solved_source
+from assistant.cli.presentation import Format, print_findings, print_json, say, working
+from assistant.cli.report_pages import page_name, solved_sheet
+from assistant.cli.simulation import report_errors, solved_source
+from assistant.cli.source_input import keep_sources
 from assistant.view.sheets import shown_sheet
 
 if TYPE_CHECKING:
-    from assistant.cell.scene import Scene
+    from assistant.cell.scene import Scene as CellScene
     from assistant.compiler.retarget import Solved
     from assistant.controllers.states import Position, Sample
     from assistant.robots import Robot
@@ -57,121 +54,177 @@ if TYPE_CHECKING:
     from assistant.view.page_contents import Shown
 
 
-def simulate(
-    program: Source,
-    robot: RobotOption = None,
-    output: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="Folder for all files, or a .csv, .npz, .png or .svg; repeatable.",
-        ),
-    ] = None,
-    acceleration: AccelerationOption = None,
-    period: Annotated[
-        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
-    ] = None,
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    place: PlaceOption = None,
-    marks: MarkOption = None,
-    cell: CellOption = None,
-    from_language: FromLanguage = None,
-    from_robot: FromRobot = None,
-    entry: EntryOption = None,
-    seen: SeenOption = None,
-    ask_at: AskAtOption = None,
-    report: PageOption = None,
-    opened: OpenOption = False,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
-    from assistant.cli.report_pages import PageRequest, simulated_page
-    from assistant.cli.simulation import SimulationOptions, run_simulate
-    from assistant.sources.sights import seeing
+@command
+class View:
+    """Show a program in its cell: arm, bodies, path and contacts over time. Nothing moves."""
 
-    options = SimulationOptions(
-        robot,
-        process,
-        unit,
-        from_language,
-        from_robot,
-        acceleration,
-        period,
-        entry,
-        cell,
-        placement_of(place, marks),
-        seeing(seen, ask_at),
-    )
-    page = simulated_page(PageRequest(report, opened))
-    raise typer.Exit(run_simulate(program, options, output or (), format, page))
-
-
-def view(
-    program: Source,
-    robot: RobotOption = None,
-    cell: CellOption = None,
+    program: Source
+    robot: RobotOption = None
+    cell: CellOption = None
     html: Annotated[
         Path | None,
         typer.Option(help="File for the page, which needs no other; default it is opened."),
-    ] = None,
+    ] = None
     live: Annotated[
         str | None,
         typer.Option(
             help="Controller that the page follows until Ctrl-C; it is only looked at.",
             metavar="CONTROLLER",
         ),
-    ] = None,
-    acceleration: AccelerationOption = None,
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    place: PlaceOption = None,
-    marks: MarkOption = None,
-    from_language: FromLanguage = None,
-    from_robot: FromRobot = None,
-    entry: EntryOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Show a program in its cell: arm, bodies, path and contacts over time. Nothing moves."""
-    from assistant.cli.simulation import SimulationOptions
+    ] = None
+    acceleration: AccelerationOption = None
+    reader: DrawingOptions
+    from_language: FromLanguage = None
+    from_robot: FromRobot = None
+    entry: EntryOption = None
+    format: FormatOption = Format.TEXT
 
-    options = SimulationOptions(
-        robot,
-        process,
-        unit,
-        from_language,
-        from_robot,
-        acceleration,
-        None,
-        entry,
-        cell,
-        placement_of(place, marks),
-    )
-    raise typer.Exit(_run_view(program, options, html, format, live))
+    def run(self) -> int:
+        """1 if the robot cannot run the program, or not without contact, else 0."""
+        from assistant.findings.formats import finding_record
+        from assistant.view.page import page
+
+        if self.html is not None and (
+            self.html.suffix.lower() not in PAGE_SUFFIXES or not self.html.stem
+        ):
+            raise Refused(NO_PAGE(name=self.html), exit_status=2)
+        if self.html is not None and self.live is not None:
+            raise Refused(_LIVE_NOT_WRITTEN(), exit_status=2)
+        options = with_project_defaults(self.program, self)
+        with working(f"looking at {self.program}"):
+            ready = solved_source(
+                self.program,
+                options.reader,
+                robot=options.robot,
+                cell=options.cell,
+                from_language=options.from_language,
+                from_robot=options.from_robot,
+                entry=options.entry,
+            )
+            robot = ready.solution.robot
+            if has_errors(ready.findings):
+                return report_errors(self.program, robot, ready.findings, self.format, "shown")
+            shown = _view_contents(options, ready)
+            path = (
+                None
+                if self.live is not None
+                else _write_view(self.program, options.cell, self.html, page(shown))
+            )
+        findings = [shown.places.finding(one).within(self.program) for one, _ in shown.findings]
+        records = [finding_record(one) for one in findings]
+        answer: dict[str, Any] = {"source": self.program, "robot": robot.name, "findings": records}
+        if self.format is not Format.JSON:
+            print_findings(fold(findings), explained=True)
+        if self.live is not None:
+            following = partial(_live_page, shown)
+            _run_live(self.live, robot, following, answer, self.format)
+        elif self.format is Format.JSON:
+            print_json(answer | {"written": [str(path)]})
+        else:
+            say(f"wrote {path}")
+        return 1 if has_errors(findings) else 0
 
 
-def info(
-    drawing: Annotated[Path, typer.Argument(help="A DXF drawing.")],
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
+@command
+class Info:
     """Tell what is in a drawing: unit, size, layers, contours, blocks, and what would be used."""
-    raise typer.Exit(_run_info(drawing, process, unit, format))
+
+    drawing: Annotated[Path, typer.Argument(help="A DXF drawing.")]
+    reader: ReaderOptions
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """0; 1 if something of the drawing is not in order."""
+        from assistant.base.length_units import known_unit
+        from assistant.findings.severities import apply_severities
+        from assistant.report import drawings as report
+        from assistant.sources import process_of
+        from assistant.sources.drawing.survey import survey
+        from assistant.sources.process import NO_PROCESS
+        from assistant.sources.process.placement import DRAWING_SUFFIXES
+
+        if self.drawing.suffix.lower() not in DRAWING_SUFFIXES:
+            raise Refused(_NOT_DRAWN(path=str(self.drawing), name=self.drawing.name), exit_status=2)
+        left = list[Diagnostic]()
+        try:
+            chosen, stated = (
+                process_of(self.drawing, self.reader.process),
+                "as the process file says",
+            )
+        except (
+            Refused
+        ) as refused:  # one that is not finished yet; the drawing is there all the same
+            if self.reader.process is not None:
+                raise
+            chosen, stated, left = NO_PROCESS, "", [*refused.findings]
+        if self.reader.unit is not None:
+            chosen, stated = replace(chosen, unit=known_unit(self.reader.unit)), "as --unit says"
+        with working(f"reading {self.drawing}"):
+            found = survey(self.drawing, chosen, stated)
+        told = [
+            finding.within(str(self.drawing))
+            for finding in (*left, *chosen.findings, *found.findings)
+        ]
+        findings = apply_severities(told).left
+        if self.format is Format.JSON:
+            from assistant.findings.formats import finding_record
+
+            answer = {"drawing": str(self.drawing), **report.record(found)}
+            print_json(answer | {"findings": [finding_record(finding) for finding in findings]})
+        else:
+            print_findings(fold(findings), explained=True)
+            for line in report.lines(found):
+                say(line)
+        return 1 if worst(findings) in (Severity.ERROR, Severity.WARNING) else 0
 
 
-def scene(
-    file: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")],
+@command
+class Scene:
+    """List the contents of a cell, body by body, or write it as another file."""
+
+    file: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")]
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="Cell file (.toml) or glTF (.glb) to write instead."),
-    ] = None,
-    unit: UnitOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """List the contents of a cell, body by body, or write it as another file."""
-    raise typer.Exit(_run_scene(file, unit, output, format))
+    ] = None
+    unit: UnitOption = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """0; unit: of a drawing, whatever that says."""
+        from assistant.report import scenes as report
+
+        if self.output is not None and (
+            self.output.suffix.lower() not in (_SCENE_SUFFIXES, _GLTF_SUFFIX)
+            or not self.output.stem
+        ):
+            raise Refused(_NO_SCENE(name=self.output), exit_status=2)
+        as_text = self.output is not None and self.output.suffix.lower() == _SCENE_SUFFIXES
+        with working(f"reading {self.file}"):
+            try:
+                scene, found, others = _read_scene(self.file, self.unit, as_text)
+                told = report.record(scene)  # refuses what stands in nothing
+            except Refused as refused:
+                at = (finding.within(str(self.file)) for finding in refused.findings)
+                raise Refused(*at, exit_status=refused.exit_status) from None
+            files = {} if self.output is None else _scene_files(scene, self.output)
+            if as_text:
+                found += _left_out_tables(others)
+            written = _write_scene(self.file, files)
+        findings = [finding.within(str(self.file)) for finding in found]
+        if self.format is Format.JSON:
+            from assistant.findings.formats import finding_record
+
+            answer = {"cell": str(self.file), **told}
+            answer["findings"] = [finding_record(finding) for finding in findings]
+            print_json(answer | {"written": [str(path) for path in written]})
+            return 0
+        print_findings(fold(findings), explained=True)
+        for line in report.lines(scene) if self.output is None else ():
+            say(line)
+        for path in written:
+            say(f"wrote {path}")
+        return 0
 
 
 _NO_BROWSER = error(
@@ -186,49 +239,7 @@ _LIVE_NOT_WRITTEN = error(
 )
 
 
-def _run_view(
-    source: str,
-    options: SimulationOptions,
-    html: Path | None,
-    format: Format,
-    live: str | None = None,
-) -> int:
-    """1 if the robot cannot run the program, or not without contact, else 0.
-
-    html: where it is written; None to open it in the browser, from a folder for temporary files.
-    live: the controller that the page follows until Ctrl-C, from where it is served then.
-    """
-    from assistant.findings.formats import finding_record
-    from assistant.view.page import page
-
-    if html is not None and (html.suffix.lower() not in SUFFIXES or not html.stem):
-        raise Refused(NO_PAGE(name=html), exit_status=2)
-    if html is not None and live is not None:
-        raise Refused(_LIVE_NOT_WRITTEN(), exit_status=2)
-    options = with_project_defaults(source, options)
-    with working(f"looking at {source}"):
-        ready = solved_source(source, options)
-        robot = ready.solution.robot
-        if has_errors(ready.findings):
-            return report_errors(source, robot, ready.findings, format, "shown")
-        shown = _view_contents(source, options, ready)
-        path = None if live is not None else _write_view(source, options.cell, html, page(shown))
-    findings = [shown.places.finding(one).within(source) for one, _ in shown.findings]
-    records = [finding_record(one) for one in findings]
-    answer: dict[str, Any] = {"source": source, "robot": robot.name, "findings": records}
-    if format is not Format.JSON:
-        print_findings(fold(findings), explained=True)
-    if live is not None:
-        following = partial(_live_page, shown)
-        _run_live(live, robot, following, answer, format)
-    elif format is Format.JSON:
-        print_json(answer | {"written": [str(path)]})
-    else:
-        say(f"wrote {path}")
-    return 1 if has_errors(findings) else 0
-
-
-def _view_contents(source: str, options: SimulationOptions, ready: Solved) -> Shown:
+def _view_contents(options: View, ready: Solved) -> Shown:
     """Return the page contents of a program without errors, with the findings about its motion.
 
     Raises Refused for a cell without its robot.
@@ -244,7 +255,8 @@ def _view_contents(source: str, options: SimulationOptions, ready: Solved) -> Sh
             robot_of(ready.scene, solution.robot)
         except LookupError:
             raise Refused(no_robot(solution.robot, ready.scene), exit_status=2) from None
-    sheet = solved_sheet(source, ready, options, robot_rules.check(solution))
+    found = robot_rules.check(solution)
+    sheet = solved_sheet(options.program, ready, options.reader, options.acceleration, found)
     return shown_sheet(replace(sheet, plan=False))
 
 
@@ -388,43 +400,6 @@ _NOT_DRAWN = error(
 )
 
 
-def _run_info(drawing: Path, process: Path | None, unit: str | None, format: Format) -> int:
-    """0; 1 if something of the drawing is not in order."""
-    from assistant.base.length_units import known_unit
-    from assistant.findings.severities import apply_severities
-    from assistant.report import drawings as report
-    from assistant.sources import process_of
-    from assistant.sources.drawing.survey import survey
-    from assistant.sources.process import NO_PROCESS
-    from assistant.sources.process.placement import DRAWING_SUFFIXES
-
-    if drawing.suffix.lower() not in DRAWING_SUFFIXES:
-        raise Refused(_NOT_DRAWN(path=str(drawing), name=drawing.name), exit_status=2)
-    left = list[Diagnostic]()
-    try:
-        chosen, stated = process_of(drawing, process), "as the process file says"
-    except Refused as refused:  # one that is not finished yet; the drawing is there all the same
-        if process is not None:
-            raise
-        chosen, stated, left = NO_PROCESS, "", [*refused.findings]
-    if unit is not None:
-        chosen, stated = replace(chosen, unit=known_unit(unit)), "as --unit says"
-    with working(f"reading {drawing}"):
-        found = survey(drawing, chosen, stated)
-    told = [finding.within(str(drawing)) for finding in (*left, *chosen.findings, *found.findings)]
-    findings = apply_severities(told).left
-    if format is Format.JSON:
-        from assistant.findings.formats import finding_record
-
-        answer = {"drawing": str(drawing), **report.record(found)}
-        print_json(answer | {"findings": [finding_record(finding) for finding in findings]})
-    else:
-        print_findings(fold(findings), explained=True)
-        for line in report.lines(found):
-            say(line)
-    return 1 if worst(findings) in (Severity.ERROR, Severity.WARNING) else 0
-
-
 _NO_SCENE = error(
     "CL045",
     "a scene is not written as `{name}`",
@@ -435,45 +410,9 @@ _WORLD_TABLES: Final = ("world", "robots", "bodies", "frames")
 """Tables of a cell file that a scene holds."""
 
 
-def _run_scene(cell: Path, unit: str | None, output: Path | None, format: Format) -> int:
-    """0; unit: of a drawing, whatever that says."""
-    from assistant.report import scenes as report
-
-    if output is not None and (
-        output.suffix.lower() not in (_SCENE_SUFFIXES, _GLTF_SUFFIX) or not output.stem
-    ):
-        raise Refused(_NO_SCENE(name=output), exit_status=2)
-    as_text = output is not None and output.suffix.lower() == _SCENE_SUFFIXES
-    with working(f"reading {cell}"):
-        try:
-            scene, found, others = _read_scene(cell, unit, as_text)
-            told = report.record(scene)  # refuses what stands in nothing
-        except Refused as refused:
-            at = (finding.within(str(cell)) for finding in refused.findings)
-            raise Refused(*at, exit_status=refused.exit_status) from None
-        files = {} if output is None else _scene_files(scene, output)
-        if as_text:
-            found += _left_out_tables(others)
-        written = _write_scene(cell, files)
-    findings = [finding.within(str(cell)) for finding in found]
-    if format is Format.JSON:
-        from assistant.findings.formats import finding_record
-
-        answer = {"cell": str(cell), **told}
-        answer["findings"] = [finding_record(finding) for finding in findings]
-        print_json(answer | {"written": [str(path) for path in written]})
-        return 0
-    print_findings(fold(findings), explained=True)
-    for line in report.lines(scene) if output is None else ():
-        say(line)
-    for path in written:
-        say(f"wrote {path}")
-    return 0
-
-
 def _read_scene(
     cell: Path, unit: str | None, as_text: bool
-) -> tuple[Scene, tuple[Diagnostic, ...], tuple[str, ...]]:
+) -> tuple[CellScene, tuple[Diagnostic, ...], tuple[str, ...]]:
     """Return the scene of a cell file or of a drawing, its findings, and its other tables.
 
     as_text: without the explored space of charts, which the text only names.
@@ -483,7 +422,7 @@ def _read_scene(
     from assistant.base.source_text import decode, read_bytes
     from assistant.cell.cell_file import parse_scene
     from assistant.cell.drawing_bodies import read_drawing
-    from assistant.cell.scene import Scene
+    from assistant.cell.scene import Scene as CellScene
     from assistant.program.settings_tables import ENCODINGS, read_toml
     from assistant.sources.process.placement import DRAWING_SUFFIXES
 
@@ -491,7 +430,7 @@ def _read_scene(
         known_unit(unit)
     if cell.suffix.lower() in DRAWING_SUFFIXES:
         drawn = read_drawing(cell, unit)
-        return Scene(drawn.bodies), drawn.findings, ()
+        return CellScene(drawn.bodies), drawn.findings, ()
     source = decode(read_bytes(cell, most=SETTINGS_FILE), str(cell), ENCODINGS)
     found: tuple[Diagnostic, ...] = () if unit is None else (unit_stated(str(cell), unit),)
     scene, said = parse_scene(source, cell.parent, explored=not as_text)
@@ -499,7 +438,7 @@ def _read_scene(
     return scene, (*found, *said), others
 
 
-def _scene_files(scene: Scene, output: Path) -> dict[Path, bytes]:
+def _scene_files(scene: CellScene, output: Path) -> dict[Path, bytes]:
     from assistant.cell.scene_export import cell_files, gltf
 
     if output.suffix.lower() == _GLTF_SUFFIX:

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Final
 from assistant.base.diagnostics import Refused, error
 from assistant.base.file_access import read_file
 from assistant.base.source_text import lines_of
-from assistant.cli.compilation import working
 from assistant.cli.controller_session import Session, confirm, connected
-from assistant.cli.presentation import Format, note, print_json, say
+from assistant.cli.presentation import Format, note, print_json, say, working
 
 if TYPE_CHECKING:
     from assistant.controllers.controller import Restoring

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Annotated, Final, cast
 import typer
 
 from assistant.base.diagnostics import Refused, Severity
-from assistant.cli.compilation import working
-from assistant.cli.presentation import LengthUnit, print_findings, say
+from assistant.cli.command import command
+from assistant.cli.options import PageOptions, ReaderOptions
+from assistant.cli.presentation import LengthUnit, print_findings, say, working
 from assistant.resources import resource
 
 if TYPE_CHECKING:
@@ -34,16 +35,29 @@ if TYPE_CHECKING:
     from assistant.virtual.cr import VirtualCr
 
 
-def demo(
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder for what it makes.")
-    ] = Path("out/demo"),
-    unit: Annotated[
-        LengthUnit, typer.Option(help="Unit of the positions that are drawn.")
-    ] = LengthUnit.MM,
-) -> None:
+@command
+class Demo:
     """A drawing and a trajectory to programs on two embedded virtual controllers, with a report."""
-    raise typer.Exit(_run_demo(output, unit.value))
+
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for what it makes.")] = (
+        Path("out/demo")
+    )
+    unit: Annotated[LengthUnit, typer.Option(help="Unit of the positions that are drawn.")] = (
+        LengthUnit.MM
+    )
+
+    def run(self) -> int:
+        from assistant.cli.report_pages import write_page
+
+        sheets: list[Sheet] = []
+        with ExitStack() as stack:
+            there = _start_cells(stack)
+            for source in (_Source(_DRAWING, _sample_path(_DRAWING)), _trajectory()):
+                sheets += _run_on_each_robot(self.output, source, there, self.unit.value)
+        with working("drawing the page"):
+            (report,), _ = write_page(PageOptions(report=self.output / _REPORT), sheets, (), "demo")
+        say(f"to be looked at in a browser: {report}")
+        return 0
 
 
 ABB: Final = "irb1200-7-0.7"
@@ -181,20 +195,6 @@ class _Source:
     played: bool = False
 
 
-def _run_demo(output: Path, unit: Unit) -> int:
-    from assistant.cli.report_pages import PageRequest, write_page
-
-    sheets: list[Sheet] = []
-    with ExitStack() as stack:
-        there = _start_cells(stack)
-        for source in (_Source(_DRAWING, _sample_path(_DRAWING)), _trajectory()):
-            sheets += _run_on_each_robot(output, source, there, unit)
-    with working("drawing the page"):
-        (report,), _ = write_page(PageRequest(output / _REPORT), sheets, (), "demo")
-    say(f"to be looked at in a browser: {report}")
-    return 0
-
-
 def _sample_path(name: str) -> Path:
     return Path(str(resource("samples", name)))
 
@@ -237,7 +237,7 @@ def _run_on_each_robot(
     from assistant.report.track import track
 
     given = source.given
-    drawn = drawing_lines(str(given), None, None) if isinstance(given, Path) else ()
+    drawn = drawing_lines(str(given), ReaderOptions()) if isinstance(given, Path) else ()
     passed: dict[str, Poses] = {}
     for robot in ROBOTS:
         compiled = _compile_source(source, robot)

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.compilation import working
 from assistant.cli.controller_commands import complete_controller
 from assistant.cli.controller_session import named_by, new_client
 from assistant.cli.options import FormatOption
@@ -28,6 +27,7 @@ from assistant.cli.presentation import (
     print_findings,
     print_json,
     say,
+    working,
 )
 from assistant.report.markdown import cell, code, findings_markdown, folded, plain
 

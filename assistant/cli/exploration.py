@@ -10,41 +10,42 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import numpy as np
+import typer
 
-from assistant.base.diagnostics import Refused, error, has_errors
+from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
+from assistant.cli.arm_commands import complete_servo_mode
 from assistant.cli.arm_motion import START_TIME, moving
-from assistant.cli.compilation import keep_sources, working
+from assistant.cli.command import command_group, command_of, options
+from assistant.cli.controller_commands import YesOption
 from assistant.cli.controller_session import confirm, connected, robot_of_cell
 from assistant.cli.learning import box_of, range_of
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import Format, print_answer, print_findings, say, working
+from assistant.cli.source_input import keep_sources
 from assistant.cli.teaching import END_KEYS, terminal_keys
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
     from assistant.cell.exploration.occupancy import Occupancy
-    from assistant.cli.simulation import SimulationOptions
     from assistant.compiler.exploration import (
         ExplorationRequest,
         ExplorationResult,
         ExplorationStart,
     )
     from assistant.controllers import Controller
-    from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.exploration import AnyContacts, Contacts, ExplorationLog, PictureRegion
     from assistant.vision.servoing.bounds import Guard
 
 
 NO_CHART_NAME: Final = error("CL280", "a chart is not written as `{name}`", "end its name in .npz")
-NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
 ONLY_MOVED: Final = error(
     "CL288",
     "{what}, and --cell is missing",
@@ -58,15 +59,87 @@ ONLY_STILL: Final = error(
 CHART_SUFFIX: Final = ".npz"
 
 
-def check_still(where: str, given: Mapping[str, object]) -> None:
-    """Raise Refused for what is only for an arm that moves: its options, or a controller."""
-    left_out: tuple[object, ...] = (None, False, [])
-    option = next((name for name, value in given.items() if value not in left_out), None)
-    if option is not None:
-        raise Refused(ONLY_MOVED(what=f"`{option}` is for an arm that moves"), exit_status=2)
-    if not Path(where).suffix and not Path(where).exists():
-        what = f"`{where}` is not a cell file but a controller"
-        raise Refused(ONLY_MOVED(what=what), exit_status=2)
+explore: Final = command_group(
+    "Chart the space about a robot by where it has been without contact."
+)
+CellOption = Annotated[Path, typer.Option("--cell", help="File of the cell, with the robot.")]
+ChartOption = Annotated[
+    Path, typer.Option("--chart", "-c", help="The chart, .npz; one that is there is gone on with.")
+]
+ControllerArgument = Annotated[
+    str, typer.Argument(help="Name of a controller of the project, or its address.")
+]
+HiddenOption = Annotated[
+    Path | None,
+    typer.Option(help="Cell file of what is really there: contacts with that end a run."),
+]
+
+
+@options
+class ChartingOptions:
+    """The robot, and how finely the space about it is charted."""
+
+    robot: Annotated[
+        str | None,
+        typer.Option("--robot", "-r", help="Its name in the cell, if there are several."),
+    ] = None
+    size: Annotated[
+        float | None,
+        typer.Option(
+            "--size", help="Size of the chart's cells, mm; default 10, or that of the chart."
+        ),
+    ] = None
+    thinner: Annotated[
+        float,
+        typer.Option(help="mm by which the bodies of the robot are rounder than it is, at most."),
+    ] = 0.0
+
+    def request(self, cell: Path, chart: Path) -> ExplorationRequest:
+        from assistant.compiler.exploration import ExplorationRequest
+
+        return ExplorationRequest(cell, chart, self.robot, self.size, self.thinner)
+
+
+@options
+class ContactOptions:
+    """Sources of contacts."""
+
+    contact: Annotated[
+        str | None,
+        typer.Option(help="Input of the controller that is not 0 in contact.", metavar="SIGNAL"),
+    ] = None
+    key: Annotated[
+        bool, typer.Option("--key", help="Each key that is pressed is a contact; q ends it.")
+    ] = False
+    camera: Annotated[
+        Path | None,
+        typer.Option(
+            help="File of cameras: a picture that differs from the first one is a contact.",
+            metavar="CAMERAS.toml",
+        ),
+    ] = None
+    region: Annotated[
+        str | None,
+        typer.Option(help="Part of the pictures, in pixels.", metavar="LEFT,TOP,RIGHT,BOTTOM"),
+    ] = None
+
+    @property
+    def is_given(self) -> bool:
+        """True if there is a source at all."""
+        return self.contact is not None or self.key or self.camera is not None
+
+
+@options
+class RecordingOptions:
+    """How long an arm is recorded, and where."""
+
+    seconds: Annotated[float | None, typer.Option(help="Seconds after which it ends.", min=0.0)] = (
+        None
+    )
+    log: Annotated[
+        Path | None,
+        typer.Option(help="Write joints, poses and contacts, for `recorded`.", metavar="FILE.csv"),
+    ] = None
 
 
 def check_moving(hidden: Path | None) -> None:
@@ -75,79 +148,23 @@ def check_moving(hidden: Path | None) -> None:
         raise Refused(ONLY_STILL(option="--hidden"), exit_status=2)
 
 
-def run_wander(
-    asked: ExplorationRequest, hidden: Path | None, runs: int, seed: int | None, format: Format
-) -> int:
-    from assistant.compiler.exploration import explore_by_random_moves
-
-    with working("exploring"):
-        begun = prepare_chart(asked, [] if hidden is None else [str(hidden)])
-        found = explore_by_random_moves(begun, hidden, runs, seed)
-    return _report_exploration(begun, found, "runs", format)
-
-
-def run_recorded(
-    asked: ExplorationRequest, recordings: Sequence[Path], contact: str | None, format: Format
-) -> int:
-    from assistant.compiler.exploration import explore_by_recordings
-
-    with working("reading what was recorded"):
-        begun = prepare_chart(asked, [str(path) for path in recordings])
-        found = explore_by_recordings(begun, recordings, contact)
-    return _report_exploration(begun, found, "runs of each recording", format)
-
-
-def run_program(
-    asked: ExplorationRequest,
-    source: str,
-    options: SimulationOptions,
-    until: float | None,
-    hidden: Path | None,
-    format: Format,
-) -> int:
-    """1 if the robot cannot run the program; then the chart stays as it is."""
-    from assistant.cli.simulation import report_errors, solved_source
-    from assistant.compiler.arms import InCell
-    from assistant.compiler.exploration import explore_by_program
-    from assistant.robots.timing import simulate
-
-    if until is not None and not until > 0.0:
-        raise Refused(NO_UNTIL(value=until), exit_status=2)
-    with working(f"going through {source}"):
-        begun = prepare_chart(asked, [source, *([] if hidden is None else [str(hidden)])])
-        explorer = begun.explorer
-        named = None if asked.robot is None else explorer.placed.robot
-        scene = replace(explorer.scene, runs=asked.robot)
-        done = solved_source(source, options, InCell(scene, named))
-        if has_errors(done.findings):
-            robot = done.solution.robot
-            return report_errors(source, robot, done.findings, format, "gone through")
-        simulation = simulate(done.solution, acceleration=options.acceleration)
-        try:
-            found = explore_by_program(begun, done.program, simulation, until, hidden)
-        except Refused as caught:
-            findings = [done.places.finding(one).within(source) for one in caught.findings]
-            raise Refused(*findings, exit_status=caught.exit_status) from None
-    return _report_exploration(begun, found, "runs", format)
-
-
 def prepare_chart(asked: ExplorationRequest, read: Sequence[str]) -> ExplorationStart:
     """Start an exploration; raise Refused for an invalid chart name or one that would overwrite an
     input.
     """
     from assistant.compiler.exploration import start_exploration
 
-    _check_chart_name(asked.chart)
+    check_chart_name(asked.chart)
     keep_sources([str(asked.cell), *read], [asked.chart])
     return start_exploration(asked)
 
 
-def _check_chart_name(path: Path) -> None:
+def check_chart_name(path: Path) -> None:
     if path.suffix.lower() != CHART_SUFFIX or not path.stem:
         raise Refused(NO_CHART_NAME(name=path), exit_status=2)
 
 
-def _report_exploration(
+def report_exploration(
     begun: ExplorationStart, found: ExplorationResult, what: str, format: Format
 ) -> int:
     from assistant.cell.exploration.occupancy import save_map
@@ -167,35 +184,27 @@ class ExplorationSummary:
 
 def report_chart(done: ExplorationSummary, format: Format) -> int:
     """Print the result and the free space so far; returns the exit status."""
-    from assistant.findings.formats import finding_record
-
-    found, what = done.found, done.what
-    if format is Format.JSON:
-        rows = [dict(zip(("runs", "new", "litres"), row, strict=True)) for row in found.runs]
-        findings = [finding_record(one) for one in found.findings]
-        answer = {
-            "explored": rows,
-            "contacts": found.contacts,
-            "chart": _chart_record(found.occupancy),
-        }
-        written = [str(path) for path in done.written]
-        print_json(answer | {"findings": findings, "written": written})
-        return 0
-    print_findings(found.findings, explained=True)
-    say(f"{what:>24} {'new cells':>12} {'litres free':>12}")
-    for runs, new, litres in found.runs:
-        say(f"{runs:>24,} {new:>12,} {litres:>12.1f}")
-    say("")
+    found = done.found
+    rows = [dict(zip(("runs", "new", "litres"), row, strict=True)) for row in found.runs]
+    chart = chart_record(found.occupancy)
+    lines = [f"{done.what:>24} {'new cells':>12} {'litres free':>12}"]
+    lines += [f"{runs:>24,} {new:>12,} {litres:>12.1f}" for runs, new, litres in found.runs]
+    lines.append("")
     if found.contacts:
         where = f", {found.placeless} of them nobody knows where" if found.placeless else ""
-        say(f"contacts: {found.contacts}{where}")
-    for line in _chart_lines(found.occupancy):
-        say(line)
-    say(f"wrote {', '.join(str(path) for path in done.written)}")
+        lines.append(f"contacts: {found.contacts}{where}")
+    lines += chart_lines(found.occupancy)
+    answer = {"explored": rows, "contacts": found.contacts, "chart": chart}
+    if format is Format.TEXT:
+        print_findings(found.findings, explained=True)
+        for line in (*lines, f"wrote {', '.join(map(str, done.written))}"):
+            say(line)
+    else:
+        print_answer(format, answer, (), found.findings, done.written)
     return 0
 
 
-def _chart_record(occupancy: Occupancy) -> dict[str, Any]:
+def chart_record(occupancy: Occupancy) -> dict[str, Any]:
     from assistant.cell.exploration.occupancy import CellState
 
     counts = occupancy.counts()
@@ -220,8 +229,8 @@ def _free_box(occupancy: Occupancy) -> Sequence[Any]:
     return cells.min(axis=0) * occupancy.size, (cells.max(axis=0) + 1) * occupancy.size
 
 
-def _chart_lines(occupancy: Occupancy) -> list[str]:
-    record = _chart_record(occupancy)
+def chart_lines(occupancy: Occupancy) -> list[str]:
+    record = chart_record(occupancy)
     out = [
         f"robot    {record['robot']}",
         f"cells    {record['cell_mm']:g} mm",
@@ -233,79 +242,6 @@ def _chart_lines(occupancy: Occupancy) -> list[str]:
         low, high = ([f"{value:g}" for value in corner] for corner in record["box_mm"])
         out.append(f"between  ({', '.join(low)}) and ({', '.join(high)}) mm of the base")
     return out
-
-
-def run_chart_shown(path: Path, output: Path | None, format: Format) -> int:
-    """output: a picture of it that is written."""
-    from assistant.base.file_sets import write_all
-    from assistant.cell.exploration.occupancy import load_map
-    from assistant.report.figures import format_of
-    from assistant.report.workspace import explored_picture
-
-    kind = "" if output is None else format_of(output.name)
-    occupancy = load_map(path)
-    written: list[str] = []
-    if output is not None:
-        keep_sources([str(path)], [output])
-        written = [str(one) for one in write_all({output: explored_picture(occupancy, kind)})]
-    if format is Format.JSON:
-        print_json({"chart": str(path), **_chart_record(occupancy), "written": written})
-        return 0
-    for line in [*_chart_lines(occupancy), *(f"wrote {one}" for one in written)]:
-        say(line)
-    return 0
-
-
-def run_charts_merged(paths: Sequence[Path], output: Path, format: Format) -> int:
-    from assistant.cell.exploration.occupancy import load_map, save_map
-
-    _check_chart_name(output)
-    keep_sources([str(path) for path in paths], [output])
-    merged = load_map(paths[0])
-    for path in paths[1:]:
-        other = load_map(path)
-        with _at_chart(path):
-            merged = merged.merged(other)
-    save_map(merged, output)
-    if format is Format.JSON:
-        print_json({"chart": _chart_record(merged), "written": [str(output)]})
-        return 0
-    for line in _chart_lines(merged):
-        say(line)
-    say(f"wrote {output}")
-    return 0
-
-
-def run_charts_compared(old: Path, new: Path, format: Format) -> int:
-    """1 if what was free is not any more."""
-    from assistant.cell.exploration.occupancy import load_map
-
-    before, after = load_map(old), load_map(new)
-    with _at_chart(new):
-        found = before.compared(after)
-    if format is Format.JSON:
-        print_json({"old": str(old), "new": str(new), **asdict(found)})
-    else:
-        litre = before.size**3 / 1e6
-        for count, what in (
-            (found.same, "are known alike"),
-            (found.gained, f"are known in {new} only"),
-            (found.lost, f"are known in {old} only"),
-            (found.freed, "were occupied and are free"),
-            (found.blocked, "were free and are occupied"),
-        ):
-            say(f"{count:>12,} cells ({count * litre:.1f} l) {what}")
-    return 1 if found.blocked else 0
-
-
-@contextmanager
-def _at_chart(path: Path) -> Iterator[None]:
-    """Attach the chart's path to the findings of Refused."""
-    try:
-        yield
-    except Refused as refused:
-        findings = [finding.within(str(path)) for finding in refused.findings]
-        raise Refused(*findings, exit_status=refused.exit_status) from None
 
 
 NO_BOUNDS: Final = error(
@@ -352,196 +288,272 @@ LOOK_PERIOD: Final = 0.05
 """Seconds between two looks at an arm that others move."""
 
 
-@dataclass(frozen=True, slots=True)
-class ContactOptions:
-    """Sources of contacts. signal: an input of the controller. key: keys of the operator. cameras:
-    file of cameras whose pictures change. region: of the pictures, as it was typed.
-    """
+@command_of(explore)
+class Wander:
+    """Move at random up to each contact: on this computer, or with --cell a real or virtual arm."""
 
-    signal: str | None = None
-    key: bool = False
-    cameras: Path | None = None
-    region: str | None = None
+    where: Annotated[
+        str,
+        typer.Argument(
+            metavar="CELL|CONTROLLER",
+            help="File of a cell, in which nothing moves; or with --cell the controller of an arm.",
+        ),
+    ]
+    chart: ChartOption
+    hidden: HiddenOption = None
+    runs: Annotated[int, typer.Option(help="Random moves, a run each.", min=1)] = 50
+    seed: Annotated[
+        int | None,
+        typer.Option(help="Of what is random; default another one as the chart grows.", min=0),
+    ] = None
+    charting: ChartingOptions
+    cell: Annotated[
+        Path | None,
+        typer.Option("--cell", help="File of the cell of an arm that really moves."),
+    ] = None
+    contacts: ContactOptions
+    range: Annotated[
+        tuple[str, ...],
+        typer.Option(
+            metavar="JOINT=LOW:HIGH", help="Degrees between which a joint may move; repeatable."
+        ),
+    ] = ()
+    box: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="Box of the base for the flange, mm, each LOW:HIGH."),
+    ] = None
+    speed: Annotated[float, typer.Option(help="mm/s of the flange, at most 250.")] = 50.0
+    by: Annotated[
+        str,
+        typer.Option(help="Way to lead the arm: see `servo`.", autocompletion=complete_servo_mode),
+    ] = "jog"
+    port: Annotated[
+        int | None, typer.Option(help="UDP port of the way; default the usual one.", min=1)
+    ] = None
+    lines: Annotated[
+        tuple[str, ...],
+        typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
+    ] = ()
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Our programs replace others of their names.")
+    ] = False
+    recording: RecordingOptions
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
 
-    @property
-    def is_given(self) -> bool:
-        """True if there is a source at all."""
-        return self.signal is not None or self.key or self.cameras is not None
+    def run(self) -> int:
+        if self.cell is not None:
+            check_moving(self.hidden)
+            return self._move_arm(self.charting.request(self.cell, self.chart))
+        from assistant.compiler.exploration import explore_by_random_moves
 
+        self._check_still()
+        asked = self.charting.request(Path(self.where), self.chart)
+        with working("exploring"):
+            begun = prepare_chart(asked, [] if self.hidden is None else [str(self.hidden)])
+            found = explore_by_random_moves(begun, self.hidden, self.runs, self.seed)
+        return report_exploration(begun, found, "runs", self.format)
 
-@dataclass(frozen=True, slots=True)
-class WatchOptions:
-    """Options for watching and recording an arm. seconds: None for no limit. yes: without a
-    question.
-    """
+    def _check_still(self) -> None:
+        """Raise Refused for what is only for an arm that moves: its options, or a controller."""
+        given: dict[str, object] = {
+            "--contact": self.contacts.contact,
+            "--key": self.contacts.key,
+            "--camera": self.contacts.camera,
+            "--region": self.contacts.region,
+            "--range": self.range,
+            "--box": self.box,
+            "--seconds": self.recording.seconds,
+            "--log": self.recording.log,
+            "--line": self.lines,
+            "--port": self.port,
+            "--replace": self.replace,
+        }
+        left_out: tuple[object, ...] = (None, False, ())
+        option = next((name for name, value in given.items() if value not in left_out), None)
+        if option is not None:
+            raise Refused(ONLY_MOVED(what=f"`{option}` is for an arm that moves"), exit_status=2)
+        if not Path(self.where).suffix and not Path(self.where).exists():
+            what = f"`{self.where}` is not a cell file but a controller"
+            raise Refused(ONLY_MOVED(what=what), exit_status=2)
 
-    contact: ContactOptions
-    seconds: float | None
-    log: Path | None
-    yes: bool
-    format: Format
+    def _move_arm(self, asked: ExplorationRequest) -> int:
+        """Move an arm at random; the chart and the log are written however it ends."""
+        import numpy as np
 
+        from assistant.cli.visual_servoing import joints_nearby, setpoint_mode
+        from assistant.controllers.trajectory_execution import LinkOptions
+        from assistant.vision.exploration import RandomExplorer, empty_log
+        from assistant.vision.rules import EXPLORATION_TIME_OVER
+        from assistant.vision.servoing.bounds import Bounds as Limits
+        from assistant.vision.servoing.bounds import Guard
 
-@dataclass(frozen=True, slots=True)
-class MotionBounds:
-    """ranges, box: the words of --range and --box. speed: mm/s of the flange. by, wishes: the mode
-    that leads the arm, and its options.
-    """
-
-    ranges: Sequence[str]
-    box: str | None
-    speed: float
-    by: str
-    wishes: LinkOptions
-
-
-def run_wander_arm(
-    cell: str,
-    asked: ExplorationRequest,
-    bounds: MotionBounds,
-    live: WatchOptions,
-    runs: int,
-    seed: int | None,
-) -> int:
-    """Move an arm at random; the chart and the log are written however it ends."""
-    from assistant.cli.visual_servoing import joints_nearby, setpoint_mode
-    from assistant.vision.exploration import RandomExplorer, empty_log
-    from assistant.vision.rules import EXPLORATION_TIME_OVER
-    from assistant.vision.servoing.bounds import Bounds as Limits
-    from assistant.vision.servoing.bounds import Guard
-
-    mode = setpoint_mode(bounds.by)
-    if not bounds.ranges and bounds.box is None:
-        raise Refused(NO_BOUNDS(), exit_status=2)
-    if not live.contact.is_given:
-        raise Refused(NO_CONTACT(), exit_status=2)
-    if not 0.1 <= bounds.speed <= FASTEST_FLANGE:
-        raise Refused(NO_SPEED(value=bounds.speed, most=FASTEST_FLANGE), exit_status=2)
-    begun = _prepare_explorer(asked, live)
-    explorer, robot = begun.explorer, begun.explorer.placed.robot
-    ranges, box = _joint_ranges(bounds.ranges, robot), None
-    if bounds.box is not None:
-        sides = box_of(bounds.box)
-        box = (tuple(sides[:, 0].tolist()), tuple(sides[:, 1].tolist()))
-    guard = Guard(robot, Limits(bounds.speed, FASTEST_TURN, LARGEST_SPEED_SHARE, box=box))
-    log, done = empty_log(guard), None
-    try:
-        with moving(cell, "explore") as motion, ExitStack() as open_:
-            there = motion.cell
-            _check_arm(begun, there.one.name, robot_of_cell(there.one))
-            session = there.controller if mode.operates else there.session
-            mode.check(session, bounds.wishes)
-            carrier = mode.make(session, guard.arm(), bounds.wishes, joints_nearby(session, robot))
-            contacts, ended = open_.enter_context(
-                _open_contacts(
-                    live.contact,
-                    begun,
-                    lambda: there.controller,
-                    lambda: carrier.joints() if motion.began else joints_nearby(session, robot),
-                )
-            )
-            faster = [*mode.faster(guard.arm(), str(there.one.address))]
-            print_findings(faster)
-            what = f"moves the arm at random, {runs} times, {_bounds_text(bounds)}"
-            most = "" if faster else f", at {bounds.speed:g} mm/s at most"
-            confirm(there.one, f"{what}{most}, {mode.title}", live.yes)
-            wanderer = RandomExplorer(
-                explorer,
-                carrier,
-                guard,
-                contacts,
-                log,
-                ranges,
-                np.inf if live.seconds is None else live.seconds,
-                explorer.occupancy.runs if seed is None else seed,
-                ended,
-                _progress_display(live, runs),
-            )
-            motion.began = True
-            try:
-                open_.enter_context(carrier)
-                wanderer.check()
-                wanderer.wander(runs)
-            except Refused as refused:
-                codes = {finding.code for finding in refused.findings}
-                motion.began = not codes <= REFUSED_BEFORE_MOTION | mode.unbegun
-                raise
-    finally:  # once the arm stands: learning takes its time
-        if log.rows:
-            done = _saved(begun, log, live)
-    assert done is not None
-    if wanderer.moves < runs and not ended():
-        print_findings([EXPLORATION_TIME_OVER(moves=wanderer.moves)])
-    return report_chart(done, live.format)
-
-
-def run_manual(cell: str, asked: ExplorationRequest, live: WatchOptions) -> int:
-    """Record an arm that the operator moves, until the time is over, q, or Ctrl-C."""
-    begun = _prepare_explorer(asked, live)
-    with connected(cell, "explore") as there, ExitStack() as open_:
-        controller = there.controller
-        _check_arm(begun, there.one.name, robot_of_cell(there.one))
-        watched = _WatchedArm(begun)
-        watched.controller = controller
-        contacts, ended = open_.enter_context(
-            _open_contacts(live.contact, begun, lambda: controller, watched.joints)
-        )
-        if live.format is Format.TEXT:
-            ends = "q or Ctrl-C ends it" if live.contact.key else "Ctrl-C ends it"
-            say(f"{there.one.name}: move the arm by hand, slowly; {ends}")
-            sys.stdout.flush()
+        mode = setpoint_mode(self.by)
+        wishes = LinkOptions(self.port, self.lines, None, self.replace)
+        if not self.range and self.box is None:
+            raise Refused(NO_BOUNDS(), exit_status=2)
+        if not self.contacts.is_given:
+            raise Refused(NO_CONTACT(), exit_status=2)
+        if not 0.1 <= self.speed <= FASTEST_FLANGE:
+            raise Refused(NO_SPEED(value=self.speed, most=FASTEST_FLANGE), exit_status=2)
+        begun = _prepare_explorer(asked, self.recording.log, self.contacts)
+        explorer, robot = begun.explorer, begun.explorer.placed.robot
+        ranges, box = _joint_ranges(self.range, robot), None
+        if self.box is not None:
+            sides = box_of(self.box)
+            box = (tuple(sides[:, 0].tolist()), tuple(sides[:, 1].tolist()))
+        guard = Guard(robot, Limits(self.speed, FASTEST_TURN, LARGEST_SPEED_SHARE, box=box))
+        log, done = empty_log(guard), None
         try:
-            while not watched.is_over(live.seconds) and not ended():
-                watched.look(contacts)
-        except KeyboardInterrupt as caught:
-            if not is_ctrl_c(caught):
-                raise
-        finally:
-            done = _saved(begun, watched.log, live)
-    return report_chart(done, live.format)
+            with moving(self.where, "explore") as motion, ExitStack() as open_:
+                there = motion.cell
+                _check_arm(begun, there.one.name, robot_of_cell(there.one))
+                session = there.controller if mode.operates else there.session
+                mode.check(session, wishes)
+                carrier = mode.make(session, guard.arm(), wishes, joints_nearby(session, robot))
+                contacts, ended = open_.enter_context(
+                    _open_contacts(
+                        self.contacts,
+                        begun,
+                        lambda: there.controller,
+                        lambda: carrier.joints() if motion.began else joints_nearby(session, robot),
+                    )
+                )
+                faster = [*mode.faster(guard.arm(), str(there.one.address))]
+                print_findings(faster)
+                what = f"moves the arm at random, {self.runs} times, {self._bounds_text()}"
+                most = "" if faster else f", at {self.speed:g} mm/s at most"
+                confirm(there.one, f"{what}{most}, {mode.title}", self.yes)
+                wanderer = RandomExplorer(
+                    explorer,
+                    carrier,
+                    guard,
+                    contacts,
+                    log,
+                    ranges,
+                    np.inf if self.recording.seconds is None else self.recording.seconds,
+                    explorer.occupancy.runs if self.seed is None else self.seed,
+                    ended,
+                    _progress_display(self.runs, self.format),
+                )
+                motion.began = True
+                try:
+                    open_.enter_context(carrier)
+                    wanderer.check()
+                    wanderer.wander(self.runs)
+                except Refused as refused:
+                    codes = {finding.code for finding in refused.findings}
+                    motion.began = not codes <= REFUSED_BEFORE_MOTION | mode.unbegun
+                    raise
+        finally:  # once the arm stands: learning takes its time
+            if log.rows:
+                done = _saved(begun, log, self.recording.log)
+        assert done is not None
+        if wanderer.moves < self.runs and not ended():
+            print_findings([EXPLORATION_TIME_OVER(moves=wanderer.moves)])
+        return report_chart(done, self.format)
+
+    def _bounds_text(self) -> str:
+        parts = [*self.range, *([] if self.box is None else [f"the flange in {self.box}"])]
+        return f"within {', '.join(parts)}"
 
 
-def run_running(
-    cell: str, program: str | None, asked: ExplorationRequest, live: WatchOptions, override: int
-) -> int:
-    """Record an arm while a program moves it; a contact stops the program, and gives status 1."""
-    from assistant.cli.arm_motion import NO_OVERRIDE
+@command_of(explore)
+class Manual:
+    """Learn while you jog or lead an arm by hand, until Ctrl-C. This moves nothing."""
 
-    if not 1 <= override <= 100:
-        raise Refused(NO_OVERRIDE(value=override), exit_status=2)
-    if not live.contact.is_given:
-        raise Refused(NO_CONTACT(), exit_status=2)
-    begun = _prepare_explorer(asked, live)
-    watched, done = _WatchedArm(begun), None
-    try:
-        with moving(cell, "explore") as motion, ExitStack() as open_:
-            there = motion.cell
-            controller = watched.controller = there.controller
+    controller: ControllerArgument
+    cell: CellOption
+    chart: ChartOption
+    contacts: ContactOptions
+    charting: ChartingOptions
+    recording: RecordingOptions
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """Record an arm that the operator moves, until the time is over, q, or Ctrl-C."""
+        asked = self.charting.request(self.cell, self.chart)
+        begun = _prepare_explorer(asked, self.recording.log, self.contacts)
+        with connected(self.controller, "explore") as there, ExitStack() as open_:
+            controller = there.controller
             _check_arm(begun, there.one.name, robot_of_cell(there.one))
+            watched = _WatchedArm(begun)
+            watched.controller = controller
             contacts, ended = open_.enter_context(
-                _open_contacts(live.contact, begun, lambda: controller, watched.joints)
+                _open_contacts(self.contacts, begun, lambda: controller, watched.joints)
             )
-            what = f"starts `{program}`" if program else "starts what is loaded"
-            what = f"{what} at {override} %: the arm moves as the program says"
-            confirm(there.one, what, live.yes)
-            if program:
-                controller.load(program)
-            motion.began = True
-            with _slow_override(controller, override):
-                if not watched.look(contacts):
-                    controller.start()
-                    began, stops = time.monotonic(), False
-                    while not stops and not watched.is_over(live.seconds):
-                        stops = watched.look(contacts, controller.stop) or ended()
-                        late = time.monotonic() > began + START_TIME
-                        if not stops and late and not controller.state().running:
-                            break
-    finally:  # once the arm stands: learning takes its time
-        if watched.log.rows:
-            done = _saved(begun, watched.log, live)
-    assert done is not None
-    status = report_chart(done, live.format)
-    return 1 if watched.log.contacts else status
+            if self.format is Format.TEXT:
+                ends = "q or Ctrl-C ends it" if self.contacts.key else "Ctrl-C ends it"
+                say(f"{there.one.name}: move the arm by hand, slowly; {ends}")
+                sys.stdout.flush()
+            try:
+                while not watched.is_over(self.recording.seconds) and not ended():
+                    watched.look(contacts)
+            except KeyboardInterrupt as caught:
+                if not is_ctrl_c(caught):
+                    raise
+            finally:
+                done = _saved(begun, watched.log, self.recording.log)
+        return report_chart(done, self.format)
+
+
+@command_of(explore)
+class Running:
+    """Start a program and learn while it moves the arm; a contact stops it. Asks before."""
+
+    controller: ControllerArgument
+    cell: CellOption
+    chart: ChartOption
+    program: Annotated[
+        str | None, typer.Option(help="Program of the controller; default what is loaded.")
+    ] = None
+    contacts: ContactOptions
+    override: Annotated[int, typer.Option(help="Percent of its speed.")] = 10
+    charting: ChartingOptions
+    recording: RecordingOptions
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """Record an arm that a program moves; a contact stops the program, and gives status 1."""
+        from assistant.cli.arm_motion import NO_OVERRIDE
+
+        if not 1 <= self.override <= 100:
+            raise Refused(NO_OVERRIDE(value=self.override), exit_status=2)
+        if not self.contacts.is_given:
+            raise Refused(NO_CONTACT(), exit_status=2)
+        asked = self.charting.request(self.cell, self.chart)
+        begun = _prepare_explorer(asked, self.recording.log, self.contacts)
+        watched, done = _WatchedArm(begun), None
+        try:
+            with moving(self.controller, "explore") as motion, ExitStack() as open_:
+                there = motion.cell
+                controller = watched.controller = there.controller
+                _check_arm(begun, there.one.name, robot_of_cell(there.one))
+                contacts, ended = open_.enter_context(
+                    _open_contacts(self.contacts, begun, lambda: controller, watched.joints)
+                )
+                what = f"starts `{self.program}`" if self.program else "starts what is loaded"
+                what = f"{what} at {self.override} %: the arm moves as the program says"
+                confirm(there.one, what, self.yes)
+                if self.program:
+                    controller.load(self.program)
+                motion.began = True
+                with _slow_override(controller, self.override):
+                    if not watched.look(contacts):
+                        controller.start()
+                        began, stops = time.monotonic(), False
+                        while not stops and not watched.is_over(self.recording.seconds):
+                            stops = watched.look(contacts, controller.stop) or ended()
+                            late = time.monotonic() > began + START_TIME
+                            if not stops and late and not controller.state().running:
+                                break
+        finally:  # once the arm stands: learning takes its time
+            if watched.log.rows:
+                done = _saved(begun, watched.log, self.recording.log)
+        assert done is not None
+        status = report_chart(done, self.format)
+        return 1 if watched.log.contacts else status
 
 
 @contextmanager
@@ -585,6 +597,8 @@ class _WatchedArm:
         self._began: float | None = None
 
     def joints(self) -> Floats:
+        import numpy as np
+
         from assistant.compiler.taught_targets import own_joints
 
         return np.array(own_joints(self.controller.position(), self.guard.robot))
@@ -607,16 +621,18 @@ class _WatchedArm:
         return touching
 
 
-def _prepare_explorer(asked: ExplorationRequest, live: WatchOptions) -> ExplorationStart:
+def _prepare_explorer(
+    asked: ExplorationRequest, log: Path | None, contacts: ContactOptions
+) -> ExplorationStart:
     """Return the explorer; raises Refused for a log that cannot be written, or over its sources."""
     from assistant.controllers.recording import check_place
 
-    if live.log is not None:
-        if live.log.suffix.lower() != ".csv" or live.log.is_dir():
-            raise Refused(NO_LOG(name=live.log), exit_status=2)
-        check_place(live.log)
-        read = [asked.cell, *([live.contact.cameras] if live.contact.cameras else [])]
-        keep_sources([str(path) for path in read], [live.log])
+    if log is not None:
+        if log.suffix.lower() != ".csv" or log.is_dir():
+            raise Refused(NO_LOG(name=log), exit_status=2)
+        check_place(log)
+        read = [asked.cell, *([contacts.camera] if contacts.camera else [])]
+        keep_sources([str(path) for path in read], [log])
     return prepare_chart(asked, [])
 
 
@@ -656,11 +672,6 @@ def _joint_ranges(texts: Sequence[str], robot: Robot) -> Floats | None:
     return ranges
 
 
-def _bounds_text(bounds: MotionBounds) -> str:
-    parts = [*bounds.ranges, *([] if bounds.box is None else [f"the flange in {bounds.box}"])]
-    return f"within {', '.join(parts)}"
-
-
 @contextmanager
 def _open_contacts(
     contact: ContactOptions,
@@ -673,14 +684,14 @@ def _open_contacts(
 
     each: list[Contacts] = []
     with ExitStack() as open_:
-        if contact.signal is not None:
-            each.append(InputContacts(controller(), contact.signal))
+        if contact.contact is not None:
+            each.append(InputContacts(controller(), contact.contact))
             each[-1].touching()  # an input that is not there is refused before anybody is asked
         key: KeyContacts | None = None
         if contact.key:
             key = KeyContacts(open_.enter_context(terminal_keys()), END_KEYS)
             each.append(key)
-        if contact.cameras is not None:
+        if contact.camera is not None:
             each += _open_cameras(contact, begun, joints, open_)
         yield AnyContacts(each), lambda: key is not None and key.ended
 
@@ -693,8 +704,8 @@ def _open_cameras(
     from assistant.vision.exploration import open_contact_camera
     from assistant.vision.rules import NO_SERVO_SOURCE
 
-    assert contact.cameras is not None
-    rig, name = read_cameras(contact.cameras), begun.explorer.placed.name
+    assert contact.camera is not None
+    rig, name = read_cameras(contact.camera), begun.explorer.placed.name
     for camera in rig.cameras.values():
         source = rig.sources.get(camera.name, "")
         if not source:
@@ -720,16 +731,16 @@ def _picture_region(text: str | None) -> PictureRegion | None:
     return left, top, right, bottom
 
 
-def _progress_display(live: WatchOptions, runs: int) -> Callable[[int, int, float], None]:
+def _progress_display(runs: int, format: Format) -> Callable[[int, int, float], None]:
     def show(move: int, contacts: int, litres: float) -> None:
-        if live.format is Format.TEXT:
+        if format is Format.TEXT:
             say(f"move {move} of {runs}: {litres:.1f} l free, contacts: {contacts}")
             sys.stdout.flush()
 
     return show
 
 
-def _saved(begun: ExplorationStart, log: ExplorationLog, live: WatchOptions) -> ExplorationSummary:
+def _saved(begun: ExplorationStart, log: ExplorationLog, file: Path | None) -> ExplorationSummary:
     """Learn from the log, and write chart and log."""
     from assistant.cell.exploration.occupancy import save_map
     from assistant.compiler.exploration import learn_from_runs, start_exploration
@@ -737,7 +748,7 @@ def _saved(begun: ExplorationStart, log: ExplorationLog, live: WatchOptions) -> 
     found = learn_from_runs(start_exploration(begun.asked), log.clear(), log.contacts)
     save_map(found.occupancy, begun.asked.chart)
     written = [begun.asked.chart]
-    if live.log is not None:
-        log.recording.save(live.log)
-        written.append(live.log)
+    if file is not None:
+        log.recording.save(file)
+        written.append(file)
     return ExplorationSummary(found, "runs without contact", written)

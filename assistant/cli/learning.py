@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Annotated, Final, TypeVar, cast
 import typer
 
 from assistant.base.diagnostics import Refused, Rule, error
-from assistant.cli.compilation import keep_sources
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.source_input import keep_sources
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats

@@ -1,31 +1,33 @@
-"""Options that several commands share, and their defaults from the project.
+"""Options that several commands share: each is written here once.
 
-An option that is not given takes what `assistant.toml` states for the source, if the project makes
-it in one way only. `--signals` and `--seed` need `--prove`.
+An option with a `ProjectDefault` that is not given takes what `assistant.toml` states for the
+source, if the project makes it in one way only. Options that belong together are groups.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import fields, is_dataclass, replace
+from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
 from assistant.base.diagnostics import FailOn, Refused, error
+from assistant.cli.command import ProjectDefault, options, with_project_values
 from assistant.cli.presentation import (
     FindingFormat,
     Format,
     FramesAs,
     GrammarAs,
-    TranslationFormat,
     answer_as,
 )
 
 if TYPE_CHECKING:
+    from assistant.compiler.merge_edits import MergeChoices
     from assistant.compiler.motion_proof import Proving
     from assistant.sources.process.placement import DrawingPlacement
+    from assistant.sources.sights import Seeing
 
 
 def complete_language(incomplete: str) -> list[str]:
@@ -49,46 +51,44 @@ def complete_unit(incomplete: str) -> list[str]:
 Source = Annotated[
     str, typer.Argument(help="Drawing, table, .pseudo text or robot program; - for standard input.")
 ]
-Sources = Annotated[list[str], typer.Argument(help="Drawings, tables or programs; - for input.")]
+Sources = Annotated[
+    tuple[str, ...], typer.Argument(help="Drawings, tables or programs; - for input.")
+]
 LanguageOption = Annotated[
     str | None,
     typer.Option("--language", "-l", help="Language to write; default the project's.",
                  autocompletion=complete_language),
+    ProjectDefault("language"),
 ]  # fmt: skip
 RobotOption = Annotated[
     str | None,
     typer.Option(
         "--robot", "-r", help="Arm that runs it, or its file.", autocompletion=complete_robot
     ),
+    ProjectDefault("robot"),
 ]
 FromRobot = Annotated[
     str | None,
     typer.Option("--from-robot", help="Arm that a vendor program was written for.",
                  autocompletion=complete_robot),
+    ProjectDefault("from_robot"),
 ]  # fmt: skip
 FromLanguage = Annotated[
     str | None,
     typer.Option("--from", help="Language of the input if its name does not tell.",
                  autocompletion=complete_language),
+    ProjectDefault("from_language"),
 ]  # fmt: skip
 ProcessOption = Annotated[
     Path | None,
     typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
+    ProjectDefault("process"),
 ]
 CellOption = Annotated[
     Path | None,
     typer.Option("--cell", help="File of the cell: its robots, and bodies not to be touched."),
+    ProjectDefault("cell"),
 ]
-SeenOption = Annotated[
-    Path | None,
-    typer.Option("--seen", metavar="FILE", help="Where objects were found, for frames that are "
-                 "seen."),
-]  # fmt: skip
-AskAtOption = Annotated[
-    str | None,
-    typer.Option("--ask-at", metavar="HOST:PORT", help="Have the program ask there, as it runs, "
-                 "for frames that are seen."),
-]  # fmt: skip
 AccelerationOption = Annotated[
     float | None,
     typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),
@@ -96,33 +96,13 @@ AccelerationOption = Annotated[
 EntryOption = Annotated[
     str | None,
     typer.Option("--entry", help="Procedure that the program begins with; default its main."),
-]
-CalledOption = Annotated[
-    str | None,
-    typer.Option("--as", metavar="NAME", help="What others call the program; default main."),
-]
-TogetherOption = Annotated[
-    str | None,
-    typer.Option("--together", metavar="NAME", help="All sources as one program of this name."),
-]
-NoMainOption = Annotated[
-    bool,
-    typer.Option("--no-main", help="Without a main: others call the procedures of the layers."),
+    ProjectDefault("entry"),
 ]
 UnitOption = Annotated[
     str | None,
     typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",
                  autocompletion=complete_unit),
-]  # fmt: skip
-PlaceOption = Annotated[
-    str | None,
-    typer.Option("--place", metavar="X,Y,Z[,A,B,C]",
-                 help="Where a drawing's origin stands, mm, and degrees about z, y, x."),
-]  # fmt: skip
-MarkOption = Annotated[
-    list[str] | None,
-    typer.Option("--mark", metavar="X,Y=X,Y,Z",
-                 help="Mark of a drawing and where it was taught, mm; three place it."),
+    ProjectDefault("unit"),
 ]  # fmt: skip
 FramesOption = Annotated[
     FramesAs,
@@ -132,38 +112,6 @@ GrammarOption = Annotated[
     GrammarAs,
     typer.Option(help="What lark parses of a program of over 20,000 lines: samples, or all."),
 ]
-ReportOption = Annotated[
-    Path | None, typer.Option(help="Write the report as well: .html, .md, .json, or text.")
-]
-PageOption = Annotated[
-    Path | None,
-    typer.Option("--report", help="Write a page for the browser as well, FILE.html.",
-                 metavar="FILE.html"),
-]  # fmt: skip
-PlotOption = Annotated[
-    Path | None,
-    typer.Option("--plot", help="Draw contours, their order and ways, as .svg or .png.",
-                 metavar="FILE.svg"),
-]  # fmt: skip
-OpenOption = Annotated[
-    bool, typer.Option("--open", help="Show the page in the browser; without --report from a "
-                       "folder for temporary files.")
-]  # fmt: skip
-NamesOption = Annotated[
-    Path | None, typer.Option(help="Write a table of the old and the new names, as CSV.")
-]
-EveryOption = Annotated[
-    bool, typer.Option("--all", help="Tell of each statement, also of those that are said.")
-]
-DraftOption = Annotated[
-    bool,
-    typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
-]
-TranslationFormatOption = Annotated[
-    TranslationFormat,
-    typer.Option("--format", help="For people, programs, code scanning or pull requests; markdown "
-                 "is a comment of one.", callback=answer_as),
-]  # fmt: skip
 FindingFormatOption = Annotated[
     FindingFormat,
     typer.Option("--format", help="For people, programs, code scanning, pull or merge requests.",
@@ -175,39 +123,85 @@ FailOnOption = Annotated[
 FormatOption = Annotated[
     Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
 ]
-ProveOption = Annotated[
-    bool,
-    typer.Option("--prove", help="Run the source and what is written, and compare what they do."),
-]
-SignalsOption = Annotated[
-    Path | None,
-    typer.Option(help="With --prove: a script of the inputs; default a search for all branches."),
-]
-SeedOption = Annotated[
-    int, typer.Option(help="With --prove: of what the search draws; the same gives the same.")
-]
-OverwriteOption = Annotated[
-    bool, typer.Option("--overwrite", help="Write over files that were edited, without the edits.")
-]
-KeepEditOption = Annotated[
-    list[str] | None,
-    typer.Option("--keep-edit", metavar="NAME", help="Keep this edit of a file although the source "
-                 "has changed the same.", show_default=False),
-]  # fmt: skip
-DropEditOption = Annotated[
-    list[str] | None,
-    typer.Option("--drop-edit", metavar="NAME", help="Leave this edit of a file out.",
-                 show_default=False),
-]  # fmt: skip
 
 
-def placement_of(place: str | None, marks: Sequence[str] | None) -> DrawingPlacement | None:
-    """Return the placement given by --place or --mark, None for neither; raise Refused."""
-    if place is None and not marks:
+@options
+class ReaderOptions:
+    """How a source is read."""
+
+    process: ProcessOption = None
+    unit: UnitOption = None
+
+    @property
+    def placement(self) -> DrawingPlacement | None:
+        """Return where a drawing's origin is, None if it is not moved."""
         return None
-    from assistant.sources.process.placement import placement_of_options
 
-    return placement_of_options(place, marks or ())
+    def check(self) -> None:
+        """Raise Refused for options that mean nothing."""
+        _ = self.placement
+
+
+@options
+class DrawingOptions(ReaderOptions):
+    """How a source is read, and where a drawing's origin is."""
+
+    place: Annotated[
+        str | None,
+        typer.Option(
+            "--place",
+            metavar="X,Y,Z[,A,B,C]",
+            help="Where a drawing's origin stands, mm, and degrees about z, y, x.",
+        ),
+    ] = None
+    marks: Annotated[
+        tuple[str, ...],
+        typer.Option(
+            "--mark",
+            metavar="X,Y=X,Y,Z",
+            help="Mark of a drawing and where it was taught, mm; three place it.",
+        ),
+    ] = ()
+
+    @cached_property
+    def placement(self) -> DrawingPlacement | None:
+        """Return the placement of --place or --mark, None for neither; raise Refused."""
+        if self.place is None and not self.marks:
+            return None
+        from assistant.sources.process.placement import placement_of_options
+
+        return placement_of_options(self.place, self.marks)
+
+
+@options
+class SightOptions:
+    """Where objects are that frames depend on."""
+
+    seen: Annotated[
+        Path | None,
+        typer.Option(
+            "--seen", metavar="FILE", help="Where objects were found, for frames that are seen."
+        ),
+    ] = None
+    ask_at: Annotated[
+        str | None,
+        typer.Option(
+            "--ask-at",
+            metavar="HOST:PORT",
+            help="Have the program ask there, as it runs, for frames that are seen.",
+        ),
+    ] = None
+
+    @cached_property
+    def seeing(self) -> Seeing:
+        """Return the objects found and the server to ask; raise Unreadable or Refused."""
+        from assistant.sources.sights import seeing
+
+        return seeing(self.seen, self.ask_at)
+
+    def check(self) -> None:
+        """Raise Unreadable or Refused for options that mean nothing."""
+        _ = self.seeing
 
 
 _SIGNALS_WITHOUT_PROOF = error(
@@ -215,32 +209,155 @@ _SIGNALS_WITHOUT_PROOF = error(
 )
 
 
-def proof_settings(wanted: bool, signals: Path | None, seed: int) -> Proving | None:
-    """Return the settings of a motion proof, None for no proof; raise Refused (exit status 2)."""
-    from assistant.compiler.motion_proof import Proving
+@options
+class ProofOptions:
+    """Proof by motion."""
 
-    if not wanted:
-        if signals is not None:
+    prove: Annotated[
+        bool,
+        typer.Option(
+            "--prove", help="Run the source and what is written, and compare what they do."
+        ),
+    ] = False
+    signals: Annotated[
+        Path | None,
+        typer.Option(
+            help="With --prove: a script of the inputs; default a search for all branches."
+        ),
+    ] = None
+    seed: Annotated[
+        int, typer.Option(help="With --prove: of what the search draws; the same gives the same.")
+    ] = 0
+
+    @property
+    def proving(self) -> Proving | None:
+        """Return the settings of a motion proof, None for no proof; raise Refused."""
+        from assistant.compiler.motion_proof import Proving
+
+        if self.prove:
+            return Proving(script=self.signals, seed=self.seed)
+        if self.signals is not None:
             raise Refused(_SIGNALS_WITHOUT_PROOF(), exit_status=2)
         return None
-    return Proving(script=signals, seed=seed)
+
+    def check(self) -> None:
+        """Raise Refused for options that mean nothing."""
+        _ = self.proving
+
+
+@options
+class EditOptions:
+    """Decisions about edits of written files."""
+
+    overwrite: Annotated[
+        bool,
+        typer.Option("--overwrite", help="Write over files that were edited, without the edits."),
+    ] = False
+    keep_edit: Annotated[
+        tuple[str, ...],
+        typer.Option(
+            "--keep-edit",
+            metavar="NAME",
+            help="Keep this edit of a file although the source has changed the same.",
+            show_default=False,
+        ),
+    ] = ()
+    drop_edit: Annotated[
+        tuple[str, ...],
+        typer.Option(
+            "--drop-edit", metavar="NAME", help="Leave this edit of a file out.", show_default=False
+        ),
+    ] = ()
+
+    @property
+    def choices(self) -> MergeChoices:
+        from assistant.compiler.merge_edits import MergeChoices
+
+        return MergeChoices.of(self.overwrite, self.keep_edit, self.drop_edit)
+
+
+NO_PAGE = error(
+    "CL034", "a page for the browser is not written as `{name}`", "end the name in .html"
+)
+PAGE_SUFFIXES = (".html", ".htm")
+
+
+@options
+class PageOptions:
+    """A page of the result for the browser."""
+
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            "--report", help="Write a page for the browser as well, FILE.html.", metavar="FILE.html"
+        ),
+    ] = None
+    opened: Annotated[
+        bool,
+        typer.Option(
+            "--open",
+            help="Show the page in the browser; without --report from a folder for temporary "
+            "files.",
+        ),
+    ] = False
+
+    @property
+    def plot(self) -> Path | None:
+        """Return the file of a picture."""
+        return None
+
+    def __bool__(self) -> bool:
+        return self.report is not None or self.opened or self.plot is not None
+
+    @property
+    def html(self) -> bool:
+        """True if the report is a page."""
+        return self.report is not None and self.report.suffix.lower() in PAGE_SUFFIXES
+
+    def check_names(self) -> None:
+        """Raise Refused (exit status 2) for a file that is not named as a page or a picture."""
+        if self.plot is not None:
+            from assistant.report.figures import format_of
+
+            format_of(self.plot.name)
+        if self.report is not None and self.html and not self.report.stem:
+            raise Refused(NO_PAGE(name=self.report), exit_status=2)
+
+    def check(self) -> None:
+        """Raise Refused (exit status 2) for a file that is not a page or a picture."""
+        self.check_names()
+        if self.report is not None and not self.html:
+            raise Refused(NO_PAGE(name=self.report), exit_status=2)
+
+
+@options
+class PlottedPageOptions(PageOptions):
+    """A page of the result, and a picture of a drawing's contours."""
+
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            "--plot",
+            help="Draw contours, their order and ways, as .svg or .png.",
+            metavar="FILE.svg",
+        ),
+    ] = None
 
 
 T = TypeVar("T")
 
 
-def with_project_defaults(source: str, options: T) -> T:
-    """Options of a command, a record, with what the project of a source says of the rest.
+def with_project_defaults(source: str, record: T) -> T:
+    """Return the options of a command, with what the project of a source states for the rest.
 
-    Raises Refused where it says several things.
+    Raises Refused if it states several values.
     """
     if source == "-" or not Path(source).is_file():
-        return options
-    from assistant.project.source_options import OPTIONS, SourceOptions, completed_options
+        return record
+    from assistant.project.source_options import SourceOptions, completed_options
 
-    assert is_dataclass(options) and not isinstance(options, type)
-    names = [field.name for field in fields(options) if field.name in OPTIONS]
-    given = SourceOptions(**{name: getattr(options, name) for name in names})
-    done = completed_options(source, given, names)
-    changed: dict[str, Any] = {name: getattr(done, name) for name in names}
-    return replace(options, **changed)
+    def complete(given: Mapping[str, Any]) -> dict[str, Any]:
+        done = completed_options(source, SourceOptions(**given), given)
+        return {key: getattr(done, key) for key in given}
+
+    return with_project_values(record, complete)

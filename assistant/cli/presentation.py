@@ -9,10 +9,11 @@ import enum
 import json
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from assistant.base.diagnostics import LONGEST_EXCERPT, Diagnostic, FailOn, Severity
 from assistant.base.source_text import STEERING
@@ -195,6 +196,28 @@ def print_for_programs(
         print_json({"findings": [finding_record(finding) for finding in findings]})
 
 
+def print_answer(
+    format: Format,
+    answer: Mapping[str, Any],
+    lines: Iterable[str],
+    findings: Sequence[Diagnostic],
+    written: Iterable[Path | str] | None = None,
+) -> None:
+    """Print an answer: a record with its findings for programs, findings and lines for people.
+
+    written: files, None for a command that writes none.
+    """
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        record = {**answer, "findings": [finding_record(finding) for finding in findings]}
+        print_json(record if written is None else record | {"written": list(map(str, written))})
+        return
+    print_findings(findings, explained=True)
+    for line in (*lines, *(f"wrote {path}" for path in written or ())):
+        say(line)
+
+
 def print_refused(findings: Sequence[Diagnostic]) -> None:
     """Print the findings that keep a command from answering, in the requested format."""
     from assistant.findings.formats import finding_record
@@ -253,3 +276,13 @@ def _with_notes(answer: object) -> object:
 def say(line: str) -> None:
     """A line of the answer itself, on standard output."""
     sys.stdout.write(_NO_CHARACTER.sub(lambda found: json.dumps(found[0])[1:-1], line) + "\n")
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """A spinner on the terminal while something takes its time; nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    with console().status(what):
+        yield

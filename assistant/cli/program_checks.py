@@ -9,12 +9,29 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
 
 from assistant.base.diagnostics import Diagnostic, FailOn, Refused, error, fold, fold_files
-from assistant.cli.compilation import STANDARD, TWICE, standard_input, working
+from assistant.cli.command import command
+from assistant.cli.options import (
+    CellOption,
+    DrawingOptions,
+    EntryOption,
+    FailOnOption,
+    FindingFormatOption,
+    FormatOption,
+    FromLanguage,
+    PageOptions,
+    PlottedPageOptions,
+    RobotOption,
+    SightOptions,
+    complete_robot,
+    with_project_defaults,
+)
 from assistant.cli.output_files import Outcomes
 from assistant.cli.presentation import (
     FindingFormat,
@@ -23,8 +40,10 @@ from assistant.cli.presentation import (
     print_for_programs,
     print_json,
     say,
+    working,
 )
-from assistant.cli.report_pages import NO_PAGE_WANTED, PageRequest, page_name, write_page
+from assistant.cli.report_pages import page_name, write_page
+from assistant.cli.source_input import STANDARD, TWICE, standard_input
 
 if TYPE_CHECKING:
     from assistant.compiler.checker import Checked
@@ -32,73 +51,95 @@ if TYPE_CHECKING:
     from assistant.compiler.motion_proof import Proving
     from assistant.compiler.source_map import Place
     from assistant.report.contour_plot import DrawnLine
-    from assistant.sources.process.placement import DrawingPlacement
-    from assistant.sources.sights import Seeing
 
 
 _CHECKED_AS_STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo")
 """Sources whose production a project describes; programs are checked with the given options."""
 
 
-@dataclass(frozen=True, slots=True)
-class CheckOptions:
-    """Options for checking all sources of one command."""
+@command
+class Check:
+    """Check sources and robot programs; with a robot also reach, limits and configurations."""
 
-    robot: str | None
-    process: Path | None
-    unit: str | None
-    cell: Path | None
-    from_language: str | None
-    placement: DrawingPlacement | None = None
-    seeing: Seeing | None = None
+    sources: Annotated[
+        tuple[str, ...],
+        typer.Argument(help="Files, or folders with programs; - for input; none for the project."),
+    ] = ()
+    robot: RobotOption = None
+    reader: DrawingOptions
+    cell: CellOption = None
+    from_language: FromLanguage = None
+    sight: SightOptions
+    page: PlottedPageOptions
+    format: FindingFormatOption = FindingFormat.TEXT
+    fail_on: FailOnOption = FailOn.WARNING
+
+    def run(self) -> int:
+        from assistant.findings.severities import apply_severities
+
+        if not self.sources:
+            return self._check_project()
+        page = self.page
+        page.check()
+        with working(f"checking {', '.join(self.sources)}"):
+            checked = _check_sources(self, keep=bool(page))
+            settled = apply_severities(checked.findings, checked.texts)
+            left = list(settled.left)
+            written = _write_check_page(self, checked, left, page) if page else []
+        if self.format is not FindingFormat.TEXT:
+            print_for_programs(left, settled.ignored, self.format, self.fail_on, checked.paths)
+        else:
+            print_findings(fold_files(left), explained=True)
+            count = len(left)
+            ignored = f", {len(settled.ignored)} ignored" if settled.ignored else ""
+            say(f"{checked.files} checked, {count} finding{'s' * (count != 1)}{ignored}")
+            for path in written:
+                say(f"wrote {path}")
+        return self.fail_on.status(left, unreadable=checked.unreadable)
+
+    def _check_project(self) -> int:
+        from assistant.cli.projects import check_project
+
+        given = {
+            "--robot": self.robot,
+            "--process": self.reader.process,
+            "--unit": self.reader.unit,
+            "--place": self.reader.place,
+            "--mark": self.reader.marks or None,
+            "--cell": self.cell,
+            "--from": self.from_language,
+            "--seen": self.sight.seen,
+            "--ask-at": self.sight.ask_at,
+            "--report": self.page.report,
+            "--open": self.page.opened or None,
+            "--plot": self.page.plot,
+        }
+        return check_project(given, self.format, self.fail_on)
 
 
-def run_check(
-    sources: Sequence[str],
-    options: CheckOptions,
-    format: FindingFormat,
-    fail_on: FailOn,
-    asked: PageRequest = NO_PAGE_WANTED,
-) -> int:
-    from assistant.findings.severities import apply_severities
+@command
+class Explain:
+    """Print what a finding means, what to do, and an example."""
 
-    asked.only_page()
-    with working(f"checking {', '.join(sources)}"):
-        checked = _check_sources(sources, options, keep=bool(asked))
-        settled = apply_severities(checked.findings, checked.texts)
-        left = list(settled.left)
-        written = _write_check_page(sources, options, checked, left, asked) if asked else []
-    if format is not FindingFormat.TEXT:
-        print_for_programs(left, settled.ignored, format, fail_on, checked.paths)
-    else:
-        print_findings(fold_files(left), explained=True)
-        count = len(left)
-        ignored = f", {len(settled.ignored)} ignored" if settled.ignored else ""
-        say(f"{checked.files} checked, {count} finding{'s' * (count != 1)}{ignored}")
-        for path in written:
-            say(f"wrote {path}")
-    return fail_on.status(left, unreadable=checked.unreadable)
+    codes: Annotated[tuple[str, ...], typer.Argument(help="Codes of findings, such as RA204.")]
+
+    def run(self) -> int:
+        from assistant.findings.rulebook import explain
+
+        sys.stdout.write(explain(self.codes))
+        return 0
 
 
-def run_explain(codes: Sequence[str]) -> int:
-    from assistant.findings.rulebook import explain
-
-    sys.stdout.write(explain(codes))
-    return 0
-
-
-def _check_sources(sources: Sequence[str], options: CheckOptions, keep: bool) -> Checked:
-    from assistant.cli.options import with_project_defaults
+def _check_sources(options: Check, keep: bool) -> Checked:
     from assistant.compiler.checker import Checked
 
-    if list(sources).count(STANDARD) > 1:
+    if options.sources.count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
-    alike: dict[CheckOptions, list[str]] = {}
-    for source in sources:
+    alike: dict[Check, list[str]] = {}
+    for source in options.sources:
         own = Path(source).suffix.lower() in _CHECKED_AS_STATED
-        alike.setdefault(with_project_defaults(source, options) if own else options, []).append(
-            source
-        )
+        one = with_project_defaults(source, options) if own else options
+        alike.setdefault(one, []).append(source)
     every = [_check_alike(files, one, keep) for one, files in alike.items()]
     return Checked(
         list(dict.fromkeys(finding for one in every for finding in one.findings)),
@@ -110,17 +151,17 @@ def _check_sources(sources: Sequence[str], options: CheckOptions, keep: bool) ->
     )
 
 
-def _check_alike(sources: Sequence[str], options: CheckOptions, keep: bool) -> Checked:
+def _check_alike(sources: Sequence[str], options: Check, keep: bool) -> Checked:
     """Sources that are checked with the same options."""
     from assistant.compiler.arms import open_cell
     from assistant.compiler.checker import Checked, check_files, check_text
 
-    checked, cell = Checked(), open_cell(options.cell, options.robot)
-    cell = cell if options.seeing is None else replace(cell, seeing=options.seeing)
+    checked = Checked()
+    cell = replace(open_cell(options.cell, options.robot), seeing=options.sight.seeing)
     given: dict[str, Any] = {
         "robot": options.robot,
-        "process": options.process,
-        "unit": options.unit,
+        "process": options.reader.process,
+        "unit": options.reader.unit,
         "cell": cell,
         "keep": keep,
     }
@@ -128,7 +169,7 @@ def _check_alike(sources: Sequence[str], options: CheckOptions, keep: bool) -> C
         text, spoken = standard_input(options.from_language)
         checked = check_text(text, language=spoken, **given)
     files = [source for source in sources if source != STANDARD]
-    given["placement"] = options.placement
+    given["placement"] = options.reader.placement
     more = check_files(files, language=options.from_language, **given)
     return Checked(
         [*cell.findings, *checked.findings, *more.findings],
@@ -141,17 +182,16 @@ def _check_alike(sources: Sequence[str], options: CheckOptions, keep: bool) -> C
 
 
 def _write_check_page(
-    sources: Sequence[str],
-    options: CheckOptions,
+    options: Check,
     checked: Checked,
     findings: list[Diagnostic],
-    asked: PageRequest,
+    asked: PageOptions,
 ) -> Sequence[Path]:
     """Write the page and add its findings to the list."""
     from assistant.cli.report_pages import checked_sheet, drawing_lines, refused_sheets
 
     def lines(source: str) -> Sequence[DrawnLine]:
-        return drawing_lines(source, options.process, options.unit, options.placement)
+        return drawing_lines(source, options.reader)
 
     left = list(findings if asked.plot else fold(findings))  # a picture marks each place
     sheets = []
@@ -161,7 +201,7 @@ def _write_check_page(
         drawn = [line for file in one.files for line in lines(file)]
         sheets.append(checked_sheet(one, own, drawn))
     sheets += refused_sheets(left, lines)
-    stem = page_name(sources[0])
+    stem = page_name(options.sources[0])
     written, told = write_page(asked, sheets, checked.paths, stem)
     findings += told
     return written
@@ -174,80 +214,115 @@ _WITHOUT_PARTNER: Final = error(
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CompareOptions:
-    """The options of the command; see `compiler.comparing.compare`."""
+@command
+class Compare:
+    """Run two programs and tell what they do otherwise: motions, outputs, waits, shared data."""
 
-    robot: str | None
-    from_robot: str | None
-    process: tuple[Path, ...]
-    cell: Path | None
-    names: Path | None
-    language: str | None
-    entry: str | None
-    proving: Proving
-    text: bool = False
+    first: Annotated[str, typer.Argument(help="Program, or folder with programs.")]
+    second: Annotated[str, typer.Argument(help="What is to do the same, in any language.")]
+    robot: Annotated[
+        str | None,
+        typer.Option("--robot", "-r", help="Arm of the second one.", autocompletion=complete_robot),
+    ] = None
+    from_robot: Annotated[
+        str | None,
+        typer.Option("--from-robot", help="Arm of the first one.", autocompletion=complete_robot),
+    ] = None
+    process: Annotated[
+        tuple[Path, ...],
+        typer.Option(
+            "--process", "-p", help="File with signals, tools, frames of the first; then the other."
+        ),
+    ] = ()
+    cell: Annotated[
+        Path | None, typer.Option(help="File of what either uses and does not declare.")
+    ] = None
+    names: Annotated[
+        Path | None,
+        typer.Option(help="File of what the second calls signals and data of the first."),
+    ] = None
+    from_language: FromLanguage = None
+    entry: EntryOption = None
+    signals: Annotated[
+        Path | None,
+        typer.Option(help="Script of the inputs; default a search for all branches."),
+    ] = None
+    seed: Annotated[
+        int, typer.Option(help="Of what the search draws; the same gives the same.")
+    ] = 0
+    seconds: Annotated[
+        float, typer.Option(help="Of the processor, that the search may take.", min=0.1)
+    ] = 10.0
+    text: Annotated[
+        bool, typer.Option("--text", help="Pair their statements, and run nothing.")
+    ] = False
+    page: PageOptions
+    format: FormatOption = Format.TEXT
 
-    def read(self) -> list[str]:
-        """The files beside the programs."""
-        given = (*self.process, self.cell, self.names, self.proving.script)
-        return [str(path) for path in given if path is not None]
+    def run(self) -> int:
+        """0 if the programs are equal, 1 if they differ, 2 if they cannot be compared."""
+        from assistant.cli.report_pages import compared_page
+        from assistant.compiler.comparison import compare, counterparts
 
-
-def run_compare(
-    first: str, second: str, options: CompareOptions, format: Format, asked: PageRequest
-) -> int:
-    """Return 0 if the programs are equal, 1 if they differ, 2 if they cannot be compared.
-
-    asked: the page with both programs side by side. Raises Refused (exit status 2) for a file name
-    that is not a page's.
-    """
-    from assistant.cli.report_pages import compared_page
-    from assistant.compiler.comparison import compare, counterparts
-
-    asked.only_page()
-    pairs = counterparts(first, second, options.language)
-    answers = Outcomes()
-    done: list[Comparison] = []
-    for one, other in pairs.both:
-        with answers.of(one.name), working(f"comparing {one.name}"):
-            done.append(
-                compare(
-                    one.program(options.from_robot),
-                    other.program(options.robot),
-                    robot=options.robot,
-                    from_robot=options.from_robot,
-                    process=options.process,
-                    cell=options.cell,
-                    names=options.names,
-                    language=options.language,
-                    entry=options.entry,
-                    proving=options.proving,
-                    text=options.text,
+        asked = self.page
+        asked.check()
+        pairs = counterparts(self.first, self.second, self.from_language)
+        answers = Outcomes()
+        done: list[Comparison] = []
+        for one, other in pairs.both:
+            with answers.of(one.name), working(f"comparing {one.name}"):
+                done.append(
+                    compare(
+                        one.program(self.from_robot),
+                        other.program(self.robot),
+                        robot=self.robot,
+                        from_robot=self.from_robot,
+                        process=self.process,
+                        cell=self.cell,
+                        names=self.names,
+                        language=self.from_language,
+                        entry=self.entry,
+                        proving=self._proving,
+                        text=self.text,
+                    )
                 )
+        lone = [
+            _WITHOUT_PARTNER(path=name, name=name, folder=folder) for name, folder in pairs.lone
+        ]
+        status = max(
+            [2 if answers.refusals else 0, int(bool(lone)), *(each.exit_status for each in done)]
+        )
+        refusals = [*answers.refusals, *lone]
+        files: list[Path] = []
+        if asked:
+            read = [*(part.name for pair in pairs.both for part in pair), *self._read()]
+            files, findings = compared_page(asked, done, refusals, read)
+            refusals += findings
+        if self.format is Format.JSON:
+            print_json(
+                _comparison_record(done, refusals, status) | {"written": list(map(str, files))}
             )
-    lone = [_WITHOUT_PARTNER(path=name, name=name, folder=folder) for name, folder in pairs.lone]
-    status = max(
-        [2 if answers.refusals else 0, int(bool(lone)), *(each.exit_status for each in done)]
-    )
-    refusals = [*answers.refusals, *lone]
-    files: list[Path] = []
-    if asked:
-        read = [*(part.name for pair in pairs.both for part in pair), *options.read()]
-        files, findings = compared_page(asked, done, refusals, read)
-        refusals += findings
-    if format is Format.JSON:
-        print_json(_comparison_record(done, refusals, status) | {"written": list(map(str, files))})
+            return status
+        print_findings(refusals)
+        for each in done:
+            _print_comparison(each)
+        if len(pairs.both) > 1:
+            equal = sum(each.equal for each in done)
+            say(f"{len(pairs.both)} pairs of programs, {equal} of them equal")
+        for path in files:
+            say(f"wrote {path}")
         return status
-    print_findings(refusals)
-    for each in done:
-        _print_comparison(each)
-    if len(pairs.both) > 1:
-        equal = sum(each.equal for each in done)
-        say(f"{len(pairs.both)} pairs of programs, {equal} of them equal")
-    for path in files:
-        say(f"wrote {path}")
-    return status
+
+    @property
+    def _proving(self) -> Proving:
+        from assistant.compiler.motion_proof import Proving
+
+        return Proving(script=self.signals, seed=self.seed, seconds=self.seconds)
+
+    def _read(self) -> list[str]:
+        """The files beside the programs."""
+        given = (*self.process, self.cell, self.names, self.signals)
+        return [str(path) for path in given if path is not None]
 
 
 def _print_comparison(done: Comparison) -> None:

@@ -8,32 +8,34 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from difflib import unified_diff
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
 
 from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Refused, error, fold, has_errors
 from assistant.base.source_text import ended_lines, read_input, visible
-from assistant.cli.compilation import (
-    NO_FILE_NAME,
-    SIDE_TABLES_ABOVE,
-    STANDARD,
-    TWICE,
-    load_given,
-    working,
+from assistant.cli.command import command
+from assistant.cli.options import (
+    DrawingOptions,
+    EntryOption,
+    FromLanguage,
+    RobotOption,
+    Source,
+    complete_language,
+    with_project_defaults,
 )
-from assistant.cli.options import with_project_defaults
-from assistant.cli.presentation import print_findings, say
+from assistant.cli.presentation import print_findings, say, working
+from assistant.cli.source_input import NO_FILE_NAME, SIDE_TABLES_ABOVE, STANDARD, TWICE, load_given
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.compiler.formatter import Formatted
     from assistant.program.program import Program
     from assistant.program.pseudo.printer import Printed
-    from assistant.sources.process.placement import DrawingPlacement
 
 
 _NO_PASS: Final = error(
@@ -44,49 +46,50 @@ _NO_LANGUAGE: Final = error(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class ShowOptions:
-    """Options for showing a source. to, after: the language it is shown in, and the pass it is
-    shown after.
-    """
+@command
+class Show:
+    """Print the pseudo-program of any source or robot program."""
 
-    robot: str | None
-    process: Path | None
-    unit: str | None
-    from_language: str | None
-    entry: str | None
-    to: str | None
-    after: str | None
-    placement: DrawingPlacement | None = None
+    source: Source
+    robot: RobotOption = None
+    reader: DrawingOptions
+    from_language: FromLanguage = None
+    entry: EntryOption = None
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Write a .pseudo file, long paths in tables beside."),
+    ] = None
+    to: Annotated[
+        str | None,
+        typer.Option(help="As this language will say it.", autocompletion=complete_language),
+    ] = None
+    after: Annotated[
+        str | None, typer.Option(help="On the way into that language, after this pass.")
+    ] = None
 
+    def run(self) -> int:
+        from assistant.program import pseudo
 
-def run_show(source: str, wanted: ShowOptions, output: Path | None) -> int:
-    from assistant.program import pseudo
+        wanted = with_project_defaults(self.source, self)
+        loaded = load_given(
+            self.source, wanted.robot, wanted.reader, wanted.from_language, wanted.entry
+        )
+        print_findings(fold(f.within(self.source) for f in loaded.findings))
+        program = _lowered(loaded, wanted)
+        if self.output is None:
+            sys.stdout.write(_pseudo_text(program, self.source, None).text)
+            return 0
+        from assistant.base.file_sets import write_files
 
-    wanted = with_project_defaults(source, wanted)
-    loaded = load_given(
-        source,
-        wanted.robot,
-        wanted.process,
-        wanted.unit,
-        wanted.from_language,
-        wanted.entry,
-        placement=wanted.placement,
-    )
-    print_findings(fold(f.within(source) for f in loaded.findings))
-    program = _lowered(loaded, wanted)
-    if output is None:
-        sys.stdout.write(_pseudo_text(program, source, None).text)
+        printed = _pseudo_text(program, self.source, SIDE_TABLES_ABOVE)
+        if not self.output.name or self.output.name in (".", ".."):
+            raise Refused(NO_FILE_NAME(path=str(self.output), name=self.output), exit_status=2)
+        name = self.output.with_suffix(pseudo.SUFFIX).name
+        for path in write_files(
+            {name: printed.text.encode(), **printed.tables}, self.output.parent
+        ):
+            say(f"wrote {path}")
         return 0
-    from assistant.base.file_sets import write_files
-
-    printed = _pseudo_text(program, source, SIDE_TABLES_ABOVE)
-    if not output.name or output.name in (".", ".."):
-        raise Refused(NO_FILE_NAME(path=str(output), name=output), exit_status=2)
-    name = output.with_suffix(pseudo.SUFFIX).name
-    for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
-        say(f"wrote {path}")
-    return 0
 
 
 def _pseudo_text(program: Program, source: str, side_tables_above: int | None) -> Printed:
@@ -103,7 +106,7 @@ def _pseudo_text(program: Program, source: str, side_tables_above: int | None) -
         raise Refused(*(places.finding(f).within(source) for f in refused.findings)) from None
 
 
-def _lowered(loaded: Loaded, wanted: ShowOptions) -> Program:
+def _lowered(loaded: Loaded, wanted: Show) -> Program:
     """The program that was loaded, or what a pass on its way into a language makes of it."""
     if wanted.to is None:
         if wanted.after is not None:
@@ -131,55 +134,80 @@ _BAD_NUMBERING: Final = error(
 _NUMBERING: Final = re.compile(r"[ ]*([0-9]{1,5})[ ]*(?:,[ ]*([0-9]{1,5})[ ]*)?")
 
 
-def run_fmt(
-    paths: Sequence[str], check: bool, diff: bool, language: str | None, renumber: str | None
-) -> int:
-    """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
-    from assistant.compiler.formatter import format_bytes, format_file, rewrite_file
+@command
+class Fmt:
+    """Lay robot programs out: indentation, blanks, case of keywords. Their meaning stays the
+    same.
+    """
 
-    if list(paths).count(STANDARD) > 1:
-        raise Refused(TWICE(), exit_status=2)
-    numbering = None if renumber is None else _numbering(renumber)
-    status = files = changed = 0
-    for path in dict.fromkeys(paths):
-        for name in _files_to_format(path, language):
-            try:
-                if isinstance(name, Refused):
-                    raise name
-                with working(f"formatting {name}"):
-                    if name == STANDARD:
-                        done = format_bytes(
-                            read_input(sys.stdin.buffer), "standard input", language, numbering
-                        )
-                    else:
-                        done = format_file(name, language, numbering)
-                if name == STANDARD and not (check or diff):
-                    sys.stdout.buffer.write(done.encoded())
-                elif done.changed and not (check or diff):
-                    rewrite_file(done)
-            except Refused as refused:
-                print_findings(f.within(str(path)) for f in refused.findings)
-                status = max(status, refused.exit_status)
-                continue
-            except OSError:
-                raise
-            except Exception as error:
-                if traceback_wanted():
+    files: Annotated[
+        tuple[str, ...], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ]
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; exit 1 if a file would change.")
+    ] = False
+    diff: Annotated[
+        bool, typer.Option("--diff", help="Write nothing; print what would change.")
+    ] = False
+    renumber: Annotated[
+        str | None,
+        typer.Option(
+            "--renumber", metavar="FIRST,STEP", help="Number the steps anew, jumps to them too."
+        ),
+    ] = None
+    from_language: FromLanguage = None
+
+    def run(self) -> int:
+        """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
+        from assistant.compiler.formatter import format_bytes, format_file, rewrite_file
+
+        if self.files.count(STANDARD) > 1:
+            raise Refused(TWICE(), exit_status=2)
+        numbering = None if self.renumber is None else _numbering(self.renumber)
+        status = files = changed = 0
+        for path in dict.fromkeys(self.files):
+            for name in _files_to_format(path, self.from_language):
+                try:
+                    if isinstance(name, Refused):
+                        raise name
+                    with working(f"formatting {name}"):
+                        if name == STANDARD:
+                            done = format_bytes(
+                                read_input(sys.stdin.buffer),
+                                "standard input",
+                                self.from_language,
+                                numbering,
+                            )
+                        else:
+                            done = format_file(name, self.from_language, numbering)
+                    if name == STANDARD and not (self.check or self.diff):
+                        sys.stdout.buffer.write(done.encoded())
+                    elif done.changed and not (self.check or self.diff):
+                        rewrite_file(done)
+                except Refused as refused:
+                    print_findings(f.within(str(path)) for f in refused.findings)
+                    status = max(status, refused.exit_status)
+                    continue
+                except OSError:
                     raise
-                print_findings([internal_error(error).within(str(name))])
-                status = 2
-                continue
-            files, changed = files + 1, changed + done.changed
-            print_findings(f.within(name) for f in done.findings)
-            if has_errors(done.findings) or (check and done.changed):
-                status = max(status, 1)
-            if diff:
-                sys.stdout.writelines(_unified_diff(done, name))
-            elif done.changed and name != STANDARD:
-                say(f"would format {name}" if check else f"formatted {name}")
-    if not diff and STANDARD not in paths:
-        say(f"{files} file{'s' * (files != 1)}, {changed} {'would change' if check else 'changed'}")
-    return status
+                except Exception as error:
+                    if traceback_wanted():
+                        raise
+                    print_findings([internal_error(error).within(str(name))])
+                    status = 2
+                    continue
+                files, changed = files + 1, changed + done.changed
+                print_findings(f.within(name) for f in done.findings)
+                if has_errors(done.findings) or (self.check and done.changed):
+                    status = max(status, 1)
+                if self.diff:
+                    sys.stdout.writelines(_unified_diff(done, name))
+                elif done.changed and name != STANDARD:
+                    say(f"would format {name}" if self.check else f"formatted {name}")
+        if not self.diff and STANDARD not in self.files:
+            does = "would change" if self.check else "changed"
+            say(f"{files} file{'s' * (files != 1)}, {changed} {does}")
+        return status
 
 
 def _numbering(text: str) -> tuple[int, int]:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from assistant.base.diagnostics import FailOn, Refused, error, fold_files
-from assistant.cli.compilation import working
+from assistant.cli.command import command
 from assistant.cli.options import (
-    DropEditOption,
+    EditOptions,
     FindingFormatOption,
-    KeepEditOption,
-    OverwriteOption,
     UnitOption,
 )
 from assistant.cli.presentation import (
@@ -24,11 +22,8 @@ from assistant.cli.presentation import (
     print_for_programs,
     print_json,
     say,
+    working,
 )
-
-if TYPE_CHECKING:
-    from assistant.compiler.merge_edits import MergeChoices
-
 
 JobsOption = Annotated[
     int | None,
@@ -36,39 +31,93 @@ JobsOption = Annotated[
 ]
 
 
-def build(
+@command
+class Build:
+    """Compile the programs of the project for its targets, into build/TARGET/."""
+
     names: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Argument(metavar="NAME", help="Programs or targets of assistant.toml."),
-    ] = None,
-    jobs: JobsOption = None,
+    ] = ()
+    jobs: JobsOption = None
     anew: Annotated[
         bool, typer.Option("--anew", help="Also what has not changed since the last build.")
-    ] = False,
-    overwrite: OverwriteOption = False,
-    keep_edit: KeepEditOption = None,
-    drop_edit: DropEditOption = None,
-    format: FindingFormatOption = FindingFormat.TEXT,
-) -> None:
-    """Compile the programs of the project for its targets, into build/TARGET/."""
-    from assistant.compiler.merge_edits import MergeChoices
+    ] = False
+    edits: EditOptions
+    format: FindingFormatOption = FindingFormat.TEXT
 
-    wishes = MergeChoices.of(overwrite, keep_edit or (), drop_edit or ())
-    raise typer.Exit(_run_build(names or (), jobs, anew, format, wishes))
+    def run(self) -> int:
+        from assistant.project import State, build, project_of
+        from assistant.project.builds import build_record
+
+        done = build(
+            project_of(),
+            self.names,
+            jobs=self.jobs,
+            anew=self.anew,
+            working=_build_spinner,
+            wishes=self.edits.choices,
+        )
+        if self.format is FindingFormat.JSON:
+            print_json(build_record(done, _path_from_here))
+        elif self.format is not FindingFormat.TEXT:
+            print_for_programs(done.findings, (), self.format)
+        else:
+            print_findings(done.findings)
+            for one in done.programs:
+                said = (
+                    ", ".join(map(_path_from_here, one.files)) if one.state is State.BUILT else ""
+                )
+                say(f"{one.target}: {one.program} {one.state}{said and ': '}{said}")
+                for line in one.proof:
+                    say(f"  {line}")
+                for diff in one.diffs.values():
+                    say(diff.rstrip("\n"))
+        return done.status
 
 
-def init(
+@command
+class Init:
+    """Start a project: an example or your drawings, and files for git, pre-commit and CI."""
+
     paths: Annotated[
-        list[Path] | None,
+        tuple[Path, ...],
         typer.Argument(
             metavar="[FOLDER] [DRAWING]...",
             help="Folder of the project, made if it is missing; drawings that it is to work.",
         ),
-    ] = None,
-    unit: UnitOption = None,
-) -> None:
-    """Start a project: an example or your drawings, and files for git, pre-commit and CI."""
-    raise typer.Exit(_run_init(paths or (), unit))
+    ] = ()
+    unit: UnitOption = None
+
+    def run(self) -> int:
+        from assistant.project.new_project import BLANK_KEYS, start_project
+        from assistant.sources.process.placement import DRAWING_SUFFIXES
+
+        drawings = [
+            path
+            for path in self.paths
+            if path.suffix.lower() in DRAWING_SUFFIXES and not path.is_dir()
+        ]
+        folders = [path for path in self.paths if path not in drawings]
+        if len(folders) > 1:
+            raise Refused(_ONE_FOLDER(name=folders[1]), exit_status=2)
+        if self.unit is not None and not drawings:
+            raise Refused(_NO_DRAWING(), exit_status=2)
+        folder = folders[0] if folders else Path()
+        started = start_project(folder, drawings, self.unit)
+        print_findings(started.findings)
+        for file in started.written:
+            say(f"wrote {file}")
+        for file in started.blank:
+            say(f"fill in {' and '.join(BLANK_KEYS)} in {file}")
+        inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
+        first = (
+            "check, then build and deploy"
+            if started.blank
+            else "build, then robot-assistant deploy"
+        )
+        say(f"next, {inside}robot-assistant {first}")
+        return 0
 
 
 _ONE_FOLDER = error(
@@ -79,33 +128,6 @@ _ONE_FOLDER = error(
 _NO_DRAWING = error(
     "CL052", "--unit is of drawings, and none is named", "name one, or leave it out"
 )
-
-
-def _run_init(paths: Sequence[Path], unit: str | None = None) -> int:
-    from assistant.project.new_project import BLANK_KEYS, start_project
-    from assistant.sources.process.placement import DRAWING_SUFFIXES
-
-    drawings = [
-        path for path in paths if path.suffix.lower() in DRAWING_SUFFIXES and not path.is_dir()
-    ]
-    folders = [path for path in paths if path not in drawings]
-    if len(folders) > 1:
-        raise Refused(_ONE_FOLDER(name=folders[1]), exit_status=2)
-    if unit is not None and not drawings:
-        raise Refused(_NO_DRAWING(), exit_status=2)
-    folder = folders[0] if folders else Path()
-    started = start_project(folder, drawings, unit)
-    print_findings(started.findings)
-    for file in started.written:
-        say(f"wrote {file}")
-    for file in started.blank:
-        say(f"fill in {' and '.join(BLANK_KEYS)} in {file}")
-    inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
-    first = (
-        "check, then build and deploy" if started.blank else "build, then robot-assistant deploy"
-    )
-    say(f"next, {inside}robot-assistant {first}")
-    return 0
 
 
 def check_project(given: Mapping[str, object], format: FindingFormat, fail_on: FailOn) -> int:
@@ -127,33 +149,6 @@ def check_project(given: Mapping[str, object], format: FindingFormat, fail_on: F
             f"{_program_count(done.programs)} checked, {count} finding{'s' * (count != 1)}{ignored}"
         )
     return fail_on.status(done.findings, unreadable=done.unreadable)
-
-
-def _run_build(
-    names: Sequence[str],
-    jobs: int | None,
-    anew: bool,
-    format: FindingFormat,
-    wishes: MergeChoices | None = None,
-) -> int:
-    from assistant.project import State, build, project_of
-    from assistant.project.builds import build_record
-
-    done = build(project_of(), names, jobs=jobs, anew=anew, working=_build_spinner, wishes=wishes)
-    if format is FindingFormat.JSON:
-        print_json(build_record(done, _path_from_here))
-    elif format is not FindingFormat.TEXT:
-        print_for_programs(done.findings, (), format)
-    else:
-        print_findings(done.findings)
-        for one in done.programs:
-            said = ", ".join(map(_path_from_here, one.files)) if one.state is State.BUILT else ""
-            say(f"{one.target}: {one.program} {one.state}{said and ': '}{said}")
-            for line in one.proof:
-                say(f"  {line}")
-            for diff in one.diffs.values():
-                say(diff.rstrip("\n"))
-    return done.status
 
 
 def _build_spinner(count: int) -> AbstractContextManager[None]:

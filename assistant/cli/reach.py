@@ -6,27 +6,27 @@ or of a table; `reach swept` adds up the space that an arm sweeps. Regions are L
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
-from assistant.cli.compilation import NO_FILE_NAME, keep_sources, working
+from assistant.cli.command import command_group, command_of, options
 from assistant.cli.options import (
     CellOption,
     EntryOption,
     FormatOption,
     FromLanguage,
-    ProcessOption,
+    ReaderOptions,
     RobotOption,
     Source,
-    UnitOption,
 )
-from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.cli.simulation import SimulationOptions, report_errors, solved_source
+from assistant.cli.presentation import Format, print_answer, working
+from assistant.cli.simulation import report_errors, solved_source
+from assistant.cli.source_input import NO_FILE_NAME, keep_sources
 
 if TYPE_CHECKING:
     from assistant.cell import placement
@@ -38,142 +38,19 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-reach: Final = typer.Typer(
-    help="What an arm reaches, where things stand best, which space a program sweeps.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    add_completion=False,
+reach: Final = command_group(
+    "What an arm reaches, where things stand best, which space a program sweeps."
 )
 _RANGE_FORM: Final = "LOW:HIGH:STEP"
+_WorldRange = Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")]
+_OffsetRange = Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")]
 TipOption = Annotated[
     str | None,
     typer.Option(help="x,y,z[,w,x,y,z] of the tip on the flange, mm; default the flange itself."),
 ]
-_TurnsOption = Annotated[
-    int,
-    typer.Option(help="Turns of the tool about its z axis that are tried; 1 if its turn counts."),
-]
-_OutputOption = Annotated[
-    list[str] | None,
-    typer.Option("--output", "-o", help="File to write: .csv, .npz, .png or .svg; repeatable."),
-]
-PlacesOption = Annotated[
-    list[str] | None,
-    typer.Option("--output", "-o", help="File to write: .csv, .png or .svg; repeatable."),
-]
-GoalsArgument = Annotated[
-    str | None,
-    typer.Argument(help="Program whose targets are to be reached; default locations of bodies."),
-]
-FewTurnsOption = Annotated[
-    int,
-    typer.Option(help="Turns of the tool about its z axis that are tried; default its own alone."),
-]
 MarginOption = Annotated[
     float | None, typer.Option(help="mm to keep from everything; default those of the cell file.")
 ]
-SweptOption = Annotated[
-    list[str] | None,
-    typer.Option("--output", "-o", help="File: .csv, .npz, .glb, .png or .svg; repeatable."),
-]
-
-
-@reach.command("map")
-def _map_reach(
-    robot: RobotOption = None,
-    cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")] = None,
-    direction: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Of the tool's z axis: down, up, x,y,z, or with /DEGREES a cone; repeatable."
-        ),
-    ] = None,
-    turns: _TurnsOption = 12,
-    tip: TipOption = None,
-    margin: MarginOption = None,
-    output: _OutputOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Tell which part of a region an arm reaches, with which directions of its tool."""
-    ranges = {"x": x, "y": y, "z": z}
-    tool = _ReachTool(robot, cell, tip, turns, margin)
-    raise typer.Exit(_run_map(tool, ranges, direction or ["down"], output or (), format))
-
-
-@reach.command()
-def base(
-    program: GoalsArgument = None,
-    robot: RobotOption = None,
-    cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
-    turn: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="Degrees about z.")] = None,
-    turns: FewTurnsOption = 1,
-    tip: TipOption = None,
-    margin: MarginOption = None,
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    from_language: FromLanguage = None,
-    output: PlacesOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Find where the base of a robot stands best, for targets that stay where they are."""
-    tool = _ReachTool(robot, cell, tip, turns, margin)
-    goals = _PlaceGoals(program, process, unit, from_language)
-    ranges = {"x": x, "y": y, "z": z, "turn": turn}
-    raise typer.Exit(_run_places(None, tool, goals, ranges, output or (), format))
-
-
-@reach.command()
-def place(
-    body: Annotated[str, typer.Argument(help="Body of the cell; what stands on it is moved too.")],
-    program: GoalsArgument = None,
-    robot: RobotOption = None,
-    cell: CellOption = None,
-    x: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
-    y: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
-    z: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")] = None,
-    turn: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="Degrees about z.")] = None,
-    turns: FewTurnsOption = 1,
-    tip: TipOption = None,
-    margin: MarginOption = None,
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    from_language: FromLanguage = None,
-    output: PlacesOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Find where a work piece stands best, for targets that move with it."""
-    tool = _ReachTool(robot, cell, tip, turns, margin)
-    goals = _PlaceGoals(program, process, unit, from_language)
-    ranges = {"x": x, "y": y, "z": z, "turn": turn}
-    raise typer.Exit(_run_places(body, tool, goals, ranges, output or (), format))
-
-
-@reach.command()
-def swept(
-    program: Source,
-    robot: RobotOption = None,
-    cell: CellOption = None,
-    size: Annotated[float, typer.Option(help="How wide the cells of the grid are, mm.")] = 20.0,
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    from_language: FromLanguage = None,
-    entry: EntryOption = None,
-    output: SweptOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Tell which space the arm sweeps in a program, with its tool and what it carries."""
-    from assistant.cli.simulation import SimulationOptions
-
-    options = SimulationOptions(
-        robot, process, unit, from_language, None, None, None, entry=entry, cell=cell
-    )
-    raise typer.Exit(_run_swept(program, options, size, output or (), format))
 
 
 _NO_ARM = error(
@@ -192,17 +69,6 @@ _DEFAULT_STEP: Final = 100.0
 
 
 @dataclass(frozen=True, slots=True)
-class _ReachTool:
-    """The arm, and what it holds. turns: about the tool that are tried. margin: mm."""
-
-    robot: str | None
-    cell: Path | None
-    tip: str | None = None
-    turns: int = 1
-    margin: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class _PlacedArm:
     """The arm in its scene. bodies: whether anything may be touched there."""
 
@@ -213,64 +79,93 @@ class _PlacedArm:
     findings: tuple[Diagnostic, ...]
 
 
-def _run_map(
-    tool: _ReachTool,
-    ranges: Mapping[str, str | None],
-    directions: Sequence[str],
-    outputs: Sequence[str],
-    format: Format,
-) -> int:
-    """0; what is not reached is an answer."""
-    from assistant.cell.findings import NOTHING_REACHED
-    from assistant.cell.reach_map import grid, parse_directions, reach_map
-    from assistant.report import workspace as report
+@command_of(reach)
+class Map:
+    """Tell which part of a region an arm reaches, with which directions of its tool."""
 
-    files = _output_files(outputs, _MAP_WRITERS)
-    turned = parse_directions(directions, tool.turns)
-    with working("looking at what is reached"):
-        there = _placed_arm(tool)
-        points = grid([_axis_range(there, axis, text) for axis, text in ranges.items()])
-        found = reach_map(
-            there.scene,
-            there.placed,
-            points,
-            turned,
-            tip=there.tip,
-            bodies=there.bodies,
-            margin=tool.margin,
-        )
-        title = f"{there.placed.robot.title}, {', '.join(directions)}"
-        written = _write_reach(
-            tool, {path: _MAP_WRITERS[path.suffix.lower()](found, title) for path in files}
-        )
-    findings = list(there.findings)
-    if not found.reached.any():
-        findings.append(NOTHING_REACHED(why=_likely_obstacles(there, found)))
-    if format is Format.JSON:
-        _print_reach(
-            {"robot": there.placed.robot.name, **report.map_record(found)}, findings, written
+    robot: RobotOption = None
+    cell: CellOption = None
+    x: _WorldRange = None
+    y: _WorldRange = None
+    z: _WorldRange = None
+    direction: Annotated[
+        tuple[str, ...],
+        typer.Option(
+            help="Of the tool's z axis: down, up, x,y,z, or with /DEGREES a cone; repeatable."
+        ),
+    ] = ()
+    turns: Annotated[
+        int,
+        typer.Option(
+            help="Turns of the tool about its z axis that are tried; 1 if its turn counts."
+        ),
+    ] = 12
+    tip: TipOption = None
+    margin: MarginOption = None
+    output: Annotated[
+        tuple[str, ...],
+        typer.Option("--output", "-o", help="File to write: .csv, .npz, .png or .svg; repeatable."),
+    ] = ()
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """0; what is not reached is an answer."""
+        from assistant.cell.findings import NOTHING_REACHED
+        from assistant.cell.reach_map import grid, parse_directions, reach_map
+        from assistant.report import workspace as report
+
+        files = _output_files(self.output, (".csv", ".npz", ".png", ".svg"))
+        directions = self.direction or ("down",)
+        turned = parse_directions(directions, self.turns)
+        with working("looking at what is reached"):
+            there = _placed_arm(self.cell, self.robot, self.tip, self.margin)
+            ranges = {"x": self.x, "y": self.y, "z": self.z}
+            points = grid([_axis_range(there, axis, text) for axis, text in ranges.items()])
+            found = reach_map(
+                there.scene,
+                there.placed,
+                points,
+                turned,
+                tip=there.tip,
+                bodies=there.bodies,
+                margin=self.margin,
+            )
+            title = f"{there.placed.robot.title}, {', '.join(directions)}"
+            written = _write_reach(
+                self.cell, {file: _map_data(found, title, file) for file in files}
+            )
+        findings = list(there.findings)
+        if not found.reached.any():
+            findings.append(NOTHING_REACHED(why=_likely_obstacles(there, found)))
+        print_answer(
+            self.format,
+            {"robot": there.placed.robot.name, **report.map_record(found)},
+            (f"{there.placed.robot.title}: {len(points):,} points", "", *report.map_lines(found)),
+            findings,
+            written,
         )
         return 1 if has_errors(findings) else 0
-    print_findings(findings, explained=True)
-    say(f"{there.placed.robot.title}: {len(points):,} points")
-    say("")
-    for line in report.map_lines(found):
-        say(line)
-    for path in written:
-        say(f"wrote {path}")
-    return 1 if has_errors(findings) else 0
 
 
-def _print_reach(
-    answer: Mapping[str, Any], findings: Sequence[Diagnostic], written: Sequence[Path]
-) -> None:
-    from assistant.findings.formats import finding_record
+def _map_data(found: ReachMap, title: str, file: Path) -> bytes:
+    from assistant.report import workspace as report
 
-    found = [finding_record(finding) for finding in findings]
-    print_json({**answer, "findings": found, "written": [str(path) for path in written]})
+    match file.suffix.lower():
+        case ".csv":
+            return report.map_csv(found)
+        case ".npz":
+            return report.map_npz(found)
+        case suffix:
+            return report.map_picture(found, title, suffix[1:])
 
 
-def _placed_arm(tool: _ReachTool, known: Robot | None = None) -> _PlacedArm:
+def _placed_arm(
+    cell: Path | None,
+    named: str | None,
+    given_tip: str | None = None,
+    margin: float | None = None,
+    known: Robot | None = None,
+) -> _PlacedArm:
     """Return the arm, alone in the world if no cell is given. known: that of a program.
 
     Raises Refused if no arm is named, or it is not in the cell.
@@ -281,10 +176,10 @@ def _placed_arm(tool: _ReachTool, known: Robot | None = None) -> _PlacedArm:
     from assistant.checks.clearances import no_robot
     from assistant.compiler.arms import open_cell
 
-    tip = _tip_pose(tool.tip)
-    if tool.margin is not None and not 0.0 <= tool.margin < float("inf"):
-        raise Refused(_BAD_MARGIN(given=tool.margin), exit_status=2)
-    found = open_cell(tool.cell, tool.robot)
+    tip = _tip_pose(given_tip)
+    if margin is not None and not 0.0 <= margin < float("inf"):
+        raise Refused(_BAD_MARGIN(given=margin), exit_status=2)
+    found = open_cell(cell, named)
     robot, scene = found.robot or known, found.scene
     if scene is None:
         if robot is None:
@@ -351,51 +246,22 @@ def _likely_obstacles(there: _PlacedArm, found: ReachMap) -> str:
     return f"; at home the flange of the arm points to {tuple(z.tolist())} of its base"
 
 
-def _output_files(outputs: Sequence[str], writers: Mapping[str, Any]) -> list[Path]:
+def _output_files(outputs: Sequence[str], suffixes: Sequence[str]) -> list[Path]:
     """The files that are to be written; raises Refused for a name that tells no kind."""
     for output in outputs:
-        if Path(output).suffix.lower() not in writers:
-            known = ", ".join(writers)
+        if Path(output).suffix.lower() not in suffixes:
+            known = ", ".join(suffixes)
             raise Refused(_UNKNOWN_RESULT(name=output, known=known), exit_status=2)
         if not Path(output).stem:
             raise Refused(NO_FILE_NAME(path=output, name=output), exit_status=2)
     return list(dict.fromkeys(map(Path, outputs)))
 
 
-def _write_reach(tool: _ReachTool, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
+def _write_reach(cell: Path | None, files: Mapping[Path, bytes], *sources: str) -> list[Path]:
     from assistant.base.file_sets import write_all
 
-    keep_sources([*sources, *([] if tool.cell is None else [str(tool.cell)])], list(files))
+    keep_sources([*sources, *([] if cell is None else [str(cell)])], list(files))
     return list(write_all(files)) if files else []
-
-
-def _map_csv(found: ReachMap, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
-    from assistant.report.workspace import map_csv
-
-    return map_csv(found)
-
-
-def _map_npz(found: ReachMap, title: str) -> bytes:  # noqa: ARG001
-    from assistant.report.workspace import map_npz
-
-    return map_npz(found)
-
-
-def _map_picture(format: str) -> Callable[[ReachMap, str], bytes]:
-    def draw(found: ReachMap, title: str) -> bytes:
-        from assistant.report.workspace import map_picture
-
-        return map_picture(found, title, format)
-
-    return draw
-
-
-_MAP_WRITERS: Final[dict[str, Callable[[ReachMap, str], bytes]]] = {
-    ".csv": _map_csv,
-    ".npz": _map_npz,
-    ".png": _map_picture("png"),
-    ".svg": _map_picture("svg"),
-}
 
 
 _NO_CELL = error(
@@ -413,83 +279,152 @@ _DEFAULT_PLACE_RANGE: Final = "-200:200:50"
 """Default range of x and y."""
 
 
-@dataclass(frozen=True, slots=True)
-class _PlaceGoals:
-    """The program whose targets are to be reached, None for locations, and how it is read."""
+@options
+class PlaceSearch:
+    """Places that are tried, and targets to be reached from them."""
 
-    program: str | None
-    process: Path | None
-    unit: str | None
-    from_language: str | None
+    program: Annotated[
+        str | None,
+        typer.Argument(
+            help="Program whose targets are to be reached; default locations of bodies."
+        ),
+    ] = None
+    robot: RobotOption = None
+    cell: CellOption = None
+    x: _OffsetRange = None
+    y: _OffsetRange = None
+    z: _OffsetRange = None
+    turn: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="Degrees about z.")] = None
+    turns: Annotated[
+        int,
+        typer.Option(
+            help="Turns of the tool about its z axis that are tried; default its own alone."
+        ),
+    ] = 1
+    tip: TipOption = None
+    margin: MarginOption = None
+    reader: ReaderOptions
+    from_language: FromLanguage = None
+    output: Annotated[
+        tuple[str, ...],
+        typer.Option("--output", "-o", help="File to write: .csv, .png or .svg; repeatable."),
+    ] = ()
+    format: FormatOption = Format.TEXT
 
+    def places(self, body: str | None) -> int:
+        """1 if everything is reached at no place, else 0. body: None for the base of the robot."""
+        from assistant.cell import placement
+        from assistant.cell.findings import NO_PLACE
+        from assistant.cell.reach_map import grid, parse_range
+        from assistant.report import workspace as report
 
-def _run_places(
-    body: str | None,
-    tool: _ReachTool,
-    goals: _PlaceGoals,
-    ranges: Mapping[str, str | None],
-    outputs: Sequence[str],
-    format: Format,
-) -> int:
-    """1 if everything is reached at no place, else 0. body: None for the base of the robot."""
-    from assistant.cell import placement
-    from assistant.cell.findings import NO_PLACE
-    from assistant.cell.reach_map import grid, parse_range
-    from assistant.report import workspace as report
-
-    files = _output_files(outputs, _PLACE_WRITERS)
-    offsets = grid([parse_range(text, axis) for axis, text in _place_ranges(ranges).items()])
-    if body is not None and tool.cell is None:
-        raise Refused(_NO_CELL(name=body), exit_status=2)
-    with working("looking at places"):
-        there, targets, findings = _place_targets(body, tool, goals)
-        given = there.scene, there.placed
-        if body is None:
-            name, of = there.placed.name, "robots"
-            found = placement.best_base(
-                *given, offsets, targets, bodies=there.bodies, margin=tool.margin
+        files = _output_files(self.output, (".csv", ".png", ".svg"))
+        ranges = _place_ranges({"x": self.x, "y": self.y, "z": self.z, "turn": self.turn})
+        offsets = grid([parse_range(text, axis) for axis, text in ranges.items()])
+        if body is not None and self.cell is None:
+            raise Refused(_NO_CELL(name=body), exit_status=2)
+        with working("looking at places"):
+            there, targets, findings = self._targets(body)
+            given = there.scene, there.placed
+            if body is None:
+                name, of = there.placed.name, "robots"
+                found = placement.best_base(
+                    *given, offsets, targets, bodies=there.bodies, margin=self.margin
+                )
+            else:
+                name, of = body, "bodies"
+                found = placement.best_place(*given, body, offsets, targets, margin=self.margin)
+            title = f"{name}, for {there.placed.robot.title}"
+            drawn = {path: _place_data(found, title, path) for path in files if found.places}
+            sources = () if self.program is None else (self.program,)
+            written = _write_reach(self.cell, drawn, *sources)
+        findings += found.findings
+        if found.best is None and found.places:
+            first = found.places[0]
+            findings.append(
+                NO_PLACE(
+                    count=len(offsets),
+                    best=report.place_text(first),
+                    reached=first.reached,
+                    total=found.total,
+                    first=first.worst,
+                )
             )
-        else:
-            name, of = body, "bodies"
-            found = placement.best_place(*given, body, offsets, targets, margin=tool.margin)
-        title = f"{name}, for {there.placed.robot.title}"
-        sources = () if goals.program is None else (goals.program,)
-        drawn = {
-            path: _PLACE_WRITERS[path.suffix.lower()](found, title)
-            for path in files
-            if found.places
-        }
-        written = _write_reach(tool, drawn, *sources)
-    findings += found.findings
-    if found.best is None and found.places:
-        first = found.places[0]
-        findings.append(
-            NO_PLACE(
-                count=len(offsets),
-                best=report.place_text(first),
-                reached=first.reached,
-                total=found.total,
-                first=first.worst,
-            )
-        )
-    status = 1 if has_errors(findings) or found.best is None else 0
-    if format is Format.JSON:
+        lines = [f"{title}; places: {len(offsets):,}; targets: {found.total:,}", ""]
+        lines += report.place_lines(found)
+        if found.best is not None and there.bodies:
+            lines += ["", f"[{of}.{name}]", *report.pose_text(found.best.pose)]
         answer = {"robot": there.placed.robot.name, "moved": name, **report.places_record(found)}
-        _print_reach(answer, findings, written)
-        return status
-    print_findings(findings, explained=True)
-    say(f"{title}; places: {len(offsets):,}; targets: {found.total:,}")
-    say("")
-    for line in report.place_lines(found):
-        say(line)
-    if found.best is not None and there.bodies:
-        say("")
-        say(f"[{of}.{name}]")
-        for line in report.pose_text(found.best.pose):
-            say(line)
-    for path in written:
-        say(f"wrote {path}")
-    return status
+        print_answer(self.format, answer, lines, findings, written)
+        return 1 if has_errors(findings) or found.best is None else 0
+
+    def _targets(
+        self, body: str | None
+    ) -> tuple[_PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
+        from assistant.cell.placement import locations, standing_body
+        from assistant.cell.reach_map import check_turns
+
+        check_turns(self.turns)
+        if self.program is not None:
+            return self._program_targets(body, self.program)
+        there = _placed_arm(self.cell, self.robot, self.tip, self.margin)
+        if body is not None:
+            standing_body(there.scene, body)
+        targets = locations(there.scene, body, there.tip, self.turns)
+        return there, (targets,), list(there.findings)
+
+    def _program_targets(
+        self, body: str | None, program: str
+    ) -> tuple[_PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
+        """Return the arm and the targets of a program; targets out of its present reach are not
+        findings here.
+        """
+        from assistant.cell.placement import targets_of
+
+        if self.tip is not None:
+            raise Refused(_TIP_TWICE(), exit_status=2)
+        ready = solved_source(
+            program,
+            self.reader,
+            robot=self.robot,
+            cell=self.cell,
+            from_language=self.from_language,
+        )
+        solution = ready.solution
+        there = _placed_arm(self.cell, self.robot, None, self.margin, solution.robot)
+        found = targets_of(solution, there.placed, self.turns, carried=body is None)
+        findings = list(there.findings)
+        if found.unknown:
+            findings.append(_UNKNOWN_TARGETS(count=found.unknown))
+        return there, found.goals, findings
+
+
+@command_of(reach)
+class Base:
+    """Find where the base of a robot stands best, for targets that stay where they are."""
+
+    search: PlaceSearch
+
+    def run(self) -> int:
+        return self.search.places(None)
+
+
+@command_of(reach)
+class Place:
+    """Find where a work piece stands best, for targets that move with it."""
+
+    body: Annotated[str, typer.Argument(help="Body of the cell; what stands on it is moved too.")]
+    search: PlaceSearch
+
+    def run(self) -> int:
+        return self.search.places(self.body)
+
+
+def _place_data(found: Places, title: str, file: Path) -> bytes:
+    from assistant.report.workspace import places_csv, places_picture
+
+    suffix = file.suffix.lower()
+    return places_csv(found) if suffix == ".csv" else places_picture(found, title, suffix[1:])
 
 
 def _place_ranges(ranges: Mapping[str, str | None]) -> dict[str, str]:
@@ -499,148 +434,72 @@ def _place_ranges(ranges: Mapping[str, str | None]) -> dict[str, str]:
     )
 
 
-def _place_targets(
-    body: str | None, tool: _ReachTool, goals: _PlaceGoals
-) -> tuple[_PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
-    from assistant.cell.placement import locations, standing_body
-    from assistant.cell.reach_map import check_turns
+@command_of(reach)
+class Swept:
+    """Tell which space the arm sweeps in a program, with its tool and what it carries."""
 
-    check_turns(tool.turns)
-    if goals.program is not None:
-        return _program_targets(body, tool, goals, goals.program)
-    there = _placed_arm(tool)
-    if body is not None:
-        standing_body(there.scene, body)
-    targets = locations(there.scene, body, there.tip, tool.turns)
-    return there, (targets,), list(there.findings)
+    program: Source
+    robot: RobotOption = None
+    cell: CellOption = None
+    size: Annotated[float, typer.Option(help="How wide the cells of the grid are, mm.")] = 20.0
+    reader: ReaderOptions
+    from_language: FromLanguage = None
+    entry: EntryOption = None
+    output: Annotated[
+        tuple[str, ...],
+        typer.Option("--output", "-o", help="File: .csv, .npz, .glb, .png or .svg; repeatable."),
+    ] = ()
+    format: FormatOption = Format.TEXT
 
+    def run(self) -> int:
+        """1 if the robot cannot run the program, else 0; contacts are for `check` to find."""
+        from assistant.cell.clearances import CarriedBodies
+        from assistant.cell.findings import NOT_SWEPT
+        from assistant.cell.swept_space import swept_space
+        from assistant.report import workspace as report
+        from assistant.robots.timing import simulate
 
-def _program_targets(
-    body: str | None, tool: _ReachTool, goals: _PlaceGoals, program: str
-) -> tuple[_PlacedArm, Sequence[placement.Goals], list[Diagnostic]]:
-    """Return the arm and the targets of a program; targets out of its present reach are not
-    findings here.
-    """
-    from assistant.cell.placement import targets_of
-    from assistant.cli.simulation import SimulationOptions, solved_source
-
-    if tool.tip is not None:
-        raise Refused(_TIP_TWICE(), exit_status=2)
-    given = (goals.process, goals.unit, goals.from_language, None)
-    ready = solved_source(
-        program, SimulationOptions(tool.robot, *given, None, None, cell=tool.cell)
-    )
-    solution = ready.solution
-    there = _placed_arm(tool, solution.robot)
-    found = targets_of(solution, there.placed, tool.turns, carried=body is None)
-    findings = list(there.findings)
-    if found.unknown:
-        findings.append(_UNKNOWN_TARGETS(count=found.unknown))
-    return there, found.goals, findings
-
-
-def _places_csv(found: Places, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
-    from assistant.report.workspace import places_csv
-
-    return places_csv(found)
-
-
-def _places_picture(format: str) -> Callable[[Places, str], bytes]:
-    def draw(found: Places, title: str) -> bytes:
-        from assistant.report.workspace import places_picture
-
-        return places_picture(found, title, format)
-
-    return draw
-
-
-_PLACE_WRITERS: Final[dict[str, Callable[[Places, str], bytes]]] = {
-    ".csv": _places_csv,
-    ".png": _places_picture("png"),
-    ".svg": _places_picture("svg"),
-}
-
-
-def _run_swept(
-    source: str, options: SimulationOptions, size: float, outputs: Sequence[str], format: Format
-) -> int:
-    """1 if the robot cannot run the program, else 0; contacts are for `check` to find."""
-    from assistant.cell.clearances import CarriedBodies
-    from assistant.cell.findings import NOT_SWEPT
-    from assistant.cell.swept_space import swept_space
-    from assistant.report import workspace as report
-    from assistant.robots.timing import simulate
-
-    files = _output_files(outputs, _SWEPT_WRITERS)
-    with working(f"sweeping with {source}"):
-        ready = solved_source(source, options)
-        solution = ready.solution
-        if has_errors(ready.findings):
-            return report_errors(source, solution.robot, ready.findings, format, "swept")
-        tool = _ReachTool(options.robot, options.cell)
-        there = _placed_arm(tool, solution.robot)
-        holding = CarriedBodies.at_first(there.scene, there.placed)
-        done = simulate(solution, carried=holding if holding.places else None)
-        found = swept_space(done, there.scene, there.placed, size)
-        title = f"{Path(source).name} on {solution.robot.title}, cells of {size:g} mm"
-        drawn = {path: _SWEPT_WRITERS[path.suffix.lower()](found, title) for path in files}
-        written = _write_reach(tool, drawn, source)
-    findings = list(ready.findings)
-    findings += [
-        NOT_SWEPT(what=f"only running the program tells where `{name}` is after a while")
-        for name in sorted(holding.doubts.lost)
-    ]
-    findings += [
-        NOT_SWEPT(what=str(unknown)) for unknown in done.unknown if "not timed" in unknown.what
-    ]
-    findings = list(fold(findings))
-    if format is Format.JSON:
-        robot = solution.robot.name
-        _print_reach(
-            {"source": source, "robot": robot, **report.swept_record(found)}, findings, written
+        files = _output_files(self.output, (".csv", ".npz", ".glb", ".png", ".svg"))
+        with working(f"sweeping with {self.program}"):
+            ready = solved_source(
+                self.program,
+                self.reader,
+                robot=self.robot,
+                cell=self.cell,
+                from_language=self.from_language,
+                entry=self.entry,
+            )
+            robot = ready.solution.robot
+            if has_errors(ready.findings):
+                return report_errors(self.program, robot, ready.findings, self.format, "swept")
+            there = _placed_arm(self.cell, self.robot, known=robot)
+            holding = CarriedBodies.at_first(there.scene, there.placed)
+            done = simulate(ready.solution, carried=holding if holding.places else None)
+            found = swept_space(done, there.scene, there.placed, self.size)
+            title = f"{Path(self.program).name} on {robot.title}, cells of {self.size:g} mm"
+            drawn = {path: _swept_data(found, title, path) for path in files}
+            written = _write_reach(self.cell, drawn, self.program)
+        lost = (
+            f"only running the program tells where `{name}` is after a while"
+            for name in sorted(holding.doubts.lost)
         )
+        untimed = (str(unknown) for unknown in done.unknown if "not timed" in unknown.what)
+        findings = [*ready.findings, *(NOT_SWEPT(what=what) for what in (*lost, *untimed))]
+        answer = {"source": self.program, "robot": robot.name, **report.swept_record(found)}
+        lines = (title, "", *report.swept_lines(found))
+        print_answer(self.format, answer, lines, list(fold(findings)), written)
         return 0
-    print_findings(findings, explained=True)
-    say(title)
-    say("")
-    for line in report.swept_lines(found):
-        say(line)
-    for path in written:
-        say(f"wrote {path}")
-    return 0
 
 
-def _swept_csv(found: SweptSpace, title: str) -> bytes:  # noqa: ARG001 (each writer is given both)
-    from assistant.report.workspace import swept_csv
+def _swept_data(found: SweptSpace, title: str, file: Path) -> bytes:
+    from assistant.report import workspace as report
 
-    return swept_csv(found)
-
-
-def _swept_npz(found: SweptSpace, title: str) -> bytes:  # noqa: ARG001
-    from assistant.report.workspace import swept_npz
-
-    return swept_npz(found)
-
-
-def _swept_glb(found: SweptSpace, title: str) -> bytes:  # noqa: ARG001
-    from assistant.report.workspace import swept_glb
-
-    return swept_glb(found)
-
-
-def _swept_picture(format: str) -> Callable[[SweptSpace, str], bytes]:
-    def draw(found: SweptSpace, title: str) -> bytes:
-        from assistant.report.workspace import swept_picture
-
-        return swept_picture(found, title, format)
-
-    return draw
-
-
-_SWEPT_WRITERS: Final[dict[str, Callable[[SweptSpace, str], bytes]]] = {
-    ".csv": _swept_csv,
-    ".npz": _swept_npz,
-    ".glb": _swept_glb,
-    ".png": _swept_picture("png"),
-    ".svg": _swept_picture("svg"),
-}
+    match file.suffix.lower():
+        case ".csv":
+            return report.swept_csv(found)
+        case ".npz":
+            return report.swept_npz(found)
+        case ".glb":
+            return report.swept_glb(found)
+        case suffix:
+            return report.swept_picture(found, title, suffix[1:])

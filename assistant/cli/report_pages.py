@@ -1,7 +1,6 @@
 """Pages that report the result of a command: `--report`, `--open` and `--plot`.
 
-A page is one HTML file with a sheet for each program, at most `_MOST_PROGRAMS`. `compiled_page`,
-`simulated_page` and `compared_page` are called by their commands if a page is requested.
+A page is one HTML file with a sheet for each program, at most `_MOST_PROGRAMS`.
 """
 
 from __future__ import annotations
@@ -9,18 +8,17 @@ from __future__ import annotations
 import tempfile
 import webbrowser
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from assistant.base.diagnostics import Diagnostic, Refused, error, fold, warning
-from assistant.cli.compilation import STANDARD, keep_sources
+from assistant.base.diagnostics import Diagnostic, Refused, fold, warning
+from assistant.cli.source_input import STANDARD, keep_sources
 from assistant.view.sheets import Sheet, compared_sheet, shown_sheet
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
-    from assistant.cli.compilation import DrawPage
-    from assistant.cli.simulation import SimulationOptions
+    from assistant.cli.options import PageOptions, ReaderOptions
     from assistant.compiler import Compiled
     from assistant.compiler.arms import InCell
     from assistant.compiler.checker import CheckedProgram
@@ -29,12 +27,8 @@ if TYPE_CHECKING:
     from assistant.report.contour_plot import DrawnLine
     from assistant.report.translation import Translated
     from assistant.robots import Robot
-    from assistant.sources.process.placement import DrawingPlacement
 
 
-NO_PAGE: Final = error(
-    "CL034", "a page for the browser is not written as `{name}`", "end the name in .html"
-)
 _NOT_OPENED: Final = warning(
     "CL060",
     "no browser could be opened here; the page is written",
@@ -47,55 +41,10 @@ _TOO_MANY_PROGRAMS: Final = warning(
 )
 _MOST_PROGRAMS: Final = 40
 """That one page shows."""
-SUFFIXES: Final = (".html", ".htm")
-
-
-@dataclass(frozen=True, slots=True)
-class PageRequest:
-    """Requested page: a file for it, and whether it is opened; a file for a picture."""
-
-    report: Path | None = None
-    opened: bool = False
-    plot: Path | None = None
-
-    def __post_init__(self) -> None:
-        """Check the file names; raise Refused (exit status 2) for one that is not of a page or a
-        picture.
-        """
-        if self.plot is not None:
-            from assistant.report.figures import format_of
-
-            format_of(self.plot.name)
-        if self.report is not None and self.html and not self.report.stem:
-            raise Refused(NO_PAGE(name=self.report), exit_status=2)
-
-    def __bool__(self) -> bool:
-        return self.report is not None or self.opened or self.plot is not None
-
-    @property
-    def html(self) -> bool:
-        """True if the report is a page."""
-        return self.report is not None and self.report.suffix.lower() in SUFFIXES
-
-    def page(self) -> PageRequest:
-        """Return the same request without a report that is not a page."""
-        return self if self.html else PageRequest(None, self.opened, self.plot)
-
-    def only_page(self) -> PageRequest:
-        """Return the same request; raise Refused (exit status 2) for a report that is not a
-        page.
-        """
-        if self.report is not None and not self.html:
-            raise Refused(NO_PAGE(name=self.report), exit_status=2)
-        return self
-
-
-NO_PAGE_WANTED: Final = PageRequest()
-"""Request for no page."""
 
 
 def write_page(
-    asked: PageRequest, sheets: Sequence[Sheet], sources: Iterable[str], stem: str
+    asked: PageOptions, sheets: Sequence[Sheet], sources: Iterable[str], stem: str
 ) -> tuple[list[Path], list[Diagnostic]]:
     """Write page and picture, open the page if requested; return files and findings.
 
@@ -215,7 +164,11 @@ def checked_sheet(
 
 
 def solved_sheet(
-    source: str, ready: Solved, options: SimulationOptions, found: Sequence[Diagnostic] = ()
+    source: str,
+    ready: Solved,
+    reader: ReaderOptions,
+    acceleration: float | None,
+    found: Sequence[Diagnostic] = (),
 ) -> Sheet:
     """A program that an arm goes through. found: besides what was found while it was read."""
     return Sheet(
@@ -225,77 +178,43 @@ def solved_sheet(
         ready.places,
         ready.solution.robot,
         ready.scene,
-        drawing_lines(source, options.process, options.unit, options.placement),
+        drawing_lines(source, reader),
         solution=ready.solution,
-        acceleration=options.acceleration,
+        acceleration=acceleration,
     )
 
 
-def compiled_page(
-    asked: PageRequest,
-    process: Path | None,
-    unit: str | None,
-    placement: DrawingPlacement | None = None,
-) -> DrawPage | None:
-    """Return the writer of a compilation's page, if one is requested; see `run_compile`.
+def write_compiled_page(
+    asked: PageOptions,
+    reader: ReaderOptions,
+    stands: InCell,
+    done: Sequence[tuple[str, Compiled]],
+    findings: Sequence[Diagnostic],
+    unlike: Sequence[str],
+) -> tuple[list[Path], list[Diagnostic]]:
+    """Write the page of a compilation; return its file and the findings about it.
 
-    Raises Refused (exit status 2) for a report that is not a page.
+    unlike: sources whose files on disk differ from the compiled ones.
     """
-    asked.only_page()
 
-    def write(
-        stands: InCell,
-        done: Sequence[tuple[str, Compiled]],
-        findings: list[Diagnostic],
-        unlike: Sequence[str],
-    ) -> Sequence[Path]:
-        def lines(source: str) -> Sequence[DrawnLine]:
-            return drawing_lines(source, process, unit, placement)
+    def lines(source: str) -> Sequence[DrawnLine]:
+        return drawing_lines(source, reader)
 
-        sheets = []
-        for source, compiled in done:
-            drawn = lines(source)
-            sheet = compiled_sheet(source, compiled, stands.scene, stands.robot, drawn)
-            if source in unlike:
-                findings.append(_OTHER_ON_DISK(path=source))
-                sheet = replace(sheet, found=(_OTHER_ON_DISK(path=source), *sheet.found))
-            sheets.append(sheet)
-        sources = [source for source, _ in done]
-        known = {*sources, *(f.path for _, compiled in done for f in compiled.found)}
-        sheets += refused_sheets((f for f in findings if f.path not in known), lines)
-        written, told = write_page(asked, sheets, sources, page_name(*sources[:1] or ["program"]))
-        findings += told
-        return written
-
-    return write if asked else None
-
-
-def simulated_page(
-    asked: PageRequest,
-) -> Callable[[str, SimulationOptions, Solved, list[Diagnostic]], Sequence[Path]] | None:
-    """Return the writer of a simulation's page, if one is requested; see `run_simulate`.
-
-    Raises Refused (exit status 2) for a report that is not a page.
-    """
-    asked.only_page()
-
-    def write(
-        source: str, options: SimulationOptions, ready: Solved, findings: list[Diagnostic]
-    ) -> Sequence[Path]:
-        from assistant.checks import robot_rules
-
-        found = robot_rules.check(ready.solution)
-        sheet = solved_sheet(source, ready, options, found)
-        read = [source, *map(str, filter(None, (options.cell, options.process)))]
-        written, told = write_page(asked, [sheet], read, page_name(source))
-        findings += told
-        return written
-
-    return write if asked else None
+    other = [_OTHER_ON_DISK(path=source) for source, _ in done if source in unlike]
+    sheets = []
+    for source, compiled in done:
+        sheet = compiled_sheet(source, compiled, stands.scene, stands.robot, lines(source))
+        own = [finding for finding in other if finding.path == source]
+        sheets.append(replace(sheet, found=(*own, *sheet.found)))
+    sources = [source for source, _ in done]
+    known = {*sources, *(f.path for _, compiled in done for f in compiled.found)}
+    sheets += refused_sheets((f for f in findings if f.path not in known), lines)
+    written, told = write_page(asked, sheets, sources, page_name(*sources[:1] or ["program"]))
+    return written, [*other, *told]
 
 
 def compared_page(
-    asked: PageRequest,
+    asked: PageOptions,
     done: Sequence[Comparison],
     refusals: Sequence[Diagnostic],
     sources: Iterable[str],
@@ -340,14 +259,14 @@ def refused_sheets(
     ]
 
 
-def drawing_lines(
-    source: str, process: Path | None, unit: str | None, placement: DrawingPlacement | None = None
-) -> Sequence[DrawnLine]:
+def drawing_lines(source: str, reader: ReaderOptions) -> Sequence[DrawnLine]:
     """The lines of a drawing; none of another source, nor of one that cannot be read."""
     from assistant.report.contour_plot import drawn_lines
 
     try:
-        return () if source == STANDARD else drawn_lines(source, process, unit, placement)
+        if source == STANDARD:
+            return ()
+        return drawn_lines(source, reader.process, reader.unit, reader.placement)
     except Refused:
         return ()
 

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Severity
 from assistant.base.source_text import visible
-from assistant.cli.compilation import working
 from assistant.cli.presentation import (
     Format,
     console,
@@ -24,6 +23,7 @@ from assistant.cli.presentation import (
     print_json,
     say,
     visible_on_one_line,
+    working,
 )
 from assistant.deploy import CellState, FileState, Outcome, Rollout
 from assistant.findings.formats import (

@@ -6,22 +6,38 @@ Also the program of a source, solved for the robot that runs it, for commands th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
-from assistant.cli.compilation import NO_FILE_NAME, STANDARD, keep_sources, load_given, working
-from assistant.cli.options import with_project_defaults
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.command import command
+from assistant.cli.options import (
+    AccelerationOption,
+    CellOption,
+    DrawingOptions,
+    EntryOption,
+    FormatOption,
+    FromLanguage,
+    FromRobot,
+    PageOptions,
+    ReaderOptions,
+    RobotOption,
+    SightOptions,
+    Source,
+    with_project_defaults,
+)
+from assistant.cli.presentation import Format, print_answer, working
+from assistant.cli.source_input import NO_FILE_NAME, STANDARD, keep_sources, load_given
 
 if TYPE_CHECKING:
     from assistant.compiler.arms import InCell
     from assistant.compiler.retarget import Solved
     from assistant.robots import Robot
     from assistant.robots.timing import Simulation
-    from assistant.sources.process.placement import DrawingPlacement
     from assistant.sources.sights import Seeing
 
 
@@ -34,72 +50,102 @@ _FILE_SUFFIXES: Final = (".motion.csv", ".moves.csv", ".motion.npz", ".motion.pn
 """Suffixes of all files of a simulation, appended to the name of the program."""
 
 
-@dataclass(frozen=True, slots=True)
-class SimulationOptions:
-    """Source and options of a simulation. acceleration: mm/s² of the tool. period: seconds."""
+@command
+class Simulate:
+    """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
 
-    robot: str | None
-    process: Path | None
-    unit: str | None
-    from_language: str | None
-    from_robot: str | None
-    acceleration: float | None
-    period: float | None
-    entry: str | None = None
-    cell: Path | None = None
-    placement: DrawingPlacement | None = None
-    seeing: Seeing | None = None
+    program: Source
+    robot: RobotOption = None
+    output: Annotated[
+        tuple[str, ...],
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder for all files, or a .csv, .npz, .png or .svg; repeatable.",
+        ),
+    ] = ()
+    acceleration: AccelerationOption = None
+    period: Annotated[
+        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
+    ] = None
+    reader: DrawingOptions
+    cell: CellOption = None
+    from_language: FromLanguage = None
+    from_robot: FromRobot = None
+    entry: EntryOption = None
+    sight: SightOptions
+    page: PageOptions
+    format: FormatOption = Format.TEXT
 
+    def run(self) -> int:
+        """Run a simulation; return 0 if it succeeds, 1 if the robot cannot run the program, or not
+        without contact.
 
-def run_simulate(
-    source: str,
-    options: SimulationOptions,
-    outputs: Sequence[str],
-    format: Format,
-    page: Callable[[str, SimulationOptions, Solved, list[Diagnostic]], Sequence[Path]]
-    | None = None,
-) -> int:
-    """Run a simulation; return 0 if it succeeds, 1 if the robot cannot run the program, or not
-    without contact.
+        page: writes a page of the simulation, and adds its findings to the list.
+        """
+        from assistant.checks.clearances import clearances
+        from assistant.report import timing as report
+        from assistant.robots.timing import simulate
 
-    page: writes a page of the simulation, and adds its findings to the list.
-    """
-    from assistant.checks.clearances import clearances
-    from assistant.report import timing as report
-    from assistant.robots.timing import simulate
-
-    options = with_project_defaults(source, options)
-    with working(f"simulating {source}"):
-        wanted = _output_files(source, outputs)
-        ready = solved_source(source, options)
-        solution, findings = ready.solution, ready.findings
-        pages = () if page is None else page(source, options, ready, findings)
-        if has_errors(findings):
-            return report_errors(source, solution.robot, findings, format, pages=pages)
-        done = simulate(solution, period=options.period, acceleration=options.acceleration)
-        found = clearances(solution, ready.scene, done)
-        near = fold(ready.places.finding(finding).within(source) for finding in found)
-        findings += near
-        files = {path: _simulation_files(path.name, done, source) for path in wanted}
-        written = [*_write_simulation(source, files), *pages]
-    if format is Format.JSON:
-        from assistant.findings.formats import finding_record
-
-        answer: dict[str, Any] = {"source": source, **report.record(done)}
-        answer["findings"] = [finding_record(finding) for finding in findings]
-        print_json(answer | {"written": [str(path) for path in written]})
+        page = self.page
+        page.check()
+        options = with_project_defaults(self.program, self)
+        with working(f"simulating {self.program}"):
+            wanted = _output_files(self.program, self.output)
+            ready = solved_source(
+                self.program,
+                options.reader,
+                robot=options.robot,
+                cell=options.cell,
+                from_language=options.from_language,
+                from_robot=options.from_robot,
+                entry=options.entry,
+                seeing=self.sight.seeing,
+            )
+            solution, findings = ready.solution, ready.findings
+            pages = options._write_page(page, ready, findings) if page else ()
+            if has_errors(findings):
+                return report_errors(
+                    self.program, solution.robot, findings, self.format, pages=pages
+                )
+            done = simulate(solution, period=self.period, acceleration=self.acceleration)
+            found = clearances(solution, ready.scene, done)
+            near = fold(ready.places.finding(finding).within(self.program) for finding in found)
+            findings += near
+            files = {path: _simulation_files(path.name, done, self.program) for path in wanted}
+            written = [*_write_simulation(self.program, files), *pages]
+        lines = (f"{self.program} on {done.robot.title}", "", *report.lines(done))
+        answer = {"source": self.program, **report.record(done)}
+        print_answer(self.format, answer, lines, findings, written)
         return 1 if has_errors(near) else 0
-    print_findings(findings, explained=True)
-    say(f"{source} on {done.robot.title}")
-    say("")
-    for line in report.lines(done):
-        say(line)
-    for path in written:
-        say(f"wrote {path}")
-    return 1 if has_errors(near) else 0
+
+    def _write_page(
+        self, page: PageOptions, ready: Solved, findings: list[Diagnostic]
+    ) -> Sequence[Path]:
+        """Write the page and add its findings to the list."""
+        from assistant.checks import robot_rules
+        from assistant.cli.report_pages import page_name, solved_sheet, write_page
+
+        found = robot_rules.check(ready.solution)
+        sheet = solved_sheet(self.program, ready, self.reader, self.acceleration, found)
+        read = [self.program, *map(str, filter(None, (self.cell, self.reader.process)))]
+        written, told = write_page(page, [sheet], read, page_name(self.program))
+        findings += told
+        return written
 
 
-def solved_source(source: str, options: SimulationOptions, stands: InCell | None = None) -> Solved:
+def solved_source(
+    source: str,
+    reader: ReaderOptions,
+    *,
+    robot: str | None = None,
+    cell: Path | None = None,
+    from_language: str | None = None,
+    from_robot: str | None = None,
+    entry: str | None = None,
+    seeing: Seeing | None = None,
+    stands: InCell | None = None,
+) -> Solved:
     """The program of a file, for the arm that runs it. Raises Refused if nobody names one.
 
     stands: the cell, where it has been read already.
@@ -107,12 +153,11 @@ def solved_source(source: str, options: SimulationOptions, stands: InCell | None
     from assistant.compiler.arms import open_cell
     from assistant.compiler.retarget import solve
 
-    stands = stands or open_cell(options.cell, options.robot)
-    stands = stands if options.seeing is None else replace(stands, seeing=options.seeing)
-    reader = options.from_robot or stands.robot
-    given = (options.process, options.unit, options.from_language, options.entry)
-    loaded = load_given(source, reader, *given, stands.around, options.placement)
-    return solve(loaded, stands, source, options.from_robot)
+    stands = stands or open_cell(cell, robot)
+    stands = stands if seeing is None else replace(stands, seeing=seeing)
+    language = from_language
+    loaded = load_given(source, from_robot or stands.robot, reader, language, entry, stands.around)
+    return solve(loaded, stands, source, from_robot)
 
 
 def report_errors(
@@ -126,23 +171,9 @@ def report_errors(
     """Tells why a program is not gone through; 1. done: what is not done with it. pages: that were
     written all the same.
     """
-    if format is Format.JSON:
-        from assistant.findings.formats import finding_record
-
-        found = [finding_record(finding) for finding in findings]
-        print_json(
-            {
-                "source": source,
-                "robot": robot.name,
-                "findings": found,
-                "written": list(map(str, pages)),
-            }
-        )
-    else:
-        print_findings(findings, explained=True)
-        say(f"{source} is not {done}: {robot.title} cannot run it")
-        for path in pages:
-            say(f"wrote {path}")
+    answer = {"source": source, "robot": robot.name}
+    lines = (f"{source} is not {done}: {robot.title} cannot run it",)
+    print_answer(format, answer, lines, findings, pages)
     return 1
 
 
@@ -154,7 +185,7 @@ def _output_files(source: str, outputs: Sequence[str]) -> list[Path]:
         path = Path(output)
         if path.is_dir() or not path.suffix:
             found += [path / f"{stem}{end}" for end in _FILE_SUFFIXES]
-        elif path.suffix.lower() not in _WRITERS:
+        elif path.suffix.lower() not in (".csv", ".npz", ".png", ".svg"):
             raise Refused(_NO_RESULT(name=output), exit_status=2)
         elif not path.stem:
             raise Refused(NO_FILE_NAME(path=output, name=output), exit_status=2)
@@ -171,37 +202,16 @@ def _write_simulation(source: str, files: Mapping[Path, bytes]) -> list[Path]:
 
 
 def _simulation_files(name: str, done: Simulation, source: str) -> bytes:
+    from assistant.report import timing as report
+
     if name.lower().endswith(".moves.csv"):
-        from assistant.report.timing import moves_csv
+        return report.moves_csv(done)
+    match Path(name).suffix.lower():
+        case ".csv":
+            return report.motion_csv(done)
+        case ".npz":
+            return report.motion_npz(done)
+        case suffix:
+            from assistant.report.figures import motion_plot
 
-        return moves_csv(done)
-    return _WRITERS[Path(name).suffix.lower()](done, source)
-
-
-def _csv(done: Simulation, source: str) -> bytes:  # noqa: ARG001 (each writer is given both)
-    from assistant.report.timing import motion_csv
-
-    return motion_csv(done)
-
-
-def _npz(done: Simulation, source: str) -> bytes:  # noqa: ARG001
-    from assistant.report.timing import motion_npz
-
-    return motion_npz(done)
-
-
-def _picture(format: str) -> Callable[[Simulation, str], bytes]:
-    def draw(done: Simulation, source: str) -> bytes:
-        from assistant.report.figures import motion_plot
-
-        return motion_plot(done, f"{Path(source).name} on {done.robot.title}", format)
-
-    return draw
-
-
-_WRITERS: Final[dict[str, Callable[[Simulation, str], bytes]]] = {
-    ".csv": _csv,
-    ".npz": _npz,
-    ".png": _picture("png"),
-    ".svg": _picture("svg"),
-}
+            return motion_plot(done, f"{Path(source).name} on {done.robot.title}", suffix[1:])

@@ -9,20 +9,28 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.source_text import is_folder, lines_of, visible
-from assistant.cli.compilation import (
-    NO_FILE_NAME,
-    STANDARD,
-    TWICE,
-    keep_sources,
-    standard_input,
-    working,
+from assistant.cli.command import command, options
+from assistant.cli.options import (
+    EntryOption,
+    FormatOption,
+    FramesOption,
+    FromLanguage,
+    FromRobot,
+    GrammarOption,
+    PageOptions,
+    ProofOptions,
+    RobotOption,
+    SightOptions,
+    complete_language,
 )
 from assistant.cli.output_files import Outcomes, output_folders, output_paths, write_outputs
 from assistant.cli.presentation import (
@@ -31,22 +39,23 @@ from assistant.cli.presentation import (
     FramesAs,
     GrammarAs,
     TranslationFormat,
+    answer_as,
     print_findings,
     print_for_programs,
     print_json,
     say,
+    working,
 )
-from assistant.cli.report_pages import PageRequest, page_name, write_page
+from assistant.cli.report_pages import page_name, write_page
+from assistant.cli.source_input import NO_FILE_NAME, STANDARD, TWICE, keep_sources, standard_input
 
 if TYPE_CHECKING:
     from assistant.base.source_text import SourceText
     from assistant.compiler import Loaded
-    from assistant.compiler.motion_proof import Proving
     from assistant.compiler.program_files import Task
     from assistant.languages import Language
     from assistant.languages.coverage import Construct
     from assistant.report.translation import Translated
-    from assistant.sources.sights import Seeing
 
 
 _REPORT_TO_OUTPUT: Final = error(
@@ -57,24 +66,154 @@ _REPORT_TO_OUTPUT: Final = error(
 _LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TranslateOptions:
-    """Options for translating all programs of one command."""
+@options
+class ReportOptions(PageOptions):
+    """A report in any format, or a page of the result for the browser."""
 
-    to: str
-    robot: str | None
-    from_robot: str | None
-    process: Path | None
-    cell: Path | None = None
-    frames: FramesAs
-    grammar: GrammarAs
-    from_language: str | None
-    draft: bool
-    entry: str | None
-    proving: Proving | None = None
-    seeing: Seeing | None = None
+    report: Annotated[
+        Path | None, typer.Option(help="Write the report as well: .html, .md, .json, or text.")
+    ] = None
 
-    def check(self) -> None:
+    def page(self) -> ReportOptions:
+        """Return the options without a report that is not a page."""
+        return self if self.html else replace(self, report=None)
+
+
+@command
+class Translate:
+    """Write robot programs in another language, and report the result for every statement."""
+
+    programs: Annotated[
+        tuple[str, ...], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ]
+    to: Annotated[str, typer.Option(help="Language to write.", autocompletion=complete_language)]
+    robot: RobotOption = None
+    from_robot: FromRobot = None
+    process: Annotated[
+        Path | None,
+        typer.Option("--process", "-p", help="File with signals, tools, frames of the other cell."),
+    ] = None
+    cell: Annotated[
+        Path | None,
+        typer.Option(
+            help="File with bodies, and what programs use and do not declare; written if it lacks "
+            "any."
+        ),
+    ] = None
+    ask: Annotated[bool, typer.Option("--ask", help="Ask for what the file of --cell lacks.")] = (
+        False
+    )
+    output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = "."
+    page: ReportOptions
+    names: Annotated[
+        Path | None, typer.Option(help="Write a table of the old and the new names, as CSV.")
+    ] = None
+    every: Annotated[
+        bool, typer.Option("--all", help="Tell of each statement, also of those that are said.")
+    ] = False
+    draft: Annotated[
+        bool,
+        typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
+    ] = False
+    frames: FramesOption = FramesAs.BASE
+    grammar: GrammarOption = GrammarAs.SAMPLES
+    from_language: FromLanguage = None
+    entry: EntryOption = None
+    sight: SightOptions
+    proof: ProofOptions
+    format: Annotated[
+        TranslationFormat,
+        typer.Option(
+            "--format",
+            help="For people, programs, code scanning or pull requests; markdown "
+            "is a comment of one.",
+            callback=answer_as,
+        ),
+    ] = TranslationFormat.TEXT
+
+    def run(self) -> int:
+        """0 if everything is translated, 1 if something is not, 2 if a program is unreadable."""
+        from assistant.compiler.loader import language_of
+        from assistant.findings.formats import finding_record
+        from assistant.report.markdown import findings_markdown
+        from assistant.report.translation import names_csv, report_markdown, report_record
+        from assistant.report.translation import report_bytes as report_written
+
+        if self.programs.count(STANDARD) > 1:
+            raise Refused(TWICE(), exit_status=2)
+        if self.output == STANDARD:
+            raise Refused(_REPORT_TO_OUTPUT(), exit_status=2)
+        beside = [path for path in (self.page.report, self.names) if path is not None]
+        for path in beside:
+            if not path.name:
+                raise Refused(NO_FILE_NAME(name=path), exit_status=2)
+        page = self.page
+        page.check_names()
+        self._check()
+        options = replace(self, to=language_of(self.to).name)
+        answers = Outcomes()
+        tasks = _translation_tasks(options, answers)
+        done = _translate_all(tasks, options, answers)
+        if self.cell is not None and self.ask and _ask_missing_values(self.cell, done):
+            answers = Outcomes()
+            done = _translate_all(tasks, options, answers)
+        files = {one.source: one.translation.files for one in done if one.translation.files}
+        folders, told = output_folders(files)
+        refusals = [*answers.refusals, *told]
+        reported = partial(report_written, refusals=refusals)
+        whole = all(one.translation.ok for one in done)
+        status = max(answers.status, 0 if whole else 1)
+        keep_sources(
+            [file for task in tasks for file in task.files],
+            [*output_paths(files, folders, self.output), *beside],
+        )
+        paths = {task.name: task.files[0] for task in tasks if task.files}
+        written, others = write_outputs(files, folders, self.output, paths)
+        refusals += others
+        status = max(status, 1 if others else 0)
+        if page.report is not None and not page.html:
+            written += _write_report_file(page.report, reported(done, page.report))
+        if page.html or page.opened:
+            with working("drawing the page"):
+                pages, told = _write_translation_page(
+                    page, done, refusals, options, [f for t in tasks for f in t.files]
+                )
+            written += map(str, pages)
+            refusals += told
+        if self.names is not None:
+            written += _write_report_file(self.names, names_csv(done).encode("utf-8"))
+        if self.cell is not None:
+            written += _cell_file_with_blanks(self.cell, done)
+        if self.format is TranslationFormat.TEXT:
+            print_findings(refusals)
+            for one in done:
+                _print_translation(one, self.every)
+            if len(done) > 1:
+                say(
+                    f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them whole"
+                )
+            changed = any(
+                row.level != "supported" for one in done for row in one.translation.rows.noted
+            )
+            if changed and not self.every:
+                say("each statement by itself: --all, or --report FILE")
+            for file in written:
+                say(f"wrote {file}")
+        elif self.format is TranslationFormat.JSON:
+            answer = {
+                "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
+                "findings": list(map(finding_record, refusals)),
+            }  # fmt: skip
+            print_json(answer)
+        elif self.format is TranslationFormat.MARKDOWN:
+            for line in (*findings_markdown(refusals), *lines_of(report_markdown(done))):
+                say(line)
+        else:
+            found = [f for one in done for f in one.translation.findings]
+            print_for_programs([*refusals, *found], (), FindingFormat(self.format))
+        return status
+
+    def _check(self) -> None:
         """Raises Refused for what no program could be translated with."""
         from assistant.compiler.arms import robot_of
         from assistant.compiler.loader import language_of
@@ -85,109 +224,15 @@ class TranslateOptions:
         robot_of(self.from_robot)
         if self.cell is None:  # it may name one of its own
             robot_of(self.robot)
-
-
-def run_translate(
-    programs: Sequence[str],
-    options: TranslateOptions,
-    *,
-    output: str,
-    report: Path | None,
-    format: TranslationFormat,
-    names: Path | None = None,
-    ask: bool = False,
-    every: bool = False,
-    opened: bool = False,
-) -> int:
-    """Translate programs; return 0 if everything is translated, 1 if something is not, 2 if a
-    program cannot be read.
-
-    names: file for the table of old and new names. every: the text answer lists each statement, not
-    only the most frequent results. opened: the report as a page is shown in the browser.
-    """
-    from assistant.compiler.loader import language_of
-    from assistant.findings.formats import finding_record
-    from assistant.report.markdown import findings_markdown
-    from assistant.report.translation import names_csv, report_markdown, report_record
-    from assistant.report.translation import report_bytes as report_written
-
-    if list(programs).count(STANDARD) > 1:
-        raise Refused(TWICE(), exit_status=2)
-    if output == STANDARD:
-        raise Refused(_REPORT_TO_OUTPUT(), exit_status=2)
-    beside = [path for path in (report, names) if path is not None]
-    for path in beside:
-        if not path.name:
-            raise Refused(NO_FILE_NAME(name=path), exit_status=2)
-    asked = PageRequest(report, opened)
-    options.check()
-    options = replace(options, to=language_of(options.to).name)
-    answers = Outcomes()
-    tasks = _translation_tasks(programs, options, output, answers)
-    done = _translate_all(tasks, options, answers)
-    if options.cell is not None and ask and _ask_missing_values(options.cell, done):
-        answers = Outcomes()
-        done = _translate_all(tasks, options, answers)
-    files = {one.source: one.translation.files for one in done if one.translation.files}
-    folders, told = output_folders(files)
-    refusals = [*answers.refusals, *told]
-    reported = partial(report_written, refusals=refusals)
-    whole = all(one.translation.ok for one in done)
-    status = max(answers.status, 0 if whole else 1)
-    keep_sources(
-        [file for task in tasks for file in task.files],
-        [*output_paths(files, folders, output), *beside],
-    )
-    paths = {task.name: task.files[0] for task in tasks if task.files}
-    written, others = write_outputs(files, folders, output, paths)
-    refusals += others
-    status = max(status, 1 if others else 0)
-    if report is not None and not asked.html:
-        written += _write_report_file(report, reported(done, report))
-    if asked.html or opened:
-        with working("drawing the page"):
-            pages, told = _write_translation_page(
-                asked, done, refusals, options, [f for t in tasks for f in t.files]
-            )
-        written += map(str, pages)
-        refusals += told
-    if names is not None:
-        written += _write_report_file(names, names_csv(done).encode("utf-8"))
-    if options.cell is not None:
-        written += _cell_file_with_blanks(options.cell, done)
-    if format is TranslationFormat.TEXT:
-        print_findings(refusals)
-        for one in done:
-            _print_translation(one, every)
-        if len(done) > 1:
-            say(f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them whole")
-        changed = any(
-            row.level != "supported" for one in done for row in one.translation.rows.noted
-        )
-        if changed and not every:
-            say("each statement by itself: --all, or --report FILE")
-        for file in written:
-            say(f"wrote {file}")
-    elif format is TranslationFormat.JSON:
-        answer = {
-            "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
-            "findings": list(map(finding_record, refusals)),
-        }  # fmt: skip
-        print_json(answer)
-    elif format is TranslationFormat.MARKDOWN:
-        for line in (*findings_markdown(refusals), *lines_of(report_markdown(done))):
-            say(line)
-    else:
-        found = [f for one in done for f in one.translation.findings]
-        print_for_programs([*refusals, *found], (), FindingFormat(format))
-    return status
+        self.sight.check()
+        self.proof.check()
 
 
 def _write_translation_page(
-    asked: PageRequest,
+    asked: ReportOptions,
     done: Sequence[Translated],
     refusals: Sequence[Diagnostic],
-    options: TranslateOptions,
+    options: Translate,
     sources: Sequence[str],
 ) -> tuple[list[Path], list[Diagnostic]]:
     """Write the page of all programs; return its file and the findings about it."""
@@ -200,15 +245,13 @@ def _write_translation_page(
     return write_page(asked.page(), sheets, sources, page_name(*sources[:1] or ["program"]))
 
 
-def _translation_tasks(
-    programs: Sequence[str], options: TranslateOptions, output: str, answers: Outcomes
-) -> tuple[Task, ...]:
+def _translation_tasks(options: Translate, answers: Outcomes) -> tuple[Task, ...]:
     """Return the files, and those in folders, as tasks of one program each."""
     from assistant.compiler.program_files import OutputFolder, programs_in, tasks_of
 
     found: dict[str, None] = {}
-    language, made = options.from_language, OutputFolder(output, options.to)
-    for program in programs:
+    language, made = options.from_language, OutputFolder(options.output, options.to)
+    for program in options.programs:
         if program == STANDARD or not is_folder(program):
             found[program] = None
         else:
@@ -218,12 +261,11 @@ def _translation_tasks(
     return tasks_of(list(found), language)
 
 
-def _translate_task(task: Task, options: TranslateOptions) -> Translated:
+def _translate_task(task: Task, options: Translate) -> Translated:
     from assistant.compiler import translate
     from assistant.compiler.arms import robot_of
     from assistant.compiler.program_files import load_task
     from assistant.report.translation import Translated
-    from assistant.sources.sights import NOTHING_SEEN
 
     name = task.name
     source: str | Loaded = name
@@ -244,13 +286,13 @@ def _translate_task(task: Task, options: TranslateOptions) -> Translated:
         language=options.from_language,
         draft=options.draft,
         entry=options.entry,
-        proving=options.proving,
-        seeing=options.seeing or NOTHING_SEEN,
+        proving=options.proof.proving,
+        seeing=options.sight.seeing,
     )
     return Translated("standard input" if name == STANDARD else name, translation)
 
 
-def _load_standard_input(options: TranslateOptions) -> Loaded:
+def _load_standard_input(options: Translate) -> Loaded:
     from assistant.compiler.arms import robot_of
     from assistant.compiler.loader import load_text
 
@@ -266,7 +308,7 @@ def _write_report_file(path: Path, data: bytes) -> list[str]:
 
 
 def _translate_all(
-    tasks: Sequence[Task], options: TranslateOptions, answers: Outcomes
+    tasks: Sequence[Task], options: Translate, answers: Outcomes
 ) -> list[Translated]:
     done = []
     for task in tasks:
@@ -399,33 +441,43 @@ _LANGUAGE_UNCLEAR = error(
 _COVERAGE_HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
 
 
-def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> int:
-    """0 if every program could be read, 1 if one has syntax errors, 2 if one is unreadable."""
-    from assistant.languages.coverage import coverage, total
+@command
+class Coverage:
+    """Tell, construct by construct, what of a program can be translated and what cannot."""
 
-    if list(paths).count(STANDARD) > 1:
-        raise Refused(TWICE(), exit_status=2)
-    status, found = 0, []
-    wrong: list[Diagnostic] = []
-    for path in dict.fromkeys(paths):
-        try:
-            for name, spoken, source in _programs_to_count(path, language):
-                with working(f"reading {name}"):
-                    tree = spoken.parse(source)
-                    told = [f.within(name) for f in tree.findings]
-                    print_findings(told)
-                    if has_errors(tree.findings):
-                        status = max(status, 1)
-                        wrong += told
-                        continue
-                    found.append(coverage(spoken, [tree]))
-        except Refused as refused:
-            told = [f.within(str(path)) for f in refused.findings]
-            print_findings(told)
-            wrong += told
-            status = max(status, refused.exit_status)
-    _print_coverage(total(found), wrong, format)
-    return status
+    programs: Annotated[
+        tuple[str, ...], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ]
+    from_language: FromLanguage = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """0 if every program could be read, 1 if one has syntax errors, 2 if one is unreadable."""
+        from assistant.languages.coverage import coverage, total
+
+        if self.programs.count(STANDARD) > 1:
+            raise Refused(TWICE(), exit_status=2)
+        status, found = 0, []
+        wrong: list[Diagnostic] = []
+        for path in dict.fromkeys(self.programs):
+            try:
+                for name, spoken, source in _programs_to_count(path, self.from_language):
+                    with working(f"reading {name}"):
+                        tree = spoken.parse(source)
+                        told = [f.within(name) for f in tree.findings]
+                        print_findings(told)
+                        if has_errors(tree.findings):
+                            status = max(status, 1)
+                            wrong += told
+                            continue
+                        found.append(coverage(spoken, [tree]))
+            except Refused as refused:
+                told = [f.within(str(path)) for f in refused.findings]
+                print_findings(told)
+                wrong += told
+                status = max(status, refused.exit_status)
+        _print_coverage(total(found), wrong, self.format)
+        return status
 
 
 def _programs_to_count(

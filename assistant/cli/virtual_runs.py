@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Annotated, Any, Final
@@ -17,28 +16,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
-from assistant.cli.compilation import (
-    NO_FILE_NAME,
-    STANDARD,
-    TWICE,
-    keep_sources,
-    standard_input,
-    working,
-)
+from assistant.cli.command import command
 from assistant.cli.options import (
-    AskAtOption,
+    DrawingOptions,
     EntryOption,
     FormatOption,
     FromLanguage,
-    MarkOption,
-    PlaceOption,
-    ProcessOption,
     RobotOption,
-    SeenOption,
-    UnitOption,
-    placement_of,
+    SightOptions,
 )
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.presentation import Format, print_findings, print_json, say, working
 from assistant.cli.run_environment import (
     INPUT_IS_PROGRAM,
     answer_from_input,
@@ -48,79 +35,82 @@ from assistant.cli.run_environment import (
     line_targets,
     time_or_line,
 )
+from assistant.cli.source_input import NO_FILE_NAME, STANDARD, TWICE, keep_sources, standard_input
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-    from assistant.sources.process.placement import DrawingPlacement
-    from assistant.sources.sights import Seeing
     from assistant.virtual.debugging.break_points import Lines
     from assistant.virtual.debugging.messages import Object
-    from assistant.virtual.events import Place, Run
+    from assistant.virtual.events import Place
+    from assistant.virtual.events import Run as EndedRun
     from assistant.virtual.kernel import Kernel, Task
     from assistant.virtual.kernel.script import Script
     from assistant.virtual.tasks import Programs
 
 
-def run(
+@command
+class Run:
+    """Run programs on a virtual controller and tell what they do. No robot moves."""
+
     programs: Annotated[
-        list[str],
+        tuple[str, ...],
         typer.Argument(
             help="A program, the programs of several slots, the modules or folder of a task, a "
             "backup, or any other source; - for standard input."
         ),
-    ],
-    robot: RobotOption = None,
+    ]
+    robot: RobotOption = None
     signals: Annotated[
         Path | None,
         typer.Option("--signals", help="Script of inputs and answers, in TOML.", metavar="FILE"),
-    ] = None,
+    ] = None
     until: Annotated[
         str | None,
         typer.Option(help="End the run there: seconds, or FILE:LINE.", metavar="TIME|FILE:LINE"),
-    ] = None,
+    ] = None
     breaks: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option("--break", help="Hold the run there; repeatable.", metavar="FILE:LINE"),
-    ] = None,
-    step: Annotated[
-        bool, typer.Option("--step", help="Hold the run at its first statement.")
-    ] = False,
+    ] = ()
+    step: Annotated[bool, typer.Option("--step", help="Hold the run at its first statement.")] = (
+        False
+    )
     trace: Annotated[
         Path | None,
         typer.Option(help="Write the run in columns.", metavar="FILE.npz"),
-    ] = None,
+    ] = None
     plot: Annotated[
         Path | None, typer.Option(help="Draw the run over time.", metavar="FILE.png|.svg")
-    ] = None,
+    ] = None
     period: Annotated[
         float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
-    ] = None,
+    ] = None
     max_steps: Annotated[
         int, typer.Option(help="Statements after which the run is broken off.")
-    ] = 1_000_000,
+    ] = 1_000_000
     max_time: Annotated[
         float, typer.Option(help="Simulated seconds after which the run is broken off.")
-    ] = 3600.0,
+    ] = 3600.0
     real_time: Annotated[
         bool, typer.Option("--real-time", help="As slowly as it would really be.")
-    ] = False,
+    ] = False
     disk: Annotated[
         Path | None,
         typer.Option(
             help="Folder with the files of the controller, which others may change meanwhile.",
             metavar="FOLDER",
         ),
-    ] = None,
+    ] = None
     hosts: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(
             "--host",
             help="Host that an address of the programs stands for; repeatable.",
             metavar="ADDRESS=HOST",
         ),
-    ] = None,
+    ] = ()
     lines: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(
             "--line",
             help="What a line of the programs leads to: a port for others to call, the "
@@ -128,52 +118,97 @@ def run(
             "repeatable.",
             metavar="NAME=TARGET",
         ),
-    ] = None,
+    ] = ()
     ask: Annotated[
         bool, typer.Option("--ask", help="Have what the programs ask answered on standard input.")
-    ] = False,
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    place: PlaceOption = None,
-    marks: MarkOption = None,
-    from_language: FromLanguage = None,
-    entry: EntryOption = None,
-    seen: SeenOption = None,
-    ask_at: AskAtOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Run programs on a virtual controller and tell what they do. No robot moves."""
-    from assistant.sources.sights import seeing
+    ] = False
+    reader: DrawingOptions
+    from_language: FromLanguage = None
+    entry: EntryOption = None
+    sight: SightOptions
+    format: FormatOption = Format.TEXT
 
-    options = _RunOptions(
-        robot=robot,
-        process=process,
-        unit=unit,
-        placement=placement_of(place, marks),
-        from_language=from_language,
-        entry=entry,
-        signals=signals,
-        until=until,
-        breaks=breaks or (),
-        step=step,
-        trace=trace,
-        plot=plot,
-        max_steps=max_steps,
-        max_time=max_time,
-        period=period,
-        real_time=real_time,
-        disk=disk,
-        hosts=hosts or (),
-        lines=lines or (),
-        ask=ask,
-        seeing=seeing(seen, ask_at),
-    )
-    raise typer.Exit(_run_run(programs, options, format))
+    def run(self) -> int:
+        """0 if the programs came to their end, 1 if they did not."""
+        from assistant.compiler.arms import known_robot, robot_of
+        from assistant.compiler.simulated_run import read_script
+        from assistant.virtual.kernel.script import Script
+
+        self._check()
+        if self.format is Format.JSON and (self.step or self.breaks):
+            raise Refused(_STEPPED_AS_JSON(), exit_status=2)
+        arm = robot_of(self.robot)
+        script = read_script(self.signals) if self.signals is not None else Script()
+        programs = self._load(arm)
+        if arm is None and programs.program is not None:
+            arm = known_robot(programs.program.robot)
+        if self.plot is not None and arm is None:
+            raise Refused(_PLOT_WITHOUT_ROBOT(), exit_status=2)
+        files = [path for path in (self.trace, self.plot) if path is not None]
+        keep_sources([*self.programs, *([str(self.signals)] if self.signals else [])], files)
+        return _PrintedRun(programs, self, arm, script).run()
+
+    def _check(self) -> None:
+        """Raises Refused for what no program could be run with."""
+        if self.trace is not None and self.trace.suffix.lower() != ".npz":
+            raise Refused(_NOT_A_TRACE(name=self.trace), exit_status=2)
+        check_disk_folder(self.disk)
+        if self.plot is not None:
+            from assistant.report.figures import format_of
+
+            format_of(self.plot.name)
+        for path in (self.trace, self.plot):
+            if path is not None and not path.stem.strip("."):
+                raise Refused(NO_FILE_NAME(path=str(path), name=path), exit_status=2)
+        limits = {"max-steps": self.max_steps, "max-time": self.max_time}
+        if self.period is not None:
+            limits["period"] = self.period
+        for option, value in limits.items():
+            if not value > 0:
+                raise Refused(_BAD_LIMIT(option=option, value=value), exit_status=2)
+
+    def _load(self, arm: Robot | None) -> Programs:
+        from assistant.compiler.simulated_run import programs, programs_of_text
+
+        if self.programs.count(STANDARD) > 1 or (
+            STANDARD in self.programs and len(self.programs) > 1
+        ):
+            raise Refused(TWICE(), exit_status=2)
+        if STANDARD in self.programs and self.ask:
+            raise Refused(INPUT_IS_PROGRAM(), exit_status=2)
+        if STANDARD in self.programs:
+            text, spoken = standard_input(self.from_language)
+            return programs_of_text(
+                text, language=spoken, robot=arm, entry=self.entry, seeing=self.sight.seeing
+            )
+        return programs(
+            self.programs,
+            language=self.from_language,
+            robot=arm,
+            process=self.reader.process,
+            unit=self.reader.unit,
+            placement=self.reader.placement,
+            entry=self.entry,
+            seeing=self.sight.seeing,
+        )
 
 
-def debug() -> None:
+@command
+class Debug:
     """Run a program as an editor says, over the Debug Adapter Protocol; see docs/debugging.md."""
-    raise typer.Exit(_run_debug())
+
+    def run(self) -> int:
+        """0 when the editor has left, 2 if what it said was no message."""
+        from assistant.virtual.debugging import Adapter
+
+        # Not buffered: a reading thread that holds the buffer's lock would stop Python from ending.
+        source = FileIO(sys.stdin.fileno(), closefd=False)
+        adapter = Adapter(source, sys.stdout.buffer, _launched_programs)
+        adapter.serve()
+        if adapter.broken:
+            print_findings([_BROKEN_MESSAGE(reason=adapter.broken)], explained=True)
+            return 2
+        return 0
 
 
 _NOT_A_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
@@ -195,115 +230,22 @@ _NO_MOTION: Final = info(
 _NOT_USED: Final = warning("CL026", "no program uses the signal `{name}` of the script", "{cure}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _RunOptions:
-    """Options for running programs. until, breaks: times and places as they are written."""
-
-    robot: str | None
-    process: Path | None
-    unit: str | None
-    placement: DrawingPlacement | None
-    from_language: str | None
-    entry: str | None
-    signals: Path | None
-    until: str | None
-    breaks: Sequence[str]
-    step: bool
-    trace: Path | None
-    plot: Path | None
-    max_steps: int
-    max_time: float
-    period: float | None
-    real_time: bool
-    disk: Path | None
-    hosts: Sequence[str]
-    lines: Sequence[str]
-    ask: bool
-    seeing: Seeing
-
-
-def _run_run(named: Sequence[str], options: _RunOptions, format: Format) -> int:
-    """0 if the programs came to their end, 1 if they did not."""
-    from assistant.compiler.arms import known_robot, robot_of
-    from assistant.compiler.simulated_run import read_script
-    from assistant.virtual.kernel.script import Script
-
-    _check_options(options)
-    if format is Format.JSON and (options.step or options.breaks):
-        raise Refused(_STEPPED_AS_JSON(), exit_status=2)
-    arm = robot_of(options.robot)
-    script = read_script(options.signals) if options.signals is not None else Script()
-    programs = _load_programs(named, options, arm)
-    if arm is None and programs.program is not None:
-        arm = known_robot(programs.program.robot)
-    if options.plot is not None and arm is None:
-        raise Refused(_PLOT_WITHOUT_ROBOT(), exit_status=2)
-    files = [path for path in (options.trace, options.plot) if path is not None]
-    keep_sources([*named, *([str(options.signals)] if options.signals else [])], files)
-    return _PrintedRun(programs, options, arm, script, format).run()
-
-
-def _check_options(options: _RunOptions) -> None:
-    """Raises Refused for what no program could be run with."""
-    if options.trace is not None and options.trace.suffix.lower() != ".npz":
-        raise Refused(_NOT_A_TRACE(name=options.trace), exit_status=2)
-    check_disk_folder(options.disk)
-    if options.plot is not None:
-        from assistant.report.figures import format_of
-
-        format_of(options.plot.name)
-    for path in (options.trace, options.plot):
-        if path is not None and not path.stem.strip("."):
-            raise Refused(NO_FILE_NAME(path=str(path), name=path), exit_status=2)
-    limits = {"max-steps": options.max_steps, "max-time": options.max_time}
-    if options.period is not None:
-        limits["period"] = options.period
-    for option, value in limits.items():
-        if not value > 0:
-            raise Refused(_BAD_LIMIT(option=option, value=value), exit_status=2)
-
-
-def _load_programs(named: Sequence[str], options: _RunOptions, arm: Robot | None) -> Programs:
-    from assistant.compiler.simulated_run import programs, programs_of_text
-
-    if list(named).count(STANDARD) > 1 or (STANDARD in named and len(named) > 1):
-        raise Refused(TWICE(), exit_status=2)
-    if STANDARD in named and options.ask:
-        raise Refused(INPUT_IS_PROGRAM(), exit_status=2)
-    if STANDARD in named:
-        text, spoken = standard_input(options.from_language)
-        return programs_of_text(
-            text, language=spoken, robot=arm, entry=options.entry, seeing=options.seeing
-        )
-    return programs(
-        named,
-        language=options.from_language,
-        robot=arm,
-        process=options.process,
-        unit=options.unit,
-        placement=options.placement,
-        entry=options.entry,
-        seeing=options.seeing,
-    )
-
-
 class _PrintedRun:
     """One run, with what is printed of it."""
 
     def __init__(
         self,
         programs: Programs,
-        options: _RunOptions,
+        options: Run,
         arm: Robot | None,
         script: Script,
-        format: Format,
     ) -> None:
         from assistant.compiler.simulated_run import unknown_visits
         from assistant.virtual.kernel.script import follow
         from assistant.virtual.program_run import Settings, prepared
         from assistant.virtual.run_log import ColumnWidths
 
-        self.programs, self.options, self.format = programs, options, format
+        self.programs, self.options, self.format = programs, options, options.format
         self.arm, self.sources = arm, programs.sources()
         self.read = list(fold(finding.within(programs.title) for finding in programs.findings))
         self.findings = [
@@ -453,7 +395,7 @@ class _PrintedRun:
             sys.stdout.flush()
 
     def _answer(
-        self, run: Run, findings: Sequence[Diagnostic], written: Sequence[Path]
+        self, run: EndedRun, findings: Sequence[Diagnostic], written: Sequence[Path]
     ) -> dict[str, Any]:
         from assistant.findings.formats import finding_record
         from assistant.virtual.run_log import json_record, log_rows
@@ -474,7 +416,7 @@ class _PrintedRun:
             "written": [str(path) for path in written],
         }
 
-    def _written(self, run: Run) -> list[Path]:
+    def _written(self, run: EndedRun) -> list[Path]:
         from assistant.base.file_sets import write_all
         from assistant.virtual.run_log import event_columns, motion_columns, npz
 
@@ -544,20 +486,6 @@ LAUNCH_KEYS: Final[Mapping[str, type]] = {
 """Keys of a launch configuration; `program` may be a list of texts too."""
 _EDITOR_KEY_PREFIX: Final = frozenset({"type", "request", "name", "cwd", "noDebug", "presentation"})
 """Keys that editors add, besides names that begin with two underscores."""
-
-
-def _run_debug() -> int:
-    """0 when the editor has left, 2 if what it said was no message."""
-    from assistant.virtual.debugging import Adapter
-
-    # Not buffered: a reading thread that holds the buffer's lock would stop Python from ending.
-    source = FileIO(sys.stdin.fileno(), closefd=False)
-    adapter = Adapter(source, sys.stdout.buffer, _launched_programs)
-    adapter.serve()
-    if adapter.broken:
-        print_findings([_BROKEN_MESSAGE(reason=adapter.broken)], explained=True)
-        return 2
-    return 0
 
 
 def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:

@@ -36,15 +36,11 @@ class SourceOptions:
     most_targets: int | None = None
 
 
-OPTIONS: Final[Mapping[str, str]] = {
-    field.name: "--from" if field.name == "from_language" else f"--{field.name.replace('_', '-')}"
-    for field in fields(SourceOptions)
-}
-"""Field → option of the command line."""
+KEYS: Final = tuple(field.name for field in fields(SourceOptions))
 
 
 def completed_options(
-    source: str, given: SourceOptions, wanted: Collection[str] = tuple(OPTIONS)
+    source: str, given: SourceOptions, wanted: Collection[str] = KEYS
 ) -> SourceOptions:
     """Return the given options, completed from the project that the source is a program of.
 
@@ -84,8 +80,13 @@ def _several_ways(
         source=source,
         what=" and ".join(key.replace("_", " ") for key in differing),
         ways=", ".join(shown),
-        options=" and ".join(OPTIONS[key] for key in differing),
+        options=" and ".join(map(_option, differing)),
     )
+
+
+def _option(key: str) -> str:
+    """Return the option of the command line."""
+    return "--from" if key == "from_language" else f"--{key.replace('_', '-')}"
 
 
 def _project_of_source(file: FilePath) -> Project | None:

@@ -1,0 +1,235 @@
+"""Charts of explored space: made without moving an arm, shown, joined and compared.
+
+`explore recorded` and `explore program` learn from where an arm has been; `explore compare` exits
+with 1 if free space is occupied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from assistant.base.diagnostics import Refused, error, has_errors
+from assistant.cli.command import command_of
+from assistant.cli.exploration import (
+    CellOption,
+    ChartingOptions,
+    ChartOption,
+    HiddenOption,
+    chart_lines,
+    chart_record,
+    check_chart_name,
+    prepare_chart,
+    report_exploration,
+)
+from assistant.cli.exploration import explore as explore
+from assistant.cli.options import (
+    AccelerationOption,
+    EntryOption,
+    FormatOption,
+    FromLanguage,
+    FromRobot,
+    ReaderOptions,
+    Source,
+)
+from assistant.cli.presentation import Format, print_json, say, working
+from assistant.cli.source_input import keep_sources
+
+ChartArgument = Annotated[Path, typer.Argument(help="A chart.")]
+NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
+
+
+@command_of(explore)
+class Recorded:
+    """Learn from where an arm has been, by hand or by programs, as a controller recorded it."""
+
+    recordings: Annotated[
+        tuple[Path, ...],
+        typer.Argument(help="Joints over time, .csv: logs of `monitor` or `follow`."),
+    ]
+    cell: CellOption
+    chart: ChartOption
+    contact: Annotated[
+        str | None,
+        typer.Option(help="Recorded input that is not 0 in contact.", metavar="SIGNAL"),
+    ] = None
+    charting: ChartingOptions
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.compiler.exploration import explore_by_recordings
+
+        with working("reading what was recorded"):
+            begun = prepare_chart(
+                self.charting.request(self.cell, self.chart),
+                [str(path) for path in self.recordings],
+            )
+            found = explore_by_recordings(begun, self.recordings, self.contact)
+        return report_exploration(begun, found, "runs of each recording", self.format)
+
+
+@command_of(explore)
+class Program:
+    """Learn from a program that has run without contact, or up to one. Nothing moves."""
+
+    program: Source
+    cell: CellOption
+    chart: ChartOption
+    until: Annotated[
+        float | None, typer.Option(help="Seconds of its procedure at which a contact ended it.")
+    ] = None
+    hidden: HiddenOption = None
+    charting: ChartingOptions
+    acceleration: AccelerationOption = None
+    reader: ReaderOptions
+    from_language: FromLanguage = None
+    from_robot: FromRobot = None
+    entry: EntryOption = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """1 if the robot cannot run the program; then the chart stays as it is."""
+        from assistant.cli.simulation import report_errors, solved_source
+        from assistant.compiler.arms import InCell
+        from assistant.compiler.exploration import explore_by_program
+        from assistant.robots.timing import simulate
+
+        if self.until is not None and not self.until > 0.0:
+            raise Refused(NO_UNTIL(value=self.until), exit_status=2)
+        with working(f"going through {self.program}"):
+            asked = self.charting.request(self.cell, self.chart)
+            begun = prepare_chart(
+                asked, [self.program, *([] if self.hidden is None else [str(self.hidden)])]
+            )
+            explorer = begun.explorer
+            named = None if asked.robot is None else explorer.placed.robot
+            scene = replace(explorer.scene, runs=asked.robot)
+            done = solved_source(
+                self.program,
+                self.reader,
+                from_language=self.from_language,
+                from_robot=self.from_robot,
+                entry=self.entry,
+                stands=InCell(scene, named),
+            )
+            if has_errors(done.findings):
+                arm = done.solution.robot
+                return report_errors(self.program, arm, done.findings, self.format, "gone through")
+            simulation = simulate(done.solution, acceleration=self.acceleration)
+            try:
+                found = explore_by_program(begun, done.program, simulation, self.until, self.hidden)
+            except Refused as caught:
+                findings = [
+                    done.places.finding(one).within(self.program) for one in caught.findings
+                ]
+                raise Refused(*findings, exit_status=caught.exit_status) from None
+        return report_exploration(begun, found, "runs", self.format)
+
+
+@command_of(explore)
+class Show:
+    """Print what a chart knows, and draw it."""
+
+    chart: ChartArgument
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Draw it as well: FILE.png or .svg.", metavar="FILE"),
+    ] = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """output: a picture of it that is written."""
+        from assistant.base.file_sets import write_all
+        from assistant.cell.exploration.occupancy import load_map
+        from assistant.report.figures import format_of
+        from assistant.report.workspace import explored_picture
+
+        kind = "" if self.output is None else format_of(self.output.name)
+        occupancy = load_map(self.chart)
+        written: list[str] = []
+        if self.output is not None:
+            keep_sources([str(self.chart)], [self.output])
+            written = [
+                str(one) for one in write_all({self.output: explored_picture(occupancy, kind)})
+            ]
+        if self.format is Format.JSON:
+            print_json({"chart": str(self.chart), **chart_record(occupancy), "written": written})
+            return 0
+        for line in [*chart_lines(occupancy), *(f"wrote {one}" for one in written)]:
+            say(line)
+        return 0
+
+
+@command_of(explore)
+class Merge:
+    """Write what several charts know together; what one has occupied is occupied."""
+
+    charts: Annotated[
+        tuple[Path, ...], typer.Argument(help="Charts of one robot and one size of cells.")
+    ]
+    output: Annotated[Path, typer.Option("--output", "-o", help="Chart to write.")]
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.cell.exploration.occupancy import load_map, save_map
+
+        check_chart_name(self.output)
+        keep_sources([str(path) for path in self.charts], [self.output])
+        merged = load_map(self.charts[0])
+        for path in self.charts[1:]:
+            other = load_map(path)
+            with _at_chart(path):
+                merged = merged.merged(other)
+        save_map(merged, self.output)
+        if self.format is Format.JSON:
+            print_json({"chart": chart_record(merged), "written": [str(self.output)]})
+            return 0
+        for line in chart_lines(merged):
+            say(line)
+        say(f"wrote {self.output}")
+        return 0
+
+
+@command_of(explore)
+class Compare:
+    """Tell what a later chart knows more, and exit with 1 if what was free is occupied."""
+
+    old: ChartArgument
+    new: Annotated[Path, typer.Argument(help="A later chart.")]
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """1 if what was free is not any more."""
+        from assistant.cell.exploration.occupancy import load_map
+
+        before, after = load_map(self.old), load_map(self.new)
+        with _at_chart(self.new):
+            found = before.compared(after)
+        if self.format is Format.JSON:
+            print_json({"old": str(self.old), "new": str(self.new), **asdict(found)})
+        else:
+            litre = before.size**3 / 1e6
+            for count, what in (
+                (found.same, "are known alike"),
+                (found.gained, f"are known in {self.new} only"),
+                (found.lost, f"are known in {self.old} only"),
+                (found.freed, "were occupied and are free"),
+                (found.blocked, "were free and are occupied"),
+            ):
+                say(f"{count:>12,} cells ({count * litre:.1f} l) {what}")
+        return 1 if found.blocked else 0
+
+
+@contextmanager
+def _at_chart(path: Path) -> Iterator[None]:
+    """Attach the chart's path to the findings of Refused."""
+    try:
+        yield
+    except Refused as refused:
+        findings = [finding.within(str(path)) for finding in refused.findings]
+        raise Refused(*findings, exit_status=refused.exit_status) from None
