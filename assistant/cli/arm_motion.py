@@ -6,32 +6,40 @@ Ctrl-C or when it fails. `follow` checks the complete trajectory before the arm 
 
 from __future__ import annotations
 
+import enum
 import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
+from assistant.cli.command import command, options
 from assistant.cli.controller_session import (
+    CellArgument,
     Session,
+    YesOption,
     confirm,
     connected,
     joints_line,
     new_client,
     pose_line,
-    record,
+    print_state,
+    print_there,
     robot_of_cell,
     state_lines,
 )
-from assistant.cli.presentation import Format, console, print_findings, print_json, say
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import Format, console, print_findings, say
 
 if TYPE_CHECKING:
     from assistant.controllers import Controller, Named
     from assistant.controllers.arm_stop import Rest
-    from assistant.controllers.states import Jog, State
+    from assistant.controllers.states import State
     from assistant.controllers.trajectory_execution import LinkOptions, Mode, Progress
 
 
@@ -57,6 +65,76 @@ _LOOK_PERIOD: Final = 0.2
 """Seconds between two looks at a program that runs."""
 START_TIME: Final = 0.5
 """Seconds in which a program that was started may not run yet."""
+
+
+class Switch(enum.StrEnum):
+    ON = "on"
+    OFF = "off"
+
+
+class HandState(enum.StrEnum):
+    OPEN = "open"
+    CLOSE = "close"
+
+
+class JogFrame(enum.StrEnum):
+    BASE = "base"
+    TOOL = "tool"
+
+
+def complete_mode(incomplete: str) -> list[str]:
+    from assistant.controllers.trajectory_execution import MODES
+
+    return [name for name in MODES if name.startswith(incomplete)]
+
+
+def complete_servo_mode(incomplete: str) -> list[str]:
+    from assistant.controllers.setpoint_streams import MODES
+
+    return [name for name in MODES if name.startswith(incomplete)]
+
+
+RecordingOption = Annotated[
+    Path | None, typer.Option(help="Write what was recorded.", metavar="FILE.csv|.npz")
+]
+LinesOption = Annotated[
+    tuple[str, ...],
+    typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
+]
+ReplaceProgramsOption = Annotated[
+    bool, typer.Option("--replace", help="Our programs replace others of their names.")
+]
+
+
+@options
+class LinkedOptions:
+    """The link by which an arm is led."""
+
+    port: Annotated[
+        int | None, typer.Option(help="UDP port; default the usual one.", min=1, max=65535)
+    ] = None
+    lines: LinesOption = ()
+    cycle: Annotated[
+        float | None, typer.Option(help="Seconds of a cycle.", min=0.0005, max=1.0)
+    ] = None
+    replace: ReplaceProgramsOption = False
+
+    @property
+    def wishes(self) -> LinkOptions:
+        from assistant.controllers.trajectory_execution import LinkOptions
+
+        return LinkOptions(self.port, self.lines, self.cycle, self.replace)
+
+
+def check_recording(log: Path | None) -> None:
+    """Raise Refused for a file in which a recording cannot be written."""
+    from assistant.controllers.recording import check_place
+
+    if log is None:
+        return
+    if log.suffix.lower() not in RECORDING_SUFFIXES:
+        raise Refused(NO_RECORDING(name=log), exit_status=2)
+    check_place(log)
 
 
 @dataclass(slots=True)
@@ -151,87 +229,132 @@ def _broken_off_finding(one: Named, rest: Rest) -> Diagnostic:
     return _MAY_MOVE(place=place, why=rest.reason)
 
 
-def run_motors(cell: str, on: bool, yes: bool, format: Format) -> int:
-    with connected(cell, "motors") as there:
-        controller = there.controller
-        if on:
-            confirm(there.one, "switches the motors on: the arm can move from then on", yes)
-        controller.motors(on)
-        state = controller.state()
-    return _print_end_state(there, state, f"motors {'on' if on else 'off'}", format)
+@command
+class Motors:
+    """Switch the motors of an arm on or off."""
+
+    cell: CellArgument
+    state: Annotated[Switch, typer.Argument(help="What they shall be.")]
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        on = self.state is Switch.ON
+        with connected(self.cell, "motors") as there:
+            controller = there.controller
+            if on:
+                confirm(
+                    there.one, "switches the motors on: the arm can move from then on", self.yes
+                )
+            controller.motors(on)
+            state = controller.state()
+        done = f"motors {'on' if on else 'off'}"
+        print_state(there, state, done, self.format)
+        return 0
 
 
-def run_jog(cell: str, jog: Jog, yes: bool, format: Format) -> int:
-    """Moves one axis, if that stays within the limits of the arm, and tells where it is then."""
-    from assistant.compiler.commanded_motion import check_jog
+@command
+class Jog:
+    """Move one axis of an arm by hand. Asks before; Ctrl-C stops the arm."""
 
-    if not 0.0 < jog.speed <= 100.0:
-        raise Refused(NO_SPEED(value=jog.speed), exit_status=2)
-    if jog.by == 0.0 or not abs(jog.by) < float("inf"):
-        raise Refused(_NO_JOG_DISTANCE(axis=jog.axis, by=jog.by), exit_status=2)
-    with moving(cell, "jog") as motion:
-        there = motion.cell
-        controller, robot = there.controller, robot_of_cell(there.one)
-        print_findings(check_jog(jog, controller.position(), robot))
-        unit = "mm" if jog.axis in ("X", "Y", "Z") else "degrees (mm of an axis that slides)"
-        confirm(there.one, f"moves the arm: {jog.axis} by {jog.by:g} {unit}", yes)
-        motion.began = True
-        controller.jog(jog)
-        position = controller.position()
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), "position": record(position)})
-    else:
-        say(joints_line(position))
-        say(pose_line(position))
-    return 0
+    cell: CellArgument
+    axis: Annotated[str, typer.Argument(help="J1 … J8, or X Y Z A B C of the frame.")]
+    by: Annotated[float, typer.Argument(help="Degrees, or mm.")]
+    frame: Annotated[JogFrame, typer.Option(help="Of X … C.")] = JogFrame.BASE
+    speed: Annotated[float, typer.Option(help="Percent.")] = 10.0
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
 
+    def run(self) -> int:
+        """Move one axis if it stays within the limits of the arm, and print where it is then."""
+        from assistant.compiler.commanded_motion import check_jog
+        from assistant.controllers.states import Jog as Jogging
 
-def run_hand(cell: str, open: bool, number: int, yes: bool, format: Format) -> int:
-    with connected(cell, "hand") as there:
-        controller = there.controller
-        does = "opens" if open else "closes"
-        confirm(there.one, f"{does} hand {number}: what it holds may fall", yes)
-        controller.hand(number, open=open)
-    done = f"hand {number} {'open' if open else 'closed'}"
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), "hand": number, "open": open})
-    else:
-        say(f"{there.one.name}: {done}")
-    return 0
+        frame: Literal["tool", "base"] = "tool" if self.frame is JogFrame.TOOL else "base"
+        jog = Jogging(self.axis.upper(), self.by, frame, self.speed)
+        if not 0.0 < jog.speed <= 100.0:
+            raise Refused(NO_SPEED(value=jog.speed), exit_status=2)
+        if jog.by == 0.0 or not abs(jog.by) < float("inf"):
+            raise Refused(_NO_JOG_DISTANCE(axis=jog.axis, by=jog.by), exit_status=2)
+        with moving(self.cell, "jog") as motion:
+            there = motion.cell
+            controller, robot = there.controller, robot_of_cell(there.one)
+            print_findings(check_jog(jog, controller.position(), robot))
+            unit = "mm" if jog.axis in ("X", "Y", "Z") else "degrees (mm of an axis that slides)"
+            confirm(there.one, f"moves the arm: {jog.axis} by {jog.by:g} {unit}", self.yes)
+            motion.began = True
+            controller.jog(jog)
+            position = controller.position()
+        lines = (joints_line(position), pose_line(position))
+        print_there(there, self.format, {"position": position}, lines)
+        return 0
 
 
-def run_start(
-    cell: str,
-    program: str | None,
-    task: str,
-    *,
-    forever: bool,
-    wait: bool,
-    override: int | None,
-    yes: bool,
-    format: Format,
-) -> int:
-    """Starts what is loaded, or a program, and waits for its end; 1 if it came to a fault."""
-    from assistant.compiler.commanded_motion import check_position
+@command
+class Hand:
+    """Open or close a hand. Asks before."""
 
-    if override is not None and not 1 <= override <= 100:
-        raise Refused(NO_OVERRIDE(value=override), exit_status=2)
-    with moving(cell, "start") as motion:
-        there = motion.cell
-        controller = there.controller
-        print_findings(check_position(controller.position(), robot_of_cell(there.one)))
-        what = f"starts `{program}`" if program else "starts what is loaded"
-        lasts = " again and again" if forever else ""
-        confirm(there.one, f"{what}{lasts}: the arm moves as the program says", yes)
-        if override is not None:
-            controller.set_override(override)
-        if program:
-            controller.load(program, task)
-        motion.began = True
-        controller.start(task, forever=forever)
-        state = _wait_for_end(controller, there, format) if wait else controller.state()
-    _print_end_state(there, state, "the program has ended" if wait else "started", format)
-    return 1 if state.faults or state.emergency else 0
+    cell: CellArgument
+    state: Annotated[HandState, typer.Argument(help="What it shall do.")]
+    number: Annotated[int, typer.Option(min=1, help="Which one.")] = 1
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        opens = self.state is HandState.OPEN
+        with connected(self.cell, "hand") as there:
+            controller = there.controller
+            does = "opens" if opens else "closes"
+            confirm(there.one, f"{does} hand {self.number}: what it holds may fall", self.yes)
+            controller.hand(self.number, open=opens)
+        done = f"hand {self.number} {'open' if opens else 'closed'}"
+        answer = {"hand": self.number, "open": opens}
+        print_there(there, self.format, answer, (f"{there.one.name}: {done}",))
+        return 0
+
+
+@command
+class Start:
+    """Start a program on a controller. Asks before; Ctrl-C stops it."""
+
+    cell: CellArgument
+    program: Annotated[
+        str | None, typer.Argument(help="Program to load before; default what is loaded.")
+    ] = None
+    task: Annotated[str, typer.Option(help="Task or slot; default the first.")] = ""
+    forever: Annotated[bool, typer.Option("--forever", help="Again and again.")] = False
+    wait: Annotated[
+        bool, typer.Option("--wait/--no-wait", help="Stay until it ends; Ctrl-C stops it then.")
+    ] = True
+    override: Annotated[int | None, typer.Option(help="Percent of the speed.")] = None
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """Starts what is loaded, or a program, and waits for its end; 1 if it came to a fault."""
+        from assistant.compiler.commanded_motion import check_position
+
+        if self.override is not None and not 1 <= self.override <= 100:
+            raise Refused(NO_OVERRIDE(value=self.override), exit_status=2)
+        with moving(self.cell, "start") as motion:
+            there = motion.cell
+            controller = there.controller
+            print_findings(check_position(controller.position(), robot_of_cell(there.one)))
+            what = f"starts `{self.program}`" if self.program else "starts what is loaded"
+            lasts = " again and again" if self.forever else ""
+            confirm(there.one, f"{what}{lasts}: the arm moves as the program says", self.yes)
+            if self.override is not None:
+                controller.set_override(self.override)
+            if self.program:
+                controller.load(self.program, self.task)
+            motion.began = True
+            controller.start(self.task, forever=self.forever)
+            state = (
+                _wait_for_end(controller, there, self.format) if self.wait else controller.state()
+            )
+        done = "the program has ended" if self.wait else "started"
+        print_state(there, state, done, self.format)
+        return 1 if state.faults or state.emergency else 0
 
 
 def _wait_for_end(controller: Controller, there: Session, format: Format) -> State:
@@ -243,16 +366,6 @@ def _wait_for_end(controller: Controller, there: Session, format: Format) -> Sta
     while (state := controller.state()).running or time.monotonic() < began + START_TIME:
         time.sleep(_LOOK_PERIOD)
     return state
-
-
-def _print_end_state(there: Session, state: State, done: str, format: Format) -> int:
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), "state": record(state)})
-        return 0
-    say(f"{there.one.name}: {done}")
-    for line in state_lines(state):
-        say(line)
-    return 0
 
 
 _NO_FOLLOW_MODE: Final = error("CL250", "no arm is led by `{by}`", "choose one of {known}")
@@ -274,78 +387,74 @@ _MOST_LINES: Final = 2
 RECORDING_SUFFIXES: Final = (".csv", ".npz")
 
 
-@dataclass(frozen=True, slots=True)
-class FollowOptions:
-    """by: name of a mode. speed: percent of what the trajectory says. interval: seconds between
-    points, None for what suits the mode. log: file of what was recorded.
-    """
+@command
+class Follow:
+    """Lead an arm along a trajectory. Checks all of it and asks before; Ctrl-C stops the arm."""
 
-    by: str
-    speed: float
-    interval: float | None
-    log: Path | None
-    wishes: LinkOptions
-    yes: bool
-    format: Format
+    cell: CellArgument
+    trajectory: Annotated[
+        str, typer.Argument(help="A table, an array, or a program that only moves.")
+    ]
+    by: Annotated[
+        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_mode)
+    ]
+    speed: Annotated[float, typer.Option(help="Percent of what the trajectory says.")] = 100.0
+    interval: Annotated[
+        float | None, typer.Option(help="Seconds between points; default what suits the way.")
+    ] = None
+    log: RecordingOption = None
+    link: LinkedOptions
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
 
+    def run(self) -> int:
+        """Checks the whole way, asks, and leads the arm along it."""
+        from assistant.compiler.commanded_motion import trajectory_of_source
+        from assistant.controllers import Controller
 
-def run_follow(cell: str, trajectory: str, options: FollowOptions) -> int:
-    """Checks the whole way, asks, and leads the arm along it."""
-    from assistant.compiler.commanded_motion import trajectory_of_source
-    from assistant.controllers import Controller
-
-    mode = _follow_mode(options)
-    with moving(cell, "follow") as motion:
-        there = motion.cell
-        robot = robot_of_cell(there.one)
-        if robot is None:
-            raise Refused(_FOLLOW_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
-        session = there.controller if mode.operates else there.session
-        mode.check(session, options.wishes)
-        position = session.position() if isinstance(session, Controller) else None
-        period = options.interval or mode.period
-        led = trajectory_of_source(trajectory, robot, position, period, options.speed)
-        print_findings(led.findings)
-        way = f"{len(led.seconds)} points in {led.seconds[-1]:.1f} s, {mode.title}"
-        confirm(there.one, f"leads the arm along {trajectory}: {way}", options.yes)
-        motion.began = True
-        try:
-            with progress_bar(f"following {trajectory}", options.format) as progress:
-                done = mode.run(session, led, options.wishes, progress)
-        except Refused as refused:
-            motion.began = not {finding.code for finding in refused.findings} <= mode.unbegun
-            raise
-    print_findings(done.findings)
-    if options.log is not None:
-        done.save(options.log)
-    if options.format is Format.JSON:
+        mode, wishes = self._mode(), self.link.wishes
+        with moving(self.cell, "follow") as motion:
+            there = motion.cell
+            robot = robot_of_cell(there.one)
+            if robot is None:
+                raise Refused(_FOLLOW_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
+            session = there.controller if mode.operates else there.session
+            mode.check(session, wishes)
+            position = session.position() if isinstance(session, Controller) else None
+            period = self.interval or mode.period
+            led = trajectory_of_source(self.trajectory, robot, position, period, self.speed)
+            print_findings(led.findings)
+            way = f"{len(led.seconds)} points in {led.seconds[-1]:.1f} s, {mode.title}"
+            confirm(there.one, f"leads the arm along {self.trajectory}: {way}", self.yes)
+            motion.began = True
+            try:
+                with progress_bar(f"following {self.trajectory}", self.format) as progress:
+                    done = mode.run(session, led, wishes, progress)
+            except Refused as refused:
+                motion.began = not {finding.code for finding in refused.findings} <= mode.unbegun
+                raise
+        print_findings(done.findings)
+        if self.log is not None:
+            done.save(self.log)
         columns = {name: len(column) for name, column in done.columns.items()}
-        answer = {"address": str(there.one.address), "followed": done.said, "recorded": columns}
-        print_json(record(answer))
-    else:
-        say(f"{there.one.name}: followed {trajectory}: {done.said}")
-        if options.log is not None:
-            say(f"wrote {options.log}")
-    return 0
+        lines = [f"{there.one.name}: followed {self.trajectory}: {done.said}"]
+        lines += [] if self.log is None else [f"wrote {self.log}"]
+        print_there(there, self.format, {"followed": done.said, "recorded": columns}, lines)
+        return 0
 
+    def _mode(self) -> Mode:
+        from assistant.controllers.trajectory_execution import MODES
 
-def _follow_mode(options: FollowOptions) -> Mode:
-    from assistant.controllers.recording import check_place
-    from assistant.controllers.trajectory_execution import MODES
-
-    if options.by not in MODES:
-        raise Refused(_NO_FOLLOW_MODE(by=options.by, known=", ".join(MODES)), exit_status=2)
-    if not 0.0 < options.speed <= 100.0:
-        raise Refused(NO_SPEED(value=options.speed), exit_status=2)
-    if options.interval is not None and not options.interval > 0.0:
-        raise Refused(_NO_PERIOD(value=options.interval), exit_status=2)
-    if options.log is not None and options.log.suffix.lower() not in RECORDING_SUFFIXES:
-        raise Refused(NO_RECORDING(name=options.log), exit_status=2)
-    if options.log is not None:
-        check_place(options.log)
-    if len(options.wishes.lines) > _MOST_LINES:
-        raise Refused(_TOO_MANY_LINES(count=len(options.wishes.lines)), exit_status=2)
-    return MODES[options.by]
+        if self.by not in MODES:
+            raise Refused(_NO_FOLLOW_MODE(by=self.by, known=", ".join(MODES)), exit_status=2)
+        if not 0.0 < self.speed <= 100.0:
+            raise Refused(NO_SPEED(value=self.speed), exit_status=2)
+        if self.interval is not None and not self.interval > 0.0:
+            raise Refused(_NO_PERIOD(value=self.interval), exit_status=2)
+        check_recording(self.log)
+        if len(self.link.lines) > _MOST_LINES:
+            raise Refused(_TOO_MANY_LINES(count=len(self.link.lines)), exit_status=2)
+        return MODES[self.by]
 
 
 @contextmanager

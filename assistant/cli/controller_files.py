@@ -8,15 +8,26 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.file_access import read_file
 from assistant.base.source_text import lines_of
-from assistant.cli.controller_session import Session, confirm, connected
-from assistant.cli.presentation import Format, note, print_json, say, working
+from assistant.cli.command import command
+from assistant.cli.controller_session import (
+    CellArgument,
+    ReplaceOption,
+    Session,
+    YesOption,
+    confirm,
+    connected,
+    print_there,
+)
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import Format, note, say, working
 
 if TYPE_CHECKING:
     from assistant.controllers.controller import Restoring
@@ -49,35 +60,44 @@ _NO_BACKUP: Final = error(
 _ONE_FILE: Final = error("CL216", "several programs do not go into one file", "name a folder")
 
 
-def run_get(
-    cell: str, names: Sequence[str], output: str | None, replace: bool, format: Format
-) -> int:
-    """Programs into files named like them; -o: a folder that is there, a file, or - to print."""
-    from assistant.base.file_sets import write_files
+@command
+class Get:
+    """Copy programs from a controller."""
 
-    into = Path(output or ".")
-    if len(names) > 1 and (output == "-" or not into.is_dir()):
-        raise Refused(_ONE_FILE(), exit_status=2)
-    with connected(cell, "get") as there:
-        found = {name: _read_program(there, name) for name in names}
-    if output == "-":
-        for data in found.values():
-            sys.stdout.buffer.write(data)
-        sys.stdout.flush()
+    cell: CellArgument
+    names: Annotated[tuple[str, ...], typer.Argument(help="Programs, as `ls` lists them.")]
+    output: Annotated[
+        str | None, typer.Option("--output", "-o", help="File, folder, or - to print.")
+    ] = None
+    replace: ReplaceOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """Write programs into files named like them, a folder that is there, or a file."""
+        from assistant.base.file_sets import write_files
+
+        into = Path(self.output or ".")
+        if len(self.names) > 1 and (self.output == "-" or not into.is_dir()):
+            raise Refused(_ONE_FILE(), exit_status=2)
+        with connected(self.cell, "get") as there:
+            found = {name: _read_program(there, name) for name in self.names}
+        if self.output == "-":
+            for data in found.values():
+                sys.stdout.buffer.write(data)
+            sys.stdout.flush()
+            return 0
+        folder = into if into.is_dir() else into.parent
+        files = {
+            _local_file_name(name) if into.is_dir() else into.name: d for name, d in found.items()
+        }
+        for name, data in files.items():
+            path = folder / name
+            if not self.replace and path.exists() and (path.is_dir() or read_file(path) != data):
+                raise Refused(_FILE_THERE(path=str(path), name=path))
+        written = write_files(files, folder)
+        answer = {"written": [str(path) for path in written]}
+        print_there(there, self.format, answer, (f"wrote {path}" for path in written))
         return 0
-    folder = into if into.is_dir() else into.parent
-    files = {_local_file_name(name) if into.is_dir() else into.name: d for name, d in found.items()}
-    for name, data in files.items():
-        path = folder / name
-        if not replace and path.exists() and (path.is_dir() or read_file(path) != data):
-            raise Refused(_FILE_THERE(path=str(path), name=path))
-    written = write_files(files, folder)
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), "written": [str(path) for path in written]})
-    else:
-        for path in written:
-            say(f"wrote {path}")
-    return 0
 
 
 def _read_program(there: Session, name: str) -> bytes:
@@ -94,73 +114,94 @@ def _local_file_name(name: str) -> str:
     return name
 
 
-def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> int:
-    """Send files as programs; the existing programs are checked before the first file is
-    written.
-    """
-    from assistant.base.source_text import read_bytes
+@command
+class Put:
+    """Copy programs to a controller as they are; `deploy` also checks, keeps and compares."""
 
-    data = {file: read_bytes(file) for file in files}
-    with connected(cell, "put") as there:
-        session = there.session
-        names = {file: session.name_for(file) for file in files}
-        for file, name in names.items():
-            session.check_text(name, data[file])
-            before = session.read(name)
-            same = before is None or session.stored(before) == session.stored(data[file])
-            if not same and not replace:
-                address = there.one.address
-                raise Refused(_PROGRAM_THERE(path=str(file), name=name, address=address))
-        for file, name in names.items():
-            session.write(name, data[file])
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), "programs": [*names.values()]})
-    else:
-        for file, name in names.items():
-            say(f"{file} is `{name}` on {there.one.name}")
-    return 0
+    cell: CellArgument
+    files: Annotated[tuple[Path, ...], typer.Argument(help="Programs.")]
+    replace: ReplaceOption = False
+    format: FormatOption = Format.TEXT
 
+    def run(self) -> int:
+        """Send files as programs; the existing programs are checked before the first file is
+        written.
+        """
+        from assistant.base.source_text import read_bytes
 
-def run_rm(cell: str, names: Sequence[str], yes: bool, format: Format) -> int:
-    """Delete programs; all of them are checked before the first one is deleted."""
-    from assistant.deploy.preconditions import check_removable, found_programs, unseen_use
-
-    with connected(cell, "rm") as there:
-        address = there.one.address
-        found = found_programs(there.session, names)
-        missing = [
-            _NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one
-        ]
-        wanted = list(dict.fromkeys(one for one in found.values() if one))
-        check_removable(there.session, [name for name, one in found.items() if not one])
-        if missing:
-            raise Refused(*missing)
-        check_removable(there.session, wanted)
-        for finding in unseen_use(there.session, wanted):
-            note(str(address), finding)
-        listed = ", ".join(f"`{name}`" for name in wanted)
-        confirm(there.one, f"deletes {listed}, which nothing brings back", yes)
-        for name in wanted:
-            there.session.remove(name)
-    if format is Format.JSON:
-        print_json({"address": str(address), "deleted": wanted})
-    else:
-        for name in wanted:
-            say(f"deleted `{name}` on {there.one.name}")
-    return 0
+        data = {file: read_bytes(file) for file in self.files}
+        with connected(self.cell, "put") as there:
+            session = there.session
+            names = {file: session.name_for(file) for file in self.files}
+            for file, name in names.items():
+                session.check_text(name, data[file])
+                before = session.read(name)
+                same = before is None or session.stored(before) == session.stored(data[file])
+                if not same and not self.replace:
+                    address = there.one.address
+                    raise Refused(_PROGRAM_THERE(path=str(file), name=name, address=address))
+            for file, name in names.items():
+                session.write(name, data[file])
+        lines = (f"{file} is `{name}` on {there.one.name}" for file, name in names.items())
+        print_there(there, self.format, {"programs": [*names.values()]}, lines)
+        return 0
 
 
-def run_backup(cell: str, folder: Path, format: Format) -> int:
-    if folder.exists():
-        raise Refused(_FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)
-    with connected(cell, "backup") as there, working(f"backing up {there.one.name}"):
-        files = there.controller.backup(folder)
-        _note_left_out(str(there.one.address), folder)
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), "folder": str(folder), "files": [*files]})
-    else:
-        say(f"{len(files)} files of {there.one.name} are in {folder}")
-    return 0
+@command
+class Rm:
+    """Delete programs on a controller that nothing there has loaded. Asks before."""
+
+    cell: CellArgument
+    names: Annotated[
+        tuple[str, ...], typer.Argument(help="Programs or other files, as `ls` lists.")
+    ]
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """Delete programs; all of them are checked before the first one is deleted."""
+        from assistant.deploy.preconditions import check_removable, found_programs, unseen_use
+
+        with connected(self.cell, "rm") as there:
+            address = there.one.address
+            found = found_programs(there.session, self.names)
+            missing = [
+                _NO_PROGRAM(name=name, address=address) for name, one in found.items() if not one
+            ]
+            wanted = list(dict.fromkeys(one for one in found.values() if one))
+            check_removable(there.session, [name for name, one in found.items() if not one])
+            if missing:
+                raise Refused(*missing)
+            check_removable(there.session, wanted)
+            for finding in unseen_use(there.session, wanted):
+                note(str(address), finding)
+            listed = ", ".join(f"`{name}`" for name in wanted)
+            confirm(there.one, f"deletes {listed}, which nothing brings back", self.yes)
+            for name in wanted:
+                there.session.remove(name)
+        lines = (f"deleted `{name}` on {there.one.name}" for name in wanted)
+        print_there(there, self.format, {"deleted": wanted}, lines)
+        return 0
+
+
+@command
+class Backup:
+    """Write programs, parameters and variables of a controller into a folder."""
+
+    cell: CellArgument
+    folder: Annotated[Path, typer.Argument(help="A folder that is not there yet.")]
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        if self.folder.exists():
+            raise Refused(_FOLDER_THERE(path=str(self.folder), folder=self.folder), exit_status=2)
+        with connected(self.cell, "backup") as there, working(f"backing up {there.one.name}"):
+            files = there.controller.backup(self.folder)
+            _note_left_out(str(there.one.address), self.folder)
+        answer = {"folder": str(self.folder), "files": [*files]}
+        lines = (f"{len(files)} files of {there.one.name} are in {self.folder}",)
+        print_there(there, self.format, answer, lines)
+        return 0
 
 
 def _note_left_out(address: str, folder: Path) -> None:
@@ -175,39 +216,51 @@ def _note_left_out(address: str, folder: Path) -> None:
         note(address, rules.LEFT_OUT(path=str(folder), count=len(names), names=some, file=listed))
 
 
-def run_restore(
-    cell: str, folder: Path, only: Sequence[str], dry_run: bool, yes: bool, format: Format
-) -> int:
-    """Shows what differs, asks, and brings it back."""
-    if not folder.is_dir():
-        raise Refused(_NO_BACKUP(path=str(folder), folder=folder), exit_status=2)
-    with connected(cell, "restore") as there:
-        with working(f"comparing with {there.one.name}"):
-            restoring = there.controller.restore(folder, only=only)
-        if format is Format.TEXT:
-            _print_changes(restoring)
-        wanted = bool(restoring.changes) and not dry_run
-        if wanted:
-            sys.stdout.flush()
-            confirm(there.one, f"changes {len(restoring.changes)} parts of the controller", yes)
-            with working(f"restoring {there.one.name}"):
-                restoring.apply()
-    if format is Format.JSON:
+@command
+class Restore:
+    """Show what differs from a backup, and bring it back; origin, safety, network only by name."""
+
+    cell: CellArgument
+    folder: Annotated[Path, typer.Argument(help="A folder that `backup` has written.")]
+    only: Annotated[
+        tuple[str, ...],
+        typer.Option(help="Only this file or parameter, also of those left out; repeatable."),
+    ] = ()
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would change.")] = False
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """Shows what differs, asks, and brings it back."""
+        if not self.folder.is_dir():
+            raise Refused(_NO_BACKUP(path=str(self.folder), folder=self.folder), exit_status=2)
+        with connected(self.cell, "restore") as there:
+            with working(f"comparing with {there.one.name}"):
+                restoring = there.controller.restore(self.folder, only=self.only)
+            if self.format is Format.TEXT:
+                _print_changes(restoring)
+            wanted = bool(restoring.changes) and not self.dry_run
+            if wanted:
+                sys.stdout.flush()
+                confirm(
+                    there.one, f"changes {len(restoring.changes)} parts of the controller", self.yes
+                )
+                with working(f"restoring {there.one.name}"):
+                    restoring.apply()
+        if not restoring.changes:
+            lines = [f"{there.one.name} is as the backup says: nothing to restore"]
+        else:
+            lines = [f"{there.one.name}: {'restored' if wanted else 'nothing has been changed'}"]
+            if wanted and restoring.needs_restart:
+                lines.append("some parameters may hold only after the controller is restarted")
         answer = {
-            "address": str(there.one.address),
             "restored": wanted,
             "changes": dict(restoring.changes),
             "left_out": dict(restoring.left_out),
             "needs_restart": restoring.needs_restart,
         }
-        print_json(answer)
-    elif not restoring.changes:
-        say(f"{there.one.name} is as the backup says: nothing to restore")
-    else:
-        say(f"{there.one.name}: {'restored' if wanted else 'nothing has been changed'}")
-        if wanted and restoring.needs_restart:
-            say("some parameters may hold only after the controller is restarted")
-    return 0
+        print_there(there, self.format, answer, lines)
+        return 0
 
 
 def _print_changes(restoring: Restoring) -> None:

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import getpass
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
-from assistant.cli.presentation import note
+from assistant.cli.presentation import Format, note, print_json, say
 from assistant.controllers.states import record as record
 
 if TYPE_CHECKING:
@@ -26,6 +28,26 @@ if TYPE_CHECKING:
 
 _NO_VALUE: Final = error("CL201", "`{given}` gives nothing a value", "write NAME=VALUE")
 _NO_NUMBER: Final = error("CL202", "`{given}` is no number", "write NAME=NUMBER, as doGrip=1")
+
+
+def complete_controller(incomplete: str) -> list[str]:
+    from assistant.controllers import controllers_of
+
+    return [name for name in controllers_of(Path.cwd()) if name.startswith(incomplete)]
+
+
+CellArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="CONTROLLER",
+        help="Its name in [controllers] of assistant.toml, or its address.",
+        autocompletion=complete_controller,
+    ),
+]
+YesOption = Annotated[
+    bool, typer.Option("--yes", help="Do it without asking. Look that nobody is near.")
+]
+ReplaceOption = Annotated[bool, typer.Option("--replace", help="Also what is there already.")]
 
 
 def named_by(text: str) -> Named:
@@ -122,6 +144,23 @@ def robot_of_cell(one: Named) -> Robot | None:
     from assistant.compiler.arms import robot_of
 
     return robot_of(one.robot)
+
+
+def print_there(
+    there: Session, format: Format, answer: Mapping[str, object], lines: Iterable[str]
+) -> None:
+    """Print an answer of a controller: a record with its address for programs, or lines."""
+    if format is Format.JSON:
+        print_json(record({"address": str(there.one.address), **answer}))
+        return
+    for line in lines:
+        say(line)
+
+
+def print_state(there: Session, state: State, done: str, format: Format) -> None:
+    """Print the state of a controller after a command. done: what the command did."""
+    lines = (f"{there.one.name}: {done}", *state_lines(state))
+    print_there(there, format, {"state": state}, lines)
 
 
 # ---------------------------------------------------------------------------------- arguments

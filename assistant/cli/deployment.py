@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.controller_commands import complete_controller
-from assistant.cli.controller_session import named_by, new_client
+from assistant.cli.controller_session import complete_controller, named_by, new_client
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import (
     Format,

@@ -20,11 +20,15 @@ import typer
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.arm_commands import complete_servo_mode
-from assistant.cli.arm_motion import START_TIME, moving
+from assistant.cli.arm_motion import (
+    START_TIME,
+    LinesOption,
+    ReplaceProgramsOption,
+    complete_servo_mode,
+    moving,
+)
 from assistant.cli.command import command_group, command_of, options
-from assistant.cli.controller_commands import YesOption
-from assistant.cli.controller_session import confirm, connected, robot_of_cell
+from assistant.cli.controller_session import YesOption, confirm, connected, robot_of_cell
 from assistant.cli.learning import box_of, range_of
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format, print_answer, print_findings, say, working
@@ -330,13 +334,8 @@ class Wander:
     port: Annotated[
         int | None, typer.Option(help="UDP port of the way; default the usual one.", min=1)
     ] = None
-    lines: Annotated[
-        tuple[str, ...],
-        typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
-    ] = ()
-    replace: Annotated[
-        bool, typer.Option("--replace", help="Our programs replace others of their names.")
-    ] = False
+    lines: LinesOption = ()
+    replace: ReplaceProgramsOption = False
     recording: RecordingOptions
     yes: YesOption = False
     format: FormatOption = Format.TEXT

@@ -8,17 +8,22 @@ cameras see of the tool, so that errors of the arm's lengths do not matter.
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.cli.arm_motion import NO_SPEED, Moving, moving
+from assistant.cli.command import options
 from assistant.cli.controller_session import (
+    YesOption,
     confirm,
     joints_line,
     named_by,
@@ -26,6 +31,7 @@ from assistant.cli.controller_session import (
     record,
     robot_of_cell,
 )
+from assistant.cli.options import FormatOption, RobotOption
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
@@ -42,36 +48,61 @@ if TYPE_CHECKING:
     from assistant.vision.servoing.servo_task import ServoFile, ServoSetup
 
 
-@dataclass(frozen=True, slots=True)
+@options
 class PointingOptions:
-    """cameras: file of cameras. use: names of those that look, () for all. device: name or file.
-    frames: moments of a hold. rate: pictures a second of files. robot: named by hand. world: frame
-    of the cameras in the file. stroke: a way instead of places, with waypoints each `step` mm.
-    go: the arm is led to each place, by a mode, from `above` mm before it, at `speed` percent.
-    servo: file of servoing by which it is led from there on, by what the cameras see of its tool.
-    """
+    """How places are shown to cameras, and how an arm is led there."""
 
-    cameras: Path
-    into: Path
-    wanted: TargetOptions
-    use: tuple[str, ...] = ()
-    device: str = "wand"
-    frames: int = 30
-    rate: float = 30.0
-    residual: float = 0.5
-    fastest: float = 1500.0
-    robot: str | None = None
-    world: str | None = None
-    stroke: bool = False
-    step: float = 5.0
-    go: bool = False
-    by: str = "data-link"
-    wishes: LinkOptions | None = None
-    above: float = 50.0
-    speed: float = 10.0
-    servo: Path | None = None
-    yes: bool = False
-    format: Format = Format.TEXT
+    point: Annotated[
+        Path | None,
+        typer.Option(help="Store places that are shown to these cameras.", metavar="CAMERAS.toml"),
+    ] = None
+    camera: Annotated[
+        tuple[str, ...], typer.Option(help="Camera that looks; repeatable, default all.")
+    ] = ()
+    device: Annotated[str, typer.Option(help="wand, ball, light, or a file.", metavar="DEVICE")] = (
+        "wand"
+    )
+    frames: Annotated[int, typer.Option(help="Pictures for which a place is held.")] = 30
+    rate: Annotated[float, typer.Option(help="Pictures a second of files.")] = 30.0
+    residual: Annotated[float, typer.Option(help="Pixels by which pictures may disagree.")] = 0.5
+    fastest: Annotated[float, typer.Option(help="mm/s that a hand moves.")] = 1500.0
+    robot: RobotOption = None
+    world: Annotated[
+        str | None, typer.Option(help="Frame of the file in which the cameras stand.")
+    ] = None
+    stroke: Annotated[
+        bool, typer.Option("--stroke", help="Store the way between two places, as a .csv.")
+    ] = False
+    step: Annotated[float, typer.Option(help="mm between waypoints of a stroke.")] = 5.0
+    go: Annotated[bool, typer.Option("--go", help="Lead the arm there; store what it reached.")] = (
+        False
+    )
+    by: Annotated[str, typer.Option(help="Way to lead it, as of `follow`.")] = "data-link"
+    port: Annotated[int | None, typer.Option(help="UDP port of that way.", min=1, max=65535)] = None
+    lines: Annotated[
+        tuple[str, ...], typer.Option("--line", help="Line of that way; repeatable.")
+    ] = ()
+    above: Annotated[
+        float, typer.Option(help="mm before a place from which it is led straight.")
+    ] = 50.0
+    servo: Annotated[
+        Path | None,
+        typer.Option(help="Lead it from there by what is seen of its tool.", metavar="TASK.toml"),
+    ] = None
+    speed: Annotated[float, typer.Option(help="Percent of what the file says.")] = 10.0
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+
+def free_names(file: Path) -> Iterator[str]:
+    """p1, p2 … as far as the file has no target of that name."""
+    from assistant.sources import read
+
+    taken: set[str] = set()
+    if file.exists() and file.stat().st_size:
+        program = read(file).program
+        taken = {name.lower() for name in (*program.targets, *program.joint_targets)}
+    return (name for i in itertools.count(1) if (name := f"p{i}") not in taken)
 
 
 @dataclass(slots=True)
@@ -82,6 +113,8 @@ class _ShownPlaces:
     cameras: tuple[Camera, ...]
     device: Device
     options: PointingOptions
+    into: Path
+    wanted: TargetOptions
     good: int = 0
     count: int = 0
     reasons: Counter[str] = field(default_factory=Counter)
@@ -169,7 +202,7 @@ def _next_place(
     for held in holds:
         try:
             place = target_of_shown(
-                options.into, name, held.pose, robot, options.wanted, start, options.world
+                shown.into, name, held.pose, robot, shown.wanted, start, options.world
             )
         except Refused as refused:
             if not {f.code for f in refused.findings} <= {OUT_OF_REACH.code, DEVICE_TILTED.code}:
@@ -221,19 +254,27 @@ _FILE_EXISTS: Final = error(
 _NO_COUNT: Final = error("CL515", "{option} is {value:g}", "write {cure}")
 
 
-def run_point(words: Sequence[str], on: str | None, now: bool, options: PointingOptions) -> int:
-    """words: perhaps a controller, and names; without names p1, p2 … until the pictures end."""
-    other = "--on" if on is not None else "--now" if now else None
-    if other is not None:
-        raise Refused(_NOT_TOGETHER(one="--point", other=other), exit_status=2)
+def store_shown(
+    words: Sequence[str],
+    trigger: str | None,
+    options: PointingOptions,
+    into: Path,
+    wanted: TargetOptions,
+) -> int:
+    """Store places that are shown. words: perhaps a controller, and names; without names p1, p2 …
+    until the pictures end. trigger: an option of another moment to store.
+    """
+    if trigger is not None:
+        raise Refused(_NOT_TOGETHER(one="--point", other=trigger), exit_status=2)
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.pointing.devices import device_of
 
-    _check_options(options)
+    _check_options(options, into, wanted)
     one, names = _split_controller(words)
-    rig = read_cameras(options.cameras)
-    cameras = tuple(rig[name] for name in options.use or rig.cameras)
-    shown = _ShownPlaces(rig, cameras, device_of(options.device), options)
+    assert options.point is not None
+    rig = read_cameras(options.point)
+    cameras = tuple(rig[name] for name in options.camera or rig.cameras)
+    shown = _ShownPlaces(rig, cameras, device_of(options.device), options, into, wanted)
     if options.go:
         if one is None:
             raise Refused(_NO_CONTROLLER(), exit_status=2)
@@ -245,7 +286,7 @@ def run_point(words: Sequence[str], on: str | None, now: bool, options: Pointing
     return _store_places(names, shown, robot)
 
 
-def _check_options(options: PointingOptions) -> None:
+def _check_options(options: PointingOptions, into: Path, wanted: TargetOptions) -> None:
     """Raises Refused for options that mean nothing."""
     least = (
         (options.frames, "--frames", 2, "a whole number from 2"),
@@ -263,14 +304,14 @@ def _check_options(options: PointingOptions) -> None:
     if not 0.0 < options.speed <= 100.0:
         raise Refused(NO_SPEED(value=options.speed), exit_status=2)
     if options.stroke:
-        others = {"--go": options.go, "--world": options.world, "--joints": options.wanted.joints}
+        others = {"--go": options.go, "--world": options.world, "--joints": wanted.joints}
         wrong = next((name for name, given in others.items() if given), None)
         if wrong is not None:
             raise Refused(_NOT_TOGETHER(one="--stroke", other=wrong), exit_status=2)
-        if options.into.suffix.lower() != ".csv":
-            raise Refused(_NOT_CSV(name=options.into), exit_status=2)
-        if options.into.exists() and not options.wanted.again:
-            raise Refused(_FILE_EXISTS(name=options.into))
+        if into.suffix.lower() != ".csv":
+            raise Refused(_NOT_CSV(name=into), exit_status=2)
+        if into.exists() and not wanted.again:
+            raise Refused(_FILE_EXISTS(name=into))
     if options.go and options.robot is not None:
         raise Refused(_NOT_TOGETHER(one="--go", other="--robot"), exit_status=2)
     if options.servo is not None and not options.go:
@@ -297,27 +338,26 @@ def _robot_of(one: Named | None, options: PointingOptions) -> Robot | None:
 
 def _store_places(names: Sequence[str], shown: _ShownPlaces, robot: Robot | None) -> int:
     """Each place that is shown, as a target, until there are no names or no pictures any more."""
-    from assistant.cli.teaching import free_names
     from assistant.compiler.taught_targets import check_names, store_target
 
     options = shown.options
-    check_names(options.into, names, robot, options.wanted)
+    check_names(shown.into, names, robot, shown.wanted)
     stored: list[dict[str, object]] = []
     with shown.holds() as holds:
-        for name in names or free_names(options.into):
+        for name in names or free_names(shown.into):
             found = _next_place(name, holds, shown, robot)
             if found is None:
                 if names or not stored:
                     raise shown.ended(name)
                 break
             held, place = found
-            store_target(options.into, place, options.wanted)
+            store_target(shown.into, place, shown.wanted)
             stored.append(_pointing_record(held, place))
             if options.format is Format.TEXT:
-                say(f"{name}: {_place_line(place)}, {_certainty(held)}, stored in {options.into}")
+                say(f"{name}: {_place_line(place)}, {_certainty(held)}, stored in {shown.into}")
                 sys.stdout.flush()
     if options.format is Format.JSON:
-        print_json({"file": str(options.into), "device": shown.device.name, "stored": stored})
+        print_json({"file": str(shown.into), "device": shown.device.name, "stored": stored})
     return 0
 
 
@@ -343,11 +383,11 @@ def _store_stroke(shown: _ShownPlaces, robot: Robot | None) -> int:
         raise shown.ended("the stroke")
     turned = turned_into_plane(way.positions, way.quaternions, robot)
     table = replace(way, quaternions=turned).csv()
-    write_files({options.into.name: table.encode("ascii")}, options.into.parent)
+    write_files({shown.into.name: table.encode("ascii")}, shown.into.parent)
     if options.format is Format.JSON:
         print_json(
             {
-                "file": str(options.into),
+                "file": str(shown.into),
                 "waypoints": len(way.positions),
                 "length_mm": way.length,
                 "scatter_mm": way.scatter,
@@ -356,7 +396,7 @@ def _store_stroke(shown: _ShownPlaces, robot: Robot | None) -> int:
     else:
         say(
             f"{len(way.positions)} waypoints along {way.length:.1f} mm, "
-            f"what was seen {way.scatter:.2f} mm about them, stored in {options.into}"
+            f"what was seen {way.scatter:.2f} mm about them, stored in {shown.into}"
         )
     return 0
 
@@ -395,7 +435,7 @@ class _ArmLeader:
         options, controller = self.shown.options, self.motion.cell.controller
         position = controller.position()
         way = program_to_target(place, options.above, to_its_end=self.pictures is None)
-        into = str(options.into)
+        into = str(self.shown.into)
         led = trajectory_of_program(
             way, self.robot, position, self.mode.period, options.speed, into
         )
@@ -444,7 +484,6 @@ class _ArmLeader:
 
 def _run_pointed_arm(cell: str, names: Sequence[str], shown: _ShownPlaces) -> int:
     """The arm is led to each place, and where it comes to rest is stored."""
-    from assistant.cli.teaching import free_names
     from assistant.compiler.taught_targets import check_names
     from assistant.controllers.trajectory_execution import MODES, LinkOptions
 
@@ -452,7 +491,10 @@ def _run_pointed_arm(cell: str, names: Sequence[str], shown: _ShownPlaces) -> in
     if options.by not in MODES:
         known = ", ".join(MODES)
         raise Refused(_NO_POINTING_MODE(by=options.by, known=known), exit_status=2)
-    mode, wishes = MODES[options.by], options.wishes or LinkOptions()
+    mode, wishes = (
+        MODES[options.by],
+        LinkOptions(options.port, options.lines, None, shown.wanted.again),
+    )
     pictures = _servo_pictures(options.servo, options.by)
     stored: list[dict[str, object]] = []
     with moving(cell, "teach --go") as motion:
@@ -461,12 +503,12 @@ def _run_pointed_arm(cell: str, names: Sequence[str], shown: _ShownPlaces) -> in
         if robot is None:
             raise Refused(_NO_ROBOT(name=there.one.name), exit_status=2)
         mode.check(controller, wishes)
-        check_names(options.into, names, robot, options.wanted)
+        check_names(shown.into, names, robot, shown.wanted)
         leader = _ArmLeader(motion, robot, shown, mode, wishes, pictures)
         with ExitStack() as looking:
             # Cameras by which the arm is led are let go of in between.
             holds = None if pictures else looking.enter_context(shown.holds())
-            for name in names or free_names(options.into):
+            for name in names or free_names(shown.into):
                 done = _store_next(name, holds, leader)
                 if done is None:
                     if names or not stored:
@@ -474,7 +516,7 @@ def _run_pointed_arm(cell: str, names: Sequence[str], shown: _ShownPlaces) -> in
                     break
                 stored.append(done)
     if options.format is Format.JSON:
-        answer = {"address": str(there.one.address), "file": str(options.into), "stored": stored}
+        answer = {"address": str(there.one.address), "file": str(shown.into), "stored": stored}
         print_json(record(answer))
     return 0
 
@@ -505,12 +547,12 @@ def _store_next(
     held, place = found
     off = leader.led(place, held)
     position = controller.position()
-    print_findings(teach_target(options.into, name, position, robot, options.wanted).findings)
+    print_findings(teach_target(shown.into, name, position, robot, shown.wanted).findings)
     if options.format is Format.TEXT:
-        shown_line = joints_line if options.wanted.joints else pose_line
+        shown_line = joints_line if shown.wanted.joints else pose_line
         say(
             f"{name}: {shown_line(position)}, {off['off_mm']:.2f} mm and "
-            f"{off['off_degrees']:.2f} degrees from what was shown, stored in {options.into}"
+            f"{off['off_degrees']:.2f} degrees from what was shown, stored in {shown.into}"
         )
         sys.stdout.flush()
     return {**_pointing_record(held, place), "reached": position, **off}

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Refused, Severity, error, warning
-from assistant.cli.controller_commands import CellArgument, YesOption
-from assistant.cli.controller_session import confirm, connected
+from assistant.cli.controller_session import CellArgument, YesOption, confirm, connected
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format, LengthUnit, console, print_findings, print_json, say
 

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import select
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
 
 from assistant.base.diagnostics import Refused, error
+from assistant.cli.command import command
 from assistant.cli.controller_session import (
+    ReplaceOption,
+    complete_controller,
     connected,
     joints_line,
     pose_line,
     record,
     robot_of_cell,
 )
+from assistant.cli.pointing_input import PointingOptions, free_names, store_shown
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
 if TYPE_CHECKING:
@@ -48,74 +52,92 @@ END_KEYS: Final = b"q\x1b\x04"
 """Keys: q, Escape, and the end of the input."""
 
 
-@dataclass(frozen=True, slots=True)
-class TeachOptions:
-    """into: the file of targets. on: an input whose rise stores. now: without any key."""
+@command
+class Teach:
+    """Store where the arm is, or places that are shown to cameras, under names.
 
-    into: Path
-    on: str | None
-    now: bool
-    wanted: TargetOptions
-    format: Format
-
-
-def run_teach(
-    cell: str | None, names: Sequence[str], options: TeachOptions, pointing: Mapping[str, bool]
-) -> int:
-    """Names in their order; without any, p1, p2 … until somebody ends it.
-
-    pointing: options of places that are shown to cameras, and whether they were given.
+    At a key press, when an input comes, or when a device is held still. Nothing moves but with
+    --go, which asks before.
     """
-    from assistant.compiler.taught_targets import teach_target
 
-    wrong = next((option for option, given in pointing.items() if given), None)
-    if wrong is not None:
-        raise Refused(_ONLY_POINTING(option=wrong), exit_status=2)
-    if cell is None:
-        raise Refused(_NO_CONTROLLER(), exit_status=2)
-    if options.now and options.on is not None:
-        raise Refused(_SEVERAL_TRIGGERS(), exit_status=2)
-    if options.now and len(names) != 1:
-        raise Refused(_NO_NAME(), exit_status=2)
-    stored: list[dict[str, object]] = []
-    with connected(cell, "teach") as there:
-        controller, robot = there.controller, robot_of_cell(there.one)
-        with _store_triggers(controller, str(there.one.address), options) as comes:
-            for name in names or free_names(options.into):
-                if options.format is Format.TEXT and not options.now:
-                    keys = f"`{options.on}`" if options.on is not None else "Enter"
-                    say(f"{name}: {keys} stores it, q ends")
-                    sys.stdout.flush()
-                if not comes():
-                    break
-                position = controller.position()
-                reading = teach_target(options.into, name, position, robot, options.wanted)
-                stored.append({"name": name, "position": record(position)})
-                if options.format is Format.TEXT:
-                    print_findings(reading.findings)
-                    shown = joints_line if options.wanted.joints else pose_line
-                    say(f"{name}: {shown(position)}, stored in {options.into}")
-                    sys.stdout.flush()
-    if options.format is Format.JSON:
-        answer = {"address": str(there.one.address), "file": str(options.into), "stored": stored}
-        print_json(answer)
-    return 0
+    cell: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="CONTROLLER",
+            help="Its name in [controllers] of assistant.toml, or its address; --point needs none.",
+            autocompletion=complete_controller,
+        ),
+    ] = None
+    names: Annotated[
+        tuple[str, ...], typer.Argument(help="Targets, in this order; default p1, p2 …")
+    ] = ()
+    into: Annotated[
+        Path, typer.Option(help="File of taught targets, which keeps all else.", metavar="FILE")
+    ] = Path("taught.toml")
+    on: Annotated[
+        str | None, typer.Option(help="Store when this input comes, not at a key.", metavar="INPUT")
+    ] = None
+    now: Annotated[bool, typer.Option("--now", help="Store one target at once.")] = False
+    joints: Annotated[bool, typer.Option("--joints", help="As joint angles.")] = False
+    tool: Annotated[
+        str | None, typer.Option(help="Tool of the file that the controller shows the pose of.")
+    ] = None
+    frame: Annotated[str | None, typer.Option(help="Frame that it shows it in.")] = None
+    replace: ReplaceOption = False
+    pointing: PointingOptions
 
+    def run(self) -> int:
+        from assistant.compiler.taught_targets import TargetOptions
 
-def free_names(file: Path) -> Iterator[str]:
-    """p1, p2 … as far as the file has no target of that name."""
-    from assistant.sources import read
+        wanted = TargetOptions(self.joints, self.tool, self.frame, self.replace)
+        if self.pointing.point is None:
+            return self._store_here(wanted)
+        words = [] if self.cell is None else [self.cell, *self.names]
+        trigger = "--on" if self.on is not None else "--now" if self.now else None
+        return store_shown(words, trigger, self.pointing, self.into, wanted)
 
-    taken: set[str] = set()
-    if file.exists() and file.stat().st_size:
-        program = read(file).program
-        taken = {name.lower() for name in (*program.targets, *program.joint_targets)}
-    return (name for i in itertools.count(1) if (name := f"p{i}") not in taken)
+    def _store_here(self, wanted: TargetOptions) -> int:
+        """Names in their order; without any, p1, p2 … until somebody ends it."""
+        from assistant.compiler.taught_targets import teach_target
+
+        pointing = {"--go": self.pointing.go, "--stroke": self.pointing.stroke}
+        wrong = next((option for option, given in pointing.items() if given), None)
+        if wrong is not None:
+            raise Refused(_ONLY_POINTING(option=wrong), exit_status=2)
+        if self.cell is None:
+            raise Refused(_NO_CONTROLLER(), exit_status=2)
+        if self.now and self.on is not None:
+            raise Refused(_SEVERAL_TRIGGERS(), exit_status=2)
+        if self.now and len(self.names) != 1:
+            raise Refused(_NO_NAME(), exit_status=2)
+        stored: list[dict[str, object]] = []
+        with connected(self.cell, "teach") as there:
+            controller, robot = there.controller, robot_of_cell(there.one)
+            with _store_triggers(controller, str(there.one.address), self) as comes:
+                for name in self.names or free_names(self.into):
+                    if self.pointing.format is Format.TEXT and not self.now:
+                        keys = f"`{self.on}`" if self.on is not None else "Enter"
+                        say(f"{name}: {keys} stores it, q ends")
+                        sys.stdout.flush()
+                    if not comes():
+                        break
+                    position = controller.position()
+                    reading = teach_target(self.into, name, position, robot, wanted)
+                    stored.append({"name": name, "position": record(position)})
+                    if self.pointing.format is Format.TEXT:
+                        print_findings(reading.findings)
+                        shown = joints_line if self.joints else pose_line
+                        say(f"{name}: {shown(position)}, stored in {self.into}")
+                        sys.stdout.flush()
+        if self.pointing.format is Format.JSON:
+            answer = {"address": str(there.one.address), "file": str(self.into), "stored": stored}
+            print_json(answer)
+        return 0
 
 
 @contextmanager
 def _store_triggers(
-    controller: Controller, address: str, options: TeachOptions
+    controller: Controller, address: str, options: Teach
 ) -> Iterator[Callable[[], bool]]:
     """Yield a function that waits for the moment to store: False when there are no more."""
     if options.now:

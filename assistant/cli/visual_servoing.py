@@ -7,22 +7,36 @@ do not see well enough. What was recorded is written however it ends.
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import numpy as np
+import typer
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.arm_motion import NO_RECORDING, RECORDING_SUFFIXES, moving, progress_bar
-from assistant.cli.controller_session import confirm, record, robot_of_cell
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.arm_motion import (
+    LinkedOptions,
+    RecordingOption,
+    check_recording,
+    complete_servo_mode,
+    moving,
+    progress_bar,
+)
+from assistant.cli.command import command
+from assistant.cli.controller_session import (
+    CellArgument,
+    Session,
+    YesOption,
+    confirm,
+    print_there,
+    robot_of_cell,
+)
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import Format, print_findings
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
     from assistant.controllers import Programs
     from assistant.controllers.setpoint_streams import Mode
-    from assistant.controllers.trajectory_execution import LinkOptions
     from assistant.robots import Robot
     from assistant.vision.servoing.servo_loop import ServoResult
 
@@ -39,70 +53,81 @@ _ENDS_BEFORE_MOTION: Final = frozenset({"VS201", "VS208"})
 """Codes of servoing that ends before the first step."""
 
 
-@dataclass(frozen=True, slots=True)
-class ServoOptions:
-    """cameras: their file. by: name of a mode. log: file of what was recorded, or None."""
+@command
+class Servo:
+    """Lead an arm by what cameras see, to its goal. Asks before; Ctrl-C stops the arm."""
 
-    cameras: Path
-    by: str
-    log: Path | None
-    wishes: LinkOptions
-    yes: bool
-    format: Format
+    cell: CellArgument
+    task: Annotated[Path, typer.Argument(help="File of what is led where.", metavar="SERVO.toml")]
+    cameras: Annotated[Path, typer.Option(help="File of the cameras.", metavar="CAMERAS.toml")]
+    by: Annotated[
+        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_servo_mode)
+    ]
+    log: RecordingOption = None
+    link: LinkedOptions
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
 
+    def run(self) -> int:
+        """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
+        from assistant.vision.cameras.camera_file import read_cameras
+        from assistant.vision.servoing.servo_loop import ServoStopped, servo
+        from assistant.vision.servoing.servo_task import open_eyes, read_servo, set_up_servo
 
-def run_servo(cell: str, task: Path, options: ServoOptions) -> int:
-    """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
-    from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.servoing.servo_loop import ServoStopped, servo
-    from assistant.vision.servoing.servo_task import open_eyes, read_servo, set_up_servo
+        check_recording(self.log)
+        mode, wishes = setpoint_mode(self.by), self.link.wishes
+        file, rig = read_servo(self.task), read_cameras(self.cameras)
+        with moving(self.cell, "servo") as motion:
+            there = motion.cell
+            robot = robot_of_cell(there.one)
+            if robot is None:
+                raise Refused(_SERVO_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
+            session: Programs = there.controller if mode.operates else there.session
+            mode.check(session, wishes)
+            setting = set_up_servo(file, rig, robot)
+            begin = joints_nearby(session, robot)
+            carrier = mode.make(session, setting.guard.arm(), wishes, begin)
+            with ExitStack() as open_:
+                eyes = open_.enter_context(open_eyes(setting, carrier.joints))
+                names = ", ".join(camera.name for camera in setting.cameras)
+                what = f"leads the arm by what camera {names} sees"
+                print_findings([*mode.faster(setting.guard.arm(), str(there.one.address))])
+                confirm(there.one, f"{what}: {setting.title}, {mode.title}", self.yes)
+                motion.began = True
+                try:
+                    open_.enter_context(carrier)
+                    progress = open_.enter_context(
+                        progress_bar(f"servoing {self.task}", self.format)
+                    )
+                    parts = (eyes, setting.law, carrier, setting.guard, file.settings)
+                    done = servo(*parts, progress=progress)
+                except ServoStopped as broken:
+                    motion.began = (
+                        not {finding.code for finding in broken.findings} <= _ENDS_BEFORE_MOTION
+                    )
+                    self._save(broken.served)
+                    raise
+                except Refused as refused:
+                    motion.began = (
+                        not {finding.code for finding in refused.findings} <= mode.unbegun
+                    )
+                    raise
+        self._save(done)
+        self._print(there, done)
+        return 0
 
-    mode = _servo_mode(options)
-    file, rig = read_servo(task), read_cameras(options.cameras)
-    with moving(cell, "servo") as motion:
-        there = motion.cell
-        robot = robot_of_cell(there.one)
-        if robot is None:
-            raise Refused(_SERVO_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
-        session: Programs = there.controller if mode.operates else there.session
-        mode.check(session, options.wishes)
-        setting = set_up_servo(file, rig, robot)
-        begin = joints_nearby(session, robot)
-        carrier = mode.make(session, setting.guard.arm(), options.wishes, begin)
-        with ExitStack() as open_:
-            eyes = open_.enter_context(open_eyes(setting, carrier.joints))
-            names = ", ".join(camera.name for camera in setting.cameras)
-            what = f"leads the arm by what camera {names} sees"
-            print_findings([*mode.faster(setting.guard.arm(), str(there.one.address))])
-            confirm(there.one, f"{what}: {setting.title}, {mode.title}", options.yes)
-            motion.began = True
-            try:
-                open_.enter_context(carrier)
-                progress = open_.enter_context(progress_bar(f"servoing {task}", options.format))
-                parts = (eyes, setting.law, carrier, setting.guard, file.settings)
-                done = servo(*parts, progress=progress)
-            except ServoStopped as broken:
-                motion.began = (
-                    not {finding.code for finding in broken.findings} <= _ENDS_BEFORE_MOTION
-                )
-                _write_recording(broken.served, options)
-                raise
-            except Refused as refused:
-                motion.began = not {finding.code for finding in refused.findings} <= mode.unbegun
-                raise
-    _write_recording(done, options)
-    _print_result(there.one.name, str(there.one.address), done, options)
-    return 0
+    def _save(self, served: ServoResult | None) -> None:
+        if self.log is not None and served is not None:
+            served.save(self.log)
 
-
-def _servo_mode(options: ServoOptions) -> Mode:
-    from assistant.controllers.recording import check_place
-
-    if options.log is not None and options.log.suffix.lower() not in RECORDING_SUFFIXES:
-        raise Refused(NO_RECORDING(name=options.log), exit_status=2)
-    if options.log is not None:
-        check_place(options.log)
-    return setpoint_mode(options.by)
+    def _print(self, there: Session, done: ServoResult) -> None:
+        x, y, z = done.pose.position
+        lines = [
+            f"{there.one.name}: at its goal, {done}",
+            f"the tip is at ({x:.2f}, {y:.2f}, {z:.2f}) mm",
+            *([] if self.log is None else [f"wrote {self.log}"]),
+        ]
+        print_there(there, self.format, _result_record(done), lines)
 
 
 def setpoint_mode(by: str) -> Mode:
@@ -116,6 +141,8 @@ def setpoint_mode(by: str) -> Mode:
 
 def joints_nearby(session: Programs, robot: Robot) -> Floats:
     """Return joints near those of the arm: its own, if the controller reports them."""
+    import numpy as np
+
     from assistant.compiler.taught_targets import own_joints
     from assistant.controllers import Controller
 
@@ -124,26 +151,11 @@ def joints_nearby(session: Programs, robot: Robot) -> Floats:
     return robot.home
 
 
-def _write_recording(served: ServoResult | None, options: ServoOptions) -> None:
-    if options.log is not None and served is not None:
-        served.save(options.log)
+def _result_record(done: ServoResult) -> dict[str, Any]:
+    import numpy as np
 
-
-def _print_result(name: str, address: str, done: ServoResult, options: ServoOptions) -> None:
-    if options.format is Format.JSON:
-        print_json(record(_result_record(address, done)))
-        return
-    x, y, z = done.pose.position
-    say(f"{name}: at its goal, {done}")
-    say(f"the tip is at ({x:.2f}, {y:.2f}, {z:.2f}) mm")
-    if options.log is not None:
-        say(f"wrote {options.log}")
-
-
-def _result_record(address: str, done: ServoResult) -> dict[str, Any]:
     left = {"pixels": done.pixels, "mm": done.distance, "degrees": done.turn}
     return {
-        "address": address,
         "joints": done.joints.tolist(),
         "position": list(done.pose.position),
         "quaternion": list(done.pose.quaternion),
