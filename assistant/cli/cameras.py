@@ -10,11 +10,12 @@ import os
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, cast
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.cli.command import command_group, command_of
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
@@ -25,15 +26,11 @@ if TYPE_CHECKING:
     from assistant.vision.cameras.camera import Camera
     from assistant.vision.cameras.camera_file import Rig
     from assistant.vision.cameras.capture import Agreement, Frame
-    from assistant.vision.cameras.hand_eye import Mounting
     from assistant.vision.cameras.synthetic_pictures import VisibleBody
 
 
-camera: Final = typer.Typer(
-    help="Calibrate, look through and check cameras; draw what they would see of a cell.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    add_completion=False,
+camera: Final = command_group(
+    "Calibrate, look through and check cameras; draw what they would see of a cell."
 )
 CamerasArgument = Annotated[
     Path, typer.Argument(metavar="CAMERAS", help="File of the cameras, .toml.")
@@ -58,84 +55,196 @@ class DrawnThing(StrEnum):
     BOARD = "board"
 
 
-@camera.command()
-def calibrate(
+@command_of(camera)
+class Calibrate:
+    """Find lenses from pictures of a board, and where the cameras stand."""
+
     pictures: Annotated[
-        list[str],
+        tuple[str, ...],
         typer.Argument(metavar="NAME=FOLDER", help="A camera and its pictures of the board."),
-    ],
-    board: BoardOption,
-    output: Annotated[Path, typer.Option("--output", "-o", help="File of the cameras, .toml.")],
+    ]
+    board: BoardOption
+    output: Annotated[Path, typer.Option("--output", "-o", help="File of the cameras, .toml.")]
     poses: Annotated[
         Path | None,
         typer.Option(help="Table of the poses of the flange, a row a picture: CSV, NPY, JSON."),
-    ] = None,
+    ] = None
     mounting: Annotated[
         MountingChoice,
         typer.Option(help="With --poses: the first camera is in the hand, or stands."),
-    ] = MountingChoice.STAND,
+    ] = MountingChoice.STAND
     flange: Annotated[
         str, typer.Option(help="How the cell calls the flange that carries the camera.")
-    ] = "flange",
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Find lenses from pictures of a board, and where the cameras stand."""
-    raise typer.Exit(_run_calibrate(pictures, board, output, poses, mounting.value, flange, format))
+    ] = "flange"
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.vision.cameras.calibration import (
+            Board,
+            calibrate_rig,
+            find_board_in_folder,
+            with_sources,
+        )
+        from assistant.vision.cameras.camera_file import write_cameras
+
+        wanted = Board.parse(self.board)
+        folders = _picture_folders(self.pictures)
+        looked = [find_board_in_folder(wanted, name, folder) for name, folder in folders.items()]
+        told = [finding for one in looked for finding in one.findings]
+        print_findings(told)
+        flanges = None if self.poses is None else _read_poses(self.poses)
+        found = calibrate_rig(
+            wanted, looked, flanges=flanges, mounting=self.mounting.value, flange=self.flange
+        )
+        sources = {
+            name: _relative_folder(folder, self.output.parent) for name, folder in folders.items()
+        }
+        write_cameras(self.output, with_sources(found.rig, sources))
+        print_findings([finding for finding in found.findings if finding not in told])
+        if self.format is Format.JSON:
+            print_json(_calibration_record(found))
+        else:
+            for line in _calibration_lines(found):
+                say(line)
+            say(f"wrote {self.output}")
+        return 0
 
 
-@camera.command()
-def view(
-    cameras: CamerasArgument,
-    name: Annotated[str, typer.Argument(help="Of the camera.")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="Picture to write, .png.")],
+@command_of(camera)
+class View:
+    """Write a camera's picture with the axes of the camera's parent frame drawn over it."""
+
+    cameras: CamerasArgument
+    name: Annotated[str, typer.Argument(help="Of the camera.")]
+    output: Annotated[Path, typer.Option("--output", "-o", help="Picture to write, .png.")]
     source: Annotated[
         str | None, typer.Option(help="Device, stream, file or folder instead of the file's.")
-    ] = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Write a camera's picture with the axes of the camera's parent frame drawn over it."""
-    raise typer.Exit(_run_view(cameras, name, output, source, format))
+    ] = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.vision.cameras.camera_file import read_cameras
+        from assistant.vision.cameras.capture import exposure_findings
+        from assistant.vision.cameras.synthetic_pictures import with_axes
+
+        if self.output.suffix.lower() != ".png":
+            raise Refused(_NO_PNG(name=self.output), exit_status=2)
+        rig = read_cameras(self.cameras)
+        camera = rig[self.name]
+        frame = _next_frame(rig, camera, self.source)
+        _write_png(self.output, with_axes(camera, frame.picture))
+        print_findings(exposure_findings(camera, frame.picture))
+        if self.format is Format.JSON:
+            print_json(
+                {"camera": self.name, "picture": str(self.output), "size": list(camera.lens.size)}
+            )
+        else:
+            say(f"{self.name}: {frame.name or 'a picture'}, wrote {self.output}")
+        return 0
 
 
-@camera.command()
-def check(
-    cameras: CamerasArgument,
+@command_of(camera)
+class Check:
+    """Look whether cameras give pictures that are good enough, and whether they agree."""
+
+    cameras: CamerasArgument
     board: Annotated[
         str | None,
         typer.Option("--board", help="A board that all of them see now: whether they agree."),
-    ] = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Look whether cameras give pictures that are good enough, and whether they agree."""
-    raise typer.Exit(_run_check(cameras, board, format))
+    ] = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.vision.cameras.camera_file import read_cameras
+        from assistant.vision.cameras.capture import pictures_findings
+
+        rig = read_cameras(self.cameras)
+        frames = {name: _next_frame(rig, camera, None) for name, camera in rig.cameras.items()}
+        findings = list(pictures_findings(rig.cameras, frames))
+        agreements: list[Agreement] = []
+        if self.board is not None:
+            agreements, more = _camera_agreements(rig, frames, self.board)
+            findings += more
+        print_findings(findings)
+        if self.format is Format.JSON:
+            print_json(
+                {
+                    "cameras": list(rig.cameras),
+                    "agreements": [
+                        {
+                            "cameras": one.cameras,
+                            "corners": one.corners,
+                            "px": one.pixels,
+                            "mm": one.mm,
+                        }
+                        for one in agreements
+                    ],
+                }
+            )
+        else:
+            for name, record in rig.records.items():
+                left = "" if record.residual is None else f", {record.residual:.3f} px left"
+                day = "never" if record.date is None else f"on {record.date}"
+                say(f"{name}: calibrated {day}{left}")
+            for one in agreements:
+                said = f"{one.corners} corners, {one.pixels:.2f} px and {one.mm:.2f} mm left"
+                say(f"{one.cameras[0]} and {one.cameras[1]}: {said}")
+        return int(bool(findings))
 
 
-@camera.command()
-def draw(
-    cameras: CamerasArgument,
+@command_of(camera)
+class Draw:
+    """Draw what cameras would see: to try all of it without a camera."""
+
+    cameras: CamerasArgument
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder; a folder of pictures each camera.")
-    ],
-    cell: Annotated[Path | None, typer.Option(help="Cell file of what else is seen.")] = None,
-    show: Annotated[DrawnThing, typer.Option(help="What is shown.")] = DrawnThing.WAND,
+    ]
+    cell: Annotated[Path | None, typer.Option(help="Cell file of what else is seen.")] = None
+    show: Annotated[DrawnThing, typer.Option(help="What is shown.")] = DrawnThing.WAND
     at: Annotated[
         Path | None,
         typer.Option(help="Table of the poses at which it is shown, a row a picture."),
-    ] = None,
+    ] = None
     poses: Annotated[
         Path | None,
         typer.Option(help="Table of poses of the flange that carries cameras, a row a picture."),
-    ] = None,
-    board: Annotated[
-        str, typer.Option("--board", help="With --show board: which one.")
-    ] = "charuco 7x5 40 30",
-    noise: Annotated[float, typer.Option(help="Grey levels, one sigma.", min=0.0)] = 2.0,
-    seed: Annotated[int, typer.Option(help="Of the noise.", min=0)] = 0,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Draw what cameras would see: to try all of it without a camera."""
-    shown = None if at is None else (show.value, at, board)
-    raise typer.Exit(_run_draw(cameras, output, cell, shown, poses, noise, seed, format))
+    ] = None
+    board: Annotated[str, typer.Option("--board", help="With --show board: which one.")] = (
+        "charuco 7x5 40 30"
+    )
+    noise: Annotated[float, typer.Option(help="Grey levels, one sigma.", min=0.0)] = 2.0
+    seed: Annotated[int, typer.Option(help="Of the noise.", min=0)] = 0
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        shown = None if self.at is None else (self.show.value, self.at, self.board)
+        from assistant.cell.cell_file import read_scene
+        from assistant.vision.cameras.camera_file import read_cameras
+        from assistant.vision.cameras.synthetic_pictures import Optics, bodies_of_scene, draw
+
+        rig = read_cameras(self.cameras)
+        if shown is None and self.cell is None:
+            raise Refused(_NOTHING_TO_DRAW(), exit_status=2)
+        scene, findings = (None, ()) if self.cell is None else read_scene(self.cell)
+        print_findings(findings)
+        around = [] if scene is None else bodies_of_scene(scene)
+        moments = _drawn_moments(shown, self.poses)
+        for number, (place, flange) in enumerate(moments):
+            things = [
+                *around,
+                *([] if shown is None or place is None else _drawn_things(shown, place)),
+            ]
+            for name, camera in rig.cameras.items():
+                stands = _camera_in_world(camera, scene, flange)
+                picture = draw(stands, things, Optics(noise=self.noise), seed=self.seed + number)
+                _write_png(self.output / name / f"{number:04}.png", picture)
+        if self.format is Format.JSON:
+            print_json({"cameras": list(rig.cameras), "pictures": len(moments)})
+        else:
+            for name in rig.cameras:
+                say(f"{name}: {len(moments)} pictures in {self.output / name}")
+        return 0
 
 
 _NOT_A_CAMERA_FOLDER: Final = error(
@@ -151,43 +260,6 @@ _NO_SOURCE: Final = error(
 )
 _NO_POSES: Final = error("CL502", "there are no poses in {file}", "write a row for each of them")
 _NO_PNG: Final = error("CL504", "a picture is not written as `{name}`", "end its name in .png")
-
-
-def _run_calibrate(
-    pictures: Sequence[str],
-    board: str,
-    output: Path,
-    poses: Path | None,
-    mounting: str,
-    flange: str,
-    format: Format,
-) -> int:
-    from assistant.vision.cameras.calibration import (
-        Board,
-        calibrate_rig,
-        find_board_in_folder,
-        with_sources,
-    )
-    from assistant.vision.cameras.camera_file import write_cameras
-
-    wanted = Board.parse(board)
-    folders = _picture_folders(pictures)
-    looked = [find_board_in_folder(wanted, name, folder) for name, folder in folders.items()]
-    told = [finding for one in looked for finding in one.findings]
-    print_findings(told)
-    flanges = None if poses is None else _read_poses(poses)
-    how = cast("Mounting", mounting)
-    found = calibrate_rig(wanted, looked, flanges=flanges, mounting=how, flange=flange)
-    sources = {name: _relative_folder(folder, output.parent) for name, folder in folders.items()}
-    write_cameras(output, with_sources(found.rig, sources))
-    print_findings([finding for finding in found.findings if finding not in told])
-    if format is Format.JSON:
-        print_json(_calibration_record(found))
-    else:
-        for line in _calibration_lines(found):
-            say(line)
-        say(f"wrote {output}")
-    return 0
 
 
 def _calibration_lines(found: RigFound) -> list[str]:
@@ -301,25 +373,6 @@ def _read_poses(file: Path) -> list[Pose]:
     return found
 
 
-def _run_view(file: Path, name: str, output: Path, source: str | None, format: Format) -> int:
-    from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.capture import exposure_findings
-    from assistant.vision.cameras.synthetic_pictures import with_axes
-
-    if output.suffix.lower() != ".png":
-        raise Refused(_NO_PNG(name=output), exit_status=2)
-    rig = read_cameras(file)
-    camera = rig[name]
-    frame = _next_frame(rig, camera, source)
-    _write_png(output, with_axes(camera, frame.picture))
-    print_findings(exposure_findings(camera, frame.picture))
-    if format is Format.JSON:
-        print_json({"camera": name, "picture": str(output), "size": list(camera.lens.size)})
-    else:
-        say(f"{name}: {frame.name or 'a picture'}, wrote {output}")
-    return 0
-
-
 def _next_frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
     from assistant.vision.cameras.capture import open_frames
 
@@ -329,39 +382,6 @@ def _next_frame(rig: Rig, camera: Camera, source: str | None) -> Frame:
     folder = Path() if source else rig.folder
     with open_frames(camera, named, folder) as frames:
         return next(frames)
-
-
-def _run_check(file: Path, board: str | None, format: Format) -> int:
-    from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.capture import pictures_findings
-
-    rig = read_cameras(file)
-    frames = {name: _next_frame(rig, camera, None) for name, camera in rig.cameras.items()}
-    findings = list(pictures_findings(rig.cameras, frames))
-    agreements: list[Agreement] = []
-    if board is not None:
-        agreements, more = _camera_agreements(rig, frames, board)
-        findings += more
-    print_findings(findings)
-    if format is Format.JSON:
-        print_json(
-            {
-                "cameras": list(rig.cameras),
-                "agreements": [
-                    {"cameras": one.cameras, "corners": one.corners, "px": one.pixels, "mm": one.mm}
-                    for one in agreements
-                ],
-            }
-        )
-    else:
-        for name, record in rig.records.items():
-            left = "" if record.residual is None else f", {record.residual:.3f} px left"
-            day = "never" if record.date is None else f"on {record.date}"
-            say(f"{name}: calibrated {day}{left}")
-        for one in agreements:
-            said = f"{one.corners} corners, {one.pixels:.2f} px and {one.mm:.2f} mm left"
-            say(f"{one.cameras[0]} and {one.cameras[1]}: {said}")
-    return int(bool(findings))
 
 
 def _camera_agreements(
@@ -413,41 +433,6 @@ _UNEQUAL_ROWS: Final = error(
 )
 _DrawnScene = tuple[str, Path, str]
 """Thing to draw, table of its poses, and the board if it is one."""
-
-
-def _run_draw(
-    file: Path,
-    output: Path,
-    cell: Path | None,
-    shown: _DrawnScene | None,
-    poses: Path | None,
-    noise: float,
-    seed: int,
-    format: Format,
-) -> int:
-    from assistant.cell.cell_file import read_scene
-    from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.cameras.synthetic_pictures import Optics, bodies_of_scene, draw
-
-    rig = read_cameras(file)
-    if shown is None and cell is None:
-        raise Refused(_NOTHING_TO_DRAW(), exit_status=2)
-    scene, findings = (None, ()) if cell is None else read_scene(cell)
-    print_findings(findings)
-    around = [] if scene is None else bodies_of_scene(scene)
-    moments = _drawn_moments(shown, poses)
-    for number, (place, flange) in enumerate(moments):
-        things = [*around, *([] if shown is None or place is None else _drawn_things(shown, place))]
-        for name, camera in rig.cameras.items():
-            stands = _camera_in_world(camera, scene, flange)
-            picture = draw(stands, things, Optics(noise=noise), seed=seed + number)
-            _write_png(output / name / f"{number:04}.png", picture)
-    if format is Format.JSON:
-        print_json({"cameras": list(rig.cameras), "pictures": len(moments)})
-    else:
-        for name in rig.cameras:
-            say(f"{name}: {len(moments)} pictures in {output / name}")
-    return 0
 
 
 def _drawn_moments(

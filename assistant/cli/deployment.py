@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.cli.command import command, options
 from assistant.cli.controller_session import complete_controller, named_by, new_client
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import (
@@ -31,28 +32,15 @@ from assistant.cli.presentation import (
 from assistant.report.markdown import cell, code, findings_markdown, folded, plain
 
 if TYPE_CHECKING:
-    from assistant.cli.rollout import RolloutOptions
     from assistant.controllers import Named, Programs
-    from assistant.deploy import Deployment, Plan, PlannedFile, Verified
+    from assistant.deploy import Deployment, PlannedFile, Verified
+    from assistant.deploy import Plan as CheckedPlan
     from assistant.project import Target
 
 
 FilesArgument = Annotated[
-    list[Path] | None,
+    tuple[Path, ...],
     typer.Argument(help="Robot programs, or folders with them; default what the project deploys."),
-]
-ToOption = Annotated[
-    str | None,
-    typer.Option(
-        "--to",
-        metavar="CONTROLLER",
-        help="Its name in assistant.toml, or its address.",
-        autocompletion=complete_controller,
-    ),
-]
-TargetOption = Annotated[
-    list[str] | None,
-    typer.Option("--target", help="Target of the project; repeatable, default all there are."),
 ]
 HistoryOption = Annotated[
     Path | None,
@@ -63,7 +51,7 @@ LoadOption = Annotated[
     bool, typer.Option("--load", help="Also load modules that are not loaded yet.")
 ]
 ReplaceOption = Annotated[
-    list[str] | None,
+    tuple[str, ...],
     typer.Option(
         metavar="NAME",
         help="Program to replace although no deployment left it as it is; * for all.",
@@ -75,115 +63,368 @@ PlanFormatOption = Annotated[
 ]
 
 
-def plan(
-    files: FilesArgument = None,
-    to: ToOption = None,
-    target: TargetOption = None,
-    task: TaskOption = "",
-    load: LoadOption = False,
-    replace: ReplaceOption = None,
-    history: HistoryOption = None,
-    format: PlanFormatOption = PlanFormat.TEXT,
-) -> None:
+ToOption = Annotated[
+    str | None,
+    typer.Option(
+        "--to",
+        metavar="CONTROLLER",
+        help="Its name in assistant.toml, or its address.",
+        autocompletion=complete_controller,
+    ),
+]
+
+
+@options
+class WhereOptions:
+    """The controllers that are meant."""
+
+    to: ToOption = None
+    target: Annotated[
+        tuple[str, ...],
+        typer.Option("--target", help="Target of the project; repeatable, default all there are."),
+    ] = ()
+
+    def jobs(self, files: Sequence[Path], wishes: _DeploymentOptions) -> list[_DeploymentJob]:
+        """Return the deployments to each controller; raise Refused."""
+        if self.to is not None and self.target:
+            raise Refused(_NOT_BOTH(one="--to", other="--target"), exit_status=2)
+        named = tuple(map(str, files))
+        if self.to is not None:
+            one = named_by(self.to)
+            if named or not one.variables:
+                return [_DeploymentJob(self.to, one, wishes, named)]
+        if self.to is None and not self.target and named:
+            raise Refused(_NO_CONTROLLER(), exit_status=2)
+        return [
+            _DeploymentJob(one.name, one.controller, _target_options(one, wishes), named, one)
+            for one in _named_targets(self.to, self.target)
+        ]
+
+    def controllers(self, wishes: _DeploymentOptions) -> list[_DeploymentJob]:
+        """The controllers that are meant, whatever is to be on them; raises Refused."""
+        if self.to is not None and not self.target:
+            return [_DeploymentJob(self.to, named_by(self.to), wishes)]
+        return self.jobs((), wishes)
+
+    def each_controller(self, wishes: _DeploymentOptions) -> list[_DeploymentJob]:
+        """Return each controller once; raise Refused for several that the user has not named."""
+        jobs = self.controllers(wishes)
+        apart = {str(job.one.address) + job.one.address.name: job for job in reversed(jobs)}
+        if len(apart) > 1 and not self.target:
+            names = ", ".join(f"`{job.name}`" for job in jobs)
+            raise Refused(_SEVERAL(names=names), exit_status=2)
+        return [job for job in jobs if job in apart.values()]
+
+
+@command
+class Plan:
     """Show what a deployment would do to each program on a controller. Changes nothing."""
-    wishes = _DeploymentOptions(task, load, tuple(replace or ()), False, history)
-    raise typer.Exit(_run_plan(files or (), to, target or (), wishes, format))
+
+    files: FilesArgument = ()
+    where: WhereOptions
+    task: TaskOption = ""
+    load: LoadOption = False
+    replace: ReplaceOption = ()
+    history: HistoryOption = None
+    format: PlanFormatOption = PlanFormat.TEXT
+
+    def run(self) -> int:
+        wishes = _DeploymentOptions(self.task, self.load, self.replace, False, self.history)
+        return _show_plans(self.where.jobs(self.files, wishes), self.format)
 
 
-def deploy(
-    files: FilesArgument = None,
-    to: ToOption = None,
-    target: TargetOption = None,
+def _show_plans(jobs: Sequence[_DeploymentJob], format: PlanFormat) -> int:
+    answers = []
+    status = 0
+    for job in jobs:
+        with job.opened() as client, working(f"comparing with {job.one.address}"):
+            plan = job.planned(client)
+        plan = replace(plan, notes=(*plan.notes, *plan.unseen))
+        answers.append(_print_outcome(job, plan, None, format))
+        status = max(status, 1 if plan.conflicts or has_errors(plan.findings) else 0)
+    _print_answers(answers, format)
+    return status
+
+
+@command
+class Deploy:
+    """Install programs on a controller, read them back and compare. Never starts motion."""
+
+    files: FilesArgument = ()
+    where: WhereOptions
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only show what would change, as `plan` does.")
-    ] = False,
+    ] = False
     resume: Annotated[
         bool, typer.Option("--resume", help="Finish the deployment that was interrupted.")
-    ] = False,
+    ] = False
     pull: Annotated[
         bool,
         typer.Option(
             "--pull",
             help="Deploy nothing; bring what was changed on the controller into the sources here.",
         ),
-    ] = False,
+    ] = False
     source: Annotated[
         Path | None,
         typer.Option(help="With --pull: what the program was compiled from; default itself."),
-    ] = None,
-    replace: ReplaceOption = None,
+    ] = None
+    replace: ReplaceOption = ()
     files_only: Annotated[
         bool,
         typer.Option(
             "--files-only", help="Replace files though what was taught in memory is not seen."
         ),
-    ] = False,
-    task: TaskOption = "",
-    load: LoadOption = False,
+    ] = False
+    task: TaskOption = ""
+    load: LoadOption = False
     canary: Annotated[
         str, typer.Option(metavar="TARGET", help="Goes first, alone; default as the project says.")
-    ] = "",
+    ] = ""
     parallel: Annotated[
         int | None, typer.Option(min=1, help="Controllers at a time; default 4.")
-    ] = None,
+    ] = None
     junit: Annotated[
         Path | None, typer.Option(metavar="FILE.xml", help="Write a JUnit report as well.")
-    ] = None,
-    history: HistoryOption = None,
-    format: PlanFormatOption = PlanFormat.TEXT,
-) -> None:
-    """Install programs on a controller, read them back and compare. Never starts motion."""
-    from assistant.cli.rollout import RolloutOptions
+    ] = None
+    history: HistoryOption = None
+    format: PlanFormatOption = PlanFormat.TEXT
 
-    wishes = _DeploymentOptions(task, load, tuple(replace or ()), files_only, history)
-    if resume:
-        raise typer.Exit(_run_resume(files or (), to, target or (), wishes, format))
-    if pull:
-        raise typer.Exit(_run_pull(files or (), to, target or (), source, wishes, format))
-    if dry_run:
-        raise typer.Exit(_run_plan(files or (), to, target or (), wishes, format))
-    manner = RolloutOptions(canary, parallel, junit) if canary or parallel or junit else None
-    raise typer.Exit(_run_deploy(files or (), to, target or (), wishes, manner, format))
+    def run(self) -> int:
+        if self.resume:
+            return self._resume()
+        if self.pull:
+            return self._pull()
+        if not self.dry_run:
+            return self._install()
+        return _show_plans(self.where.jobs(self.files, self._wishes), self.format)
+
+    @property
+    def _wishes(self) -> _DeploymentOptions:
+        return _DeploymentOptions(self.task, self.load, self.replace, self.files_only, self.history)
+
+    def _install(self) -> int:
+        from assistant import deploy
+
+        jobs = self.where.jobs(self.files, self._wishes)
+        if len(jobs) > 1 or self.canary or self.parallel or self.junit:
+            return self._install_on_all(jobs)
+        (job,) = jobs
+        with job.opened() as client:
+            with working(f"comparing with {job.one.address}"):
+                plan = job.planned(client)
+            with working(f"installing on {job.one.address}"):
+                done = deploy.deploy(
+                    plan,
+                    history=job.history,
+                    files_only=self.files_only,
+                    tell=lambda finding: print_findings([finding]),
+                )
+        _print_answers([_print_outcome(job, plan, done, self.format)], self.format)
+        return 0 if done.ok else 1
+
+    def _install_on_all(self, jobs: Sequence[_DeploymentJob]) -> int:
+        from assistant.cli.rollout import RolloutOptions, run_rollout
+        from assistant.deploy import Cell
+
+        if self.format is PlanFormat.MARKDOWN:
+            raise Refused(
+                _NOT_BOTH(one="--format markdown", other="many controllers"), exit_status=2
+            )
+
+        def planning(job: _DeploymentJob, client: Programs) -> Callable[[], CheckedPlan]:
+            return lambda: job.planned(client)
+
+        with ExitStack() as stack:
+            cells = []
+            virtual: dict[str, Programs] = {}  # of which each runs once, for all its targets
+            for job in jobs:
+                client = virtual.get(job.one.name) or stack.enter_context(job.opened())
+                if job.one.virtual is not None:
+                    virtual[job.one.name] = client
+                cells.append(Cell(job.name, client.address, planning(job, client)))
+            wishes = jobs[0].wishes
+            answer = Format.JSON if self.format is PlanFormat.JSON else Format.TEXT
+            manner = RolloutOptions(self.canary, self.parallel, self.junit)
+            project = jobs[0].target.project if jobs[0].target else None
+            if project is not None:
+                names = [cell.name for cell in cells]
+                canary = manner.canary or (project.canary if project.canary in names else "")
+                parallel = manner.parallel or project.parallel
+                manner = replace(manner, canary=canary or "", parallel=parallel)
+            return run_rollout(cells, manner, jobs[0].history, wishes.files_only, answer)
+
+    def _resume(self) -> int:
+        from assistant import deploy
+
+        if self.files:
+            raise Refused(_NOT_BOTH(one="--resume", other="a program"), exit_status=2)
+        status = 0
+        for job in self.where.each_controller(self._wishes):
+            with job.opened() as client, working(f"finishing on {job.one.address}"):
+                done = deploy.resume(client, history=job.history, replace=self._wishes.replace)
+            status = max(status, _report_finished(done, as_json=self.format is PlanFormat.JSON))
+        return status
+
+    def _pull(self) -> int:
+        """source: what the one program that is named was compiled from, None for itself."""
+        from assistant.compiler.arms import robot_of
+        from assistant.findings.formats import finding_record
+        from assistant.project.pulled_changes import pull
+
+        if self.source is not None and len(self.files) != 1:
+            raise Refused(_NOT_BOTH(one="--source", other="several programs"), exit_status=2)
+        answers = []
+        status = 0
+        for job in self.where.jobs(self.files, self._wishes):
+            with job.opened() as client, working(f"comparing with {job.one.address}"):
+                plan = job.planned(client)
+            made_of = _sources_by_path(job, self.source)
+            sources = {
+                f.path: made_of.get(Path(f.path).absolute(), Path(f.path)) for f in plan.files
+            }
+            done = pull(plan, sources, robot_of(job.one.robot))
+            findings = (*plan.unseen, *done.findings)
+            if self.format is PlanFormat.JSON:
+                answers.append(
+                    {
+                        "address": str(plan.address),
+                        "ok": done.ok,
+                        "written": {str(path): list(told) for path, told in done.sources.items()},
+                        "findings": [finding_record(finding) for finding in findings],
+                    }
+                )
+            else:
+                print_findings(findings)
+                for path, told in done.sources.items():
+                    say(f"wrote {path}: {', '.join(told)}")
+                if done.sources:
+                    say("look at the difference, build, commit, and deploy")
+            status = max(status, 0 if done.ok else 1)
+        if self.format is PlanFormat.JSON:
+            print_json(answers[0] if len(answers) == 1 else answers)
+        return status
 
 
-def rollback(
+@command
+class Rollback:
+    """Take a deployment back: every program of it is again what it was before."""
+
     number: Annotated[
         int | None,
         typer.Argument(
             min=1, metavar="[N]", help="Deployment to take back with all after it; default the last"
         ),
-    ] = None,
-    to: ToOption = None,
-    target: TargetOption = None,
-    replace: ReplaceOption = None,
-    history: HistoryOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Take a deployment back: every program of it is again what it was before."""
-    raise typer.Exit(_run_rollback(number, to, target or (), tuple(replace or ()), history, format))
+    ] = None
+    where: WhereOptions
+    replace: ReplaceOption = ()
+    history: HistoryOption = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant import deploy
+
+        status = 0
+        for job in self.where.each_controller(_DeploymentOptions(history=self.history)):
+            with job.opened() as client, working(f"taking back on {job.one.address}"):
+                done = deploy.rollback(
+                    client,
+                    self.number,
+                    history=job.history,
+                    replace=self.replace,
+                    tell=lambda finding: print_findings([finding]),
+                )
+            status = max(
+                status, _report_finished(done, as_json=self.format is Format.JSON, back=True)
+            )
+        return status
 
 
-def deployments(
-    to: ToOption = None,
-    history: HistoryOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
+@command
+class Deployments:
     """List the deployments that this computer made: when, who, of which commit, what became."""
-    raise typer.Exit(_run_deployments(to, history, format))
+
+    to: ToOption = None
+    history: HistoryOption = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.deploy import all_journals, journals, place_of
+
+        history = self.history or _history_here()
+        if self.to is None:
+            found = all_journals(history)
+        else:
+            found = journals(place_of(named_by(self.to).address, history))
+        rows = [
+            {
+                "number": one.number,
+                "address": one.record.address,
+                "time": one.record.time,
+                "who": one.record.who,
+                "commit": one.record.commit,
+                "programs": [entry.name for entry in one.entries],
+                "result": one.result,
+                "name": one.record.name,
+                "folder": str(one.folder),
+            }
+            for one in found
+        ]
+        if self.format is Format.JSON:
+            print_json({"deployments": rows})
+            return 0
+        if not rows:
+            say("no deployments here")
+        address = None
+        for row, one in zip(rows, found, strict=True):
+            if row["address"] != address:
+                address = one.record.address
+                say(address)
+            commit, _, dirty = one.record.commit.partition("-")
+            words = f"{commit[:_COMMIT_LENGTH]}{'+' if dirty else ''}" or "-"
+            programs = ", ".join(entry.name for entry in one.entries) or "-"
+            say(
+                f"{one.number:>6}  {one.record.time}  {one.result:<11}  {words:<13}  "
+                f"{one.record.who}  {programs}"
+            )
+        return 0
 
 
-def verify(
-    files: Annotated[
-        list[Path] | None,
-        typer.Argument(help="Robot programs, or folders with them, to compare as well."),
-    ] = None,
-    to: ToOption = None,
-    target: TargetOption = None,
-    history: HistoryOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
+@command
+class Verify:
     """Tell whether a controller still has what the last deployment left there. Changes nothing."""
-    raise typer.Exit(_run_verify(files or (), to, target or (), history, format))
+
+    files: Annotated[
+        tuple[Path, ...],
+        typer.Argument(help="Robot programs, or folders with them, to compare as well."),
+    ] = ()
+    where: WhereOptions
+    history: HistoryOption = None
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant import deploy
+        from assistant.project.deployment import verified_record
+
+        answers = []
+        status = 0
+        wishes = _DeploymentOptions(history=self.history)
+        if self.files or self.where.to is None:
+            jobs = self.where.jobs(self.files, wishes)
+        else:
+            jobs = self.where.controllers(wishes)
+        for job in jobs:
+            with job.opened() as client, working(f"comparing with {job.one.address}"):
+                programs = job.programs(client) if job.files or job.target else []
+                seen = deploy.verify(client, programs, history=job.history)
+            if self.format is Format.JSON:
+                answers.append(verified_record(seen))
+            else:
+                _print_verified(seen)
+            status = max(status, 0 if seen.ok else 1)
+        if self.format is Format.JSON:
+            print_json(answers[0] if len(answers) == 1 else answers)
+        return status
 
 
 _NO_CONTROLLER: Final = error(
@@ -254,7 +495,7 @@ class _DeploymentJob:
             return deploy.gathered(self.files, client)
         return [_path_text(file) for file in self.target.files()]
 
-    def planned(self, client: Programs) -> Plan:
+    def planned(self, client: Programs) -> CheckedPlan:
         """The plan, after all checks; raises Refused for programs that may not be deployed."""
         from assistant.project.deployment import checked_plan
 
@@ -268,48 +509,6 @@ class _DeploymentJob:
             replace=wishes.replace,
             history=self.history,
         )
-
-
-def _jobs_of(
-    files: Sequence[Path], to: str | None, targets: Sequence[str], wishes: _DeploymentOptions
-) -> list[_DeploymentJob]:
-    """Return the deployments to each controller; raise Refused. targets: if empty, all of the
-    project.
-    """
-    if to is not None and targets:
-        raise Refused(_NOT_BOTH(one="--to", other="--target"), exit_status=2)
-    named = tuple(map(str, files))
-    if to is not None:
-        one = named_by(to)
-        if named or not one.variables:
-            return [_DeploymentJob(to, one, wishes, named)]
-    if to is None and not targets and named:
-        raise Refused(_NO_CONTROLLER(), exit_status=2)
-    return [
-        _DeploymentJob(one.name, one.controller, _target_options(one, wishes), named, one)
-        for one in _named_targets(to, targets)
-    ]
-
-
-def _controllers_of_jobs(
-    to: str | None, targets: Sequence[str], wishes: _DeploymentOptions
-) -> list[_DeploymentJob]:
-    """The controllers that are meant, whatever is to be on them; raises Refused."""
-    if to is not None and not targets:
-        return [_DeploymentJob(to, named_by(to), wishes)]
-    return _jobs_of((), to, targets, wishes)
-
-
-def _named_controllers(
-    to: str | None, targets: Sequence[str], wishes: _DeploymentOptions
-) -> list[_DeploymentJob]:
-    """Return each controller once; raise Refused for several that the user has not named."""
-    jobs = _controllers_of_jobs(to, targets, wishes)
-    apart = {str(job.one.address) + job.one.address.name: job for job in reversed(jobs)}
-    if len(apart) > 1 and not targets:
-        names = ", ".join(f"`{job.name}`" for job in jobs)
-        raise Refused(_SEVERAL(names=names), exit_status=2)
-    return [job for job in jobs if job in apart.values()]
 
 
 def _history_here() -> Path | None:
@@ -355,7 +554,7 @@ def _path_text(path: Path) -> str:
 _NOTHING_CHANGED: Final = "nothing has been changed"
 
 
-def _print_plan(plan: Plan) -> None:
+def _print_plan(plan: CheckedPlan) -> None:
     for file in plan.files:
         say(f"{file.name}: {file.change}" + (f" ({file.reason})" if file.reason else ""))
         for text in _what_differs(file).values():
@@ -367,7 +566,7 @@ def _print_plan(plan: Plan) -> None:
 
 
 def _plan_markdown(
-    name: str, plan: Plan, done: Deployment | None, findings: Sequence[Diagnostic]
+    name: str, plan: CheckedPlan, done: Deployment | None, findings: Sequence[Diagnostic]
 ) -> str:
     """Return a plan as a Markdown comment. Text of a controller or a program is code, which it
     cannot escape.
@@ -404,88 +603,8 @@ def _what_differs(file: PlannedFile) -> dict[str, str]:
     return {title: text for title, text in found.items() if text}
 
 
-def _run_plan(
-    files: Sequence[Path],
-    to: str | None,
-    targets: Sequence[str],
-    wishes: _DeploymentOptions,
-    format: PlanFormat,
-) -> int:
-    answers = []
-    status = 0
-    for job in _jobs_of(files, to, targets, wishes):
-        with job.opened() as client, working(f"comparing with {job.one.address}"):
-            plan = job.planned(client)
-        plan = replace(plan, notes=(*plan.notes, *plan.unseen))
-        answers.append(_print_outcome(job, plan, None, format))
-        status = max(status, 1 if plan.conflicts or has_errors(plan.findings) else 0)
-    _print_answers(answers, format)
-    return status
-
-
-def _run_deploy(
-    files: Sequence[Path],
-    to: str | None,
-    targets: Sequence[str],
-    wishes: _DeploymentOptions,
-    manner: RolloutOptions | None,
-    format: PlanFormat,
-) -> int:
-    """manner: of many controllers, None for what the project says."""
-    from assistant import deploy
-    from assistant.cli.rollout import RolloutOptions
-
-    jobs = _jobs_of(files, to, targets, wishes)
-    if len(jobs) > 1 or manner is not None:
-        return _deploy_to_many(jobs, manner or RolloutOptions(), format)
-    (job,) = jobs
-    with job.opened() as client:
-        with working(f"comparing with {job.one.address}"):
-            plan = job.planned(client)
-        with working(f"installing on {job.one.address}"):
-            done = deploy.deploy(
-                plan,
-                history=job.history,
-                files_only=wishes.files_only,
-                tell=lambda finding: print_findings([finding]),
-            )
-    _print_answers([_print_outcome(job, plan, done, format)], format)
-    return 0 if done.ok else 1
-
-
-def _deploy_to_many(
-    jobs: Sequence[_DeploymentJob], manner: RolloutOptions, format: PlanFormat
-) -> int:
-    from assistant.cli.rollout import run_rollout
-    from assistant.deploy import Cell
-
-    if format is PlanFormat.MARKDOWN:
-        raise Refused(_NOT_BOTH(one="--format markdown", other="many controllers"), exit_status=2)
-
-    def planning(job: _DeploymentJob, client: Programs) -> Callable[[], Plan]:
-        return lambda: job.planned(client)
-
-    with ExitStack() as stack:
-        cells = []
-        virtual: dict[str, Programs] = {}  # of which each runs once, for all its targets
-        for job in jobs:
-            client = virtual.get(job.one.name) or stack.enter_context(job.opened())
-            if job.one.virtual is not None:
-                virtual[job.one.name] = client
-            cells.append(Cell(job.name, client.address, planning(job, client)))
-        wishes = jobs[0].wishes
-        answer = Format.JSON if format is PlanFormat.JSON else Format.TEXT
-        project = jobs[0].target.project if jobs[0].target else None
-        if project is not None:
-            names = [cell.name for cell in cells]
-            canary = manner.canary or (project.canary if project.canary in names else "")
-            parallel = manner.parallel or project.parallel
-            manner = replace(manner, canary=canary or "", parallel=parallel)
-        return run_rollout(cells, manner, jobs[0].history, wishes.files_only, answer)
-
-
 def _print_outcome(
-    job: _DeploymentJob, plan: Plan, done: Deployment | None, format: PlanFormat
+    job: _DeploymentJob, plan: CheckedPlan, done: Deployment | None, format: PlanFormat
 ) -> object:
     """Prints what is for people; what is for programs comes back."""
     findings = (*plan.findings, *(done.findings if done else ()))
@@ -518,49 +637,6 @@ _COMMIT_LENGTH: Final = 12
 """Characters of a commit in a table."""
 
 
-def _run_resume(
-    files: Sequence[Path],
-    to: str | None,
-    targets: Sequence[str],
-    wishes: _DeploymentOptions,
-    format: PlanFormat,
-) -> int:
-    from assistant import deploy
-
-    if files:
-        raise Refused(_NOT_BOTH(one="--resume", other="a program"), exit_status=2)
-    status = 0
-    for job in _named_controllers(to, targets, wishes):
-        with job.opened() as client, working(f"finishing on {job.one.address}"):
-            done = deploy.resume(client, history=job.history, replace=wishes.replace)
-        status = max(status, _report_finished(done, as_json=format is PlanFormat.JSON))
-    return status
-
-
-def _run_rollback(
-    number: int | None,
-    to: str | None,
-    targets: Sequence[str],
-    replace: tuple[str, ...],
-    history: Path | None,
-    format: Format,
-) -> int:
-    from assistant import deploy
-
-    status = 0
-    for job in _named_controllers(to, targets, _DeploymentOptions(history=history)):
-        with job.opened() as client, working(f"taking back on {job.one.address}"):
-            done = deploy.rollback(
-                client,
-                number,
-                history=job.history,
-                replace=replace,
-                tell=lambda finding: print_findings([finding]),
-            )
-        status = max(status, _report_finished(done, as_json=format is Format.JSON, back=True))
-    return status
-
-
 def _report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> int:
     """Report the result of a deployment that was finished or rolled back; return its exit status.
 
@@ -581,79 +657,6 @@ def _report_finished(done: Deployment, *, as_json: bool, back: bool = False) -> 
     return 0 if done.ok else 1
 
 
-def _run_deployments(to: str | None, history: Path | None, format: Format) -> int:
-    from assistant.deploy import all_journals, journals, place_of
-
-    history = history or _history_here()
-    if to is None:
-        found = all_journals(history)
-    else:
-        found = journals(place_of(named_by(to).address, history))
-    rows = [
-        {
-            "number": one.number,
-            "address": one.record.address,
-            "time": one.record.time,
-            "who": one.record.who,
-            "commit": one.record.commit,
-            "programs": [entry.name for entry in one.entries],
-            "result": one.result,
-            "name": one.record.name,
-            "folder": str(one.folder),
-        }
-        for one in found
-    ]
-    if format is Format.JSON:
-        print_json({"deployments": rows})
-        return 0
-    if not rows:
-        say("no deployments here")
-    address = None
-    for row, one in zip(rows, found, strict=True):
-        if row["address"] != address:
-            address = one.record.address
-            say(address)
-        commit, _, dirty = one.record.commit.partition("-")
-        words = f"{commit[:_COMMIT_LENGTH]}{'+' if dirty else ''}" or "-"
-        programs = ", ".join(entry.name for entry in one.entries) or "-"
-        say(
-            f"{one.number:>6}  {one.record.time}  {one.result:<11}  {words:<13}  "
-            f"{one.record.who}  {programs}"
-        )
-    return 0
-
-
-def _run_verify(
-    files: Sequence[Path],
-    to: str | None,
-    targets: Sequence[str],
-    history: Path | None,
-    format: Format,
-) -> int:
-    from assistant import deploy
-    from assistant.project.deployment import verified_record
-
-    answers = []
-    status = 0
-    wishes = _DeploymentOptions(history=history)
-    if files or to is None:
-        jobs = _jobs_of(files, to, targets, wishes)
-    else:
-        jobs = _controllers_of_jobs(to, targets, wishes)
-    for job in jobs:
-        with job.opened() as client, working(f"comparing with {job.one.address}"):
-            programs = job.programs(client) if job.files or job.target else []
-            seen = deploy.verify(client, programs, history=job.history)
-        if format is Format.JSON:
-            answers.append(verified_record(seen))
-        else:
-            _print_verified(seen)
-        status = max(status, 0 if seen.ok else 1)
-    if format is Format.JSON:
-        print_json(answers[0] if len(answers) == 1 else answers)
-    return status
-
-
 def _print_verified(seen: Verified) -> None:
     print_findings(seen.findings)
     for program in seen.programs:
@@ -663,51 +666,6 @@ def _print_verified(seen: Verified) -> None:
     if seen.record is not None:
         told = "is as it was left" if seen.ok else "is not as it was left"
         say(f"{seen.address} {told} by the deployment {seen.record.name} of {seen.record.who}")
-
-
-def _run_pull(
-    files: Sequence[Path],
-    to: str | None,
-    targets: Sequence[str],
-    source: Path | None,
-    wishes: _DeploymentOptions,
-    format: PlanFormat,
-) -> int:
-    """source: what the one program that is named was compiled from, None for itself."""
-    from assistant.compiler.arms import robot_of
-    from assistant.findings.formats import finding_record
-    from assistant.project.pulled_changes import pull
-
-    if source is not None and len(files) != 1:
-        raise Refused(_NOT_BOTH(one="--source", other="several programs"), exit_status=2)
-    answers = []
-    status = 0
-    for job in _jobs_of(files, to, targets, wishes):
-        with job.opened() as client, working(f"comparing with {job.one.address}"):
-            plan = job.planned(client)
-        made_of = _sources_by_path(job, source)
-        sources = {f.path: made_of.get(Path(f.path).absolute(), Path(f.path)) for f in plan.files}
-        done = pull(plan, sources, robot_of(job.one.robot))
-        findings = (*plan.unseen, *done.findings)
-        if format is PlanFormat.JSON:
-            answers.append(
-                {
-                    "address": str(plan.address),
-                    "ok": done.ok,
-                    "written": {str(path): list(told) for path, told in done.sources.items()},
-                    "findings": [finding_record(finding) for finding in findings],
-                }
-            )
-        else:
-            print_findings(findings)
-            for path, told in done.sources.items():
-                say(f"wrote {path}: {', '.join(told)}")
-            if done.sources:
-                say("look at the difference, build, commit, and deploy")
-        status = max(status, 0 if done.ok else 1)
-    if format is PlanFormat.JSON:
-        print_json(answers[0] if len(answers) == 1 else answers)
-    return status
 
 
 def _sources_by_path(job: _DeploymentJob, source: Path | None) -> dict[Path, Path]:

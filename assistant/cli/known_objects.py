@@ -7,13 +7,13 @@ cell file poses are in the frame of the cameras. Lengths are mm.
 from __future__ import annotations
 
 import datetime
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
+from assistant.cli.command import command, command_group, command_of
 from assistant.cli.options import CellOption, FormatOption, UnitOption
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
@@ -28,11 +28,8 @@ if TYPE_CHECKING:
     from assistant.vision.recognition.recognition_output import OutputFrame
 
 
-objects: Final = typer.Typer(
-    help="Learn objects by their drawings or by showing them; list those of a library.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    add_completion=False,
+objects: Final = command_group(
+    "Learn objects by their drawings or by showing them; list those of a library."
 )
 LibraryArgument = Annotated[Path, typer.Argument(metavar="LIBRARY", help="Folder of the library.")]
 CamerasOption = Annotated[
@@ -46,94 +43,142 @@ RobotOfCellOption = Annotated[
 ]
 
 
-@objects.command()
-def add(
-    library: LibraryArgument,
-    name: Annotated[str, typer.Argument(help="How the object is called.")],
+@command_of(objects)
+class Add:
+    """Learn an object: by its drawing, by pictures of its face, or as it lies before cameras."""
+
+    library: LibraryArgument
+    name: Annotated[str, typer.Argument(help="How the object is called.")]
     files: Annotated[
-        list[str], typer.Argument(help="Its drawing, .dxf, or pictures: FILE or CAMERA=FILE.")
-    ],
+        tuple[str, ...], typer.Argument(help="Its drawing, .dxf, or pictures: FILE or CAMERA=FILE.")
+    ]
     contour: Annotated[
         str | None, typer.Option(help="Layer of the outline; default the one with closed contours.")
-    ] = None,
+    ] = None
     line: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option("--line", help="Layer whose curves are ways on the part; repeatable."),
-    ] = None,
+    ] = ()
     width: Annotated[
         float | None, typer.Option(help="mm that the face is wide which fills the first picture.")
-    ] = None,
+    ] = None
     height: Annotated[
         float | None, typer.Option(help="mm of the face above what the part lies on.", min=0.0)
-    ] = None,
-    cameras: CamerasOption = None,
-    plane: PlaneOption = 0.0,
+    ] = None
+    cameras: CamerasOption = None
+    plane: PlaneOption = 0.0
     solid: Annotated[
         bool, typer.Option("--solid", help="It is not flat: marks in space, by two cameras.")
-    ] = False,
-    unit: UnitOption = None,
-    again: Annotated[bool, typer.Option("--again", help="Replace one of that name.")] = False,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Learn an object: by its drawing, by pictures of its face, or as it lies before cameras."""
-    asked = _AddOptions(
-        *(library, name, tuple(files), contour, tuple(line or ()), width, height),
-        *(cameras, plane, solid, unit, again),
-    )
-    raise typer.Exit(_run_add(asked, format))
+    ] = False
+    unit: UnitOption = None
+    again: Annotated[bool, typer.Option("--again", help="Replace one of that name.")] = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.vision.recognition.object_library import add_objects, check_name
+
+        check_name(self.name)
+        one, findings = _learn_object(self)
+        add_objects(self.library, [one], again=self.again)
+        print_findings(findings)
+        if self.format is Format.JSON:
+            print_json({"library": str(self.library), **_object_record(one)})
+        else:
+            say(_object_line(one))
+            say(f"wrote {self.library / one.name}.toml")
+        return 0
 
 
-@objects.command("list")
-def _list_(library: LibraryArgument, format: FormatOption = Format.TEXT) -> None:
+@command_of(objects)
+class List:
     """List the objects of a library: what they are known by, and what is done on them."""
-    raise typer.Exit(_run_list(library, format))
+
+    library: LibraryArgument
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.vision.recognition.object_library import read_library
+
+        read = read_library(self.library)
+        print_findings(read.findings)
+        if self.format is Format.JSON:
+            records = [_object_record(one) for one in read.objects.values()]
+            print_json({"library": str(self.library), "objects": records})
+            return 0
+        for one in read.objects.values():
+            say(_object_line(one))
+        return 0
 
 
-def see(
-    cameras: Annotated[Path, typer.Option("--cameras", help="File of the cameras, .toml.")],
-    library: Annotated[Path, typer.Option("--objects", help="Folder of the library.")],
+@command
+class See:
+    """Find known objects in pictures; what is done on them becomes targets. Nothing moves."""
+
+    cameras: Annotated[Path, typer.Option("--cameras", help="File of the cameras, .toml.")]
+    library: Annotated[Path, typer.Option("--objects", help="Folder of the library.")]
     images: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Argument(
             metavar="IMAGES", help="A picture of each camera: FILE or CAMERA=FILE; default theirs."
         ),
-    ] = None,
+    ] = ()
     to: Annotated[
         Path | None, typer.Option("--to", help="Taught targets to write, .toml: what is done.")
-    ] = None,
+    ] = None
     found: Annotated[
         Path | None, typer.Option("--found", help="File to write, .toml: where objects are.")
-    ] = None,
+    ] = None
     picture: Annotated[
         Path | None, typer.Option("--draw", help="The picture with what was found, .png.")
-    ] = None,
-    plane: PlaneOption = 0.0,
+    ] = None
+    plane: PlaneOption = 0.0
     plane_sigma: Annotated[
         float, typer.Option(help="mm, one sigma, that the plane may be off.", min=0.001)
-    ] = 0.05,
-    cell: CellOption = None,
-    robot: RobotOfCellOption = None,
+    ] = 0.05
+    cell: CellOption = None
+    robot: RobotOfCellOption = None
     joints: Annotated[
         str | None,
         typer.Option(help="Where the arm was that carries a camera: degrees with commas."),
-    ] = None,
+    ] = None
     expect: Annotated[
-        list[str] | None, typer.Option(help="An object that has to be there; repeatable.")
-    ] = None,
+        tuple[str, ...], typer.Option(help="An object that has to be there; repeatable.")
+    ] = ()
     most_mm: Annotated[
         float, typer.Option(help="mm, one sigma, that an object may be unsure by.", min=0.001)
-    ] = 1.0,
+    ] = 1.0
     most_deg: Annotated[
         float, typer.Option(help="Degrees, one sigma, that it may be unsure by.", min=0.001)
-    ] = 1.0,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Find known objects in pictures; what is done on them becomes targets. Nothing moves."""
-    asked = _SeeOptions(
-        *(cameras, library, tuple(images or ()), to, found, picture, plane, plane_sigma),
-        *(cell, robot, joints, tuple(expect or ()), most_mm, most_deg),
-    )
-    raise typer.Exit(_run_see(asked, format))
+    ] = 1.0
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        """0 if what was found may be acted on, else 1, and no file is written."""
+        from assistant.vision.cameras.camera_file import read_cameras
+        from assistant.vision.opencv import opencv
+        from assistant.vision.recognition.object_library import read_library
+        from assistant.vision.recognition.recogniser import Recogniser
+
+        _check_see_options(self)
+        rig = read_cameras(self.cameras)
+        library = read_library(self.library)
+        placed = _robot_in_cell(self)
+        pictures = _take_pictures(self, rig)
+        cameras = {name: _camera_in_world(rig.cameras[name], placed, self) for name in pictures}
+        recogniser = Recogniser(opencv(), library)
+        when = datetime.datetime.now(datetime.UTC)
+        sight = recogniser.see(pictures, cameras, _plane_at(self.plane, self.plane_sigma))
+        findings = [*library.findings, *sight.findings, *_doubtful_findings(self, sight)]
+        written = _write_found(self, sight, placed, when, findings)
+        if self.picture is not None:
+            from assistant.vision.recognition.recognition_output import draw_found
+
+            name = next(iter(pictures))
+            _write_png(self.picture, draw_found(opencv(), cameras[name], pictures[name], sight))
+            written.append(self.picture)
+        print_findings(findings)
+        _print_found(sight, _robot_base(placed), written, self.format)
+        return int(has_errors(findings))
 
 
 _TARGETS_NOT_TOML: Final = error("CL550", "`{name}` is written as TOML", "end its name in .toml")
@@ -156,40 +201,7 @@ _NO_PICTURES: Final = error(
 _DRAWING_SUFFIX: Final = ".dxf"
 
 
-@dataclass(frozen=True, slots=True)
-class _AddOptions:
-    """Options of `objects add`."""
-
-    library: Path
-    name: str
-    files: tuple[str, ...]
-    contour: str | None
-    lines: tuple[str, ...]
-    width: float | None
-    height: float | None
-    cameras: Path | None
-    plane: float
-    solid: bool
-    unit: str | None
-    again: bool
-
-
-def _run_add(asked: _AddOptions, format: Format) -> int:
-    from assistant.vision.recognition.object_library import add_objects, check_name
-
-    check_name(asked.name)
-    one, findings = _learn_object(asked)
-    add_objects(asked.library, [one], again=asked.again)
-    print_findings(findings)
-    if format is Format.JSON:
-        print_json({"library": str(asked.library), **_object_record(one)})
-    else:
-        say(_object_line(one))
-        say(f"wrote {asked.library / one.name}.toml")
-    return 0
-
-
-def _learn_object(asked: _AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+def _learn_object(asked: Add) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     from assistant.vision import rules
 
     drawings = [one for one in asked.files if Path(one).suffix.lower() == _DRAWING_SUFFIX]
@@ -201,18 +213,18 @@ def _learn_object(asked: _AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ..
         drawn = read_part(
             *(drawings[0], asked.name),
             contour=asked.contour,
-            lines=asked.lines,
+            lines=asked.line,
             height=asked.height or 0.0,
             unit=asked.unit,
         )
         return drawn.object, drawn.findings
-    if asked.contour is not None or asked.lines:
+    if asked.contour is not None or asked.line:
         cure = "leave out --contour and --line, which are of drawings"
         raise Refused(rules.DRAWING_AND_PICTURES(cure=cure), exit_status=2)
     return _learn_from_pictures(asked)
 
 
-def _learn_from_pictures(asked: _AddOptions) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
+def _learn_from_pictures(asked: Add) -> tuple[KnownObject, tuple[Diagnostic, ...]]:
     from assistant.vision import rules
     from assistant.vision.cameras.camera_file import read_cameras
     from assistant.vision.cameras.capture import read_picture
@@ -264,20 +276,6 @@ def _height_by_depth(
     return max(found or 0.0, 0.0)
 
 
-def _run_list(library: Path, format: Format) -> int:
-    from assistant.vision.recognition.object_library import read_library
-
-    read = read_library(library)
-    print_findings(read.findings)
-    if format is Format.JSON:
-        records = [_object_record(one) for one in read.objects.values()]
-        print_json({"library": str(library), "objects": records})
-        return 0
-    for one in read.objects.values():
-        say(_object_line(one))
-    return 0
-
-
 def _object_record(one: KnownObject) -> dict[str, Any]:
     return {
         "name": one.name,
@@ -300,56 +298,7 @@ def _object_line(one: KnownObject) -> str:
     return f"{one.name}: {' and '.join(known)}; on it {', '.join(done) if done else 'nothing'}"
 
 
-@dataclass(frozen=True, slots=True)
-class _SeeOptions:
-    """Options of `see`."""
-
-    cameras: Path
-    library: Path
-    images: tuple[str, ...]
-    to: Path | None
-    found: Path | None
-    picture: Path | None
-    plane: float
-    plane_sigma: float
-    cell: Path | None
-    robot: str | None
-    joints: str | None
-    expect: tuple[str, ...]
-    most_mm: float
-    most_deg: float
-
-
-def _run_see(asked: _SeeOptions, format: Format) -> int:
-    """0 if what was found may be acted on, else 1, and no file is written."""
-    from assistant.vision.cameras.camera_file import read_cameras
-    from assistant.vision.opencv import opencv
-    from assistant.vision.recognition.object_library import read_library
-    from assistant.vision.recognition.recogniser import Recogniser
-
-    _check_see_options(asked)
-    rig = read_cameras(asked.cameras)
-    library = read_library(asked.library)
-    placed = _robot_in_cell(asked)
-    pictures = _take_pictures(asked, rig)
-    cameras = {name: _camera_in_world(rig.cameras[name], placed, asked) for name in pictures}
-    recogniser = Recogniser(opencv(), library)
-    when = datetime.datetime.now(datetime.UTC)
-    sight = recogniser.see(pictures, cameras, _plane_at(asked.plane, asked.plane_sigma))
-    findings = [*library.findings, *sight.findings, *_doubtful_findings(asked, sight)]
-    written = _write_found(asked, sight, placed, when, findings)
-    if asked.picture is not None:
-        from assistant.vision.recognition.recognition_output import draw_found
-
-        name = next(iter(pictures))
-        _write_png(asked.picture, draw_found(opencv(), cameras[name], pictures[name], sight))
-        written.append(asked.picture)
-    print_findings(findings)
-    _print_found(sight, _robot_base(placed), written, format)
-    return int(has_errors(findings))
-
-
-def _check_see_options(asked: _SeeOptions) -> None:
+def _check_see_options(asked: See) -> None:
     for path in (asked.to, asked.found):
         if path is not None and path.suffix.lower() != ".toml":
             raise Refused(_TARGETS_NOT_TOML(name=path), exit_status=2)
@@ -364,7 +313,7 @@ def _plane_at(height: float, sigma: float = 0.05) -> Plane:
     return Plane(Pose((0.0, 0.0, height)), sigma)
 
 
-def _robot_in_cell(asked: _SeeOptions) -> PlacedRobot | None:
+def _robot_in_cell(asked: See) -> PlacedRobot | None:
     """Return the robot of the cell in whose base poses are given."""
     if asked.cell is None:
         return None
@@ -379,7 +328,7 @@ def _robot_in_cell(asked: _SeeOptions) -> PlacedRobot | None:
     return robots[0]
 
 
-def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: _SeeOptions) -> Camera:
+def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: See) -> Camera:
     """The camera in the world; raises Refused for one that hangs on nobody knows where."""
     import numpy as np
 
@@ -405,7 +354,7 @@ def _camera_in_world(camera: Camera, placed: PlacedRobot | None, asked: _SeeOpti
     return camera.carried(placed.base @ Pose.of(position[0], quaternion[0]))
 
 
-def _take_pictures(asked: _SeeOptions, rig: Rig) -> dict[str, Picture]:
+def _take_pictures(asked: See, rig: Rig) -> dict[str, Picture]:
     from assistant.vision.cameras.capture import open_frames
     from assistant.vision.recognition.photo import check_exposure, read_pictures_of_cameras
 
@@ -420,7 +369,7 @@ def _take_pictures(asked: _SeeOptions, rig: Rig) -> dict[str, Picture]:
     return found
 
 
-def _doubtful_findings(asked: _SeeOptions, sight: Recognition) -> list[Diagnostic]:
+def _doubtful_findings(asked: See, sight: Recognition) -> list[Diagnostic]:
     """Return findings for expected objects not seen and for poses that are too uncertain."""
     from assistant.vision import rules
 
@@ -453,7 +402,7 @@ def _robot_base(placed: PlacedRobot | None) -> OutputFrame:
 
 
 def _write_found(
-    asked: _SeeOptions,
+    asked: See,
     sight: Recognition,
     placed: PlacedRobot | None,
     when: datetime.datetime,

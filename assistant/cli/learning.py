@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, Final, TypeVar
 
 import typer
 
 from assistant.base.diagnostics import Refused, Rule, error
+from assistant.cli.command import command
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.source_input import keep_sources
@@ -41,97 +42,150 @@ class ToolHold(StrEnum):
     FREE = "free"
 
 
-def learn(
+@command
+class Learn:
+    """Learn from two cameras which joints reach what they see, on this computer. Nothing moves."""
+
     robot: Annotated[
         str,
         typer.Argument(
             help="A robot of the catalogue, or a robot file.", autocompletion=complete_robot
         ),
-    ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="Map to write, .npz.")],
-    steps: Annotated[
-        int, typer.Option(help="Targets that are tried.", min=1, max=1_000_000)
-    ] = 30_000,
+    ]
+    output: Annotated[Path, typer.Option("--output", "-o", help="Map to write, .npz.")]
+    steps: Annotated[int, typer.Option(help="Targets that are tried.", min=1, max=1_000_000)] = (
+        30_000
+    )
     hold: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(metavar="JOINT=DEGREES", help="Joint that stays; repeatable."),
-    ] = None,
+    ] = ()
     range: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(
             metavar="JOINT=LOW:HIGH",
             help="Degrees between which a joint learns; default 25 about its home; repeatable.",
         ),
-    ] = None,
+    ] = ()
     box: Annotated[
         str | None,
         typer.Option(
             metavar="X,Y,Z", help="Targets in a box of the base, mm, each of them LOW:HIGH."
         ),
-    ] = None,
+    ] = None
     tool: Annotated[
         ToolHold | None,
         typer.Option(
             help="How the tool is held in the box; free: only its place is learnt, and the "
             "posture nearest to the middle of the ranges."
         ),
-    ] = None,
+    ] = None
     turn: Annotated[
         str, typer.Option(metavar="LOW:HIGH", help="Degrees of the held tool about its axis.")
-    ] = "0:0",
+    ] = "0:0"
     point: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(
             metavar="X,Y,Z",
             help="Point of the tool that is seen, mm on the flange; repeatable.",
         ),
-    ] = None,
+    ] = ()
     cameras: Annotated[
         Path | None,
         typer.Option(help="File of cameras that stand about the base; default a pair is put up."),
-    ] = None,
+    ] = None
     lattice: Annotated[
         str | None, typer.Option(metavar="7x12x4", help="Units along each axis of the lattice.")
-    ] = None,
+    ] = None
     noise: Annotated[
         float, typer.Option(help="Pixels of noise, one sigma.", min=0.0, max=100.0)
-    ] = 0.0,
-    seed: Annotated[int, typer.Option(help="Of what is random.", min=0)] = 0,
+    ] = 0.0
+    seed: Annotated[int, typer.Option(help="Of what is random.", min=0)] = 0
     go_on: Annotated[
         Path | None, typer.Option("--go-on", help="Map that goes on learning, .npz.")
-    ] = None,
+    ] = None
     longer: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(
             metavar="LENGTH=FACTOR",
             help="Link that is longer than the robot file says; repeatable.",
         ),
-    ] = None,
+    ] = ()
     recorded: Annotated[
-        list[Path] | None,
+        tuple[Path, ...],
         typer.Option(
             help="Learn from where an arm was: log of `explore`, `servo` or `monitor`; repeatable.",
             metavar="LOG.csv",
         ),
-    ] = None,
+    ] = ()
     picture: Annotated[
         Path | None, typer.Option(help="Draw the lattice at several stages, .png or .svg.")
-    ] = None,
+    ] = None
     curve: Annotated[
         Path | None, typer.Option(help="Errors over the steps, .csv, .png or .svg.")
-    ] = None,
+    ] = None
     rivals: Annotated[
         bool, typer.Option("--rivals", help="Beside a calibrated pair of cameras and a regression.")
-    ] = False,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Learn from two cameras which joints reach what they see, on this computer. Nothing moves."""
-    held = "any" if tool is None else tool.value
-    options = _LearnOptions(
-        *(robot, steps, hold or (), range or (), box, held, turn, point or (), cameras),
-        *(lattice, noise, seed, go_on, longer or (), rivals, format, recorded or ()),
-    )
-    raise typer.Exit(_run_learn(options, _LearnOutputs(output, picture, curve)))
+    ] = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.learning.experiments import experiment_of
+        from assistant.learning.map_file import load_map, save_map
+        from assistant.learning.map_training import (
+            draw_test_goals,
+            measure_errors,
+            split_recording,
+            train_and_measure,
+            train_recorded,
+        )
+
+        _check_output_names(self)
+        known = None if self.go_on is None else load_map(self.go_on)
+        wanted = _learning_task(self)
+        rows = _recorded_joints(wanted, self)
+        if rows is not None:
+            wanted = _task_in_recorded_ranges(wanted, rows, known)
+        made = experiment_of(wanted, known)
+        arm = made.arm
+        for name, factor in _link_factors(self.longer):
+            arm = arm.longer(name, factor)
+        arm = arm.noisy(self.noise, self.seed)
+        net = _initial_map(made, self) if known is None else known
+        if rows is None:
+            tests = draw_test_goals(arm, made.space, self.seed)
+        else:
+            rows, tests = split_recording(arm, rows[:, arm.columns])
+        begun = net.steps
+        stages: list[LatticeStage] = []
+        curve: list[MapErrors] = []
+
+        def watch(found: MapErrors) -> None:
+            stages.append(_lattice_stage(net, found))
+            curve.append(found)
+            rate = (found.steps - begun) / found.seconds if found.seconds else 0.0
+            _print_at_once(self, _error_row(f"{found.steps:>9,} {rate:>9,.0f}", found))
+
+        for line in _table_head(net, arm, tests, recorded=rows is not None):
+            _print_at_once(self, line)
+        watch(_current_errors(net, arm, tests))
+        if rows is None:
+            train_and_measure(net, arm, made.space, _learning_plan(net, self), tests, watch)
+        else:
+            train_recorded(
+                net,
+                rows,
+                arm(rows),
+                _learning_plan(net, self),
+                lambda seconds: watch(measure_errors(net, arm, tests, seconds)),
+            )
+        beside = dict(_rival_results(made, net, arm, tests, self))
+        for name, found in beside.items():
+            _print_at_once(self, _error_row(f"{name:>19}", found))
+        files = _output_data(net, arm.task.cameras, curve, stages, tests, self)
+        save_map(net, self.output, files)
+        _print_result(net, arm, curve, beside, tests, [self.output, *files], self)
+        return 0
 
 
 _BAD_RANGE: Final = error(
@@ -156,38 +210,21 @@ _BAD_TURN: Final = error(
 )
 _FARTHEST_COORDINATE: Final = 100_000.0
 """mm that a coordinate has at most: beyond, it is no place about a robot."""
-_FREE_TOOL: Final = "free"
-"""Value of --tool for a tool of which only the position is learnt."""
 _SHORTEST_LINK_FACTOR: Final = 0.5
 _LONGEST_LINK_FACTOR: Final = 2.0
 """Times the length of a link."""
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class _LearnOptions:
-    """The words of the command."""
-
-    robot: str
-    steps: int
-    hold: Sequence[str]
-    range: Sequence[str]
-    box: str | None
-    tool: str
-    turn: str
-    point: Sequence[str]
-    cameras: Path | None
-    lattice: str | None
-    noise: float
-    seed: int
-    go_on: Path | None
-    longer: Sequence[str]
-    rivals: bool
-    format: Format
-    recorded: Sequence[Path] = ()
+_TOOL_RULES: Final[Mapping[ToolHold | None, Held]] = {
+    None: "any",
+    ToolHold.FREE: "any",
+    ToolHold.DOWN: "down",
+    ToolHold.FORWARD: "forward",
+}
 
 
-def _learning_task(options: _LearnOptions) -> ExperimentSettings:
+def _learning_task(options: Learn) -> ExperimentSettings:
     import numpy as np
 
     from assistant.compiler.arms import robot_of
@@ -208,10 +245,10 @@ def _learning_task(options: _LearnOptions) -> ExperimentSettings:
         np.array(points) if points else None,
         dict(map(range_of, options.range)),
         box,
-        cast("Held", "any" if options.tool == _FREE_TOOL else options.tool),
+        _TOOL_RULES[options.tool],
         (low, high),
         () if options.cameras is None else _fixed_cameras(options.cameras),
-        options.tool == _FREE_TOOL,
+        options.tool is ToolHold.FREE,
     )
 
 
@@ -313,75 +350,7 @@ _TEST_NOISE: Final = 0.2
 """Pixels with which a map is measured as well that has learnt without."""
 
 
-@dataclass(frozen=True, slots=True)
-class _LearnOutputs:
-    """Files to write."""
-
-    map: Path
-    picture: Path | None
-    curve: Path | None
-
-
-def _run_learn(options: _LearnOptions, outputs: _LearnOutputs) -> int:
-    from assistant.learning.experiments import experiment_of
-    from assistant.learning.map_file import load_map, save_map
-    from assistant.learning.map_training import (
-        draw_test_goals,
-        measure_errors,
-        split_recording,
-        train_and_measure,
-        train_recorded,
-    )
-
-    _check_output_names(options, outputs)
-    known = None if options.go_on is None else load_map(options.go_on)
-    wanted = _learning_task(options)
-    rows = _recorded_joints(wanted, options)
-    if rows is not None:
-        wanted = _task_in_recorded_ranges(wanted, rows, known)
-    made = experiment_of(wanted, known)
-    arm = made.arm
-    for name, factor in _link_factors(options.longer):
-        arm = arm.longer(name, factor)
-    arm = arm.noisy(options.noise, options.seed)
-    net = _initial_map(made, options) if known is None else known
-    if rows is None:
-        tests = draw_test_goals(arm, made.space, options.seed)
-    else:
-        rows, tests = split_recording(arm, rows[:, arm.columns])
-    begun = net.steps
-    stages: list[LatticeStage] = []
-    curve: list[MapErrors] = []
-
-    def watch(found: MapErrors) -> None:
-        stages.append(_lattice_stage(net, found))
-        curve.append(found)
-        rate = (found.steps - begun) / found.seconds if found.seconds else 0.0
-        _print_at_once(options, _error_row(f"{found.steps:>9,} {rate:>9,.0f}", found))
-
-    for line in _table_head(net, arm, tests, recorded=rows is not None):
-        _print_at_once(options, line)
-    watch(_current_errors(net, arm, tests))
-    if rows is None:
-        train_and_measure(net, arm, made.space, _learning_plan(net, options), tests, watch)
-    else:
-        train_recorded(
-            net,
-            rows,
-            arm(rows),
-            _learning_plan(net, options),
-            lambda seconds: watch(measure_errors(net, arm, tests, seconds)),
-        )
-    beside = dict(_rival_results(made, net, arm, tests, options))
-    for name, found in beside.items():
-        _print_at_once(options, _error_row(f"{name:>19}", found))
-    files = _output_data(net, arm.task.cameras, curve, stages, tests, outputs)
-    save_map(net, outputs.map, files)
-    _print_result(net, arm, curve, beside, tests, [outputs.map, *files], options)
-    return 0
-
-
-def _recorded_joints(asked: ExperimentSettings, options: _LearnOptions) -> Floats | None:
+def _recorded_joints(asked: ExperimentSettings, options: Learn) -> Floats | None:
     """Return the joints (n, a) of recordings with held joints in place; None without recordings."""
     import numpy as np
 
@@ -428,7 +397,7 @@ def _current_errors(net: ExtendedMap, arm: ObservedArm, tests: Goals) -> MapErro
     return measure_errors(net, arm, tests)
 
 
-def _print_at_once(options: _LearnOptions, line: str) -> None:
+def _print_at_once(options: Learn, line: str) -> None:
     """At once, as it takes its time."""
     if options.format is Format.TEXT:
         say(line)
@@ -457,7 +426,7 @@ def _print_result(
     beside: Mapping[str, MapErrors],
     tests: Goals,
     written: Sequence[Path],
-    options: _LearnOptions,
+    options: Learn,
 ) -> None:
     from assistant.findings.formats import finding_record
     from assistant.learning.map_training import measure_overrun
@@ -488,23 +457,23 @@ def _print_result(
     say(f"wrote {', '.join(str(one) for one in written)}")
 
 
-def _check_output_names(options: _LearnOptions, outputs: _LearnOutputs) -> None:
+def _check_output_names(options: Learn) -> None:
     from assistant.report.figures import format_of
 
-    if outputs.map.suffix.lower() != ".npz" or not outputs.map.stem:
-        raise Refused(_NOT_A_MAP_NAME(name=outputs.map), exit_status=2)
-    if outputs.picture is not None:
-        format_of(outputs.picture.name)
-    curve, picture = outputs.curve, outputs.picture
+    if options.output.suffix.lower() != ".npz" or not options.output.stem:
+        raise Refused(_NOT_A_MAP_NAME(name=options.output), exit_status=2)
+    if options.picture is not None:
+        format_of(options.picture.name)
+    curve, picture = options.curve, options.picture
     same = curve is not None and picture is not None and curve.resolve() == picture.resolve()
     if curve is not None and (same or curve.suffix.lower() not in {".csv", ".png", ".svg"}):
-        raise Refused(_NOT_A_CURVE_NAME(name=outputs.curve), exit_status=2)
+        raise Refused(_NOT_A_CURVE_NAME(name=options.curve), exit_status=2)
     read = [str(one) for one in (options.cameras, Path(options.robot)) if one is not None]
     read += [str(one) for one in options.recorded]
-    keep_sources(read, [one for one in (outputs.map, outputs.picture, outputs.curve) if one])
+    keep_sources(read, [one for one in (options.output, options.picture, options.curve) if one])
 
 
-def _initial_map(made: Experiment, options: _LearnOptions) -> ExtendedMap:
+def _initial_map(made: Experiment, options: Learn) -> ExtendedMap:
     from assistant.learning.map_training import start_map_with_shape
 
     if options.lattice is None:
@@ -513,7 +482,7 @@ def _initial_map(made: Experiment, options: _LearnOptions) -> ExtendedMap:
     return start_map_with_shape(shape, made.arm, made.space, made.ranges, options.seed)
 
 
-def _learning_plan(net: ExtendedMap, options: _LearnOptions) -> TrainingPlan:
+def _learning_plan(net: ExtendedMap, options: Learn) -> TrainingPlan:
     from assistant.learning.extended_map import first_cooling, relearning_cooling
     from assistant.learning.map_training import MEASURED_STEPS, TrainingPlan
 
@@ -524,7 +493,7 @@ def _learning_plan(net: ExtendedMap, options: _LearnOptions) -> TrainingPlan:
 
 
 def _rival_results(
-    made: Experiment, net: ExtendedMap, arm: ObservedArm, tests: Goals, options: _LearnOptions
+    made: Experiment, net: ExtendedMap, arm: ObservedArm, tests: Goals, options: Learn
 ) -> Iterable[tuple[str, MapErrors]]:
     """The map with noise, and the rivals without and with it."""
     from assistant.learning.experiments import CalibratedBaseline, baseline_errors, nearest_baseline
@@ -578,7 +547,7 @@ def _output_data(
     curve: Sequence[MapErrors],
     stages: Sequence[LatticeStage],
     tests: Goals,
-    outputs: _LearnOutputs,
+    outputs: Learn,
 ) -> dict[Path, bytes]:
     """Return the files requested beside the map: a picture of the lattice and the error curve."""
     import numpy as np

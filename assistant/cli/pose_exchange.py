@@ -10,16 +10,23 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from assistant.base.diagnostics import Refused, Severity, error, warning
-from assistant.cli.controller_session import CellArgument, YesOption, confirm, connected
+from assistant.cli.command import command_group, command_of, options
+from assistant.cli.controller_session import (
+    CellArgument,
+    Session,
+    YesOption,
+    confirm,
+    connected,
+    print_there,
+)
 from assistant.cli.options import FormatOption
-from assistant.cli.presentation import Format, LengthUnit, console, print_findings, print_json, say
+from assistant.cli.presentation import Format, LengthUnit, console, print_findings, say
 
 if TYPE_CHECKING:
     from assistant.controllers import Programs
@@ -32,137 +39,288 @@ if TYPE_CHECKING:
     )
     from assistant.program.geometry import Target
     from assistant.program.motion import Path as Poses
-    from assistant.program.se3 import Unit
     from assistant.program.statements import Motion
 
 
-exchange: Final = typer.Typer(
-    help="Exchange poses with a running program, by files on the controller.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    add_completion=False,
+exchange: Final = command_group(
+    "Exchange poses with a running program, by files on the controller."
 )
 PrefixOption = Annotated[str, typer.Option(help="How the names of the files begin.")]
 TimeoutOption = Annotated[
     float, typer.Option(help="Seconds for an answer without a motion.", min=0.1)
 ]
-PlainOption = Annotated[
-    bool, typer.Option("--plain", help="Plain text files, without numbers and checksums.")
-]
-FilesOption = Annotated[
-    str | None,
-    typer.Option(
-        "--files",
-        help="With --plain: names of the files from the PC, the one that is waited for first.",
-        metavar="POSITION,ORIENTATION,CONFIGURATION",
-    ),
-]
-AnswersOption = Annotated[
-    str | None,
-    typer.Option(
-        "--answers",
-        help="With --plain: names of the files from the robot.",
-        metavar="POSITION,ORIENTATION,CONFIGURATION",
-    ),
-]
 
 
-@exchange.command()
-def module(
-    output: Annotated[
-        str, typer.Option("--output", "-o", help="File to write; - prints it.")
-    ] = "PoseExchange.mod",
-    name: Annotated[str | None, typer.Option(help="Name of the module.")] = None,
-    tool: Annotated[str | None, typer.Option(help="Tool that is moved.")] = None,
+@options
+class PlainOptions:
+    """Files of a plain exchange."""
+
+    plain: Annotated[
+        bool, typer.Option("--plain", help="Plain text files, without numbers and checksums.")
+    ] = False
+    files: Annotated[
+        str | None,
+        typer.Option(
+            "--files",
+            help="With --plain: names of the files from the PC, the one that is waited for first.",
+            metavar="POSITION,ORIENTATION,CONFIGURATION",
+        ),
+    ] = None
+    answers: Annotated[
+        str | None,
+        typer.Option(
+            "--answers",
+            help="With --plain: names of the files from the robot.",
+            metavar="POSITION,ORIENTATION,CONFIGURATION",
+        ),
+    ] = None
+
+    def names(self, others: Mapping[str, bool]) -> PlainFiles | None:
+        """Return the file names of a plain exchange; None for the numbered one.
+
+        others: options that only the numbered one has, and whether they are given. Raises Refused
+        for them with --plain, and for --files and --answers without it.
+        """
+        from assistant.controllers.abb.exchange import PlainFiles
+
+        if not self.plain:
+            for option, given in (("--files", self.files), ("--answers", self.answers)):
+                if given is not None:
+                    raise Refused(_ONLY_PLAIN(option=option), exit_status=2)
+            return None
+        for option, is_given in others.items():
+            if is_given:
+                reason = "the robot stands still at each pose"
+                raise Refused(_NOT_PLAIN(option=option, reason=reason), exit_status=2)
+        usual = PlainFiles()
+        return PlainFiles(
+            usual.sent if self.files is None else _answer_names(self.files),
+            usual.answers if self.answers is None else _answer_names(self.answers),
+        )
+
+
+@command_of(exchange)
+class Module:
+    """Write the robot's side: a module that waits for poses, goes there and answers."""
+
+    output: Annotated[str, typer.Option("--output", "-o", help="File to write; - prints it.")] = (
+        "PoseExchange.mod"
+    )
+    name: Annotated[str | None, typer.Option(help="Name of the module.")] = None
+    tool: Annotated[str | None, typer.Option(help="Tool that is moved.")] = None
     tip: Annotated[
         str | None,
         typer.Option(help="x,y,z[,w,x,y,z] of its tip, mm on the flange: declares the tool."),
-    ] = None,
-    mass: Annotated[float, typer.Option(help="Of that tool, kg.")] = 1.0,
-    centre: Annotated[str, typer.Option(help="x,y,z of its centre of gravity, mm.")] = "0,0,50",
-    work_object: Annotated[str | None, typer.Option(help="Frame that poses are in.")] = None,
-    speed: Annotated[str | None, typer.Option(help="Name of the speed.")] = None,
-    zone: Annotated[str | None, typer.Option(help="Name of the zone of poses on the way.")] = None,
-    folder: Annotated[str | None, typer.Option(help="Folder of the files there.")] = None,
-    prefix: PrefixOption = "exchange",
+    ] = None
+    mass: Annotated[float, typer.Option(help="Of that tool, kg.")] = 1.0
+    centre: Annotated[str, typer.Option(help="x,y,z of its centre of gravity, mm.")] = "0,0,50"
+    work_object: Annotated[str | None, typer.Option(help="Frame that poses are in.")] = None
+    speed: Annotated[str | None, typer.Option(help="Name of the speed.")] = None
+    zone: Annotated[str | None, typer.Option(help="Name of the zone of poses on the way.")] = None
+    folder: Annotated[str | None, typer.Option(help="Folder of the files there.")] = None
+    prefix: PrefixOption = "exchange"
     longest: Annotated[
         float, typer.Option(help="Seconds without a request after which it ends.")
-    ] = 240.0,
-    plain: PlainOption = False,
-    files: FilesOption = None,
-    answers: AnswersOption = None,
-) -> None:
-    """Write the robot's side: a module that waits for poses, goes there and answers."""
-    given = {
-        "module": name,
-        "tool": tool,
-        "work_object": work_object,
-        "speed": speed,
-        "zone": zone,
-        "folder": folder,
-    }
-    named = {key: value for key, value in given.items() if value is not None}
-    names = _plain_files(plain, files, answers, {"--zone": zone is not None})
-    raise typer.Exit(_run_module(output, named, prefix, longest, tip, mass, centre, names))
+    ] = 240.0
+    plain: PlainOptions
+
+    def run(self) -> int:
+        """Prints the module, looks through it as `check` does, and writes it."""
+        given = {
+            "module": self.name,
+            "tool": self.tool,
+            "work_object": self.work_object,
+            "speed": self.speed,
+            "zone": self.zone,
+            "folder": self.folder,
+        }
+        named = {key: value for key, value in given.items() if value is not None}
+        plain = self.plain.names({"--zone": self.zone is not None})
+        from assistant import languages
+        from assistant.base.file_sets import write_files
+        from assistant.controllers.abb.exchange import LANGUAGE, Module, Tool
+
+        tool = None
+        if self.tip is not None:
+            place, turn = _tool_pose(self.tip)
+            middle = _listed_numbers(self.centre, (3,), "x,y,z")
+            tool = Tool(place, turn, self.mass, (middle[0], middle[1], middle[2]))
+        usual = Module()
+        text = Module(
+            module=named.get("module", usual.module),
+            tool=named.get("tool", usual.tool),
+            work_object=named.get("work_object", usual.work_object),
+            speed=named.get("speed", usual.speed),
+            zone=named.get("zone", usual.zone),
+            folder=named.get("folder", usual.folder),
+            prefix=self.prefix,
+            longest=self.longest,
+            tool_data=tool,
+            plain=plain,
+        ).text()
+        language = languages.get(LANGUAGE)
+        tree = language.parse(text)
+        found = [*tree.findings, *language.check([tree])]
+        wrong = [finding for finding in found if finding.severity is Severity.ERROR]
+        if wrong:
+            raise Refused(*wrong)
+        print_findings(found)
+        if self.output == "-":
+            sys.stdout.write(text)
+            return 0
+        target = Path(self.output)
+        write_files({target.name: text.encode("ascii")}, target.parent)
+        say(f"{target}: copy it to the controller, load it, and start it from its first line")
+        return 0
 
 
-@exchange.command()
-def pose(
-    cell: CellArgument,
-    prefix: PrefixOption = "exchange",
-    timeout: TimeoutOption = 10.0,
-    plain: PlainOption = False,
-    files: FilesOption = None,
-    answers: AnswersOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
+@command_of(exchange)
+class Pose:
     """Ask the program where the robot is. Nothing moves."""
-    names = _plain_files(plain, files, answers, {})
-    raise typer.Exit(_run_pose(cell, prefix, timeout, names, format))
+
+    cell: CellArgument
+    prefix: PrefixOption = "exchange"
+    timeout: TimeoutOption = 10.0
+    plain: PlainOptions
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        plain = self.plain.names({})
+        with connected(self.cell, "exchange pose") as there:
+            exchange = _pose_sender(there.session, self.prefix, self.timeout, self.timeout, plain)
+            answer = exchange.current_pose()
+        _warn_without_checksum(answer.checked if plain is None else None, str(there.one.address))
+        print_there(there, self.format, _answer_record(answer), (_answer_line(answer),))
+        return 0
 
 
-@exchange.command()
-def follow(
-    cell: CellArgument,
-    trajectory: Annotated[Path, typer.Argument(help="Poses: csv, json, npy, npz, toml.")],
+@command_of(exchange)
+class Follow:
+    """Send poses one after the other; the arm goes to each. Asks before; Ctrl-C stops it."""
+
+    cell: CellArgument
+    trajectory: Annotated[Path, typer.Argument(help="Poses: csv, json, npy, npz, toml.")]
     through: Annotated[
         bool, typer.Option("--through", help="Without standing still at each pose.")
-    ] = False,
+    ] = False
     record: Annotated[
         Path | None, typer.Option(help="Write what was answered.", metavar="FILE.csv|npz")
-    ] = None,
+    ] = None
     plot: Annotated[
         Path | None, typer.Option(help="Draw what was answered.", metavar="FILE.png|svg")
-    ] = None,
+    ] = None
     plot_unit: Annotated[
         LengthUnit, typer.Option("--plot-unit", help="Unit of the positions that are drawn.")
-    ] = LengthUnit.MM,
-    prefix: PrefixOption = "exchange",
-    timeout: TimeoutOption = 10.0,
-    longest: Annotated[float, typer.Option(help="Seconds for one motion.", min=0.1)] = 240.0,
-    plain: PlainOption = False,
-    files: FilesOption = None,
-    answers: AnswersOption = None,
-    yes: YesOption = False,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Send poses one after the other; the arm goes to each. Asks before; Ctrl-C stops it."""
-    names = _plain_files(plain, files, answers, {"--through": through})
-    options = _FollowOptions(
-        prefix, timeout, longest, through, record, plot, plot_unit.value, names, yes, format
-    )
-    raise typer.Exit(_run_follow(cell, trajectory, options))
+    ] = LengthUnit.MM
+    prefix: PrefixOption = "exchange"
+    timeout: TimeoutOption = 10.0
+    longest: Annotated[float, typer.Option(help="Seconds for one motion.", min=0.1)] = 240.0
+    plain: PlainOptions
+    yes: YesOption = False
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        plain = self.plain.names({"--through": self.through})
+        from assistant.controllers.recording import check_place
+        from assistant.report import figures
+
+        if self.plot is not None:
+            figures.format_of(self.plot.name)
+            figures.new_figure(1.0, 1.0)  # before the arm moves, whether a picture can be drawn
+        if self.record is not None:
+            check_place(self.record)
+        path = _read_poses(self.trajectory)
+        with connected(self.cell, "exchange follow") as there:
+            how = "through" if self.through else "to"
+            confirm(
+                there.one, f"moves the arm {how} {len(path)} poses of `{self.trajectory}`", self.yes
+            )
+            exchange = _pose_sender(there.session, self.prefix, self.timeout, self.longest, plain)
+            try:
+                with (
+                    _ended_otherwise(str(there.one.address), exchange),
+                    exchange,
+                    _progress_bar(len(path)) as advance,
+                ):
+                    _warn_without_checksum(exchange.checked, str(there.one.address))
+                    exchange.follow(
+                        path,
+                        configurations=_configurations(path),
+                        through=self.through,
+                        progress=lambda *_: advance(),
+                    )
+            finally:
+                self._write_answers(exchange)
+        self._print_round_trips(exchange, there)
+        return 0
+
+    def _write_answers(self, exchange: PoseSender) -> None:
+        """Writes what was answered, also of an exchange that was broken off."""
+        if not len(exchange.recording):
+            return
+        if self.record is not None:
+            exchange.recording.save(self.record)
+            say(f"wrote {self.record}")
+        if self.plot is not None:
+            from assistant.base.file_sets import write_files
+            from assistant.report import figures
+
+            column = exchange.recording.column
+            picture = figures.exchange_plot(
+                column("seconds"),
+                column("position"),
+                column("quaternion"),
+                f"{self.trajectory.name}: the TCP over the time",
+                figures.format_of(self.plot.name),
+                self.plot_unit.value,
+            )
+            write_files({self.plot.name: picture}, self.plot.parent)
+            say(f"wrote {self.plot}")
+
+    def _print_round_trips(self, exchange: PoseSender, there: Session) -> None:
+        """Print the duration of the round trips, split into their parts."""
+        parts = ["round_trip", "hand_over", "waiting", "fetching"]
+        if not self.plain.plain:  # whose files do not tell how long a motion took
+            parts.append("motion")
+        taken = {part: float(exchange.recording.column(part)[1:].mean()) for part in parts}
+        count = len(exchange.recording) - 1
+        lines = [
+            f"{count} poses; each took {taken['round_trip']:.3f} s on average:",
+            f"  {taken['hand_over']:.3f} s until the request was there",
+        ]
+        if self.plain.plain:
+            said = "for the motion, and until both sides had looked for files"
+            lines.append(f"  {taken['waiting']:.3f} s {said}")
+        else:
+            looking = max(0.0, taken["waiting"] - taken["motion"])
+            lines += [
+                f"  {taken['motion']:.3f} s for the motion, as the controller measured",
+                f"  {looking:.3f} s until both sides had looked for a file",
+            ]
+        lines.append(f"  {taken['fetching']:.3f} s to fetch the answer")
+        print_there(there, self.format, {"poses": count, "seconds": taken}, lines)
 
 
-@exchange.command()
-def stop(
-    cell: CellArgument,
-    prefix: PrefixOption = "exchange",
-    timeout: TimeoutOption = 10.0,
-    format: FormatOption = Format.TEXT,
-) -> None:
+@command_of(exchange)
+class Stop:
     """Stop the arm where it is and end the program. Never asks; no emergency stop."""
-    raise typer.Exit(_run_stop(cell, prefix, timeout, format))
+
+    cell: CellArgument
+    prefix: PrefixOption = "exchange"
+    timeout: TimeoutOption = 10.0
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.controllers.abb.exchange import PoseExchange
+
+        with connected(self.cell, "exchange stop") as there:
+            exchange = PoseExchange(there.session, prefix=self.prefix, timeout=self.timeout)
+            answer = exchange.stop()
+        if answer is None:
+            raise Refused(_NOT_STOPPED(place=str(there.one.address), ended=exchange.ended))
+        lines = (f"{there.one.name}: {exchange.ended}", _answer_line(answer))
+        print_there(there, self.format, _answer_record(answer), lines)
+        return 0
 
 
 _BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write them with commas between")
@@ -191,48 +349,6 @@ _ONLY_PLAIN: Final = error(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _FollowOptions:
-    """Options of `exchange follow`."""
-
-    prefix: str
-    timeout: float
-    longest: float
-    through: bool
-    record: Path | None
-    plot: Path | None
-    plot_unit: Unit
-    plain: PlainFiles | None
-    yes: bool
-    format: Format
-
-
-def _plain_files(
-    plain: bool, files: str | None, answers: str | None, others: Mapping[str, bool]
-) -> PlainFiles | None:
-    """Return the file names of a plain exchange; None for the numbered one.
-
-    others: options that only the numbered one has, and whether they are given. Raises Refused for
-    them with --plain, and for --files and --answers without it.
-    """
-    from assistant.controllers.abb.exchange import PlainFiles
-
-    if not plain:
-        for option, given in (("--files", files), ("--answers", answers)):
-            if given is not None:
-                raise Refused(_ONLY_PLAIN(option=option), exit_status=2)
-        return None
-    for option, is_given in others.items():
-        if is_given:
-            reason = "the robot stands still at each pose"
-            raise Refused(_NOT_PLAIN(option=option, reason=reason), exit_status=2)
-    usual = PlainFiles()
-    return PlainFiles(
-        usual.sent if files is None else _answer_names(files),
-        usual.answers if answers is None else _answer_names(answers),
-    )
-
-
 def _answer_names(given: str) -> tuple[str, str, str]:
     names = [name.strip() for name in given.split(",")]
     if len(names) != 3:
@@ -255,126 +371,12 @@ def _pose_sender(
     return PlainExchange(programs, files=plain, prefix=prefix, timeout=timeout, longest=longest)
 
 
-def _run_module(
-    output: str,
-    named: Mapping[str, str],
-    prefix: str,
-    longest: float,
-    tip: str | None,
-    mass: float,
-    centre: str,
-    plain: PlainFiles | None,
-) -> int:
-    """Prints the module, looks through it as `check` does, and writes it."""
-    from assistant import languages
-    from assistant.base.file_sets import write_files
-    from assistant.controllers.abb.exchange import LANGUAGE, Module, Tool
-
-    tool = None
-    if tip is not None:
-        place, turn = _tool_pose(tip)
-        middle = _listed_numbers(centre, (3,), "x,y,z")
-        tool = Tool(place, turn, mass, (middle[0], middle[1], middle[2]))
-    usual = Module()
-    text = Module(
-        module=named.get("module", usual.module),
-        tool=named.get("tool", usual.tool),
-        work_object=named.get("work_object", usual.work_object),
-        speed=named.get("speed", usual.speed),
-        zone=named.get("zone", usual.zone),
-        folder=named.get("folder", usual.folder),
-        prefix=prefix,
-        longest=longest,
-        tool_data=tool,
-        plain=plain,
-    ).text()
-    language = languages.get(LANGUAGE)
-    tree = language.parse(text)
-    found = [*tree.findings, *language.check([tree])]
-    wrong = [finding for finding in found if finding.severity is Severity.ERROR]
-    if wrong:
-        raise Refused(*wrong)
-    print_findings(found)
-    if output == "-":
-        sys.stdout.write(text)
-        return 0
-    target = Path(output)
-    write_files({target.name: text.encode("ascii")}, target.parent)
-    say(f"{target}: copy it to the controller, load it, and start it from its first line")
-    return 0
-
-
-def _run_pose(
-    cell: str, prefix: str, timeout: float, plain: PlainFiles | None, format: Format
-) -> int:
-    with connected(cell, "exchange pose") as there:
-        exchange = _pose_sender(there.session, prefix, timeout, timeout, plain)
-        answer = exchange.current_pose()
-    _warn_without_checksum(answer.checked if plain is None else None, str(there.one.address))
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), **_answer_record(answer)})
-    else:
-        say(_answer_line(answer))
-    return 0
-
-
 def _warn_without_checksum(checked: bool | None, place: str) -> None:
     """Report a module that writes no checksum."""
     if checked is False:
         from assistant.controllers.abb.exchange import rules
 
         print_findings([rules.UNCHECKED(place=place)])
-
-
-def _run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
-    from assistant.controllers.abb.exchange import PoseExchange
-
-    with connected(cell, "exchange stop") as there:
-        exchange = PoseExchange(there.session, prefix=prefix, timeout=timeout)
-        answer = exchange.stop()
-    if answer is None:
-        raise Refused(_NOT_STOPPED(place=str(there.one.address), ended=exchange.ended))
-    if format is Format.JSON:
-        print_json({"address": str(there.one.address), **_answer_record(answer)})
-    else:
-        say(f"{there.one.name}: {exchange.ended}")
-        say(_answer_line(answer))
-    return 0
-
-
-def _run_follow(cell: str, trajectory: Path, options: _FollowOptions) -> int:
-    from assistant.controllers.recording import check_place
-    from assistant.report import figures
-
-    if options.plot is not None:
-        figures.format_of(options.plot.name)
-        figures.new_figure(1.0, 1.0)  # before the arm moves, whether a picture can be drawn
-    if options.record is not None:
-        check_place(options.record)
-    path = _read_poses(trajectory)
-    with connected(cell, "exchange follow") as there:
-        how = "through" if options.through else "to"
-        confirm(there.one, f"moves the arm {how} {len(path)} poses of `{trajectory}`", options.yes)
-        exchange = _pose_sender(
-            there.session, options.prefix, options.timeout, options.longest, options.plain
-        )
-        try:
-            with (
-                _ended_otherwise(str(there.one.address), exchange),
-                exchange,
-                _progress_bar(len(path)) as advance,
-            ):
-                _warn_without_checksum(exchange.checked, str(there.one.address))
-                exchange.follow(
-                    path,
-                    configurations=_configurations(path),
-                    through=options.through,
-                    progress=lambda *_: advance(),
-                )
-        finally:
-            _write_answers(exchange, options, trajectory.name)
-    _print_round_trips(exchange, str(there.one.address), options)
-    return 0
 
 
 @contextmanager
@@ -461,51 +463,6 @@ def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
         return None
     rows = to_confdata(path.configurations).tolist()
     return [(one, four, six, x) for one, four, six, x in rows]
-
-
-def _write_answers(exchange: PoseSender, options: _FollowOptions, name: str) -> None:
-    """Writes what was answered, also of an exchange that was broken off."""
-    if not len(exchange.recording):
-        return
-    if options.record is not None:
-        exchange.recording.save(options.record)
-        say(f"wrote {options.record}")
-    if options.plot is not None:
-        from assistant.base.file_sets import write_files
-        from assistant.report import figures
-
-        column = exchange.recording.column
-        picture = figures.exchange_plot(
-            column("seconds"),
-            column("position"),
-            column("quaternion"),
-            f"{name}: the TCP over the time",
-            figures.format_of(options.plot.name),
-            options.plot_unit,
-        )
-        write_files({options.plot.name: picture}, options.plot.parent)
-        say(f"wrote {options.plot}")
-
-
-def _print_round_trips(exchange: PoseSender, place: str, options: _FollowOptions) -> None:
-    """Print the duration of the round trips, split into their parts."""
-    parts = ["round_trip", "hand_over", "waiting", "fetching"]
-    if options.plain is None:  # whose files do not tell how long a motion took
-        parts.append("motion")
-    taken = {part: float(exchange.recording.column(part)[1:].mean()) for part in parts}
-    count = len(exchange.recording) - 1
-    if options.format is Format.JSON:
-        print_json({"address": place, "poses": count, "seconds": taken})
-        return
-    say(f"{count} poses; each took {taken['round_trip']:.3f} s on average:")
-    say(f"  {taken['hand_over']:.3f} s until the request was there")
-    if options.plain is None:
-        say(f"  {taken['motion']:.3f} s for the motion, as the controller measured")
-        looking = max(0.0, taken["waiting"] - taken["motion"])
-        say(f"  {looking:.3f} s until both sides had looked for a file")
-    else:
-        say(f"  {taken['waiting']:.3f} s for the motion, and until both sides had looked for files")
-    say(f"  {taken['fetching']:.3f} s to fetch the answer")
 
 
 def _answer_record(answer: Answer) -> dict[str, object]:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from assistant.base.diagnostics import Refused, error
+from assistant.cli.command import command_of
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
 
@@ -57,59 +57,8 @@ AnswerOption = Annotated[
 ]
 
 
-def calibrate(
-    context: typer.Context,
-    robot: RobotArgument,
-    measured: Annotated[
-        Path, typer.Argument(metavar="MEASURED", help="CSV: joints beside measured points.")
-    ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="The corrected robot, as TOML.")
-    ],
-    estimate: EstimateOption = _Estimated.LENGTHS,
-    tool: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,Z", help="Measured point in the flange, mm, if it is known."),
-    ] = None,
-    in_base: InBase = False,
-    noise: Annotated[
-        float | None, typer.Option(metavar="MM", help="Of the measured points, if it is known.")
-    ] = None,
-    cameras: CamerasOption = None,
-    format: AnswerOption = None,
-) -> None:
-    """Correct lengths and zeros of an arm by measured poses, and tell what they cannot tell."""
-    asked = _calibration_options(context, format)
-    options = _CalibrationOptions(output, estimate.value, tool, in_base, noise, cameras, asked)
-    raise typer.Exit(_run_calibrate(robot, measured, options))
-
-
-def poses(
-    context: typer.Context,
-    robot: RobotArgument,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="Table of the joints, as CSV.")
-    ],
-    count: Annotated[int, typer.Option(help="How many.")] = 40,
-    estimate: EstimateOption = _Estimated.LENGTHS,
-    tool: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Point in the flange, mm, roughly.")
-    ] = None,
-    in_base: InBase = False,
-    box: Annotated[
-        str | None,
-        typer.Option(metavar="X0,X1,Y0,Y1,Z0,Z1", help="Where the point may be, mm of the base."),
-    ] = None,
-    cameras: CamerasOption = None,
-    format: AnswerOption = None,
-) -> None:
-    """Suggest poses to measure an arm in, which tell most of its errors."""
-    asked = _calibration_options(context, format)
-    options = _PoseOptions(output, count, estimate.value, tool, in_base, box, cameras, asked)
-    raise typer.Exit(_run_poses(robot, options))
-
-
-def _calibration_options(context: typer.Context, format: Format | None) -> Format:
+def _answer_format(context: typer.Context, format: Format | None) -> Format:
+    """Return the format of a command, or the one that is stated before the command."""
     before = context.parent.params["format"] if context.parent else Format.TEXT
     return answer_as(format or Format(before))
 
@@ -129,13 +78,137 @@ def _robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> 
         raise typer.Exit(_list_robots(format))
 
 
-robots.command("calibrate")(calibrate)
-robots.command("poses")(poses)
+@command_of(robots)
+class Calibrate:
+    """Correct lengths and zeros of an arm by measured poses, and tell what they cannot tell."""
+
+    context: typer.Context
+    robot: RobotArgument
+    measured: Annotated[
+        Path, typer.Argument(metavar="MEASURED", help="CSV: joints beside measured points.")
+    ]
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE", help="The corrected robot, as TOML.")
+    ]
+    estimate: EstimateOption = _Estimated.LENGTHS
+    tool: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,Z", help="Measured point in the flange, mm, if it is known."),
+    ] = None
+    in_base: InBase = False
+    noise: Annotated[
+        float | None, typer.Option(metavar="MM", help="Of the measured points, if it is known.")
+    ] = None
+    cameras: CamerasOption = None
+    format: AnswerOption = None
+
+    def run(self) -> int:
+        """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
+        from assistant.base.diagnostics import Severity
+        from assistant.base.file_sets import write_files
+        from assistant.compiler.arms import robot_of
+        from assistant.learning import calibration_output
+        from assistant.learning.arm_calibration import calibrate
+        from assistant.learning.calibration_output import corrected_files
+        from assistant.learning.measured_poses import read_measured
+
+        format = _answer_format(self.context, self.format)
+        output = self.output
+        if output.suffix.lower() != ".toml" or not output.stem:
+            raise Refused(_NOT_A_ROBOT_FILE(name=output.name), exit_status=2)
+        if self.noise is not None and not self.noise > 0.0:
+            raise Refused(_BAD_NOISE(given=self.noise), exit_status=2)
+        known = _known_parts(self.tool, in_base=self.in_base)
+        arm = robot_of(self.robot)
+        assert arm is not None
+        poses = read_measured(self.measured, arm, _read_given_cameras(self.cameras))
+        done = calibrate(arm, poses, estimate=self.estimate.value, known=known, noise=self.noise)
+        files = corrected_files(done, output.stem)
+        _refuse_own_file(self.robot, [output.parent / name for name in files])
+        written = write_files(files, output.parent)
+        print_findings(done.findings)
+        if format is Format.JSON:
+            print_json(
+                calibration_output.calibration_record(done)
+                | {"files": [str(file) for file in written]}
+            )
+        else:
+            for line in calibration_output.calibration_lines(done):
+                say(line)
+            say(f"corrected robot: {', '.join(str(file) for file in written)}")
+        return 1 if any(one.severity is not Severity.INFO for one in done.findings) else 0
 
 
-@robots.command("show")
-def _robots_show(
-    context: typer.Context,
+@command_of(robots)
+class Poses:
+    """Suggest poses to measure an arm in, which tell most of its errors."""
+
+    context: typer.Context
+    robot: RobotArgument
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE", help="Table of the joints, as CSV.")
+    ]
+    count: Annotated[int, typer.Option(help="How many.")] = 40
+    estimate: EstimateOption = _Estimated.LENGTHS
+    tool: Annotated[
+        str | None, typer.Option(metavar="X,Y,Z", help="Point in the flange, mm, roughly.")
+    ] = None
+    in_base: InBase = False
+    box: Annotated[
+        str | None,
+        typer.Option(metavar="X0,X1,Y0,Y1,Z0,Z1", help="Where the point may be, mm of the base."),
+    ] = None
+    cameras: CamerasOption = None
+    format: AnswerOption = None
+
+    def run(self) -> int:
+        import numpy as np
+
+        from assistant.base.file_sets import write_files
+        from assistant.compiler.arms import robot_of
+        from assistant.learning import calibration_output
+        from assistant.learning.pose_selection import suggest_poses
+
+        format = _answer_format(self.context, self.format)
+        if self.count < _FEWEST_POSES:
+            raise Refused(_FEW_POSES(count=self.count, least=_FEWEST_POSES), exit_status=2)
+        arm = robot_of(self.robot)
+        assert arm is not None
+        a, b, c = _finite_numbers(self.tool or "0,0,0", 3, "x,y,z")
+        box = None
+        if self.box is not None:
+            box = np.array(_finite_numbers(self.box, 6, "x0,x1,y0,y1,z0,z1")).reshape(3, 2)
+        seen = tuple((_read_given_cameras(self.cameras) or {}).values())
+        found = suggest_poses(
+            arm,
+            self.count,
+            estimate=self.estimate.value,
+            tool=(a, b, c),
+            known=_known_parts(None, in_base=self.in_base),
+            box=box,
+            cameras=seen,
+        )
+        units = ("mm" if slides else "deg" for slides in arm.sliding)
+        header = [f"{axis.lower()}_{unit}" for axis, unit in zip(arm.axes, units, strict=True)]
+        rows = [",".join(f"{value:.2f}" for value in row) for row in found.joints]
+        text = "\n".join([",".join(header), *rows]) + "\n"
+        (written,) = write_files({self.output.name: text.encode()}, self.output.parent)
+        if format is Format.JSON:
+            names = [one.name for one in found.parameters]
+            sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
+            print_json({"poses": str(written), "count": self.count, "sigmas": sigmas})
+            return 0
+        for line in calibration_output.suggestion_lines(found):
+            say(line)
+        say(f"poses: {written}")
+        return 0
+
+
+@command_of(robots)
+class Show:
+    """Print the data of a robot with their source, and draw it."""
+
+    context: typer.Context
     robot: Annotated[
         str,
         typer.Argument(
@@ -143,19 +216,40 @@ def _robots_show(
             help="A robot of the catalogue, or a robot file.",
             autocompletion=complete_robot,
         ),
-    ],
+    ]
     draw: Annotated[
         Path | None,
         typer.Option(help="Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE"),
-    ] = None,
-    format: Annotated[
-        Format | None, typer.Option("--format", help="For people or for programs.")
-    ] = None,
-) -> None:
-    """Print the data of a robot with their source, and draw it."""
-    before = context.parent.params["format"] if context.parent else Format.TEXT
-    asked = answer_as(format or Format(before))
-    raise typer.Exit(_show_robot(robot, draw, Format(asked)))
+    ] = None
+    format: AnswerOption = None
+
+    def run(self) -> int:
+        """Show a robot. draw: the picture that is written before any output; None for none."""
+        from assistant.compiler.arms import robot_of
+        from assistant.report import robots as report
+
+        format = _answer_format(self.context, self.format)
+        robot = robot_of(self.robot)
+        assert robot is not None
+        print_findings(robot.findings)
+        drawn = None
+        if self.draw is not None:
+            from assistant.base.file_sets import write_files
+            from assistant.report.figures import format_of
+            from assistant.report.robots import arm_drawing
+
+            picture = arm_drawing(robot, format_of(self.draw.name))
+            (drawn,) = write_files({self.draw.name: picture}, self.draw.parent)
+        if format is Format.JSON:
+            print_json(
+                report.robot_record(robot) | ({} if drawn is None else {"drawing": str(drawn)})
+            )
+            return 0
+        for line in report.robot_lines(robot):
+            say(line)
+        if drawn is not None:
+            say(f"drawing: {drawn}")
+        return 0
 
 
 def _list_robots(format: Format) -> int:
@@ -171,32 +265,6 @@ def _list_robots(format: Format) -> int:
     return 0
 
 
-def _show_robot(name: str, draw: Path | None, format: Format) -> int:
-    """Show a robot. draw: the picture that is written before any output; None for none."""
-    from assistant.compiler.arms import robot_of
-    from assistant.report import robots as report
-
-    robot = robot_of(name)
-    assert robot is not None
-    print_findings(robot.findings)
-    drawn = None
-    if draw is not None:
-        from assistant.base.file_sets import write_files
-        from assistant.report.figures import format_of
-        from assistant.report.robots import arm_drawing
-
-        picture = arm_drawing(robot, format_of(draw.name))
-        (drawn,) = write_files({draw.name: picture}, draw.parent)
-    if format is Format.JSON:
-        print_json(report.robot_record(robot) | ({} if drawn is None else {"drawing": str(drawn)}))
-        return 0
-    for line in report.robot_lines(robot):
-        say(line)
-    if drawn is not None:
-        say(f"drawing: {drawn}")
-    return 0
-
-
 _NOT_A_ROBOT_FILE: Final = error("CL540", "`{name}` is no file of a robot", "name it as FILE.toml")
 _NOT_NUMBERS: Final = error(
     "CL541", "`{given}` is not {wanted}", "write numbers with commas between, in mm"
@@ -207,112 +275,6 @@ _OWN_FILE: Final = error(
     "CL544", "`{name}` is a file of the robot that was measured", "name another one"
 )
 _FEWEST_POSES: Final = 6
-
-
-@dataclass(frozen=True, slots=True)
-class _CalibrationOptions:
-    """tool: x,y,z of the measured point in the flange, if it is known. in_base: whether the points
-    are measured in the base of the arm. noise: mm, one sigma, None to take it from the residuals.
-    """
-
-    output: Path
-    estimate: Literal["zeros", "lengths", "chain"]
-    tool: str | None
-    in_base: bool
-    noise: float | None
-    cameras: Path | None
-    format: Format
-
-
-def _run_calibrate(robot: str, measured: Path, options: _CalibrationOptions) -> int:
-    """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
-    from assistant.base.diagnostics import Severity
-    from assistant.base.file_sets import write_files
-    from assistant.compiler.arms import robot_of
-    from assistant.learning import calibration_output
-    from assistant.learning.arm_calibration import calibrate
-    from assistant.learning.calibration_output import corrected_files
-    from assistant.learning.measured_poses import read_measured
-
-    output = options.output
-    if output.suffix.lower() != ".toml" or not output.stem:
-        raise Refused(_NOT_A_ROBOT_FILE(name=output.name), exit_status=2)
-    if options.noise is not None and not options.noise > 0.0:
-        raise Refused(_BAD_NOISE(given=options.noise), exit_status=2)
-    known = _known_parts(options.tool, in_base=options.in_base)
-    arm = robot_of(robot)
-    assert arm is not None
-    poses = read_measured(measured, arm, _read_given_cameras(options.cameras))
-    done = calibrate(arm, poses, estimate=options.estimate, known=known, noise=options.noise)
-    files = corrected_files(done, output.stem)
-    _refuse_own_file(robot, [output.parent / name for name in files])
-    written = write_files(files, output.parent)
-    print_findings(done.findings)
-    if options.format is Format.JSON:
-        print_json(
-            calibration_output.calibration_record(done) | {"files": [str(file) for file in written]}
-        )
-    else:
-        for line in calibration_output.calibration_lines(done):
-            say(line)
-        say(f"corrected robot: {', '.join(str(file) for file in written)}")
-    return 1 if any(one.severity is not Severity.INFO for one in done.findings) else 0
-
-
-@dataclass(frozen=True, slots=True)
-class _PoseOptions:
-    """box: x0,x1,y0,y1,z0,z1 mm of the base, None for no bounds."""
-
-    output: Path
-    count: int
-    estimate: Literal["zeros", "lengths", "chain"]
-    tool: str | None
-    in_base: bool
-    box: str | None
-    cameras: Path | None
-    format: Format
-
-
-def _run_poses(robot: str, options: _PoseOptions) -> int:
-    import numpy as np
-
-    from assistant.base.file_sets import write_files
-    from assistant.compiler.arms import robot_of
-    from assistant.learning import calibration_output
-    from assistant.learning.pose_selection import suggest_poses
-
-    if options.count < _FEWEST_POSES:
-        raise Refused(_FEW_POSES(count=options.count, least=_FEWEST_POSES), exit_status=2)
-    arm = robot_of(robot)
-    assert arm is not None
-    a, b, c = _finite_numbers(options.tool or "0,0,0", 3, "x,y,z")
-    box = None
-    if options.box is not None:
-        box = np.array(_finite_numbers(options.box, 6, "x0,x1,y0,y1,z0,z1")).reshape(3, 2)
-    seen = tuple((_read_given_cameras(options.cameras) or {}).values())
-    found = suggest_poses(
-        arm,
-        options.count,
-        estimate=options.estimate,
-        tool=(a, b, c),
-        known=_known_parts(None, in_base=options.in_base),
-        box=box,
-        cameras=seen,
-    )
-    units = ("mm" if slides else "deg" for slides in arm.sliding)
-    header = [f"{axis.lower()}_{unit}" for axis, unit in zip(arm.axes, units, strict=True)]
-    rows = [",".join(f"{value:.2f}" for value in row) for row in found.joints]
-    text = "\n".join([",".join(header), *rows]) + "\n"
-    (written,) = write_files({options.output.name: text.encode()}, options.output.parent)
-    if options.format is Format.JSON:
-        names = [one.name for one in found.parameters]
-        sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
-        print_json({"poses": str(written), "count": options.count, "sigmas": sigmas})
-        return 0
-    for line in calibration_output.suggestion_lines(found):
-        say(line)
-    say(f"poses: {written}")
-    return 0
 
 
 def _refuse_own_file(robot: str, files: Iterable[Path]) -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import sys
 import webbrowser
-from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Final
@@ -19,66 +18,71 @@ import typer
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
+from assistant.cli.command import command
 from assistant.cli.options import CellOption, FormatOption, RobotOption
 from assistant.cli.presentation import Format, print_findings, say
 
 if TYPE_CHECKING:
-    from assistant.controllers.gateway import Gateway
+    from assistant.controllers.gateway import Gateway as RunningGateway
     from assistant.program.geometry import Pose
     from assistant.sources.seen_settings import Trust
     from assistant.sources.sights import Sight
-    from assistant.studio.studio import Studio
-    from assistant.vision.pose_server import Answer
+    from assistant.studio.studio import Studio as OpenStudio
+    from assistant.vision.pose_server import Answer as GivenAnswer
 
 
-def studio(
+@command
+class Studio:
+    """Open the studio: drawing, program, cell and controller in one window of the browser."""
+
     project: Annotated[
         Path, typer.Argument(metavar="[PROJECT]", help="Its folder; default this one.")
-    ] = Path(),
+    ] = Path()
     host: Annotated[
         str | None,
         typer.Option(help="Address by which others open it, encrypted; default nobody else can."),
-    ] = None,
-    port: Annotated[
-        int, typer.Option(help="Port; default one that is free.", min=0, max=65535)
-    ] = 0,
-    open: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Open the studio: drawing, program, cell and controller in one window of the browser."""
-    raise typer.Exit(_run_studio(project, host, port, open, format))
+    ] = None
+    port: Annotated[int, typer.Option(help="Port; default one that is free.", min=0, max=65535)] = 0
+    open: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True
+    format: FormatOption = Format.TEXT
+
+    def run(self) -> int:
+        from assistant.base.termination import is_ctrl_c, raise_on_termination, wait_for_termination
+        from assistant.cli.presentation import print_findings, print_json, say
+        from assistant.studio.server import serving
+
+        studio: OpenStudio | None = None
+        try:
+            with (
+                raise_on_termination() as ending,
+                serving(self.project, self.host, self.port) as served,
+            ):
+                studio = served.studio
+                if self.format is Format.JSON:
+                    print_json({"folder": str(served.studio.folder), "address": served.address})
+                else:
+                    where = f"listening on {served.address} until Ctrl-C"
+                    say(f"studio of {served.studio.folder}, {where}")
+                sys.stdout.flush()
+                if self.open:  # a browser of the terminal would come back only when it is closed
+                    Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()
+                try:
+                    wait_for_termination()
+                finally:
+                    ending.hold()  # an arm is let go of, whatever else comes
+        except KeyboardInterrupt as caught:
+            left_on = () if studio is None else studio.left_on
+            print_findings(left_on)
+            if not is_ctrl_c(caught):
+                raise
+            return 1 if left_on else 0
+        return 0
 
 
-def _run_studio(project: Path, host: str | None, port: int, opened: bool, format: Format) -> int:
-    from assistant.base.termination import is_ctrl_c, raise_on_termination, wait_for_termination
-    from assistant.cli.presentation import print_findings, print_json, say
-    from assistant.studio.server import serving
+@command
+class Lsp:
+    """Answer an editor over the Language Server Protocol; see docs/editors.md."""
 
-    studio: Studio | None = None
-    try:
-        with raise_on_termination() as ending, serving(project, host, port) as served:
-            studio = served.studio
-            if format is Format.JSON:
-                print_json({"folder": str(served.studio.folder), "address": served.address})
-            else:
-                say(f"studio of {served.studio.folder}, listening on {served.address} until Ctrl-C")
-            sys.stdout.flush()
-            if opened:  # a browser of the terminal would come back only when it is closed
-                Thread(target=webbrowser.open, args=(served.address,), daemon=True).start()
-            try:
-                wait_for_termination()
-            finally:
-                ending.hold()  # an arm is let go of, whatever else comes
-    except KeyboardInterrupt as caught:
-        left_on = () if studio is None else studio.left_on
-        print_findings(left_on)
-        if not is_ctrl_c(caught):
-            raise
-        return 1 if left_on else 0
-    return 0
-
-
-def lsp(
     tcp: Annotated[
         int | None,
         typer.Option(
@@ -88,7 +92,7 @@ def lsp(
             max=65535,
             help="Listen for one editor on this computer instead of pipes; 0 takes a free port.",
         ),
-    ] = None,
+    ] = None
     extension: Annotated[
         Path | None,
         typer.Option(
@@ -97,10 +101,10 @@ def lsp(
             help="Write the extension for VS Code, FILE.vsix, and end.",
             dir_okay=False,
         ),
-    ] = None,
-) -> None:
-    """Answer an editor over the Language Server Protocol; see docs/editors.md."""
-    raise typer.Exit(run_lsp(tcp) if extension is None else run_extension(extension))
+    ] = None
+
+    def run(self) -> int:
+        return run_lsp(self.tcp) if self.extension is None else run_extension(self.extension)
 
 
 def run_lsp(tcp: int | None) -> int:
@@ -147,13 +151,16 @@ _NO_CONNECTION_LINE: Final = error(
 _PORTS: Final = range(1, 65536)
 
 
-def gateway(
+@command
+class Gateway:
+    """Hand bytes on between a socket and a controller whose lines carry texts alone."""
+
     line: Annotated[
         str,
         typer.Argument(
             help="The controller's line that waits for a connection, as 192.168.0.20:11002."
         ),
-    ] = "",
+    ] = ""
     listen: Annotated[
         int,
         typer.Option(
@@ -161,22 +168,24 @@ def gateway(
             min=0,
             max=_PORTS.stop - 1,
         ),
-    ] = 0,
+    ] = 0
     to: Annotated[
         str,
         typer.Option(
             help="The other end, for a line that connects to this computer.", metavar="HOST:PORT"
         ),
-    ] = "",
+    ] = ""
     host: Annotated[
         str, typer.Option(help="Address of this computer to listen at; default all of them.")
-    ] = "",
-) -> None:
-    """Hand bytes on between a socket and a controller whose lines carry texts alone."""
-    if bool(line) == bool(to):
-        named = f"`{line}` and `{to}` are named" if line else "none is named"
-        raise Refused(_NO_CONNECTION_LINE(named=named), exit_status=2)
-    raise typer.Exit(_run_gateway((host, listen), _host_and_port(line or to), bool(to)))
+    ] = ""
+
+    def run(self) -> int:
+        if bool(self.line) == bool(self.to):
+            named = f"`{self.line}` and `{self.to}` are named" if self.line else "none is named"
+            raise Refused(_NO_CONNECTION_LINE(named=named), exit_status=2)
+        return _serve_lines(
+            (self.host, self.listen), _host_and_port(self.line or self.to), bool(self.to)
+        )
 
 
 def _host_and_port(text: str) -> tuple[str, int]:
@@ -186,13 +195,13 @@ def _host_and_port(text: str) -> tuple[str, int]:
     return host, int(port)
 
 
-def _run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool) -> int:
+def _serve_lines(at: tuple[str, int], to: tuple[str, int], for_controller: bool) -> int:
     """at: where it listens. to: what it connects to. for_controller: who connects is one."""
     import asyncio
 
-    from assistant.controllers.gateway import Gateway
+    from assistant.controllers import gateway as gateways
 
-    gateway = Gateway(at, to, for_controller=for_controller)
+    gateway = gateways.Gateway(at, to, for_controller=for_controller)
     gateway.report = _print_flushed
     try:
         asyncio.run(_serve_gateway(gateway))
@@ -206,7 +215,7 @@ def _run_gateway(at: tuple[str, int], to: tuple[str, int], for_controller: bool)
     return 0
 
 
-async def _serve_gateway(gateway: Gateway) -> None:
+async def _serve_gateway(gateway: RunningGateway) -> None:
     server = await gateway.start()
     _print_flushed(f"listens at port {gateway.at[1]}; end it with Ctrl-C")
     async with server:
@@ -221,40 +230,64 @@ def _print_flushed(line: str) -> None:
 _SIGHT_STATES: Final = {None: "not answered", 0: "not in sight", 1: "found", 2: "doubtful"}
 
 
-def answer(
-    seen: Annotated[Path, typer.Argument(help="Where objects were found; read at each question.")],
+@command
+class Answer:
+    """Answer programs that ask as they run where objects are. No robot is moved by it."""
+
+    seen: Annotated[Path, typer.Argument(help="Where objects were found; read at each question.")]
     at: Annotated[
         str,
         typer.Option(
             help="listen:ADDRESS:PORT for programs that come here, or HOST:PORT of one that waits.",
         ),
-    ],
+    ]
     process: Annotated[
         Path | None,
         typer.Option("--process", "-p", help="Process file that says how far sights are trusted."),
-    ] = None,
-    robot: RobotOption = None,
-    cell: CellOption = None,
-    times: Annotated[int, typer.Option(help="Programs to answer; 0 until Ctrl-C.", min=0)] = 0,
+    ] = None
+    robot: RobotOption = None
+    cell: CellOption = None
+    times: Annotated[int, typer.Option(help="Programs to answer; 0 until Ctrl-C.", min=0)] = 0
     patience: Annotated[
         float | None, typer.Option(help="Seconds without a word; default for ever.", min=0.1)
-    ] = None,
-) -> None:
-    """Answer programs that ask as they run where objects are. No robot is moved by it."""
-    given = _AnswerOptions(seen, at, times, math.inf if patience is None else patience)
-    raise typer.Exit(_run_answer(given, process, robot, cell))
+    ] = None
 
+    def run(self) -> int:
+        """Run the answering service; return 0 if everything requested was found, else 1."""
+        from assistant.sources.process.file import read_process
+        from assistant.sources.seen_settings import DEFAULT_TRUST
+        from assistant.sources.sights import read_sights
 
-@dataclass(frozen=True, slots=True)
-class _AnswerOptions:
-    """seen: file of what was found. at: the line. times: programs, 0 for any number of them."""
+        trust = DEFAULT_TRUST if self.process is None else read_process(self.process).seen.trust
+        base = _robot_base(self.robot, self.cell)
+        read_sights(self.seen)  # what is wrong in it is told before any program waits
+        try:
+            return self._serve(trust, base)
+        except KeyboardInterrupt as caught:
+            say("ended")
+            if not is_ctrl_c(caught):
+                raise
+        return 0
 
-    seen: Path
-    at: str
-    times: int
-    patience: float
+    def _serve(self, trust: Trust, base: Pose | None) -> int:
+        from assistant.controllers.mitsubishi.data_link import DataLink
+        from assistant.vision.pose_server import serve_program as answers
 
-    def look(self, name: str) -> Sight | None:
+        status = done = 0
+        patience = math.inf if self.patience is None else self.patience
+        link = DataLink(self.at)
+        link.prepare()
+        say(
+            f"listening for questions at {self.at}" + ("" if self.times else "; end it with Ctrl-C")
+        )
+        while not self.times or done < self.times:
+            sys.stdout.flush()
+            for told in answers(link, self._look, trust=trust, base=base, patience=patience):
+                status = max(status, _print_answer(told))
+            done += 1
+        return status
+
+    def _look(self, name: str) -> Sight | None:
         """Return the sight that the file holds now."""
         from assistant.sources.sights import read_sights
 
@@ -262,43 +295,7 @@ class _AnswerOptions:
         return sights.get(name.casefold())
 
 
-def _run_answer(
-    given: _AnswerOptions, process: Path | None, robot: str | None, cell: Path | None
-) -> int:
-    """Run the answering service; return 0 if everything requested was found, else 1."""
-    from assistant.sources.process.file import read_process
-    from assistant.sources.seen_settings import DEFAULT_TRUST
-    from assistant.sources.sights import read_sights
-
-    trust = DEFAULT_TRUST if process is None else read_process(process).seen.trust
-    base = _robot_base(robot, cell)
-    read_sights(given.seen)  # what is wrong in it is told before any program waits
-    try:
-        return _serve_answers(given, trust, base)
-    except KeyboardInterrupt as caught:
-        say("ended")
-        if not is_ctrl_c(caught):
-            raise
-    return 0
-
-
-def _serve_answers(given: _AnswerOptions, trust: Trust, base: Pose | None) -> int:
-    from assistant.controllers.mitsubishi.data_link import DataLink
-    from assistant.vision.pose_server import serve_program as answers
-
-    status = done = 0
-    link = DataLink(given.at)
-    link.prepare()
-    say(f"listening for questions at {given.at}" + ("" if given.times else "; end it with Ctrl-C"))
-    while not given.times or done < given.times:
-        sys.stdout.flush()
-        for told in answers(link, given.look, trust=trust, base=base, patience=given.patience):
-            status = max(status, _print_answer(told))
-        done += 1
-    return status
-
-
-def _print_answer(told: Answer) -> int:
+def _print_answer(told: GivenAnswer) -> int:
     print_findings(told.findings)
     where = ""
     if told.pose is not None:

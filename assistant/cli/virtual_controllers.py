@@ -19,23 +19,19 @@ import typer
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import defer_termination, is_ctrl_c, wait_for_termination
+from assistant.cli.command import command_group, command_of
 from assistant.cli.options import complete_robot
 from assistant.cli.presentation import say
 from assistant.controllers.address import PASSWORD_VARIABLE
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-    from assistant.virtual.cr import Faults, VirtualCr
+    from assistant.virtual.cr import VirtualCr
     from assistant.virtual.irc5 import Signal, VirtualIrc5
     from assistant.virtual.melfa.communication_lines import Line
 
 
-virtual: Final = typer.Typer(
-    help="Run a virtual controller on this computer.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    add_completion=False,
-)
+virtual: Final = command_group("Run a virtual controller on this computer.")
 
 
 class _Framing(StrEnum):
@@ -53,70 +49,88 @@ _FRAMINGS: Final[dict[_Framing, Literal["plain", "procedural", "data link"]]] = 
 }
 
 
-@virtual.command("irc5")
-def _virtual_irc5(
-    folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home"),
-    port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121,
-    user: Annotated[str, typer.Option(help="Its user.")] = "robot",
+@command_of(virtual)
+class Irc5:
+    """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
+
+    folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home")
+    port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121
+    user: Annotated[str, typer.Option(help="Its user.")] = "robot"
     robot: Annotated[
         str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
-    ] = "irb1200-7-0.7",
+    ] = "irb1200-7-0.7"
     rws_port: Annotated[
         int, typer.Option(help="Port of Robot Web Services 1.0; 0 takes a free one.")
-    ] = 0,
+    ] = 0
     rwss_port: Annotated[
         int, typer.Option(help="Port of Robot Web Services 2.0; 0 takes a free one.")
-    ] = 0,
+    ] = 0
     signal: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(help="A signal of its I/O configuration, as do_grip=DO; repeatable."),
-    ] = None,
+    ] = ()
     egm: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(
             help="A UdpUc device of EGM and where it sends to, as UCdevice=127.0.0.1:6510;"
             " repeatable."
         ),
-    ] = None,
-    manual: Annotated[bool, typer.Option("--manual", help="Begin in manual mode.")] = False,
+    ] = ()
+    manual: Annotated[bool, typer.Option("--manual", help="Begin in manual mode.")] = False
     grant: Annotated[
         bool, typer.Option("--grant", help="Let whoever asks modify in manual mode.")
-    ] = False,
-    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
+    ] = False
+    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1
     delay: Annotated[
         float, typer.Option(help="Seconds before each answer of Robot Web Services.", min=0.0)
-    ] = 0.0,
-) -> None:
-    """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
-    ports = (port, rws_port, rwss_port)
-    _run_irc5(
-        folder,
-        user,
-        robot,
-        ports,
-        signal or [],
-        egm or [],
-        mode="MANR" if manual else "AUTO",
-        grants=grant,
-        pace=pace,
-        delay=delay,
-    )
+    ] = 0.0
+
+    def run(self) -> int:
+        from assistant.compiler.arms import robot_of
+        from assistant.virtual.irc5 import VirtualIrc5
+        from assistant.virtual.irc5.controller import DEVICES
+        from assistant.virtual.irc5.rws_faults import Fault
+
+        arm, given = robot_of(self.robot), os.environ.get(PASSWORD_VARIABLE)
+        assert arm is not None
+        controller = VirtualIrc5(
+            self.folder,
+            port=self.port,
+            user=self.user,
+            password=given,
+            report=_print_flushed,
+            robot=arm.name,
+            rws=self.rws_port,
+            rwss=self.rwss_port,
+            signals=[_signal_of(text) for text in self.signal],
+            devices=DEVICES if not self.egm else dict(_udp_device(text) for text in self.egm),
+            mode="MANR" if self.manual else "AUTO",
+            grants=self.grant,
+            rate=self.pace,
+        )
+        if self.delay:
+            controller.faults.add(Fault("delay", seconds=self.delay))
+        about = f"HOME: is {controller.folder}"
+        _serve_until_end(controller, about, None if given else controller.password, _print_services)
+        return 0
 
 
-@virtual.command("cr")
-def _virtual_cr(
+@command_of(virtual)
+class Cr:
+    """A virtual CR controller: controller link, data link, programs that run in real time."""
+
     robot: Annotated[
         str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
-    ] = "rv-2aj",
+    ] = "rv-2aj"
     port: Annotated[
         int,
         typer.Option(
             help="Controller-link port on this computer; 0 takes a free one.", min=0, max=65535
         ),
-    ] = 10001,
+    ] = 10001
     folder: Annotated[
         Path | None, typer.Option(help="Folder of its programs; in memory if left out.")
-    ] = None,
+    ] = None
     data_port: Annotated[
         int,
         typer.Option(
@@ -125,13 +139,13 @@ def _virtual_cr(
             min=0,
             max=65500,
         ),
-    ] = 0,
+    ] = 0
     mxt_port: Annotated[
         int,
         typer.Option(
             help="UDP port of real-time external control; 0 takes a free one.", min=0, max=65535
         ),
-    ] = 10000,
+    ] = 10000
     serial: Annotated[
         str | None,
         typer.Option(
@@ -139,55 +153,76 @@ def _virtual_cr(
             " clients find by that name.",
             metavar="PORT",
         ),
-    ] = None,
-    framing: Annotated[_Framing, typer.Option(help="Of the serial line.")] = _Framing.PLAIN,
+    ] = None
+    framing: Annotated[_Framing, typer.Option(help="Of the serial line.")] = _Framing.PLAIN
     line: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(
             metavar="NAME=TARGET",
             help="What a line of its programs leads to, as COM1=10003: a port for others to call,"
             " the HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one;"
             " repeatable.",
         ),
-    ] = None,
-    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
-    delay: Annotated[float, typer.Option(help="Seconds before each answer.", min=0.0)] = 0.0,
+    ] = ()
+    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1
+    delay: Annotated[float, typer.Option(help="Seconds before each answer.", min=0.0)] = 0.0
     broken: Annotated[
         int, typer.Option(help="How many characters apart one comes broken.", min=0)
-    ] = 0,
+    ] = 0
     refuse: Annotated[
-        list[str] | None,
+        tuple[str, ...],
         typer.Option(help="A command it refuses, with the error, as SRVON=5600; repeatable."),
-    ] = None,
+    ] = ()
     contact: Annotated[
         str | None,
         typer.Option(help="Input that is on while the arm touches something of --cell."),
-    ] = None,
+    ] = None
     cell: Annotated[
         Path | None, typer.Option("--cell", help="File of the cell that the arm is in.")
-    ] = None,
-    log: Annotated[bool, typer.Option("--log", help="Print each command and answer.")] = False,
-) -> None:
-    """A virtual CR controller: controller link, data link, programs that run in real time."""
-    from assistant.virtual.cr import Faults
+    ] = None
+    log: Annotated[bool, typer.Option("--log", help="Print each command and answer.")] = False
 
-    faults = Faults(delay=delay, broken=broken)
-    _run_cr(
-        robot,
-        faults,
-        refuse or [],
-        port=port,
-        folder=folder,
-        data_port=data_port,
-        mxt_port=mxt_port,
-        serial=serial or False,
-        framing=_FRAMINGS[framing],
-        lines=line or [],
-        pace=pace,
-        contact=contact,
-        cell=cell,
-        log=log,
-    )
+    def run(self) -> int:
+        from assistant.virtual.cr import Faults
+
+        faults = Faults(delay=self.delay, broken=self.broken)
+        from assistant.cli.run_environment import line_targets
+        from assistant.compiler.arms import robot_of
+        from assistant.compiler.exploration import contact_test
+        from assistant.virtual.cr import Contact
+
+        arm = robot_of(self.robot)
+        assert arm is not None
+        felt = None
+        if self.contact is not None or self.cell is not None:
+            if (
+                self.contact is None
+                or self.cell is None
+                or not re.fullmatch(r"\d{1,5}", self.contact, re.ASCII)
+            ):
+                raise Refused(_INCOMPLETE_CONTACT(), exit_status=2)
+            felt = Contact(str(int(self.contact)), contact_test(self.cell, arm.name))
+        faults.errors = dict(map(_refused_command, self.refuse))
+        with ExitStack() as open_:
+            given, made = line_targets(self.line), {}
+            for name, target in given.items():
+                made[f"{name.rstrip(':').upper()}:"] = open_.enter_context(_open_line(name, target))
+            _serve_cr(
+                arm,
+                [f"line {name} leads to {target}" for name, target in given.items()],
+                port=self.port,
+                folder=self.folder,
+                data_port=self.data_port,
+                mxt_port=self.mxt_port,
+                serial=self.serial or False,
+                framing=_FRAMINGS[self.framing],
+                lines=made,
+                pace=self.pace,
+                faults=faults,
+                report=_print_flushed if self.log else None,
+                contact=felt,
+            )
+        return 0
 
 
 _NOT_STARTED = error(
@@ -212,48 +247,6 @@ _NOT_A_SIGNAL = error(
     "`{text}` is no signal",
     "write its name and type, as do_grip=DO; types are DI, DO, GI, GO, AI, AO",
 )
-
-
-def _run_irc5(
-    folder: Path,
-    user: str,
-    robot: str,
-    ports: tuple[int, int, int],
-    signals: Sequence[str],
-    devices: Sequence[str],
-    *,
-    mode: Literal["AUTO", "MANR"],
-    grants: bool,
-    pace: float,
-    delay: float,
-) -> None:
-    """ports: of FTP, and of Robot Web Services 1.0 and 2.0. delay: seconds before each answer."""
-    from assistant.compiler.arms import robot_of
-    from assistant.virtual.irc5 import VirtualIrc5
-    from assistant.virtual.irc5.controller import DEVICES
-    from assistant.virtual.irc5.rws_faults import Fault
-
-    arm, given = robot_of(robot), os.environ.get(PASSWORD_VARIABLE)
-    assert arm is not None
-    controller = VirtualIrc5(
-        folder,
-        port=ports[0],
-        user=user,
-        password=given,
-        report=_print_flushed,
-        robot=arm.name,
-        rws=ports[1],
-        rwss=ports[2],
-        signals=[_signal_of(text) for text in signals],
-        devices=DEVICES if not devices else dict(_udp_device(text) for text in devices),
-        mode=mode,
-        grants=grants,
-        rate=pace,
-    )
-    if delay:
-        controller.faults.add(Fault("delay", seconds=delay))
-    about = f"HOME: is {controller.folder}"
-    _serve_until_end(controller, about, None if given else controller.password, _print_services)
 
 
 _NOT_A_DEVICE = error(
@@ -286,62 +279,6 @@ def _print_services(controller: VirtualIrc5) -> None:
     say(f"Robot Web Services 1.0 at {controller.rws_address}")
     say(f"Robot Web Services 2.0 at {controller.rwss_address}")
     say(f"its certificate: {controller.certificate}")
-
-
-def _run_cr(
-    robot: str,
-    faults: Faults,
-    refused: Sequence[str],
-    *,
-    port: int,
-    folder: Path | None,
-    data_port: int,
-    mxt_port: int,
-    serial: bool | str,
-    framing: Literal["plain", "procedural", "data link"],
-    lines: Sequence[str],
-    pace: float,
-    contact: str | None,
-    cell: Path | None,
-    log: bool,
-) -> None:
-    """Serve a virtual CR controller until it is ended.
-
-    refused: commands that are answered with an error, as SRVON=5600. contact: the input that is on
-    while the arm touches something of the cell. lines: targets of lines of programs, as COM1=10003.
-    """
-    from assistant.cli.run_environment import line_targets
-    from assistant.compiler.arms import robot_of
-    from assistant.compiler.exploration import contact_test
-    from assistant.virtual.cr import Contact
-
-    arm = robot_of(robot)
-    assert arm is not None
-    felt = None
-    if contact is not None or cell is not None:
-        if contact is None or cell is None or not re.fullmatch(r"\d{1,5}", contact, re.ASCII):
-            raise Refused(_INCOMPLETE_CONTACT(), exit_status=2)
-        felt = Contact(str(int(contact)), contact_test(cell, arm.name))
-    faults.errors = dict(map(_refused_command, refused))
-    with ExitStack() as open_:
-        given, made = line_targets(lines), {}
-        for name, target in given.items():
-            made[f"{name.rstrip(':').upper()}:"] = open_.enter_context(_open_line(name, target))
-        _serve_cr(
-            arm,
-            [f"line {name} leads to {target}" for name, target in given.items()],
-            port=port,
-            folder=folder,
-            data_port=data_port,
-            mxt_port=mxt_port,
-            serial=serial,
-            framing=framing,
-            lines=made,
-            pace=pace,
-            faults=faults,
-            report=_print_flushed if log else None,
-            contact=felt,
-        )
 
 
 @contextmanager
