@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
-from assistant.cli.command import command, options
+from assistant.cli.command import argument, command, option, options
 from assistant.cli.controller_session import (
     CellArgument,
     Session,
@@ -110,13 +110,9 @@ ReplaceProgramsOption = Annotated[
 class LinkedOptions:
     """The link by which an arm is led."""
 
-    port: Annotated[
-        int | None, typer.Option(help="UDP port; default the usual one.", min=1, max=65535)
-    ] = None
+    port: int | None = option("UDP port; default the usual one.", min=1, max=65535)
     lines: LinesOption = ()
-    cycle: Annotated[
-        float | None, typer.Option(help="Seconds of a cycle.", min=0.0005, max=1.0)
-    ] = None
+    cycle: float | None = option("Seconds of a cycle.", min=0.0005, max=1.0)
     replace: ReplaceProgramsOption = False
 
     @property
@@ -234,7 +230,7 @@ class Motors:
     """Switch the motors of an arm on or off."""
 
     cell: CellArgument
-    state: Annotated[Switch, typer.Argument(help="What they shall be.")]
+    state: Switch = argument("What they shall be.")
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -258,10 +254,10 @@ class Jog:
     """Move one axis of an arm by hand. Asks before; Ctrl-C stops the arm."""
 
     cell: CellArgument
-    axis: Annotated[str, typer.Argument(help="J1 … J8, or X Y Z A B C of the frame.")]
-    by: Annotated[float, typer.Argument(help="Degrees, or mm.")]
-    frame: Annotated[JogFrame, typer.Option(help="Of X … C.")] = JogFrame.BASE
-    speed: Annotated[float, typer.Option(help="Percent.")] = 10.0
+    axis: str = argument("J1 … J8, or X Y Z A B C of the frame.")
+    by: float = argument("Degrees, or mm.")
+    frame: JogFrame = option("Of X … C.", default=JogFrame.BASE)
+    speed: float = option("Percent.", default=10.0)
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -295,8 +291,8 @@ class Hand:
     """Open or close a hand. Asks before."""
 
     cell: CellArgument
-    state: Annotated[HandState, typer.Argument(help="What it shall do.")]
-    number: Annotated[int, typer.Option(min=1, help="Which one.")] = 1
+    state: HandState = argument("What it shall do.")
+    number: int = option("Which one.", default=1, min=1)
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -318,15 +314,13 @@ class Start:
     """Start a program on a controller. Asks before; Ctrl-C stops it."""
 
     cell: CellArgument
-    program: Annotated[
-        str | None, typer.Argument(help="Program to load before; default what is loaded.")
-    ] = None
-    task: Annotated[str, typer.Option(help="Task or slot; default the first.")] = ""
-    forever: Annotated[bool, typer.Option("--forever", help="Again and again.")] = False
-    wait: Annotated[
-        bool, typer.Option("--wait/--no-wait", help="Stay until it ends; Ctrl-C stops it then.")
-    ] = True
-    override: Annotated[int | None, typer.Option(help="Percent of the speed.")] = None
+    program: str | None = argument("Program to load before; default what is loaded.", default=None)
+    task: str = option("Task or slot; default the first.", default="")
+    forever: bool = option("Again and again.")
+    wait: bool = option(
+        "Stay until it ends; Ctrl-C stops it then.", "--wait/--no-wait", default=True
+    )
+    override: int | None = option("Percent of the speed.")
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -392,16 +386,10 @@ class Follow:
     """Lead an arm along a trajectory. Checks all of it and asks before; Ctrl-C stops the arm."""
 
     cell: CellArgument
-    trajectory: Annotated[
-        str, typer.Argument(help="A table, an array, or a program that only moves.")
-    ]
-    by: Annotated[
-        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_mode)
-    ]
-    speed: Annotated[float, typer.Option(help="Percent of what the trajectory says.")] = 100.0
-    interval: Annotated[
-        float | None, typer.Option(help="Seconds between points; default what suits the way.")
-    ] = None
+    trajectory: str = argument("A table, an array, or a program that only moves.")
+    by: str = option("Way to lead it: see the docs.", autocompletion=complete_mode)
+    speed: float = option("Percent of what the trajectory says.", default=100.0)
+    interval: float | None = option("Seconds between points; default what suits the way.")
     log: RecordingOption = None
     link: LinkedOptions
     yes: YesOption = False

@@ -10,12 +10,10 @@ import enum
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.options import (
     AccelerationOption,
     CellOption,
@@ -49,20 +47,13 @@ class FmuKind(enum.StrEnum):
 class Kinematics:
     """Write the kinematics of an arm as source that needs nothing else, with a check of it."""
 
-    robot: Annotated[
-        str,
-        typer.Argument(
-            metavar="ROBOT",
-            help="A robot of the catalogue, or a robot file.",
-            autocompletion=complete_robot,
-        ),
-    ]
-    language: Annotated[SourceLanguage, typer.Option("--language", "-l", help="Of the source.")] = (
-        SourceLanguage.C
+    robot: str = argument(
+        "A robot of the catalogue, or a robot file.", metavar="ROBOT", autocompletion=complete_robot
     )
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the source.")] = Path(
-        "out"
+    language: SourceLanguage = option(
+        "Of the source.", "--language", "-l", default=SourceLanguage.C
     )
+    output: Path = option("Folder for the source.", "--output", "-o", default=Path("out"))
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -87,37 +78,24 @@ class Kinematics:
 class Fmu:
     """Write an arm, a program's motion or a live controller as an FMU for Simulink and others."""
 
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="ROBOT|PROGRAM",
-            help="Arm to simulate, of the catalogue or by its file, or a program.",
-            autocompletion=complete_robot,
-        ),
-    ]
+    source: str = argument(
+        "Arm to simulate, of the catalogue or by its file, or a program.",
+        metavar="ROBOT|PROGRAM",
+        autocompletion=complete_robot,
+    )
     robot: RobotOption = None
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE.fmu", help="Default out/NAME.fmu."),
-    ] = None
-    kind: Annotated[
-        FmuKind | None, typer.Option(help="What it is of; default what the source tells.")
-    ] = None
-    lag: Annotated[
-        float,
-        typer.Option(min=0.0, max=3600.0, help="Of an arm: seconds by which its joints follow."),
-    ] = 0.0
-    period: Annotated[
-        float | None,
-        typer.Option(help="Of a program: seconds between rows; default 0.002, or what fits."),
-    ] = None
-    cycle: Annotated[
-        float | None,
-        typer.Option(help="Of a live controller: seconds; default those of the arm's controller."),
-    ] = None
-    all_platforms: Annotated[
-        bool, typer.Option("--all-platforms", help="Also for systems that a compiler is here for.")
-    ] = False
+    output: Path | None = option("Default out/NAME.fmu.", "--output", "-o", metavar="FILE.fmu")
+    kind: FmuKind | None = option("What it is of; default what the source tells.")
+    lag: float = option(
+        "Of an arm: seconds by which its joints follow.", default=0.0, min=0.0, max=3600.0
+    )
+    period: float | None = option(
+        "Of a program: seconds between rows; default 0.002, or what fits."
+    )
+    cycle: float | None = option(
+        "Of a live controller: seconds; default those of the arm's controller."
+    )
+    all_platforms: bool = option("Also for systems that a compiler is here for.")
     acceleration: AccelerationOption = None
     reader: ReaderOptions
     cell: CellOption = None
@@ -184,9 +162,9 @@ class Fmu:
             ("--cycle", "live", self.cycle is not None),
             ("--period", "program", self.period is not None),
         )
-        for option, of, said in given:
+        for named, of, said in given:
             if said and of != kind:
-                raise Refused(_OPTION_OF_OTHER_KIND(option=option, of=of, kind=kind), exit_status=2)
+                raise Refused(_OPTION_OF_OTHER_KIND(option=named, of=of, kind=kind), exit_status=2)
 
     def _kind(self) -> str:
         """Return the stated kind, or that of the source: the name or file of a robot is an arm."""

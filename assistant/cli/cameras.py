@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
-from assistant.cli.command import command_group, command_of
+from assistant.cli.command import argument, command_group, command_of, option
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
@@ -34,9 +34,6 @@ camera: Final = command_group(
 )
 CamerasArgument = Annotated[
     Path, typer.Argument(metavar="CAMERAS", help="File of the cameras, .toml.")
-]
-BoardOption = Annotated[
-    str, typer.Option("--board", help="`chessboard 9x6 25` or `charuco 7x5 40 30`: mm.")
 ]
 
 
@@ -59,23 +56,18 @@ class DrawnThing(StrEnum):
 class Calibrate:
     """Find lenses from pictures of a board, and where the cameras stand."""
 
-    pictures: Annotated[
-        tuple[str, ...],
-        typer.Argument(metavar="NAME=FOLDER", help="A camera and its pictures of the board."),
-    ]
-    board: BoardOption
-    output: Annotated[Path, typer.Option("--output", "-o", help="File of the cameras, .toml.")]
-    poses: Annotated[
-        Path | None,
-        typer.Option(help="Table of the poses of the flange, a row a picture: CSV, NPY, JSON."),
-    ] = None
-    mounting: Annotated[
-        MountingChoice,
-        typer.Option(help="With --poses: the first camera is in the hand, or stands."),
-    ] = MountingChoice.STAND
-    flange: Annotated[
-        str, typer.Option(help="How the cell calls the flange that carries the camera.")
-    ] = "flange"
+    pictures: tuple[str, ...] = argument(
+        "A camera and its pictures of the board.", metavar="NAME=FOLDER"
+    )
+    board: str = option("`chessboard 9x6 25` or `charuco 7x5 40 30`: mm.")
+    output: Path = option("File of the cameras, .toml.", "--output", "-o")
+    poses: Path | None = option(
+        "Table of the poses of the flange, a row a picture: CSV, NPY, JSON."
+    )
+    mounting: MountingChoice = option(
+        "With --poses: the first camera is in the hand, or stands.", default=MountingChoice.STAND
+    )
+    flange: str = option("How the cell calls the flange that carries the camera.", default="flange")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -115,11 +107,9 @@ class View:
     """Write a camera's picture with the axes of the camera's parent frame drawn over it."""
 
     cameras: CamerasArgument
-    name: Annotated[str, typer.Argument(help="Of the camera.")]
-    output: Annotated[Path, typer.Option("--output", "-o", help="Picture to write, .png.")]
-    source: Annotated[
-        str | None, typer.Option(help="Device, stream, file or folder instead of the file's.")
-    ] = None
+    name: str = argument("Of the camera.")
+    output: Path = option("Picture to write, .png.", "--output", "-o")
+    source: str | None = option("Device, stream, file or folder instead of the file's.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -148,10 +138,7 @@ class Check:
     """Look whether cameras give pictures that are good enough, and whether they agree."""
 
     cameras: CamerasArgument
-    board: Annotated[
-        str | None,
-        typer.Option("--board", help="A board that all of them see now: whether they agree."),
-    ] = None
+    board: str | None = option("A board that all of them see now: whether they agree.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -197,24 +184,16 @@ class Draw:
     """Draw what cameras would see: to try all of it without a camera."""
 
     cameras: CamerasArgument
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder; a folder of pictures each camera.")
-    ]
-    cell: Annotated[Path | None, typer.Option(help="Cell file of what else is seen.")] = None
-    show: Annotated[DrawnThing, typer.Option(help="What is shown.")] = DrawnThing.WAND
-    at: Annotated[
-        Path | None,
-        typer.Option(help="Table of the poses at which it is shown, a row a picture."),
-    ] = None
-    poses: Annotated[
-        Path | None,
-        typer.Option(help="Table of poses of the flange that carries cameras, a row a picture."),
-    ] = None
-    board: Annotated[str, typer.Option("--board", help="With --show board: which one.")] = (
-        "charuco 7x5 40 30"
+    output: Path = option("Folder; a folder of pictures each camera.", "--output", "-o")
+    cell: Path | None = option("Cell file of what else is seen.")
+    show: DrawnThing = option("What is shown.", default=DrawnThing.WAND)
+    at: Path | None = option("Table of the poses at which it is shown, a row a picture.")
+    poses: Path | None = option(
+        "Table of poses of the flange that carries cameras, a row a picture."
     )
-    noise: Annotated[float, typer.Option(help="Grey levels, one sigma.", min=0.0)] = 2.0
-    seed: Annotated[int, typer.Option(help="Of the noise.", min=0)] = 0
+    board: str = option("With --show board: which one.", default="charuco 7x5 40 30")
+    noise: float = option("Grey levels, one sigma.", default=2.0, min=0.0)
+    seed: int = option("Of the noise.", default=0, min=0)
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:

@@ -15,13 +15,11 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Annotated, Any, Final
-
-import typer
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, has_errors, worst
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.controller_session import Session, connected, robot_of_cell, state_lines
 from assistant.cli.options import (
     NO_PAGE,
@@ -61,17 +59,10 @@ class View:
     program: Source
     robot: RobotOption = None
     cell: CellOption = None
-    html: Annotated[
-        Path | None,
-        typer.Option(help="File for the page, which needs no other; default it is opened."),
-    ] = None
-    live: Annotated[
-        str | None,
-        typer.Option(
-            help="Controller that the page follows until Ctrl-C; it is only looked at.",
-            metavar="CONTROLLER",
-        ),
-    ] = None
+    html: Path | None = option("File for the page, which needs no other; default it is opened.")
+    live: str | None = option(
+        "Controller that the page follows until Ctrl-C; it is only looked at.", metavar="CONTROLLER"
+    )
     acceleration: AccelerationOption = None
     reader: DrawingOptions
     from_language: FromLanguage = None
@@ -129,7 +120,7 @@ class View:
 class Info:
     """Tell what is in a drawing: unit, size, layers, contours, blocks, and what would be used."""
 
-    drawing: Annotated[Path, typer.Argument(help="A DXF drawing.")]
+    drawing: Path = argument("A DXF drawing.")
     reader: ReaderOptions
     format: FormatOption = Format.TEXT
 
@@ -182,11 +173,10 @@ class Info:
 class Scene:
     """List the contents of a cell, body by body, or write it as another file."""
 
-    file: Annotated[Path, typer.Argument(help="Cell file, or a drawing of the cell.")]
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="Cell file (.toml) or glTF (.glb) to write instead."),
-    ] = None
+    file: Path = argument("Cell file, or a drawing of the cell.")
+    output: Path | None = option(
+        "Cell file (.toml) or glTF (.glb) to write instead.", "--output", "-o"
+    )
     unit: UnitOption = None
     format: FormatOption = Format.TEXT
 

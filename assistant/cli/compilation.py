@@ -5,12 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
-from assistant.cli.command import ProjectDefault, command
+from assistant.cli.command import command, option
 from assistant.cli.options import (
     CellOption,
     DrawingOptions,
@@ -21,12 +19,12 @@ from assistant.cli.options import (
     FromLanguage,
     FromRobot,
     GrammarOption,
-    LanguageOption,
     PlottedPageOptions,
     ProofOptions,
     RobotOption,
     SightOptions,
     Sources,
+    complete_language,
     with_project_defaults,
 )
 from assistant.cli.output_files import Outcomes, output_folders, output_paths, write_with_edits
@@ -69,35 +67,32 @@ class Compile:
     """Write sources in a robot language, read back and compared before anything is written."""
 
     sources: Sources
-    language: LanguageOption = None
+    language: str | None = option(
+        "Language to write; default the project's.",
+        "--language",
+        "-l",
+        project="language",
+        autocompletion=complete_language,
+    )
     robot: RobotOption = None
     reader: DrawingOptions
     cell: CellOption = None
-    output: Annotated[
-        str, typer.Option("--output", "-o", help="Folder for the files; - prints a single one.")
-    ] = "."
-    most_targets: Annotated[
-        int | None,
-        typer.Option(help="Targets of one program unit; default the language's own limit."),
-        ProjectDefault("most_targets"),
-    ] = None
+    output: str = option(
+        "Folder for the files; - prints a single one.", "--output", "-o", default="."
+    )
+    most_targets: int | None = option(
+        "Targets of one program unit; default the language's own limit.", project="most_targets"
+    )
     frames: FramesOption = FramesAs.BASE
     grammar: GrammarOption = GrammarAs.SAMPLES
     from_language: FromLanguage = None
     from_robot: FromRobot = None
     entry: EntryOption = None
-    called: Annotated[
-        str | None,
-        typer.Option("--as", metavar="NAME", help="What others call the program; default main."),
-    ] = None
-    no_main: Annotated[
-        bool,
-        typer.Option("--no-main", help="Without a main: others call the procedures of the layers."),
-    ] = False
-    together: Annotated[
-        str | None,
-        typer.Option("--together", metavar="NAME", help="All sources as one program of this name."),
-    ] = None
+    called: str | None = option(
+        "What others call the program; default main.", "--as", metavar="NAME"
+    )
+    no_main: bool = option("Without a main: others call the procedures of the layers.")
+    together: str | None = option("All sources as one program of this name.", metavar="NAME")
     sight: SightOptions
     proof: ProofOptions
     edits: EditOptions

@@ -9,14 +9,12 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.file_access import read_file
 from assistant.base.source_text import lines_of
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.controller_session import (
     CellArgument,
     ReplaceOption,
@@ -65,10 +63,8 @@ class Get:
     """Copy programs from a controller."""
 
     cell: CellArgument
-    names: Annotated[tuple[str, ...], typer.Argument(help="Programs, as `ls` lists them.")]
-    output: Annotated[
-        str | None, typer.Option("--output", "-o", help="File, folder, or - to print.")
-    ] = None
+    names: tuple[str, ...] = argument("Programs, as `ls` lists them.")
+    output: str | None = option("File, folder, or - to print.", "--output", "-o")
     replace: ReplaceOption = False
     format: FormatOption = Format.TEXT
 
@@ -119,7 +115,7 @@ class Put:
     """Copy programs to a controller as they are; `deploy` also checks, keeps and compares."""
 
     cell: CellArgument
-    files: Annotated[tuple[Path, ...], typer.Argument(help="Programs.")]
+    files: tuple[Path, ...] = argument("Programs.")
     replace: ReplaceOption = False
     format: FormatOption = Format.TEXT
 
@@ -152,9 +148,7 @@ class Rm:
     """Delete programs on a controller that nothing there has loaded. Asks before."""
 
     cell: CellArgument
-    names: Annotated[
-        tuple[str, ...], typer.Argument(help="Programs or other files, as `ls` lists.")
-    ]
+    names: tuple[str, ...] = argument("Programs or other files, as `ls` lists.")
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -189,7 +183,7 @@ class Backup:
     """Write programs, parameters and variables of a controller into a folder."""
 
     cell: CellArgument
-    folder: Annotated[Path, typer.Argument(help="A folder that is not there yet.")]
+    folder: Path = argument("A folder that is not there yet.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -221,12 +215,11 @@ class Restore:
     """Show what differs from a backup, and bring it back; origin, safety, network only by name."""
 
     cell: CellArgument
-    folder: Annotated[Path, typer.Argument(help="A folder that `backup` has written.")]
-    only: Annotated[
-        tuple[str, ...],
-        typer.Option(help="Only this file or parameter, also of those left out; repeatable."),
-    ] = ()
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would change.")] = False
+    folder: Path = argument("A folder that `backup` has written.")
+    only: tuple[str, ...] = option(
+        "Only this file or parameter, also of those left out; repeatable."
+    )
+    dry_run: bool = option("Only show what would change.")
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 

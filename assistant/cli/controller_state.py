@@ -12,13 +12,11 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.controller_session import (
     CellArgument,
     Session,
@@ -63,21 +61,17 @@ class Monitor:
     """Show again and again what a controller does and where its arm is. Changes nothing."""
 
     cell: CellArgument
-    log: Annotated[
-        Path | None, typer.Option("--log", help="Write a row each.", metavar="FILE.csv")
-    ] = None
-    signals: Annotated[
-        tuple[str, ...], typer.Option("--signals", help="A signal to show; repeatable.")
-    ] = ()
-    interval: Annotated[float, typer.Option(help="Seconds between two looks.")] = 0.5
-    seconds: Annotated[float | None, typer.Option(help="How long; default until Ctrl-C.")] = None
+    log: Path | None = option("Write a row each.", metavar="FILE.csv")
+    signals: tuple[str, ...] = option("A signal to show; repeatable.")
+    interval: float = option("Seconds between two looks.", default=0.5)
+    seconds: float | None = option("How long; default until Ctrl-C.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
         """Until the time is over or Ctrl-C, which is how it usually ends: no error."""
-        for option, value in (("interval", self.interval), ("seconds", self.seconds)):
+        for named, value in (("interval", self.interval), ("seconds", self.seconds)):
             if value is not None and not value > 0:
-                raise Refused(_NO_INTERVAL(option=option, value=value), exit_status=2)
+                raise Refused(_NO_INTERVAL(option=named, value=value), exit_status=2)
         with ExitStack() as opened:
             there = opened.enter_context(connected(self.cell, "monitor"))
             identity = there.controller.identify()
@@ -109,7 +103,7 @@ class Log:
     """Print the latest errors and events of a controller, the newest first."""
 
     cell: CellArgument
-    most: Annotated[int, typer.Option(min=1, help="How many.")] = 50
+    most: int = option("How many.", default=50, min=1)
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -127,7 +121,7 @@ class Inputs:
     """Print what inputs read."""
 
     cell: CellArgument
-    names: Annotated[tuple[str, ...], typer.Argument(help="Names or numbers of inputs.")]
+    names: tuple[str, ...] = argument("Names or numbers of inputs.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -143,7 +137,7 @@ class Outputs:
     """Print outputs, or set them; connected equipment may move, so setting asks first."""
 
     cell: CellArgument
-    names: Annotated[tuple[str, ...], typer.Argument(metavar="NAME[=VALUE]...", help="Outputs.")]
+    names: tuple[str, ...] = argument("Outputs.", metavar="NAME[=VALUE]...")
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -169,10 +163,9 @@ class Parameters:
     """Print parameters, or set them."""
 
     cell: CellArgument
-    names: Annotated[
-        tuple[str, ...],
-        typer.Argument(metavar="[NAME[=VALUE]]...", help="Default: those that were changed."),
-    ] = ()
+    names: tuple[str, ...] = argument(
+        "Default: those that were changed.", default=(), metavar="[NAME[=VALUE]]..."
+    )
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -192,9 +185,9 @@ class Variables:
     """Print variables of programs, or set them, as the controller's language writes values."""
 
     cell: CellArgument
-    names: Annotated[tuple[str, ...], typer.Argument(metavar="NAME[=VALUE]...", help="Variables.")]
-    program: Annotated[str, typer.Option(help="Program or module that they are in.")] = ""
-    task: Annotated[str, typer.Option(help="Task or slot; default the first.")] = ""
+    names: tuple[str, ...] = argument("Variables.", metavar="NAME[=VALUE]...")
+    program: str = option("Program or module that they are in.", default="")
+    task: str = option("Task or slot; default the first.", default="")
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 

@@ -11,12 +11,10 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, cast
-
-import typer
+from typing import TYPE_CHECKING, Final, cast
 
 from assistant.base.diagnostics import Refused, Severity
-from assistant.cli.command import command
+from assistant.cli.command import command, option
 from assistant.cli.options import PageOptions, ReaderOptions
 from assistant.cli.presentation import LengthUnit, print_findings, say, working
 from assistant.resources import resource
@@ -39,12 +37,8 @@ if TYPE_CHECKING:
 class Demo:
     """A drawing and a trajectory to programs on two embedded virtual controllers, with a report."""
 
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for what it makes.")] = (
-        Path("out/demo")
-    )
-    unit: Annotated[LengthUnit, typer.Option(help="Unit of the positions that are drawn.")] = (
-        LengthUnit.MM
-    )
+    output: Path = option("Folder for what it makes.", "--output", "-o", default=Path("out/demo"))
+    unit: LengthUnit = option("Unit of the positions that are drawn.", default=LengthUnit.MM)
 
     def run(self) -> int:
         from assistant.cli.report_pages import write_page

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.command import command, options
+from assistant.cli.command import argument, command, option, options
 from assistant.cli.controller_session import complete_controller, named_by, new_client
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import (
@@ -79,10 +79,7 @@ class WhereOptions:
     """The controllers that are meant."""
 
     to: ToOption = None
-    target: Annotated[
-        tuple[str, ...],
-        typer.Option("--target", help="Target of the project; repeatable, default all there are."),
-    ] = ()
+    target: tuple[str, ...] = option("Target of the project; repeatable, default all there are.")
 
     def jobs(self, files: Sequence[Path], wishes: _DeploymentOptions) -> list[_DeploymentJob]:
         """Return the deployments to each controller; raise Refused."""
@@ -152,41 +149,21 @@ class Deploy:
 
     files: FilesArgument = ()
     where: WhereOptions
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only show what would change, as `plan` does.")
-    ] = False
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Finish the deployment that was interrupted.")
-    ] = False
-    pull: Annotated[
-        bool,
-        typer.Option(
-            "--pull",
-            help="Deploy nothing; bring what was changed on the controller into the sources here.",
-        ),
-    ] = False
-    source: Annotated[
-        Path | None,
-        typer.Option(help="With --pull: what the program was compiled from; default itself."),
-    ] = None
+    dry_run: bool = option("Only show what would change, as `plan` does.")
+    resume: bool = option("Finish the deployment that was interrupted.")
+    pull: bool = option(
+        "Deploy nothing; bring what was changed on the controller into the sources here."
+    )
+    source: Path | None = option("With --pull: what the program was compiled from; default itself.")
     replace: ReplaceOption = ()
-    files_only: Annotated[
-        bool,
-        typer.Option(
-            "--files-only", help="Replace files though what was taught in memory is not seen."
-        ),
-    ] = False
+    files_only: bool = option("Replace files though what was taught in memory is not seen.")
     task: TaskOption = ""
     load: LoadOption = False
-    canary: Annotated[
-        str, typer.Option(metavar="TARGET", help="Goes first, alone; default as the project says.")
-    ] = ""
-    parallel: Annotated[
-        int | None, typer.Option(min=1, help="Controllers at a time; default 4.")
-    ] = None
-    junit: Annotated[
-        Path | None, typer.Option(metavar="FILE.xml", help="Write a JUnit report as well.")
-    ] = None
+    canary: str = option(
+        "Goes first, alone; default as the project says.", default="", metavar="TARGET"
+    )
+    parallel: int | None = option("Controllers at a time; default 4.", min=1)
+    junit: Path | None = option("Write a JUnit report as well.", metavar="FILE.xml")
     history: HistoryOption = None
     format: PlanFormatOption = PlanFormat.TEXT
 
@@ -310,12 +287,12 @@ class Deploy:
 class Rollback:
     """Take a deployment back: every program of it is again what it was before."""
 
-    number: Annotated[
-        int | None,
-        typer.Argument(
-            min=1, metavar="[N]", help="Deployment to take back with all after it; default the last"
-        ),
-    ] = None
+    number: int | None = argument(
+        "Deployment to take back with all after it; default the last",
+        default=None,
+        min=1,
+        metavar="[N]",
+    )
     where: WhereOptions
     replace: ReplaceOption = ()
     history: HistoryOption = None
@@ -394,10 +371,9 @@ class Deployments:
 class Verify:
     """Tell whether a controller still has what the last deployment left there. Changes nothing."""
 
-    files: Annotated[
-        tuple[Path, ...],
-        typer.Argument(help="Robot programs, or folders with them, to compare as well."),
-    ] = ()
+    files: tuple[Path, ...] = argument(
+        "Robot programs, or folders with them, to compare as well.", default=()
+    )
     where: WhereOptions
     history: HistoryOption = None
     format: FormatOption = Format.TEXT

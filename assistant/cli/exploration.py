@@ -27,7 +27,7 @@ from assistant.cli.arm_motion import (
     complete_servo_mode,
     moving,
 )
-from assistant.cli.command import command_group, command_of, options
+from assistant.cli.command import argument, command_group, command_of, option, options
 from assistant.cli.controller_session import YesOption, confirm, connected, robot_of_cell
 from assistant.cli.learning import box_of, range_of
 from assistant.cli.options import FormatOption
@@ -83,20 +83,11 @@ HiddenOption = Annotated[
 class ChartingOptions:
     """The robot, and how finely the space about it is charted."""
 
-    robot: Annotated[
-        str | None,
-        typer.Option("--robot", "-r", help="Its name in the cell, if there are several."),
-    ] = None
-    size: Annotated[
-        float | None,
-        typer.Option(
-            "--size", help="Size of the chart's cells, mm; default 10, or that of the chart."
-        ),
-    ] = None
-    thinner: Annotated[
-        float,
-        typer.Option(help="mm by which the bodies of the robot are rounder than it is, at most."),
-    ] = 0.0
+    robot: str | None = option("Its name in the cell, if there are several.", "--robot", "-r")
+    size: float | None = option("Size of the chart's cells, mm; default 10, or that of the chart.")
+    thinner: float = option(
+        "mm by which the bodies of the robot are rounder than it is, at most.", default=0.0
+    )
 
     def request(self, cell: Path, chart: Path) -> ExplorationRequest:
         from assistant.compiler.exploration import ExplorationRequest
@@ -108,24 +99,15 @@ class ChartingOptions:
 class ContactOptions:
     """Sources of contacts."""
 
-    contact: Annotated[
-        str | None,
-        typer.Option(help="Input of the controller that is not 0 in contact.", metavar="SIGNAL"),
-    ] = None
-    key: Annotated[
-        bool, typer.Option("--key", help="Each key that is pressed is a contact; q ends it.")
-    ] = False
-    camera: Annotated[
-        Path | None,
-        typer.Option(
-            help="File of cameras: a picture that differs from the first one is a contact.",
-            metavar="CAMERAS.toml",
-        ),
-    ] = None
-    region: Annotated[
-        str | None,
-        typer.Option(help="Part of the pictures, in pixels.", metavar="LEFT,TOP,RIGHT,BOTTOM"),
-    ] = None
+    contact: str | None = option(
+        "Input of the controller that is not 0 in contact.", metavar="SIGNAL"
+    )
+    key: bool = option("Each key that is pressed is a contact; q ends it.")
+    camera: Path | None = option(
+        "File of cameras: a picture that differs from the first one is a contact.",
+        metavar="CAMERAS.toml",
+    )
+    region: str | None = option("Part of the pictures, in pixels.", metavar="LEFT,TOP,RIGHT,BOTTOM")
 
     @property
     def is_given(self) -> bool:
@@ -137,13 +119,10 @@ class ContactOptions:
 class RecordingOptions:
     """How long an arm is recorded, and where."""
 
-    seconds: Annotated[float | None, typer.Option(help="Seconds after which it ends.", min=0.0)] = (
-        None
+    seconds: float | None = option("Seconds after which it ends.", min=0.0)
+    log: Path | None = option(
+        "Write joints, poses and contacts, for `recorded`.", metavar="FILE.csv"
     )
-    log: Annotated[
-        Path | None,
-        typer.Option(help="Write joints, poses and contacts, for `recorded`.", metavar="FILE.csv"),
-    ] = None
 
 
 def check_moving(hidden: Path | None) -> None:
@@ -296,44 +275,26 @@ LOOK_PERIOD: Final = 0.05
 class Wander:
     """Move at random up to each contact: on this computer, or with --cell a real or virtual arm."""
 
-    where: Annotated[
-        str,
-        typer.Argument(
-            metavar="CELL|CONTROLLER",
-            help="File of a cell, in which nothing moves; or with --cell the controller of an arm.",
-        ),
-    ]
+    where: str = argument(
+        "File of a cell, in which nothing moves; or with --cell the controller of an arm.",
+        metavar="CELL|CONTROLLER",
+    )
     chart: ChartOption
     hidden: HiddenOption = None
-    runs: Annotated[int, typer.Option(help="Random moves, a run each.", min=1)] = 50
-    seed: Annotated[
-        int | None,
-        typer.Option(help="Of what is random; default another one as the chart grows.", min=0),
-    ] = None
+    runs: int = option("Random moves, a run each.", default=50, min=1)
+    seed: int | None = option("Of what is random; default another one as the chart grows.", min=0)
     charting: ChartingOptions
-    cell: Annotated[
-        Path | None,
-        typer.Option("--cell", help="File of the cell of an arm that really moves."),
-    ] = None
+    cell: Path | None = option("File of the cell of an arm that really moves.")
     contacts: ContactOptions
-    range: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            metavar="JOINT=LOW:HIGH", help="Degrees between which a joint may move; repeatable."
-        ),
-    ] = ()
-    box: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,Z", help="Box of the base for the flange, mm, each LOW:HIGH."),
-    ] = None
-    speed: Annotated[float, typer.Option(help="mm/s of the flange, at most 250.")] = 50.0
-    by: Annotated[
-        str,
-        typer.Option(help="Way to lead the arm: see `servo`.", autocompletion=complete_servo_mode),
-    ] = "jog"
-    port: Annotated[
-        int | None, typer.Option(help="UDP port of the way; default the usual one.", min=1)
-    ] = None
+    range: tuple[str, ...] = option(
+        "Degrees between which a joint may move; repeatable.", metavar="JOINT=LOW:HIGH"
+    )
+    box: str | None = option("Box of the base for the flange, mm, each LOW:HIGH.", metavar="X,Y,Z")
+    speed: float = option("mm/s of the flange, at most 250.", default=50.0)
+    by: str = option(
+        "Way to lead the arm: see `servo`.", default="jog", autocompletion=complete_servo_mode
+    )
+    port: int | None = option("UDP port of the way; default the usual one.", min=1)
     lines: LinesOption = ()
     replace: ReplaceProgramsOption = False
     recording: RecordingOptions
@@ -503,11 +464,9 @@ class Running:
     controller: ControllerArgument
     cell: CellOption
     chart: ChartOption
-    program: Annotated[
-        str | None, typer.Option(help="Program of the controller; default what is loaded.")
-    ] = None
+    program: str | None = option("Program of the controller; default what is loaded.")
     contacts: ContactOptions
-    override: Annotated[int, typer.Option(help="Percent of its speed.")] = 10
+    override: int = option("Percent of its speed.", default=10)
     charting: ChartingOptions
     recording: RecordingOptions
     yes: YesOption = False

@@ -15,7 +15,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Refused, error, has_errors
-from assistant.cli.command import command_of
+from assistant.cli.command import argument, command_of, option
 from assistant.cli.exploration import (
     CellOption,
     ChartingOptions,
@@ -48,16 +48,12 @@ NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0"
 class Recorded:
     """Learn from where an arm has been, by hand or by programs, as a controller recorded it."""
 
-    recordings: Annotated[
-        tuple[Path, ...],
-        typer.Argument(help="Joints over time, .csv: logs of `monitor` or `follow`."),
-    ]
+    recordings: tuple[Path, ...] = argument(
+        "Joints over time, .csv: logs of `monitor` or `follow`."
+    )
     cell: CellOption
     chart: ChartOption
-    contact: Annotated[
-        str | None,
-        typer.Option(help="Recorded input that is not 0 in contact.", metavar="SIGNAL"),
-    ] = None
+    contact: str | None = option("Recorded input that is not 0 in contact.", metavar="SIGNAL")
     charting: ChartingOptions
     format: FormatOption = Format.TEXT
 
@@ -80,9 +76,7 @@ class Program:
     program: Source
     cell: CellOption
     chart: ChartOption
-    until: Annotated[
-        float | None, typer.Option(help="Seconds of its procedure at which a contact ended it.")
-    ] = None
+    until: float | None = option("Seconds of its procedure at which a contact ended it.")
     hidden: HiddenOption = None
     charting: ChartingOptions
     acceleration: AccelerationOption = None
@@ -136,10 +130,9 @@ class Show:
     """Print what a chart knows, and draw it."""
 
     chart: ChartArgument
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="Draw it as well: FILE.png or .svg.", metavar="FILE"),
-    ] = None
+    output: Path | None = option(
+        "Draw it as well: FILE.png or .svg.", "--output", "-o", metavar="FILE"
+    )
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -169,10 +162,8 @@ class Show:
 class Merge:
     """Write what several charts know together; what one has occupied is occupied."""
 
-    charts: Annotated[
-        tuple[Path, ...], typer.Argument(help="Charts of one robot and one size of cells.")
-    ]
-    output: Annotated[Path, typer.Option("--output", "-o", help="Chart to write.")]
+    charts: tuple[Path, ...] = argument("Charts of one robot and one size of cells.")
+    output: Path = option("Chart to write.", "--output", "-o")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -200,7 +191,7 @@ class Compare:
     """Tell what a later chart knows more, and exit with 1 if what was free is occupied."""
 
     old: ChartArgument
-    new: Annotated[Path, typer.Argument(help="A later chart.")]
+    new: Path = argument("A later chart.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.command import command, command_group, command_of
+from assistant.cli.command import argument, command, command_group, command_of, option
 from assistant.cli.options import CellOption, FormatOption, UnitOption
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
@@ -38,9 +38,6 @@ CamerasOption = Annotated[
 PlaneOption = Annotated[
     float, typer.Option("--plane", help="Height of what objects lie on, mm in the world.")
 ]
-RobotOfCellOption = Annotated[
-    str | None, typer.Option("--robot", "-r", help="Its name in the cell, if there are several.")
-]
 
 
 @command_of(objects)
@@ -48,30 +45,17 @@ class Add:
     """Learn an object: by its drawing, by pictures of its face, or as it lies before cameras."""
 
     library: LibraryArgument
-    name: Annotated[str, typer.Argument(help="How the object is called.")]
-    files: Annotated[
-        tuple[str, ...], typer.Argument(help="Its drawing, .dxf, or pictures: FILE or CAMERA=FILE.")
-    ]
-    contour: Annotated[
-        str | None, typer.Option(help="Layer of the outline; default the one with closed contours.")
-    ] = None
-    line: Annotated[
-        tuple[str, ...],
-        typer.Option("--line", help="Layer whose curves are ways on the part; repeatable."),
-    ] = ()
-    width: Annotated[
-        float | None, typer.Option(help="mm that the face is wide which fills the first picture.")
-    ] = None
-    height: Annotated[
-        float | None, typer.Option(help="mm of the face above what the part lies on.", min=0.0)
-    ] = None
+    name: str = argument("How the object is called.")
+    files: tuple[str, ...] = argument("Its drawing, .dxf, or pictures: FILE or CAMERA=FILE.")
+    contour: str | None = option("Layer of the outline; default the one with closed contours.")
+    line: tuple[str, ...] = option("Layer whose curves are ways on the part; repeatable.")
+    width: float | None = option("mm that the face is wide which fills the first picture.")
+    height: float | None = option("mm of the face above what the part lies on.", min=0.0)
     cameras: CamerasOption = None
     plane: PlaneOption = 0.0
-    solid: Annotated[
-        bool, typer.Option("--solid", help="It is not flat: marks in space, by two cameras.")
-    ] = False
+    solid: bool = option("It is not flat: marks in space, by two cameras.")
     unit: UnitOption = None
-    again: Annotated[bool, typer.Option("--again", help="Replace one of that name.")] = False
+    again: bool = option("Replace one of that name.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -114,42 +98,30 @@ class List:
 class See:
     """Find known objects in pictures; what is done on them becomes targets. Nothing moves."""
 
-    cameras: Annotated[Path, typer.Option("--cameras", help="File of the cameras, .toml.")]
-    library: Annotated[Path, typer.Option("--objects", help="Folder of the library.")]
-    images: Annotated[
-        tuple[str, ...],
-        typer.Argument(
-            metavar="IMAGES", help="A picture of each camera: FILE or CAMERA=FILE; default theirs."
-        ),
-    ] = ()
-    to: Annotated[
-        Path | None, typer.Option("--to", help="Taught targets to write, .toml: what is done.")
-    ] = None
-    found: Annotated[
-        Path | None, typer.Option("--found", help="File to write, .toml: where objects are.")
-    ] = None
-    picture: Annotated[
-        Path | None, typer.Option("--draw", help="The picture with what was found, .png.")
-    ] = None
+    cameras: Path = option("File of the cameras, .toml.")
+    library: Path = option("Folder of the library.", "--objects")
+    images: tuple[str, ...] = argument(
+        "A picture of each camera: FILE or CAMERA=FILE; default theirs.",
+        default=(),
+        metavar="IMAGES",
+    )
+    to: Path | None = option("Taught targets to write, .toml: what is done.")
+    found: Path | None = option("File to write, .toml: where objects are.")
+    picture: Path | None = option("The picture with what was found, .png.", "--draw")
     plane: PlaneOption = 0.0
-    plane_sigma: Annotated[
-        float, typer.Option(help="mm, one sigma, that the plane may be off.", min=0.001)
-    ] = 0.05
+    plane_sigma: float = option(
+        "mm, one sigma, that the plane may be off.", default=0.05, min=0.001
+    )
     cell: CellOption = None
-    robot: RobotOfCellOption = None
-    joints: Annotated[
-        str | None,
-        typer.Option(help="Where the arm was that carries a camera: degrees with commas."),
-    ] = None
-    expect: Annotated[
-        tuple[str, ...], typer.Option(help="An object that has to be there; repeatable.")
-    ] = ()
-    most_mm: Annotated[
-        float, typer.Option(help="mm, one sigma, that an object may be unsure by.", min=0.001)
-    ] = 1.0
-    most_deg: Annotated[
-        float, typer.Option(help="Degrees, one sigma, that it may be unsure by.", min=0.001)
-    ] = 1.0
+    robot: str | None = option("Its name in the cell, if there are several.", "--robot", "-r")
+    joints: str | None = option("Where the arm was that carries a camera: degrees with commas.")
+    expect: tuple[str, ...] = option("An object that has to be there; repeatable.")
+    most_mm: float = option(
+        "mm, one sigma, that an object may be unsure by.", default=1.0, min=0.001
+    )
+    most_deg: float = option(
+        "Degrees, one sigma, that it may be unsure by.", default=1.0, min=0.001
+    )
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:

@@ -13,12 +13,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, TypeVar
-
-import typer
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from assistant.base.diagnostics import Refused, Rule, error
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.cli.source_input import keep_sources
@@ -46,87 +44,46 @@ class ToolHold(StrEnum):
 class Learn:
     """Learn from two cameras which joints reach what they see, on this computer. Nothing moves."""
 
-    robot: Annotated[
-        str,
-        typer.Argument(
-            help="A robot of the catalogue, or a robot file.", autocompletion=complete_robot
-        ),
-    ]
-    output: Annotated[Path, typer.Option("--output", "-o", help="Map to write, .npz.")]
-    steps: Annotated[int, typer.Option(help="Targets that are tried.", min=1, max=1_000_000)] = (
-        30_000
+    robot: str = argument(
+        "A robot of the catalogue, or a robot file.", autocompletion=complete_robot
     )
-    hold: Annotated[
-        tuple[str, ...],
-        typer.Option(metavar="JOINT=DEGREES", help="Joint that stays; repeatable."),
-    ] = ()
-    range: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            metavar="JOINT=LOW:HIGH",
-            help="Degrees between which a joint learns; default 25 about its home; repeatable.",
-        ),
-    ] = ()
-    box: Annotated[
-        str | None,
-        typer.Option(
-            metavar="X,Y,Z", help="Targets in a box of the base, mm, each of them LOW:HIGH."
-        ),
-    ] = None
-    tool: Annotated[
-        ToolHold | None,
-        typer.Option(
-            help="How the tool is held in the box; free: only its place is learnt, and the "
-            "posture nearest to the middle of the ranges."
-        ),
-    ] = None
-    turn: Annotated[
-        str, typer.Option(metavar="LOW:HIGH", help="Degrees of the held tool about its axis.")
-    ] = "0:0"
-    point: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            metavar="X,Y,Z",
-            help="Point of the tool that is seen, mm on the flange; repeatable.",
-        ),
-    ] = ()
-    cameras: Annotated[
-        Path | None,
-        typer.Option(help="File of cameras that stand about the base; default a pair is put up."),
-    ] = None
-    lattice: Annotated[
-        str | None, typer.Option(metavar="7x12x4", help="Units along each axis of the lattice.")
-    ] = None
-    noise: Annotated[
-        float, typer.Option(help="Pixels of noise, one sigma.", min=0.0, max=100.0)
-    ] = 0.0
-    seed: Annotated[int, typer.Option(help="Of what is random.", min=0)] = 0
-    go_on: Annotated[
-        Path | None, typer.Option("--go-on", help="Map that goes on learning, .npz.")
-    ] = None
-    longer: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            metavar="LENGTH=FACTOR",
-            help="Link that is longer than the robot file says; repeatable.",
-        ),
-    ] = ()
-    recorded: Annotated[
-        tuple[Path, ...],
-        typer.Option(
-            help="Learn from where an arm was: log of `explore`, `servo` or `monitor`; repeatable.",
-            metavar="LOG.csv",
-        ),
-    ] = ()
-    picture: Annotated[
-        Path | None, typer.Option(help="Draw the lattice at several stages, .png or .svg.")
-    ] = None
-    curve: Annotated[
-        Path | None, typer.Option(help="Errors over the steps, .csv, .png or .svg.")
-    ] = None
-    rivals: Annotated[
-        bool, typer.Option("--rivals", help="Beside a calibrated pair of cameras and a regression.")
-    ] = False
+    output: Path = option("Map to write, .npz.", "--output", "-o")
+    steps: int = option("Targets that are tried.", default=30_000, min=1, max=1_000_000)
+    hold: tuple[str, ...] = option("Joint that stays; repeatable.", metavar="JOINT=DEGREES")
+    range: tuple[str, ...] = option(
+        "Degrees between which a joint learns; default 25 about its home; repeatable.",
+        metavar="JOINT=LOW:HIGH",
+    )
+    box: str | None = option(
+        "Targets in a box of the base, mm, each of them LOW:HIGH.", metavar="X,Y,Z"
+    )
+    tool: ToolHold | None = option(
+        "How the tool is held in the box; free: only its place is learnt, and the "
+        "posture nearest to the middle of the ranges."
+    )
+    turn: str = option(
+        "Degrees of the held tool about its axis.", default="0:0", metavar="LOW:HIGH"
+    )
+    point: tuple[str, ...] = option(
+        "Point of the tool that is seen, mm on the flange; repeatable.", metavar="X,Y,Z"
+    )
+    cameras: Path | None = option(
+        "File of cameras that stand about the base; default a pair is put up."
+    )
+    lattice: str | None = option("Units along each axis of the lattice.", metavar="7x12x4")
+    noise: float = option("Pixels of noise, one sigma.", default=0.0, min=0.0, max=100.0)
+    seed: int = option("Of what is random.", default=0, min=0)
+    go_on: Path | None = option("Map that goes on learning, .npz.")
+    longer: tuple[str, ...] = option(
+        "Link that is longer than the robot file says; repeatable.", metavar="LENGTH=FACTOR"
+    )
+    recorded: tuple[Path, ...] = option(
+        "Learn from where an arm was: log of `explore`, `servo` or `monitor`; repeatable.",
+        metavar="LOG.csv",
+    )
+    picture: Path | None = option("Draw the lattice at several stages, .png or .svg.")
+    curve: Path | None = option("Errors over the steps, .csv, .png or .svg.")
+    rivals: bool = option("Beside a calibrated pair of cameras and a regression.")
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from assistant.base.diagnostics import FailOn, Refused, error
-from assistant.cli.command import ProjectDefault, options, with_project_values
+from assistant.base.diagnostics import Refused, error
+from assistant.cli.command import ProjectDefault, option, options, with_project_values
 from assistant.cli.presentation import (
     FindingFormat,
     Format,
@@ -54,12 +54,6 @@ Source = Annotated[
 Sources = Annotated[
     tuple[str, ...], typer.Argument(help="Drawings, tables or programs; - for input.")
 ]
-LanguageOption = Annotated[
-    str | None,
-    typer.Option("--language", "-l", help="Language to write; default the project's.",
-                 autocompletion=complete_language),
-    ProjectDefault("language"),
-]  # fmt: skip
 RobotOption = Annotated[
     str | None,
     typer.Option(
@@ -79,11 +73,6 @@ FromLanguage = Annotated[
                  autocompletion=complete_language),
     ProjectDefault("from_language"),
 ]  # fmt: skip
-ProcessOption = Annotated[
-    Path | None,
-    typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
-    ProjectDefault("process"),
-]
 CellOption = Annotated[
     Path | None,
     typer.Option("--cell", help="File of the cell: its robots, and bodies not to be touched."),
@@ -117,9 +106,6 @@ FindingFormatOption = Annotated[
     typer.Option("--format", help="For people, programs, code scanning, pull or merge requests.",
                  callback=answer_as),
 ]  # fmt: skip
-FailOnOption = Annotated[
-    FailOn, typer.Option("--fail-on", help="What exit status 1 is for; never: it stays 0.")
-]
 FormatOption = Annotated[
     Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
 ]
@@ -129,7 +115,13 @@ FormatOption = Annotated[
 class ReaderOptions:
     """How a source is read."""
 
-    process: ProcessOption = None
+    process: Path | None = option(
+        "Process file; default NAME.process.toml beside it.",
+        "--process",
+        "-p",
+        default=None,
+        project="process",
+    )
     unit: UnitOption = None
 
     @property
@@ -146,22 +138,17 @@ class ReaderOptions:
 class DrawingOptions(ReaderOptions):
     """How a source is read, and where a drawing's origin is."""
 
-    place: Annotated[
-        str | None,
-        typer.Option(
-            "--place",
-            metavar="X,Y,Z[,A,B,C]",
-            help="Where a drawing's origin stands, mm, and degrees about z, y, x.",
-        ),
-    ] = None
-    marks: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            "--mark",
-            metavar="X,Y=X,Y,Z",
-            help="Mark of a drawing and where it was taught, mm; three place it.",
-        ),
-    ] = ()
+    place: str | None = option(
+        "Where a drawing's origin stands, mm, and degrees about z, y, x.",
+        default=None,
+        metavar="X,Y,Z[,A,B,C]",
+    )
+    marks: tuple[str, ...] = option(
+        "Mark of a drawing and where it was taught, mm; three place it.",
+        "--mark",
+        default=(),
+        metavar="X,Y=X,Y,Z",
+    )
 
     @cached_property
     def placement(self) -> DrawingPlacement | None:
@@ -177,20 +164,14 @@ class DrawingOptions(ReaderOptions):
 class SightOptions:
     """Where objects are that frames depend on."""
 
-    seen: Annotated[
-        Path | None,
-        typer.Option(
-            "--seen", metavar="FILE", help="Where objects were found, for frames that are seen."
-        ),
-    ] = None
-    ask_at: Annotated[
-        str | None,
-        typer.Option(
-            "--ask-at",
-            metavar="HOST:PORT",
-            help="Have the program ask there, as it runs, for frames that are seen.",
-        ),
-    ] = None
+    seen: Path | None = option(
+        "Where objects were found, for frames that are seen.", default=None, metavar="FILE"
+    )
+    ask_at: str | None = option(
+        "Have the program ask there, as it runs, for frames that are seen.",
+        default=None,
+        metavar="HOST:PORT",
+    )
 
     @cached_property
     def seeing(self) -> Seeing:
@@ -213,21 +194,15 @@ _SIGNALS_WITHOUT_PROOF = error(
 class ProofOptions:
     """Proof by motion."""
 
-    prove: Annotated[
-        bool,
-        typer.Option(
-            "--prove", help="Run the source and what is written, and compare what they do."
-        ),
-    ] = False
-    signals: Annotated[
-        Path | None,
-        typer.Option(
-            help="With --prove: a script of the inputs; default a search for all branches."
-        ),
-    ] = None
-    seed: Annotated[
-        int, typer.Option(help="With --prove: of what the search draws; the same gives the same.")
-    ] = 0
+    prove: bool = option(
+        "Run the source and what is written, and compare what they do.", default=False
+    )
+    signals: Path | None = option(
+        "With --prove: a script of the inputs; default a search for all branches.", default=None
+    )
+    seed: int = option(
+        "With --prove: of what the search draws; the same gives the same.", default=0
+    )
 
     @property
     def proving(self) -> Proving | None:
@@ -249,25 +224,16 @@ class ProofOptions:
 class EditOptions:
     """Decisions about edits of written files."""
 
-    overwrite: Annotated[
-        bool,
-        typer.Option("--overwrite", help="Write over files that were edited, without the edits."),
-    ] = False
-    keep_edit: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            "--keep-edit",
-            metavar="NAME",
-            help="Keep this edit of a file although the source has changed the same.",
-            show_default=False,
-        ),
-    ] = ()
-    drop_edit: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            "--drop-edit", metavar="NAME", help="Leave this edit of a file out.", show_default=False
-        ),
-    ] = ()
+    overwrite: bool = option("Write over files that were edited, without the edits.", default=False)
+    keep_edit: tuple[str, ...] = option(
+        "Keep this edit of a file although the source has changed the same.",
+        default=(),
+        metavar="NAME",
+        show_default=False,
+    )
+    drop_edit: tuple[str, ...] = option(
+        "Leave this edit of a file out.", default=(), metavar="NAME", show_default=False
+    )
 
     @property
     def choices(self) -> MergeChoices:
@@ -286,20 +252,14 @@ PAGE_SUFFIXES = (".html", ".htm")
 class PageOptions:
     """A page of the result for the browser."""
 
-    report: Annotated[
-        Path | None,
-        typer.Option(
-            "--report", help="Write a page for the browser as well, FILE.html.", metavar="FILE.html"
-        ),
-    ] = None
-    opened: Annotated[
-        bool,
-        typer.Option(
-            "--open",
-            help="Show the page in the browser; without --report from a folder for temporary "
-            "files.",
-        ),
-    ] = False
+    report: Path | None = option(
+        "Write a page for the browser as well, FILE.html.", default=None, metavar="FILE.html"
+    )
+    opened: bool = option(
+        "Show the page in the browser; without --report from a folder for temporary files.",
+        "--open",
+        default=False,
+    )
 
     @property
     def plot(self) -> Path | None:
@@ -334,14 +294,9 @@ class PageOptions:
 class PlottedPageOptions(PageOptions):
     """A page of the result, and a picture of a drawing's contours."""
 
-    plot: Annotated[
-        Path | None,
-        typer.Option(
-            "--plot",
-            help="Draw contours, their order and ways, as .svg or .png.",
-            metavar="FILE.svg",
-        ),
-    ] = None
+    plot: Path | None = option(
+        "Draw contours, their order and ways, as .svg or .png.", default=None, metavar="FILE.svg"
+    )
 
 
 T = TypeVar("T")

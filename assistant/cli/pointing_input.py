@@ -15,13 +15,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.cli.arm_motion import NO_SPEED, Moving, moving
-from assistant.cli.command import options
+from assistant.cli.command import option, options
 from assistant.cli.controller_session import (
     YesOption,
     confirm,
@@ -52,44 +50,28 @@ if TYPE_CHECKING:
 class PointingOptions:
     """How places are shown to cameras, and how an arm is led there."""
 
-    point: Annotated[
-        Path | None,
-        typer.Option(help="Store places that are shown to these cameras.", metavar="CAMERAS.toml"),
-    ] = None
-    camera: Annotated[
-        tuple[str, ...], typer.Option(help="Camera that looks; repeatable, default all.")
-    ] = ()
-    device: Annotated[str, typer.Option(help="wand, ball, light, or a file.", metavar="DEVICE")] = (
-        "wand"
+    point: Path | None = option(
+        "Store places that are shown to these cameras.", metavar="CAMERAS.toml"
     )
-    frames: Annotated[int, typer.Option(help="Pictures for which a place is held.")] = 30
-    rate: Annotated[float, typer.Option(help="Pictures a second of files.")] = 30.0
-    residual: Annotated[float, typer.Option(help="Pixels by which pictures may disagree.")] = 0.5
-    fastest: Annotated[float, typer.Option(help="mm/s that a hand moves.")] = 1500.0
+    camera: tuple[str, ...] = option("Camera that looks; repeatable, default all.")
+    device: str = option("wand, ball, light, or a file.", default="wand", metavar="DEVICE")
+    frames: int = option("Pictures for which a place is held.", default=30)
+    rate: float = option("Pictures a second of files.", default=30.0)
+    residual: float = option("Pixels by which pictures may disagree.", default=0.5)
+    fastest: float = option("mm/s that a hand moves.", default=1500.0)
     robot: RobotOption = None
-    world: Annotated[
-        str | None, typer.Option(help="Frame of the file in which the cameras stand.")
-    ] = None
-    stroke: Annotated[
-        bool, typer.Option("--stroke", help="Store the way between two places, as a .csv.")
-    ] = False
-    step: Annotated[float, typer.Option(help="mm between waypoints of a stroke.")] = 5.0
-    go: Annotated[bool, typer.Option("--go", help="Lead the arm there; store what it reached.")] = (
-        False
+    world: str | None = option("Frame of the file in which the cameras stand.")
+    stroke: bool = option("Store the way between two places, as a .csv.")
+    step: float = option("mm between waypoints of a stroke.", default=5.0)
+    go: bool = option("Lead the arm there; store what it reached.")
+    by: str = option("Way to lead it, as of `follow`.", default="data-link")
+    port: int | None = option("UDP port of that way.", min=1, max=65535)
+    lines: tuple[str, ...] = option("Line of that way; repeatable.", "--line")
+    above: float = option("mm before a place from which it is led straight.", default=50.0)
+    servo: Path | None = option(
+        "Lead it from there by what is seen of its tool.", metavar="TASK.toml"
     )
-    by: Annotated[str, typer.Option(help="Way to lead it, as of `follow`.")] = "data-link"
-    port: Annotated[int | None, typer.Option(help="UDP port of that way.", min=1, max=65535)] = None
-    lines: Annotated[
-        tuple[str, ...], typer.Option("--line", help="Line of that way; repeatable.")
-    ] = ()
-    above: Annotated[
-        float, typer.Option(help="mm before a place from which it is led straight.")
-    ] = 50.0
-    servo: Annotated[
-        Path | None,
-        typer.Option(help="Lead it from there by what is seen of its tool.", metavar="TASK.toml"),
-    ] = None
-    speed: Annotated[float, typer.Option(help="Percent of what the file says.")] = 10.0
+    speed: float = option("Percent of what the file says.", default=10.0)
     yes: YesOption = False
     format: FormatOption = Format.TEXT
 
@@ -295,9 +277,9 @@ def _check_options(options: PointingOptions, into: Path, wanted: TargetOptions) 
         (options.fastest, "--fastest", 1.0, "mm a second"),
         (options.step, "--step", 0.1, "mm from 0.1"),
     )
-    for value, option, low, cure in least:
+    for value, named, low, cure in least:
         if not low <= value < 1e6:
-            raise Refused(_NO_COUNT(option=option, value=value, cure=cure), exit_status=2)
+            raise Refused(_NO_COUNT(option=named, value=value, cure=cure), exit_status=2)
     if not 0.0 <= options.above <= 500.0:
         cure = "0 to 500 mm"
         raise Refused(_NO_COUNT(option="--above", value=options.above, cure=cure), exit_status=2)

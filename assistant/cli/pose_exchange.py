@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Refused, Severity, error, warning
-from assistant.cli.command import command_group, command_of, options
+from assistant.cli.command import argument, command_group, command_of, option, options
 from assistant.cli.controller_session import (
     CellArgument,
     Session,
@@ -55,25 +55,15 @@ TimeoutOption = Annotated[
 class PlainOptions:
     """Files of a plain exchange."""
 
-    plain: Annotated[
-        bool, typer.Option("--plain", help="Plain text files, without numbers and checksums.")
-    ] = False
-    files: Annotated[
-        str | None,
-        typer.Option(
-            "--files",
-            help="With --plain: names of the files from the PC, the one that is waited for first.",
-            metavar="POSITION,ORIENTATION,CONFIGURATION",
-        ),
-    ] = None
-    answers: Annotated[
-        str | None,
-        typer.Option(
-            "--answers",
-            help="With --plain: names of the files from the robot.",
-            metavar="POSITION,ORIENTATION,CONFIGURATION",
-        ),
-    ] = None
+    plain: bool = option("Plain text files, without numbers and checksums.")
+    files: str | None = option(
+        "With --plain: names of the files from the PC, the one that is waited for first.",
+        metavar="POSITION,ORIENTATION,CONFIGURATION",
+    )
+    answers: str | None = option(
+        "With --plain: names of the files from the robot.",
+        metavar="POSITION,ORIENTATION,CONFIGURATION",
+    )
 
     def names(self, others: Mapping[str, bool]) -> PlainFiles | None:
         """Return the file names of a plain exchange; None for the numbered one.
@@ -103,25 +93,20 @@ class PlainOptions:
 class Module:
     """Write the robot's side: a module that waits for poses, goes there and answers."""
 
-    output: Annotated[str, typer.Option("--output", "-o", help="File to write; - prints it.")] = (
-        "PoseExchange.mod"
+    output: str = option(
+        "File to write; - prints it.", "--output", "-o", default="PoseExchange.mod"
     )
-    name: Annotated[str | None, typer.Option(help="Name of the module.")] = None
-    tool: Annotated[str | None, typer.Option(help="Tool that is moved.")] = None
-    tip: Annotated[
-        str | None,
-        typer.Option(help="x,y,z[,w,x,y,z] of its tip, mm on the flange: declares the tool."),
-    ] = None
-    mass: Annotated[float, typer.Option(help="Of that tool, kg.")] = 1.0
-    centre: Annotated[str, typer.Option(help="x,y,z of its centre of gravity, mm.")] = "0,0,50"
-    work_object: Annotated[str | None, typer.Option(help="Frame that poses are in.")] = None
-    speed: Annotated[str | None, typer.Option(help="Name of the speed.")] = None
-    zone: Annotated[str | None, typer.Option(help="Name of the zone of poses on the way.")] = None
-    folder: Annotated[str | None, typer.Option(help="Folder of the files there.")] = None
+    name: str | None = option("Name of the module.")
+    tool: str | None = option("Tool that is moved.")
+    tip: str | None = option("x,y,z[,w,x,y,z] of its tip, mm on the flange: declares the tool.")
+    mass: float = option("Of that tool, kg.", default=1.0)
+    centre: str = option("x,y,z of its centre of gravity, mm.", default="0,0,50")
+    work_object: str | None = option("Frame that poses are in.")
+    speed: str | None = option("Name of the speed.")
+    zone: str | None = option("Name of the zone of poses on the way.")
+    folder: str | None = option("Folder of the files there.")
     prefix: PrefixOption = "exchange"
-    longest: Annotated[
-        float, typer.Option(help="Seconds without a request after which it ends.")
-    ] = 240.0
+    longest: float = option("Seconds without a request after which it ends.", default=240.0)
     plain: PlainOptions
 
     def run(self) -> int:
@@ -199,22 +184,14 @@ class Follow:
     """Send poses one after the other; the arm goes to each. Asks before; Ctrl-C stops it."""
 
     cell: CellArgument
-    trajectory: Annotated[Path, typer.Argument(help="Poses: csv, json, npy, npz, toml.")]
-    through: Annotated[
-        bool, typer.Option("--through", help="Without standing still at each pose.")
-    ] = False
-    record: Annotated[
-        Path | None, typer.Option(help="Write what was answered.", metavar="FILE.csv|npz")
-    ] = None
-    plot: Annotated[
-        Path | None, typer.Option(help="Draw what was answered.", metavar="FILE.png|svg")
-    ] = None
-    plot_unit: Annotated[
-        LengthUnit, typer.Option("--plot-unit", help="Unit of the positions that are drawn.")
-    ] = LengthUnit.MM
+    trajectory: Path = argument("Poses: csv, json, npy, npz, toml.")
+    through: bool = option("Without standing still at each pose.")
+    record: Path | None = option("Write what was answered.", metavar="FILE.csv|npz")
+    plot: Path | None = option("Draw what was answered.", metavar="FILE.png|svg")
+    plot_unit: LengthUnit = option("Unit of the positions that are drawn.", default=LengthUnit.MM)
     prefix: PrefixOption = "exchange"
     timeout: TimeoutOption = 10.0
-    longest: Annotated[float, typer.Option(help="Seconds for one motion.", min=0.1)] = 240.0
+    longest: float = option("Seconds for one motion.", default=240.0, min=0.1)
     plain: PlainOptions
     yes: YesOption = False
     format: FormatOption = Format.TEXT

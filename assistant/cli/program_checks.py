@@ -11,17 +11,14 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
-
-import typer
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, FailOn, Refused, error, fold, fold_files
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.options import (
     CellOption,
     DrawingOptions,
     EntryOption,
-    FailOnOption,
     FindingFormatOption,
     FormatOption,
     FromLanguage,
@@ -61,10 +58,9 @@ _CHECKED_AS_STATED = (".dxf", ".csv", ".toml", ".npy", ".npz", ".json", ".pseudo
 class Check:
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
 
-    sources: Annotated[
-        tuple[str, ...],
-        typer.Argument(help="Files, or folders with programs; - for input; none for the project."),
-    ] = ()
+    sources: tuple[str, ...] = argument(
+        "Files, or folders with programs; - for input; none for the project.", default=()
+    )
     robot: RobotOption = None
     reader: DrawingOptions
     cell: CellOption = None
@@ -72,7 +68,9 @@ class Check:
     sight: SightOptions
     page: PlottedPageOptions
     format: FindingFormatOption = FindingFormat.TEXT
-    fail_on: FailOnOption = FailOn.WARNING
+    fail_on: FailOn = option(
+        "What exit status 1 is for; never: it stays 0.", default=FailOn.WARNING
+    )
 
     def run(self) -> int:
         from assistant.findings.severities import apply_severities
@@ -121,7 +119,7 @@ class Check:
 class Explain:
     """Print what a finding means, what to do, and an example."""
 
-    codes: Annotated[tuple[str, ...], typer.Argument(help="Codes of findings, such as RA204.")]
+    codes: tuple[str, ...] = argument("Codes of findings, such as RA204.")
 
     def run(self) -> int:
         from assistant.findings.rulebook import explain
@@ -218,44 +216,23 @@ _WITHOUT_PARTNER: Final = error(
 class Compare:
     """Run two programs and tell what they do otherwise: motions, outputs, waits, shared data."""
 
-    first: Annotated[str, typer.Argument(help="Program, or folder with programs.")]
-    second: Annotated[str, typer.Argument(help="What is to do the same, in any language.")]
-    robot: Annotated[
-        str | None,
-        typer.Option("--robot", "-r", help="Arm of the second one.", autocompletion=complete_robot),
-    ] = None
-    from_robot: Annotated[
-        str | None,
-        typer.Option("--from-robot", help="Arm of the first one.", autocompletion=complete_robot),
-    ] = None
-    process: Annotated[
-        tuple[Path, ...],
-        typer.Option(
-            "--process", "-p", help="File with signals, tools, frames of the first; then the other."
-        ),
-    ] = ()
-    cell: Annotated[
-        Path | None, typer.Option(help="File of what either uses and does not declare.")
-    ] = None
-    names: Annotated[
-        Path | None,
-        typer.Option(help="File of what the second calls signals and data of the first."),
-    ] = None
+    first: str = argument("Program, or folder with programs.")
+    second: str = argument("What is to do the same, in any language.")
+    robot: str | None = option(
+        "Arm of the second one.", "--robot", "-r", autocompletion=complete_robot
+    )
+    from_robot: str | None = option("Arm of the first one.", autocompletion=complete_robot)
+    process: tuple[Path, ...] = option(
+        "File with signals, tools, frames of the first; then the other.", "--process", "-p"
+    )
+    cell: Path | None = option("File of what either uses and does not declare.")
+    names: Path | None = option("File of what the second calls signals and data of the first.")
     from_language: FromLanguage = None
     entry: EntryOption = None
-    signals: Annotated[
-        Path | None,
-        typer.Option(help="Script of the inputs; default a search for all branches."),
-    ] = None
-    seed: Annotated[
-        int, typer.Option(help="Of what the search draws; the same gives the same.")
-    ] = 0
-    seconds: Annotated[
-        float, typer.Option(help="Of the processor, that the search may take.", min=0.1)
-    ] = 10.0
-    text: Annotated[
-        bool, typer.Option("--text", help="Pair their statements, and run nothing.")
-    ] = False
+    signals: Path | None = option("Script of the inputs; default a search for all branches.")
+    seed: int = option("Of what the search draws; the same gives the same.", default=0)
+    seconds: float = option("Of the processor, that the search may take.", default=10.0, min=0.1)
+    text: bool = option("Pair their statements, and run nothing.")
     page: PageOptions
     format: FormatOption = Format.TEXT
 

@@ -11,14 +11,12 @@ import sys
 from collections.abc import Iterator
 from difflib import unified_diff
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Refused, error, fold, has_errors
 from assistant.base.source_text import ended_lines, read_input, visible
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.options import (
     DrawingOptions,
     EntryOption,
@@ -55,17 +53,11 @@ class Show:
     reader: DrawingOptions
     from_language: FromLanguage = None
     entry: EntryOption = None
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="Write a .pseudo file, long paths in tables beside."),
-    ] = None
-    to: Annotated[
-        str | None,
-        typer.Option(help="As this language will say it.", autocompletion=complete_language),
-    ] = None
-    after: Annotated[
-        str | None, typer.Option(help="On the way into that language, after this pass.")
-    ] = None
+    output: Path | None = option(
+        "Write a .pseudo file, long paths in tables beside.", "--output", "-o"
+    )
+    to: str | None = option("As this language will say it.", autocompletion=complete_language)
+    after: str | None = option("On the way into that language, after this pass.")
 
     def run(self) -> int:
         from assistant.program import pseudo
@@ -140,21 +132,10 @@ class Fmt:
     same.
     """
 
-    files: Annotated[
-        tuple[str, ...], typer.Argument(help="Robot programs, or folders with them; - for input.")
-    ]
-    check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; exit 1 if a file would change.")
-    ] = False
-    diff: Annotated[
-        bool, typer.Option("--diff", help="Write nothing; print what would change.")
-    ] = False
-    renumber: Annotated[
-        str | None,
-        typer.Option(
-            "--renumber", metavar="FIRST,STEP", help="Number the steps anew, jumps to them too."
-        ),
-    ] = None
+    files: tuple[str, ...] = argument("Robot programs, or folders with them; - for input.")
+    check: bool = option("Write nothing; exit 1 if a file would change.")
+    diff: bool = option("Write nothing; print what would change.")
+    renumber: str | None = option("Number the steps anew, jumps to them too.", metavar="FIRST,STEP")
     from_language: FromLanguage = None
 
     def run(self) -> int:

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from assistant.base.diagnostics import FailOn, Refused, error, fold_files
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.options import (
     EditOptions,
     FindingFormatOption,
@@ -25,24 +22,18 @@ from assistant.cli.presentation import (
     working,
 )
 
-JobsOption = Annotated[
-    int | None,
-    typer.Option("--jobs", "-j", min=1, help="Processes at a time; default one a processor."),
-]
-
 
 @command
 class Build:
     """Compile the programs of the project for its targets, into build/TARGET/."""
 
-    names: Annotated[
-        tuple[str, ...],
-        typer.Argument(metavar="NAME", help="Programs or targets of assistant.toml."),
-    ] = ()
-    jobs: JobsOption = None
-    anew: Annotated[
-        bool, typer.Option("--anew", help="Also what has not changed since the last build.")
-    ] = False
+    names: tuple[str, ...] = argument(
+        "Programs or targets of assistant.toml.", default=(), metavar="NAME"
+    )
+    jobs: int | None = option(
+        "Processes at a time; default one a processor.", "--jobs", "-j", min=1
+    )
+    anew: bool = option("Also what has not changed since the last build.")
     edits: EditOptions
     format: FindingFormatOption = FindingFormat.TEXT
 
@@ -80,13 +71,11 @@ class Build:
 class Init:
     """Start a project: an example or your drawings, and files for git, pre-commit and CI."""
 
-    paths: Annotated[
-        tuple[Path, ...],
-        typer.Argument(
-            metavar="[FOLDER] [DRAWING]...",
-            help="Folder of the project, made if it is missing; drawings that it is to work.",
-        ),
-    ] = ()
+    paths: tuple[Path, ...] = argument(
+        "Folder of the project, made if it is missing; drawings that it is to work.",
+        default=(),
+        metavar="[FOLDER] [DRAWING]...",
+    )
     unit: UnitOption = None
 
     def run(self) -> int:

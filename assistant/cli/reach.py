@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
-from assistant.cli.command import command_group, command_of, options
+from assistant.cli.command import argument, command_group, command_of, option, options
 from assistant.cli.options import (
     CellOption,
     EntryOption,
@@ -88,24 +88,17 @@ class Map:
     x: _WorldRange = None
     y: _WorldRange = None
     z: _WorldRange = None
-    direction: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            help="Of the tool's z axis: down, up, x,y,z, or with /DEGREES a cone; repeatable."
-        ),
-    ] = ()
-    turns: Annotated[
-        int,
-        typer.Option(
-            help="Turns of the tool about its z axis that are tried; 1 if its turn counts."
-        ),
-    ] = 12
+    direction: tuple[str, ...] = option(
+        "Of the tool's z axis: down, up, x,y,z, or with /DEGREES a cone; repeatable."
+    )
+    turns: int = option(
+        "Turns of the tool about its z axis that are tried; 1 if its turn counts.", default=12
+    )
     tip: TipOption = None
     margin: MarginOption = None
-    output: Annotated[
-        tuple[str, ...],
-        typer.Option("--output", "-o", help="File to write: .csv, .npz, .png or .svg; repeatable."),
-    ] = ()
+    output: tuple[str, ...] = option(
+        "File to write: .csv, .npz, .png or .svg; repeatable.", "--output", "-o"
+    )
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -283,32 +276,25 @@ _DEFAULT_PLACE_RANGE: Final = "-200:200:50"
 class PlaceSearch:
     """Places that are tried, and targets to be reached from them."""
 
-    program: Annotated[
-        str | None,
-        typer.Argument(
-            help="Program whose targets are to be reached; default locations of bodies."
-        ),
-    ] = None
+    program: str | None = argument(
+        "Program whose targets are to be reached; default locations of bodies.", default=None
+    )
     robot: RobotOption = None
     cell: CellOption = None
     x: _OffsetRange = None
     y: _OffsetRange = None
     z: _OffsetRange = None
-    turn: Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="Degrees about z.")] = None
-    turns: Annotated[
-        int,
-        typer.Option(
-            help="Turns of the tool about its z axis that are tried; default its own alone."
-        ),
-    ] = 1
+    turn: str | None = option("Degrees about z.", metavar=_RANGE_FORM)
+    turns: int = option(
+        "Turns of the tool about its z axis that are tried; default its own alone.", default=1
+    )
     tip: TipOption = None
     margin: MarginOption = None
     reader: ReaderOptions
     from_language: FromLanguage = None
-    output: Annotated[
-        tuple[str, ...],
-        typer.Option("--output", "-o", help="File to write: .csv, .png or .svg; repeatable."),
-    ] = ()
+    output: tuple[str, ...] = option(
+        "File to write: .csv, .png or .svg; repeatable.", "--output", "-o"
+    )
     format: FormatOption = Format.TEXT
 
     def places(self, body: str | None) -> int:
@@ -413,7 +399,7 @@ class Base:
 class Place:
     """Find where a work piece stands best, for targets that move with it."""
 
-    body: Annotated[str, typer.Argument(help="Body of the cell; what stands on it is moved too.")]
+    body: str = argument("Body of the cell; what stands on it is moved too.")
     search: PlaceSearch
 
     def run(self) -> int:
@@ -441,14 +427,13 @@ class Swept:
     program: Source
     robot: RobotOption = None
     cell: CellOption = None
-    size: Annotated[float, typer.Option(help="How wide the cells of the grid are, mm.")] = 20.0
+    size: float = option("How wide the cells of the grid are, mm.", default=20.0)
     reader: ReaderOptions
     from_language: FromLanguage = None
     entry: EntryOption = None
-    output: Annotated[
-        tuple[str, ...],
-        typer.Option("--output", "-o", help="File: .csv, .npz, .glb, .png or .svg; repeatable."),
-    ] = ()
+    output: tuple[str, ...] = option(
+        "File: .csv, .npz, .glb, .png or .svg; repeatable.", "--output", "-o"
+    )
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:

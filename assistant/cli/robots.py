@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import command_of
+from assistant.cli.command import argument, command_of, option
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
 
@@ -84,21 +84,12 @@ class Calibrate:
 
     context: typer.Context
     robot: RobotArgument
-    measured: Annotated[
-        Path, typer.Argument(metavar="MEASURED", help="CSV: joints beside measured points.")
-    ]
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="The corrected robot, as TOML.")
-    ]
+    measured: Path = argument("CSV: joints beside measured points.", metavar="MEASURED")
+    output: Path = option("The corrected robot, as TOML.", "--output", "-o", metavar="FILE")
     estimate: EstimateOption = _Estimated.LENGTHS
-    tool: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,Z", help="Measured point in the flange, mm, if it is known."),
-    ] = None
+    tool: str | None = option("Measured point in the flange, mm, if it is known.", metavar="X,Y,Z")
     in_base: InBase = False
-    noise: Annotated[
-        float | None, typer.Option(metavar="MM", help="Of the measured points, if it is known.")
-    ] = None
+    noise: float | None = option("Of the measured points, if it is known.", metavar="MM")
     cameras: CamerasOption = None
     format: AnswerOption = None
 
@@ -145,19 +136,12 @@ class Poses:
 
     context: typer.Context
     robot: RobotArgument
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="Table of the joints, as CSV.")
-    ]
-    count: Annotated[int, typer.Option(help="How many.")] = 40
+    output: Path = option("Table of the joints, as CSV.", "--output", "-o", metavar="FILE")
+    count: int = option("How many.", default=40)
     estimate: EstimateOption = _Estimated.LENGTHS
-    tool: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Point in the flange, mm, roughly.")
-    ] = None
+    tool: str | None = option("Point in the flange, mm, roughly.", metavar="X,Y,Z")
     in_base: InBase = False
-    box: Annotated[
-        str | None,
-        typer.Option(metavar="X0,X1,Y0,Y1,Z0,Z1", help="Where the point may be, mm of the base."),
-    ] = None
+    box: str | None = option("Where the point may be, mm of the base.", metavar="X0,X1,Y0,Y1,Z0,Z1")
     cameras: CamerasOption = None
     format: AnswerOption = None
 
@@ -209,18 +193,10 @@ class Show:
     """Print the data of a robot with their source, and draw it."""
 
     context: typer.Context
-    robot: Annotated[
-        str,
-        typer.Argument(
-            metavar="NAME",
-            help="A robot of the catalogue, or a robot file.",
-            autocompletion=complete_robot,
-        ),
-    ]
-    draw: Annotated[
-        Path | None,
-        typer.Option(help="Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE"),
-    ] = None
+    robot: str = argument(
+        "A robot of the catalogue, or a robot file.", metavar="NAME", autocompletion=complete_robot
+    )
+    draw: Path | None = option("Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE")
     format: AnswerOption = None
 
     def run(self) -> int:

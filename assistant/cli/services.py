@@ -12,13 +12,11 @@ import sys
 import webbrowser
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.options import CellOption, FormatOption, RobotOption
 from assistant.cli.presentation import Format, print_findings, say
 
@@ -35,15 +33,12 @@ if TYPE_CHECKING:
 class Studio:
     """Open the studio: drawing, program, cell and controller in one window of the browser."""
 
-    project: Annotated[
-        Path, typer.Argument(metavar="[PROJECT]", help="Its folder; default this one.")
-    ] = Path()
-    host: Annotated[
-        str | None,
-        typer.Option(help="Address by which others open it, encrypted; default nobody else can."),
-    ] = None
-    port: Annotated[int, typer.Option(help="Port; default one that is free.", min=0, max=65535)] = 0
-    open: Annotated[bool, typer.Option("--open/--no-open", help="Open the browser.")] = True
+    project: Path = argument("Its folder; default this one.", default=Path(), metavar="[PROJECT]")
+    host: str | None = option(
+        "Address by which others open it, encrypted; default nobody else can."
+    )
+    port: int = option("Port; default one that is free.", default=0, min=0, max=65535)
+    open: bool = option("Open the browser.", "--open/--no-open", default=True)
     format: FormatOption = Format.TEXT
 
     def run(self) -> int:
@@ -83,25 +78,15 @@ class Studio:
 class Lsp:
     """Answer an editor over the Language Server Protocol; see docs/editors.md."""
 
-    tcp: Annotated[
-        int | None,
-        typer.Option(
-            "--tcp",
-            metavar="PORT",
-            min=0,
-            max=65535,
-            help="Listen for one editor on this computer instead of pipes; 0 takes a free port.",
-        ),
-    ] = None
-    extension: Annotated[
-        Path | None,
-        typer.Option(
-            "--extension",
-            metavar="FILE",
-            help="Write the extension for VS Code, FILE.vsix, and end.",
-            dir_okay=False,
-        ),
-    ] = None
+    tcp: int | None = option(
+        "Listen for one editor on this computer instead of pipes; 0 takes a free port.",
+        metavar="PORT",
+        min=0,
+        max=65535,
+    )
+    extension: Path | None = option(
+        "Write the extension for VS Code, FILE.vsix, and end.", metavar="FILE", dir_okay=False
+    )
 
     def run(self) -> int:
         return run_lsp(self.tcp) if self.extension is None else run_extension(self.extension)
@@ -155,29 +140,19 @@ _PORTS: Final = range(1, 65536)
 class Gateway:
     """Hand bytes on between a socket and a controller whose lines carry texts alone."""
 
-    line: Annotated[
-        str,
-        typer.Argument(
-            help="The controller's line that waits for a connection, as 192.168.0.20:11002."
-        ),
-    ] = ""
-    listen: Annotated[
-        int,
-        typer.Option(
-            help="Port here: of the other end, or with --to of the line; 0 for any free one.",
-            min=0,
-            max=_PORTS.stop - 1,
-        ),
-    ] = 0
-    to: Annotated[
-        str,
-        typer.Option(
-            help="The other end, for a line that connects to this computer.", metavar="HOST:PORT"
-        ),
-    ] = ""
-    host: Annotated[
-        str, typer.Option(help="Address of this computer to listen at; default all of them.")
-    ] = ""
+    line: str = argument(
+        "The controller's line that waits for a connection, as 192.168.0.20:11002.", default=""
+    )
+    listen: int = option(
+        "Port here: of the other end, or with --to of the line; 0 for any free one.",
+        default=0,
+        min=0,
+        max=_PORTS.stop - 1,
+    )
+    to: str = option(
+        "The other end, for a line that connects to this computer.", default="", metavar="HOST:PORT"
+    )
+    host: str = option("Address of this computer to listen at; default all of them.", default="")
 
     def run(self) -> int:
         if bool(self.line) == bool(self.to):
@@ -234,23 +209,17 @@ _SIGHT_STATES: Final = {None: "not answered", 0: "not in sight", 1: "found", 2: 
 class Answer:
     """Answer programs that ask as they run where objects are. No robot is moved by it."""
 
-    seen: Annotated[Path, typer.Argument(help="Where objects were found; read at each question.")]
-    at: Annotated[
-        str,
-        typer.Option(
-            help="listen:ADDRESS:PORT for programs that come here, or HOST:PORT of one that waits.",
-        ),
-    ]
-    process: Annotated[
-        Path | None,
-        typer.Option("--process", "-p", help="Process file that says how far sights are trusted."),
-    ] = None
+    seen: Path = argument("Where objects were found; read at each question.")
+    at: str = option(
+        "listen:ADDRESS:PORT for programs that come here, or HOST:PORT of one that waits."
+    )
+    process: Path | None = option(
+        "Process file that says how far sights are trusted.", "--process", "-p"
+    )
     robot: RobotOption = None
     cell: CellOption = None
-    times: Annotated[int, typer.Option(help="Programs to answer; 0 until Ctrl-C.", min=0)] = 0
-    patience: Annotated[
-        float | None, typer.Option(help="Seconds without a word; default for ever.", min=0.1)
-    ] = None
+    times: int = option("Programs to answer; 0 until Ctrl-C.", default=0, min=0)
+    patience: float | None = option("Seconds without a word; default for ever.", min=0.1)
 
     def run(self) -> int:
         """Run the answering service; return 0 if everything requested was found, else 1."""

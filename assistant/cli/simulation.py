@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
-from assistant.cli.command import command
+from assistant.cli.command import command, option
 from assistant.cli.options import (
     AccelerationOption,
     CellOption,
@@ -56,18 +54,11 @@ class Simulate:
 
     program: Source
     robot: RobotOption = None
-    output: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            "--output",
-            "-o",
-            help="Folder for all files, or a .csv, .npz, .png or .svg; repeatable.",
-        ),
-    ] = ()
+    output: tuple[str, ...] = option(
+        "Folder for all files, or a .csv, .npz, .png or .svg; repeatable.", "--output", "-o"
+    )
     acceleration: AccelerationOption = None
-    period: Annotated[
-        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
-    ] = None
+    period: float | None = option("Seconds between samples; default 0.01, or what fits.")
     reader: DrawingOptions
     cell: CellOption = None
     from_language: FromLanguage = None

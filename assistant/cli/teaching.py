@@ -9,12 +9,10 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
-
-import typer
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.controller_session import (
     ReplaceOption,
     complete_controller,
@@ -60,29 +58,21 @@ class Teach:
     --go, which asks before.
     """
 
-    cell: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="CONTROLLER",
-            help="Its name in [controllers] of assistant.toml, or its address; --point needs none.",
-            autocompletion=complete_controller,
-        ),
-    ] = None
-    names: Annotated[
-        tuple[str, ...], typer.Argument(help="Targets, in this order; default p1, p2 …")
-    ] = ()
-    into: Annotated[
-        Path, typer.Option(help="File of taught targets, which keeps all else.", metavar="FILE")
-    ] = Path("taught.toml")
-    on: Annotated[
-        str | None, typer.Option(help="Store when this input comes, not at a key.", metavar="INPUT")
-    ] = None
-    now: Annotated[bool, typer.Option("--now", help="Store one target at once.")] = False
-    joints: Annotated[bool, typer.Option("--joints", help="As joint angles.")] = False
-    tool: Annotated[
-        str | None, typer.Option(help="Tool of the file that the controller shows the pose of.")
-    ] = None
-    frame: Annotated[str | None, typer.Option(help="Frame that it shows it in.")] = None
+    cell: str | None = argument(
+        "Its name in [controllers] of assistant.toml, or its address; --point needs none.",
+        default=None,
+        metavar="CONTROLLER",
+        autocompletion=complete_controller,
+    )
+    names: tuple[str, ...] = argument("Targets, in this order; default p1, p2 …", default=())
+    into: Path = option(
+        "File of taught targets, which keeps all else.", default=Path("taught.toml"), metavar="FILE"
+    )
+    on: str | None = option("Store when this input comes, not at a key.", metavar="INPUT")
+    now: bool = option("Store one target at once.")
+    joints: bool = option("As joint angles.")
+    tool: str | None = option("Tool of the file that the controller shows the pose of.")
+    frame: str | None = option("Frame that it shows it in.")
     replace: ReplaceOption = False
     pointing: PointingOptions
 

@@ -12,13 +12,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
-
-import typer
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.source_text import is_folder, lines_of, visible
-from assistant.cli.command import command, options
+from assistant.cli.command import argument, command, option, options
 from assistant.cli.options import (
     EntryOption,
     FormatOption,
@@ -70,9 +68,7 @@ _LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold 
 class ReportOptions(PageOptions):
     """A report in any format, or a page of the result for the browser."""
 
-    report: Annotated[
-        Path | None, typer.Option(help="Write the report as well: .html, .md, .json, or text.")
-    ] = None
+    report: Path | None = option("Write the report as well: .html, .md, .json, or text.")
 
     def page(self) -> ReportOptions:
         """Return the options without a report that is not a page."""
@@ -83,53 +79,33 @@ class ReportOptions(PageOptions):
 class Translate:
     """Write robot programs in another language, and report the result for every statement."""
 
-    programs: Annotated[
-        tuple[str, ...], typer.Argument(help="Robot programs, or folders with them; - for input.")
-    ]
-    to: Annotated[str, typer.Option(help="Language to write.", autocompletion=complete_language)]
+    programs: tuple[str, ...] = argument("Robot programs, or folders with them; - for input.")
+    to: str = option("Language to write.", autocompletion=complete_language)
     robot: RobotOption = None
     from_robot: FromRobot = None
-    process: Annotated[
-        Path | None,
-        typer.Option("--process", "-p", help="File with signals, tools, frames of the other cell."),
-    ] = None
-    cell: Annotated[
-        Path | None,
-        typer.Option(
-            help="File with bodies, and what programs use and do not declare; written if it lacks "
-            "any."
-        ),
-    ] = None
-    ask: Annotated[bool, typer.Option("--ask", help="Ask for what the file of --cell lacks.")] = (
-        False
+    process: Path | None = option(
+        "File with signals, tools, frames of the other cell.", "--process", "-p"
     )
-    output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = "."
+    cell: Path | None = option(
+        "File with bodies, and what programs use and do not declare; written if it lacks any."
+    )
+    ask: bool = option("Ask for what the file of --cell lacks.")
+    output: str = option("Folder for the files.", "--output", "-o", default=".")
     page: ReportOptions
-    names: Annotated[
-        Path | None, typer.Option(help="Write a table of the old and the new names, as CSV.")
-    ] = None
-    every: Annotated[
-        bool, typer.Option("--all", help="Tell of each statement, also of those that are said.")
-    ] = False
-    draft: Annotated[
-        bool,
-        typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
-    ] = False
+    names: Path | None = option("Write a table of the old and the new names, as CSV.")
+    every: bool = option("Tell of each statement, also of those that are said.", "--all")
+    draft: bool = option("Write programs that are not whole: a stop for each gap.")
     frames: FramesOption = FramesAs.BASE
     grammar: GrammarOption = GrammarAs.SAMPLES
     from_language: FromLanguage = None
     entry: EntryOption = None
     sight: SightOptions
     proof: ProofOptions
-    format: Annotated[
-        TranslationFormat,
-        typer.Option(
-            "--format",
-            help="For people, programs, code scanning or pull requests; markdown "
-            "is a comment of one.",
-            callback=answer_as,
-        ),
-    ] = TranslationFormat.TEXT
+    format: TranslationFormat = option(
+        "For people, programs, code scanning or pull requests; markdown is a comment of one.",
+        default=TranslationFormat.TEXT,
+        callback=answer_as,
+    )
 
     def run(self) -> int:
         """0 if everything is translated, 1 if something is not, 2 if a program is unreadable."""
@@ -445,9 +421,7 @@ _COVERAGE_HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim
 class Coverage:
     """Tell, construct by construct, what of a program can be translated and what cannot."""
 
-    programs: Annotated[
-        tuple[str, ...], typer.Argument(help="Robot programs, or folders with them; - for input.")
-    ]
+    programs: tuple[str, ...] = argument("Robot programs, or folders with them; - for input.")
     from_language: FromLanguage = None
     format: FormatOption = Format.TEXT
 

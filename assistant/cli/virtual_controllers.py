@@ -13,13 +13,11 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
-
-import typer
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import defer_termination, is_ctrl_c, wait_for_termination
-from assistant.cli.command import command_group, command_of
+from assistant.cli.command import command_group, command_of, option
 from assistant.cli.options import complete_robot
 from assistant.cli.presentation import say
 from assistant.controllers.address import PASSWORD_VARIABLE
@@ -53,37 +51,24 @@ _FRAMINGS: Final[dict[_Framing, Literal["plain", "procedural", "data link"]]] = 
 class Irc5:
     """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
 
-    folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home")
-    port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121
-    user: Annotated[str, typer.Option(help="Its user.")] = "robot"
-    robot: Annotated[
-        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
-    ] = "irb1200-7-0.7"
-    rws_port: Annotated[
-        int, typer.Option(help="Port of Robot Web Services 1.0; 0 takes a free one.")
-    ] = 0
-    rwss_port: Annotated[
-        int, typer.Option(help="Port of Robot Web Services 2.0; 0 takes a free one.")
-    ] = 0
-    signal: Annotated[
-        tuple[str, ...],
-        typer.Option(help="A signal of its I/O configuration, as do_grip=DO; repeatable."),
-    ] = ()
-    egm: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            help="A UdpUc device of EGM and where it sends to, as UCdevice=127.0.0.1:6510;"
-            " repeatable."
-        ),
-    ] = ()
-    manual: Annotated[bool, typer.Option("--manual", help="Begin in manual mode.")] = False
-    grant: Annotated[
-        bool, typer.Option("--grant", help="Let whoever asks modify in manual mode.")
-    ] = False
-    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1
-    delay: Annotated[
-        float, typer.Option(help="Seconds before each answer of Robot Web Services.", min=0.0)
-    ] = 0.0
+    folder: Path = option("Folder that is its HOME:.", default=Path("home"))
+    port: int = option("FTP port here; 0 takes a free one.", default=2121)
+    user: str = option("Its user.", default="robot")
+    robot: str = option(
+        "Its arm.", "--robot", "-r", default="irb1200-7-0.7", autocompletion=complete_robot
+    )
+    rws_port: int = option("Port of Robot Web Services 1.0; 0 takes a free one.", default=0)
+    rwss_port: int = option("Port of Robot Web Services 2.0; 0 takes a free one.", default=0)
+    signal: tuple[str, ...] = option(
+        "A signal of its I/O configuration, as do_grip=DO; repeatable."
+    )
+    egm: tuple[str, ...] = option(
+        "A UdpUc device of EGM and where it sends to, as UCdevice=127.0.0.1:6510; repeatable."
+    )
+    manual: bool = option("Begin in manual mode.")
+    grant: bool = option("Let whoever asks modify in manual mode.")
+    pace: float = option("Simulated seconds for each real one.", default=1, min=0.01)
+    delay: float = option("Seconds before each answer of Robot Web Services.", default=0.0, min=0.0)
 
     def run(self) -> int:
         from assistant.compiler.arms import robot_of
@@ -119,68 +104,50 @@ class Irc5:
 class Cr:
     """A virtual CR controller: controller link, data link, programs that run in real time."""
 
-    robot: Annotated[
-        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
-    ] = "rv-2aj"
-    port: Annotated[
-        int,
-        typer.Option(
-            help="Controller-link port on this computer; 0 takes a free one.", min=0, max=65535
-        ),
-    ] = 10001
-    folder: Annotated[
-        Path | None, typer.Option(help="Folder of its programs; in memory if left out.")
-    ] = None
-    data_port: Annotated[
-        int,
-        typer.Option(
-            help="Port of the line OPT11; those of the data link follow, COM2: at the next one. "
-            "0 takes free ones.",
-            min=0,
-            max=65500,
-        ),
-    ] = 0
-    mxt_port: Annotated[
-        int,
-        typer.Option(
-            help="UDP port of real-time external control; 0 takes a free one.", min=0, max=65535
-        ),
-    ] = 10000
-    serial: Annotated[
-        str | None,
-        typer.Option(
-            help="A serial port to serve too, `pty` to make a line, or `pty:FILE` to make one that"
-            " clients find by that name.",
-            metavar="PORT",
-        ),
-    ] = None
-    framing: Annotated[_Framing, typer.Option(help="Of the serial line.")] = _Framing.PLAIN
-    line: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            metavar="NAME=TARGET",
-            help="What a line of its programs leads to, as COM1=10003: a port for others to call,"
-            " the HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one;"
-            " repeatable.",
-        ),
-    ] = ()
-    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1
-    delay: Annotated[float, typer.Option(help="Seconds before each answer.", min=0.0)] = 0.0
-    broken: Annotated[
-        int, typer.Option(help="How many characters apart one comes broken.", min=0)
-    ] = 0
-    refuse: Annotated[
-        tuple[str, ...],
-        typer.Option(help="A command it refuses, with the error, as SRVON=5600; repeatable."),
-    ] = ()
-    contact: Annotated[
-        str | None,
-        typer.Option(help="Input that is on while the arm touches something of --cell."),
-    ] = None
-    cell: Annotated[
-        Path | None, typer.Option("--cell", help="File of the cell that the arm is in.")
-    ] = None
-    log: Annotated[bool, typer.Option("--log", help="Print each command and answer.")] = False
+    robot: str = option(
+        "Its arm.", "--robot", "-r", default="rv-2aj", autocompletion=complete_robot
+    )
+    port: int = option(
+        "Controller-link port on this computer; 0 takes a free one.",
+        default=10001,
+        min=0,
+        max=65535,
+    )
+    folder: Path | None = option("Folder of its programs; in memory if left out.")
+    data_port: int = option(
+        "Port of the line OPT11; those of the data link follow, COM2: at the next one. "
+        "0 takes free ones.",
+        default=0,
+        min=0,
+        max=65500,
+    )
+    mxt_port: int = option(
+        "UDP port of real-time external control; 0 takes a free one.",
+        default=10000,
+        min=0,
+        max=65535,
+    )
+    serial: str | None = option(
+        "A serial port to serve too, `pty` to make a line, or `pty:FILE` to make one that"
+        " clients find by that name.",
+        metavar="PORT",
+    )
+    framing: _Framing = option("Of the serial line.", default=_Framing.PLAIN)
+    line: tuple[str, ...] = option(
+        "What a line of its programs leads to, as COM1=10003: a port for others to call,"
+        " the HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one;"
+        " repeatable.",
+        metavar="NAME=TARGET",
+    )
+    pace: float = option("Simulated seconds for each real one.", default=1, min=0.01)
+    delay: float = option("Seconds before each answer.", default=0.0, min=0.0)
+    broken: int = option("How many characters apart one comes broken.", default=0, min=0)
+    refuse: tuple[str, ...] = option(
+        "A command it refuses, with the error, as SRVON=5600; repeatable."
+    )
+    contact: str | None = option("Input that is on while the arm touches something of --cell.")
+    cell: Path | None = option("File of the cell that the arm is in.")
+    log: bool = option("Print each command and answer.")
 
     def run(self) -> int:
         from assistant.virtual.cr import Faults

@@ -11,12 +11,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from io import FileIO
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Annotated, Any, Final
-
-import typer
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.options import (
     DrawingOptions,
     EntryOption,
@@ -52,76 +50,42 @@ if TYPE_CHECKING:
 class Run:
     """Run programs on a virtual controller and tell what they do. No robot moves."""
 
-    programs: Annotated[
-        tuple[str, ...],
-        typer.Argument(
-            help="A program, the programs of several slots, the modules or folder of a task, a "
-            "backup, or any other source; - for standard input."
-        ),
-    ]
-    robot: RobotOption = None
-    signals: Annotated[
-        Path | None,
-        typer.Option("--signals", help="Script of inputs and answers, in TOML.", metavar="FILE"),
-    ] = None
-    until: Annotated[
-        str | None,
-        typer.Option(help="End the run there: seconds, or FILE:LINE.", metavar="TIME|FILE:LINE"),
-    ] = None
-    breaks: Annotated[
-        tuple[str, ...],
-        typer.Option("--break", help="Hold the run there; repeatable.", metavar="FILE:LINE"),
-    ] = ()
-    step: Annotated[bool, typer.Option("--step", help="Hold the run at its first statement.")] = (
-        False
+    programs: tuple[str, ...] = argument(
+        "A program, the programs of several slots, the modules or folder of a task, a "
+        "backup, or any other source; - for standard input."
     )
-    trace: Annotated[
-        Path | None,
-        typer.Option(help="Write the run in columns.", metavar="FILE.npz"),
-    ] = None
-    plot: Annotated[
-        Path | None, typer.Option(help="Draw the run over time.", metavar="FILE.png|.svg")
-    ] = None
-    period: Annotated[
-        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
-    ] = None
-    max_steps: Annotated[
-        int, typer.Option(help="Statements after which the run is broken off.")
-    ] = 1_000_000
-    max_time: Annotated[
-        float, typer.Option(help="Simulated seconds after which the run is broken off.")
-    ] = 3600.0
-    real_time: Annotated[
-        bool, typer.Option("--real-time", help="As slowly as it would really be.")
-    ] = False
-    disk: Annotated[
-        Path | None,
-        typer.Option(
-            help="Folder with the files of the controller, which others may change meanwhile.",
-            metavar="FOLDER",
-        ),
-    ] = None
-    hosts: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            "--host",
-            help="Host that an address of the programs stands for; repeatable.",
-            metavar="ADDRESS=HOST",
-        ),
-    ] = ()
-    lines: Annotated[
-        tuple[str, ...],
-        typer.Option(
-            "--line",
-            help="What a line of the programs leads to: a port for others to call, the "
-            "HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one; "
-            "repeatable.",
-            metavar="NAME=TARGET",
-        ),
-    ] = ()
-    ask: Annotated[
-        bool, typer.Option("--ask", help="Have what the programs ask answered on standard input.")
-    ] = False
+    robot: RobotOption = None
+    signals: Path | None = option("Script of inputs and answers, in TOML.", metavar="FILE")
+    until: str | None = option(
+        "End the run there: seconds, or FILE:LINE.", metavar="TIME|FILE:LINE"
+    )
+    breaks: tuple[str, ...] = option(
+        "Hold the run there; repeatable.", "--break", metavar="FILE:LINE"
+    )
+    step: bool = option("Hold the run at its first statement.")
+    trace: Path | None = option("Write the run in columns.", metavar="FILE.npz")
+    plot: Path | None = option("Draw the run over time.", metavar="FILE.png|.svg")
+    period: float | None = option("Seconds between samples; default 0.01, or what fits.")
+    max_steps: int = option("Statements after which the run is broken off.", default=1_000_000)
+    max_time: float = option("Simulated seconds after which the run is broken off.", default=3600.0)
+    real_time: bool = option("As slowly as it would really be.")
+    disk: Path | None = option(
+        "Folder with the files of the controller, which others may change meanwhile.",
+        metavar="FOLDER",
+    )
+    hosts: tuple[str, ...] = option(
+        "Host that an address of the programs stands for; repeatable.",
+        "--host",
+        metavar="ADDRESS=HOST",
+    )
+    lines: tuple[str, ...] = option(
+        "What a line of the programs leads to: a port for others to call, the "
+        "HOST:PORT of a server, the path of a serial port, or `pty:FILE` to make one; "
+        "repeatable.",
+        "--line",
+        metavar="NAME=TARGET",
+    )
+    ask: bool = option("Have what the programs ask answered on standard input.")
     reader: DrawingOptions
     from_language: FromLanguage = None
     entry: EntryOption = None
@@ -163,9 +127,9 @@ class Run:
         limits = {"max-steps": self.max_steps, "max-time": self.max_time}
         if self.period is not None:
             limits["period"] = self.period
-        for option, value in limits.items():
+        for named, value in limits.items():
             if not value > 0:
-                raise Refused(_BAD_LIMIT(option=option, value=value), exit_status=2)
+                raise Refused(_BAD_LIMIT(option=named, value=value), exit_status=2)
 
     def _load(self, arm: Robot | None) -> Programs:
         from assistant.compiler.simulated_run import programs, programs_of_text

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
-
-import typer
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Refused, error
 from assistant.cli.arm_motion import (
@@ -21,7 +19,7 @@ from assistant.cli.arm_motion import (
     moving,
     progress_bar,
 )
-from assistant.cli.command import command
+from assistant.cli.command import argument, command, option
 from assistant.cli.controller_session import (
     CellArgument,
     Session,
@@ -58,11 +56,9 @@ class Servo:
     """Lead an arm by what cameras see, to its goal. Asks before; Ctrl-C stops the arm."""
 
     cell: CellArgument
-    task: Annotated[Path, typer.Argument(help="File of what is led where.", metavar="SERVO.toml")]
-    cameras: Annotated[Path, typer.Option(help="File of the cameras.", metavar="CAMERAS.toml")]
-    by: Annotated[
-        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_servo_mode)
-    ]
+    task: Path = argument("File of what is led where.", metavar="SERVO.toml")
+    cameras: Path = option("File of the cameras.", metavar="CAMERAS.toml")
+    by: str = option("Way to lead it: see the docs.", autocompletion=complete_servo_mode)
     log: RecordingOption = None
     link: LinkedOptions
     yes: YesOption = False
