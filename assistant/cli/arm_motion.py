@@ -111,9 +111,9 @@ class LinkedOptions:
     """The link by which an arm is led."""
 
     port: int | None = option("UDP port; default the usual one.", min=1, max=65535)
-    lines: LinesOption = ()
+    lines: LinesOption
     cycle: float | None = option("Seconds of a cycle.", min=0.0005, max=1.0)
-    replace: ReplaceProgramsOption = False
+    replace: ReplaceProgramsOption
 
     @property
     def wishes(self) -> LinkOptions:
@@ -231,8 +231,8 @@ class Motors:
 
     cell: CellArgument
     state: Switch = argument("What they shall be.")
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         on = self.state is Switch.ON
@@ -258,8 +258,8 @@ class Jog:
     by: float = argument("Degrees, or mm.")
     frame: JogFrame = option("Of X … C.", default=JogFrame.BASE)
     speed: float = option("Percent.", default=10.0)
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Move one axis if it stays within the limits of the arm, and print where it is then."""
@@ -293,8 +293,8 @@ class Hand:
     cell: CellArgument
     state: HandState = argument("What it shall do.")
     number: int = option("Which one.", default=1, min=1)
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         opens = self.state is HandState.OPEN
@@ -321,8 +321,8 @@ class Start:
         "Stay until it ends; Ctrl-C stops it then.", "--wait/--no-wait", default=True
     )
     override: int | None = option("Percent of the speed.")
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Starts what is loaded, or a program, and waits for its end; 1 if it came to a fault."""
@@ -390,10 +390,10 @@ class Follow:
     by: str = option("Way to lead it: see the docs.", autocompletion=complete_mode)
     speed: float = option("Percent of what the trajectory says.", default=100.0)
     interval: float | None = option("Seconds between points; default what suits the way.")
-    log: RecordingOption = None
+    log: RecordingOption
     link: LinkedOptions
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Checks the whole way, asks, and leads the arm along it."""

@@ -54,7 +54,7 @@ class Kinematics:
         "Of the source.", "--language", "-l", default=SourceLanguage.C
     )
     output: Path = option("Folder for the source.", "--output", "-o", default=Path("out"))
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """0 when the source is written; raises Refused for an arm without a closed form."""
@@ -83,7 +83,7 @@ class Fmu:
         metavar="ROBOT|PROGRAM",
         autocompletion=complete_robot,
     )
-    robot: RobotOption = None
+    robot: RobotOption
     output: Path | None = option("Default out/NAME.fmu.", "--output", "-o", metavar="FILE.fmu")
     kind: FmuKind | None = option("What it is of; default what the source tells.")
     lag: float = option(
@@ -96,13 +96,13 @@ class Fmu:
         "Of a live controller: seconds; default those of the arm's controller."
     )
     all_platforms: bool = option("Also for systems that a compiler is here for.")
-    acceleration: AccelerationOption = None
+    acceleration: AccelerationOption
     reader: ReaderOptions
     cell: CellOption = None
-    from_language: FromLanguage = None
-    from_robot: FromRobot = None
-    entry: EntryOption = None
-    format: FormatOption = Format.TEXT
+    from_language: FromLanguage
+    from_robot: FromRobot
+    entry: EntryOption
+    format: FormatOption
 
     def run(self) -> int:
         """0 when the FMU is written, 1 if the robot cannot run the program; raises Refused."""

@@ -68,7 +68,7 @@ class Calibrate:
         "With --poses: the first camera is in the hand, or stands.", default=MountingChoice.STAND
     )
     flange: str = option("How the cell calls the flange that carries the camera.", default="flange")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.vision.cameras.calibration import (
@@ -110,7 +110,7 @@ class View:
     name: str = argument("Of the camera.")
     output: Path = option("Picture to write, .png.", "--output", "-o")
     source: str | None = option("Device, stream, file or folder instead of the file's.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.vision.cameras.camera_file import read_cameras
@@ -139,7 +139,7 @@ class Check:
 
     cameras: CamerasArgument
     board: str | None = option("A board that all of them see now: whether they agree.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.vision.cameras.camera_file import read_cameras
@@ -194,7 +194,7 @@ class Draw:
     board: str = option("With --show board: which one.", default="charuco 7x5 40 30")
     noise: float = option("Grey levels, one sigma.", default=2.0, min=0.0)
     seed: int = option("Of the noise.", default=0, min=0)
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         shown = None if self.at is None else (self.show.value, self.at, self.board)

@@ -57,18 +57,18 @@ class View:
     """Show a program in its cell: arm, bodies, path and contacts over time. Nothing moves."""
 
     program: Source
-    robot: RobotOption = None
+    robot: RobotOption
     cell: CellOption = None
     html: Path | None = option("File for the page, which needs no other; default it is opened.")
     live: str | None = option(
         "Controller that the page follows until Ctrl-C; it is only looked at.", metavar="CONTROLLER"
     )
-    acceleration: AccelerationOption = None
+    acceleration: AccelerationOption
     reader: DrawingOptions
-    from_language: FromLanguage = None
-    from_robot: FromRobot = None
-    entry: EntryOption = None
-    format: FormatOption = Format.TEXT
+    from_language: FromLanguage
+    from_robot: FromRobot
+    entry: EntryOption
+    format: FormatOption
 
     def run(self) -> int:
         """1 if the robot cannot run the program, or not without contact, else 0."""
@@ -122,7 +122,7 @@ class Info:
 
     drawing: Path = argument("A DXF drawing.")
     reader: ReaderOptions
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """0; 1 if something of the drawing is not in order."""
@@ -177,8 +177,8 @@ class Scene:
     output: Path | None = option(
         "Cell file (.toml) or glTF (.glb) to write instead.", "--output", "-o"
     )
-    unit: UnitOption = None
-    format: FormatOption = Format.TEXT
+    unit: UnitOption
+    format: FormatOption
 
     def run(self) -> int:
         """0; unit: of a drawing, whatever that says."""

@@ -13,8 +13,9 @@
         def run(self) -> int: ...
 
 The docstring is the help, and the order of the fields that of the options. An option that several
-commands have is an alias for a type, as `CellArgument`. A field whose type is a class made by
-`options` stands for all options of that class. `run` returns the exit status.
+commands have is an alias for a type, as `CellArgument`; with a `Default` if it has one. A field
+whose type is a class made by `options` stands for all options of that class. `run` returns the exit
+status.
 """
 
 from __future__ import annotations
@@ -55,6 +56,13 @@ class ProjectDefault:
     """Marks an option that defaults to what the project states. key: of `SourceOptions`."""
 
     key: str
+
+
+@dataclass(frozen=True, slots=True)
+class Default:
+    """Default of an option that several commands have."""
+
+    value: Any
 
 
 def option(help: str, *names: str, project: str | None = None, **settings: Any) -> Any:
@@ -159,6 +167,9 @@ def _default(one: Field[Any], hint: Any) -> Any:
     if one.default is not MISSING:
         return one.default
     type_, *info = get_args(hint) or (None,)
+    for each in info:
+        if isinstance(each, Default):
+            return each.value
     if any(isinstance(each, typer.models.OptionInfo) for each in info):
         if type(None) in get_args(type_):
             return None

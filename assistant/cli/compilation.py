@@ -30,8 +30,6 @@ from assistant.cli.options import (
 from assistant.cli.output_files import Outcomes, output_folders, output_paths, write_with_edits
 from assistant.cli.presentation import (
     FindingFormat,
-    FramesAs,
-    GrammarAs,
     print_findings,
     print_for_programs,
     print_json,
@@ -74,7 +72,7 @@ class Compile:
         project="language",
         autocompletion=complete_language,
     )
-    robot: RobotOption = None
+    robot: RobotOption
     reader: DrawingOptions
     cell: CellOption = None
     output: str = option(
@@ -83,11 +81,11 @@ class Compile:
     most_targets: int | None = option(
         "Targets of one program unit; default the language's own limit.", project="most_targets"
     )
-    frames: FramesOption = FramesAs.BASE
-    grammar: GrammarOption = GrammarAs.SAMPLES
-    from_language: FromLanguage = None
-    from_robot: FromRobot = None
-    entry: EntryOption = None
+    frames: FramesOption
+    grammar: GrammarOption
+    from_language: FromLanguage
+    from_robot: FromRobot
+    entry: EntryOption
     called: str | None = option(
         "What others call the program; default main.", "--as", metavar="NAME"
     )
@@ -97,7 +95,7 @@ class Compile:
     proof: ProofOptions
     edits: EditOptions
     page: PlottedPageOptions
-    format: FindingFormatOption = FindingFormat.TEXT
+    format: FindingFormatOption
 
     def run(self) -> int:
         """0 if all sources are written, else 1; 2 if one could not be read."""

@@ -66,7 +66,7 @@ class Get:
     names: tuple[str, ...] = argument("Programs, as `ls` lists them.")
     output: str | None = option("File, folder, or - to print.", "--output", "-o")
     replace: ReplaceOption = False
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """Write programs into files named like them, a folder that is there, or a file."""
@@ -117,7 +117,7 @@ class Put:
     cell: CellArgument
     files: tuple[Path, ...] = argument("Programs.")
     replace: ReplaceOption = False
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """Send files as programs; the existing programs are checked before the first file is
@@ -149,8 +149,8 @@ class Rm:
 
     cell: CellArgument
     names: tuple[str, ...] = argument("Programs or other files, as `ls` lists.")
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Delete programs; all of them are checked before the first one is deleted."""
@@ -184,7 +184,7 @@ class Backup:
 
     cell: CellArgument
     folder: Path = argument("A folder that is not there yet.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         if self.folder.exists():
@@ -220,8 +220,8 @@ class Restore:
         "Only this file or parameter, also of those left out; repeatable."
     )
     dry_run: bool = option("Only show what would change.")
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Shows what differs, asks, and brings it back."""

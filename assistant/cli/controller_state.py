@@ -47,7 +47,7 @@ class Ls:
     """List the programs on a controller."""
 
     cell: CellArgument
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         with connected(self.cell, "ls") as there:
@@ -65,7 +65,7 @@ class Monitor:
     signals: tuple[str, ...] = option("A signal to show; repeatable.")
     interval: float = option("Seconds between two looks.", default=0.5)
     seconds: float | None = option("How long; default until Ctrl-C.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """Until the time is over or Ctrl-C, which is how it usually ends: no error."""
@@ -104,7 +104,7 @@ class Log:
 
     cell: CellArgument
     most: int = option("How many.", default=50, min=1)
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         with connected(self.cell, "log") as there:
@@ -122,7 +122,7 @@ class Inputs:
 
     cell: CellArgument
     names: tuple[str, ...] = argument("Names or numbers of inputs.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         with connected(self.cell, "inputs") as there:
@@ -138,8 +138,8 @@ class Outputs:
 
     cell: CellArgument
     names: tuple[str, ...] = argument("Outputs.", metavar="NAME[=VALUE]...")
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Print outputs, or set them after confirmation, as connected equipment may move."""
@@ -166,8 +166,8 @@ class Parameters:
     names: tuple[str, ...] = argument(
         "Default: those that were changed.", default=(), metavar="[NAME[=VALUE]]..."
     )
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         names, written = assignments(self.names)
@@ -188,8 +188,8 @@ class Variables:
     names: tuple[str, ...] = argument("Variables.", metavar="NAME[=VALUE]...")
     program: str = option("Program or module that they are in.", default="")
     task: str = option("Task or slot; default the first.", default="")
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         names, written = assignments(self.names)
@@ -210,7 +210,7 @@ class Reset:
     """Acknowledge the errors of a controller. Nothing moves."""
 
     cell: CellArgument
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """0 if nothing keeps programs from being started any more."""
@@ -226,7 +226,7 @@ class Stop:
     """Stop all programs where they are. Never asks; no emergency stop."""
 
     cell: CellArgument
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         with connected(self.cell, "stop") as there:

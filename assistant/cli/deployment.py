@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.command import argument, command, option, options
+from assistant.cli.command import Default, argument, command, option, options
 from assistant.cli.controller_session import complete_controller, named_by, new_client
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import (
@@ -46,7 +46,11 @@ HistoryOption = Annotated[
     Path | None,
     typer.Option(help="Folder of the deployments; default .robot-assistant/deployments."),
 ]
-TaskOption = Annotated[str, typer.Option(help="Task whose memory counts; default the first.")]
+TaskOption = Annotated[
+    str,
+    typer.Option(help="Task whose memory counts; default the first."),
+    Default(""),
+]
 LoadOption = Annotated[
     bool, typer.Option("--load", help="Also load modules that are not loaded yet.")
 ]
@@ -60,6 +64,7 @@ ReplaceOption = Annotated[
 PlanFormatOption = Annotated[
     PlanFormat,
     typer.Option("--format", help="For people, programs or pull requests.", callback=answer_as),
+    Default(PlanFormat.TEXT),
 ]
 
 
@@ -78,7 +83,7 @@ ToOption = Annotated[
 class WhereOptions:
     """The controllers that are meant."""
 
-    to: ToOption = None
+    to: ToOption
     target: tuple[str, ...] = option("Target of the project; repeatable, default all there are.")
 
     def jobs(self, files: Sequence[Path], wishes: _DeploymentOptions) -> list[_DeploymentJob]:
@@ -119,11 +124,11 @@ class Plan:
 
     files: FilesArgument = ()
     where: WhereOptions
-    task: TaskOption = ""
-    load: LoadOption = False
+    task: TaskOption
+    load: LoadOption
     replace: ReplaceOption = ()
-    history: HistoryOption = None
-    format: PlanFormatOption = PlanFormat.TEXT
+    history: HistoryOption
+    format: PlanFormatOption
 
     def run(self) -> int:
         wishes = _DeploymentOptions(self.task, self.load, self.replace, False, self.history)
@@ -157,15 +162,15 @@ class Deploy:
     source: Path | None = option("With --pull: what the program was compiled from; default itself.")
     replace: ReplaceOption = ()
     files_only: bool = option("Replace files though what was taught in memory is not seen.")
-    task: TaskOption = ""
-    load: LoadOption = False
+    task: TaskOption
+    load: LoadOption
     canary: str = option(
         "Goes first, alone; default as the project says.", default="", metavar="TARGET"
     )
     parallel: int | None = option("Controllers at a time; default 4.", min=1)
     junit: Path | None = option("Write a JUnit report as well.", metavar="FILE.xml")
-    history: HistoryOption = None
-    format: PlanFormatOption = PlanFormat.TEXT
+    history: HistoryOption
+    format: PlanFormatOption
 
     def run(self) -> int:
         if self.resume:
@@ -295,8 +300,8 @@ class Rollback:
     )
     where: WhereOptions
     replace: ReplaceOption = ()
-    history: HistoryOption = None
-    format: FormatOption = Format.TEXT
+    history: HistoryOption
+    format: FormatOption
 
     def run(self) -> int:
         from assistant import deploy
@@ -321,9 +326,9 @@ class Rollback:
 class Deployments:
     """List the deployments that this computer made: when, who, of which commit, what became."""
 
-    to: ToOption = None
-    history: HistoryOption = None
-    format: FormatOption = Format.TEXT
+    to: ToOption
+    history: HistoryOption
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.deploy import all_journals, journals, place_of
@@ -375,8 +380,8 @@ class Verify:
         "Robot programs, or folders with them, to compare as well.", default=()
     )
     where: WhereOptions
-    history: HistoryOption = None
-    format: FormatOption = Format.TEXT
+    history: HistoryOption
+    format: FormatOption
 
     def run(self) -> int:
         from assistant import deploy

@@ -280,7 +280,7 @@ class Wander:
         metavar="CELL|CONTROLLER",
     )
     chart: ChartOption
-    hidden: HiddenOption = None
+    hidden: HiddenOption
     runs: int = option("Random moves, a run each.", default=50, min=1)
     seed: int | None = option("Of what is random; default another one as the chart grows.", min=0)
     charting: ChartingOptions
@@ -295,11 +295,11 @@ class Wander:
         "Way to lead the arm: see `servo`.", default="jog", autocompletion=complete_servo_mode
     )
     port: int | None = option("UDP port of the way; default the usual one.", min=1)
-    lines: LinesOption = ()
-    replace: ReplaceProgramsOption = False
+    lines: LinesOption
+    replace: ReplaceProgramsOption
     recording: RecordingOptions
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         if self.cell is not None:
@@ -428,7 +428,7 @@ class Manual:
     contacts: ContactOptions
     charting: ChartingOptions
     recording: RecordingOptions
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """Record an arm that the operator moves, until the time is over, q, or Ctrl-C."""
@@ -469,8 +469,8 @@ class Running:
     override: int = option("Percent of its speed.", default=10)
     charting: ChartingOptions
     recording: RecordingOptions
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Record an arm that a program moves; a contact stops the program, and gives status 1."""

@@ -55,7 +55,7 @@ class Recorded:
     chart: ChartOption
     contact: str | None = option("Recorded input that is not 0 in contact.", metavar="SIGNAL")
     charting: ChartingOptions
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.compiler.exploration import explore_by_recordings
@@ -77,14 +77,14 @@ class Program:
     cell: CellOption
     chart: ChartOption
     until: float | None = option("Seconds of its procedure at which a contact ended it.")
-    hidden: HiddenOption = None
+    hidden: HiddenOption
     charting: ChartingOptions
-    acceleration: AccelerationOption = None
+    acceleration: AccelerationOption
     reader: ReaderOptions
-    from_language: FromLanguage = None
-    from_robot: FromRobot = None
-    entry: EntryOption = None
-    format: FormatOption = Format.TEXT
+    from_language: FromLanguage
+    from_robot: FromRobot
+    entry: EntryOption
+    format: FormatOption
 
     def run(self) -> int:
         """1 if the robot cannot run the program; then the chart stays as it is."""
@@ -133,7 +133,7 @@ class Show:
     output: Path | None = option(
         "Draw it as well: FILE.png or .svg.", "--output", "-o", metavar="FILE"
     )
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """output: a picture of it that is written."""
@@ -164,7 +164,7 @@ class Merge:
 
     charts: tuple[Path, ...] = argument("Charts of one robot and one size of cells.")
     output: Path = option("Chart to write.", "--output", "-o")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.cell.exploration.occupancy import load_map, save_map
@@ -192,7 +192,7 @@ class Compare:
 
     old: ChartArgument
     new: Path = argument("A later chart.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """1 if what was free is not any more."""

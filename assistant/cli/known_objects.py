@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.command import argument, command, command_group, command_of, option
+from assistant.cli.command import Default, argument, command, command_group, command_of, option
 from assistant.cli.options import CellOption, FormatOption, UnitOption
 from assistant.cli.presentation import Format, print_findings, print_json, say
 
@@ -36,7 +36,9 @@ CamerasOption = Annotated[
     Path | None, typer.Option("--cameras", help="File of the cameras, .toml.")
 ]
 PlaneOption = Annotated[
-    float, typer.Option("--plane", help="Height of what objects lie on, mm in the world.")
+    float,
+    typer.Option("--plane", help="Height of what objects lie on, mm in the world."),
+    Default(0.0),
 ]
 
 
@@ -52,11 +54,11 @@ class Add:
     width: float | None = option("mm that the face is wide which fills the first picture.")
     height: float | None = option("mm of the face above what the part lies on.", min=0.0)
     cameras: CamerasOption = None
-    plane: PlaneOption = 0.0
+    plane: PlaneOption
     solid: bool = option("It is not flat: marks in space, by two cameras.")
-    unit: UnitOption = None
+    unit: UnitOption
     again: bool = option("Replace one of that name.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.vision.recognition.object_library import add_objects, check_name
@@ -78,7 +80,7 @@ class List:
     """List the objects of a library: what they are known by, and what is done on them."""
 
     library: LibraryArgument
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.vision.recognition.object_library import read_library
@@ -108,7 +110,7 @@ class See:
     to: Path | None = option("Taught targets to write, .toml: what is done.")
     found: Path | None = option("File to write, .toml: where objects are.")
     picture: Path | None = option("The picture with what was found, .png.", "--draw")
-    plane: PlaneOption = 0.0
+    plane: PlaneOption
     plane_sigma: float = option(
         "mm, one sigma, that the plane may be off.", default=0.05, min=0.001
     )
@@ -122,7 +124,7 @@ class See:
     most_deg: float = option(
         "Degrees, one sigma, that it may be unsure by.", default=1.0, min=0.001
     )
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """0 if what was found may be acted on, else 1, and no file is written."""

@@ -84,7 +84,7 @@ class Learn:
     picture: Path | None = option("Draw the lattice at several stages, .png or .svg.")
     curve: Path | None = option("Errors over the steps, .csv, .png or .svg.")
     rivals: bool = option("Beside a calibrated pair of cameras and a regression.")
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.learning.experiments import experiment_of

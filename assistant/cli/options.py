@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import ProjectDefault, option, options, with_project_values
+from assistant.cli.command import Default, ProjectDefault, option, options, with_project_values
 from assistant.cli.presentation import (
     FindingFormat,
     Format,
@@ -96,18 +96,26 @@ UnitOption = Annotated[
 FramesOption = Annotated[
     FramesAs,
     typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
+    Default(FramesAs.BASE),
 ]
 GrammarOption = Annotated[
     GrammarAs,
     typer.Option(help="What lark parses of a program of over 20,000 lines: samples, or all."),
+    Default(GrammarAs.SAMPLES),
 ]
 FindingFormatOption = Annotated[
     FindingFormat,
-    typer.Option("--format", help="For people, programs, code scanning, pull or merge requests.",
-                 callback=answer_as),
-]  # fmt: skip
+    typer.Option(
+        "--format",
+        help="For people, programs, code scanning, pull or merge requests.",
+        callback=answer_as,
+    ),
+    Default(FindingFormat.TEXT),
+]
 FormatOption = Annotated[
-    Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
+    Format,
+    typer.Option("--format", help="For people or for programs.", callback=answer_as),
+    Default(Format.TEXT),
 ]
 
 

@@ -59,7 +59,7 @@ class PointingOptions:
     rate: float = option("Pictures a second of files.", default=30.0)
     residual: float = option("Pixels by which pictures may disagree.", default=0.5)
     fastest: float = option("mm/s that a hand moves.", default=1500.0)
-    robot: RobotOption = None
+    robot: RobotOption
     world: str | None = option("Frame of the file in which the cameras stand.")
     stroke: bool = option("Store the way between two places, as a .csv.")
     step: float = option("mm between waypoints of a stroke.", default=5.0)
@@ -72,8 +72,8 @@ class PointingOptions:
         "Lead it from there by what is seen of its tool.", metavar="TASK.toml"
     )
     speed: float = option("Percent of what the file says.", default=10.0)
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
 
 def free_names(file: Path) -> Iterator[str]:

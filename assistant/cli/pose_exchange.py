@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Refused, Severity, error, warning
-from assistant.cli.command import argument, command_group, command_of, option, options
+from assistant.cli.command import Default, argument, command_group, command_of, option, options
 from assistant.cli.controller_session import (
     CellArgument,
     Session,
@@ -26,7 +26,7 @@ from assistant.cli.controller_session import (
     print_there,
 )
 from assistant.cli.options import FormatOption
-from assistant.cli.presentation import Format, LengthUnit, console, print_findings, say
+from assistant.cli.presentation import LengthUnit, console, print_findings, say
 
 if TYPE_CHECKING:
     from assistant.controllers import Programs
@@ -45,9 +45,15 @@ if TYPE_CHECKING:
 exchange: Final = command_group(
     "Exchange poses with a running program, by files on the controller."
 )
-PrefixOption = Annotated[str, typer.Option(help="How the names of the files begin.")]
+PrefixOption = Annotated[
+    str,
+    typer.Option(help="How the names of the files begin."),
+    Default("exchange"),
+]
 TimeoutOption = Annotated[
-    float, typer.Option(help="Seconds for an answer without a motion.", min=0.1)
+    float,
+    typer.Option(help="Seconds for an answer without a motion.", min=0.1),
+    Default(10.0),
 ]
 
 
@@ -105,7 +111,7 @@ class Module:
     speed: str | None = option("Name of the speed.")
     zone: str | None = option("Name of the zone of poses on the way.")
     folder: str | None = option("Folder of the files there.")
-    prefix: PrefixOption = "exchange"
+    prefix: PrefixOption
     longest: float = option("Seconds without a request after which it ends.", default=240.0)
     plain: PlainOptions
 
@@ -164,10 +170,10 @@ class Pose:
     """Ask the program where the robot is. Nothing moves."""
 
     cell: CellArgument
-    prefix: PrefixOption = "exchange"
-    timeout: TimeoutOption = 10.0
+    prefix: PrefixOption
+    timeout: TimeoutOption
     plain: PlainOptions
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         plain = self.plain.names({})
@@ -189,12 +195,12 @@ class Follow:
     record: Path | None = option("Write what was answered.", metavar="FILE.csv|npz")
     plot: Path | None = option("Draw what was answered.", metavar="FILE.png|svg")
     plot_unit: LengthUnit = option("Unit of the positions that are drawn.", default=LengthUnit.MM)
-    prefix: PrefixOption = "exchange"
-    timeout: TimeoutOption = 10.0
+    prefix: PrefixOption
+    timeout: TimeoutOption
     longest: float = option("Seconds for one motion.", default=240.0, min=0.1)
     plain: PlainOptions
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         plain = self.plain.names({"--through": self.through})
@@ -283,9 +289,9 @@ class Stop:
     """Stop the arm where it is and end the program. Never asks; no emergency stop."""
 
     cell: CellArgument
-    prefix: PrefixOption = "exchange"
-    timeout: TimeoutOption = 10.0
-    format: FormatOption = Format.TEXT
+    prefix: PrefixOption
+    timeout: TimeoutOption
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.controllers.abb.exchange import PoseExchange

@@ -61,13 +61,13 @@ class Check:
     sources: tuple[str, ...] = argument(
         "Files, or folders with programs; - for input; none for the project.", default=()
     )
-    robot: RobotOption = None
+    robot: RobotOption
     reader: DrawingOptions
     cell: CellOption = None
-    from_language: FromLanguage = None
+    from_language: FromLanguage
     sight: SightOptions
     page: PlottedPageOptions
-    format: FindingFormatOption = FindingFormat.TEXT
+    format: FindingFormatOption
     fail_on: FailOn = option(
         "What exit status 1 is for; never: it stays 0.", default=FailOn.WARNING
     )
@@ -227,14 +227,14 @@ class Compare:
     )
     cell: Path | None = option("File of what either uses and does not declare.")
     names: Path | None = option("File of what the second calls signals and data of the first.")
-    from_language: FromLanguage = None
-    entry: EntryOption = None
+    from_language: FromLanguage
+    entry: EntryOption
     signals: Path | None = option("Script of the inputs; default a search for all branches.")
     seed: int = option("Of what the search draws; the same gives the same.", default=0)
     seconds: float = option("Of the processor, that the search may take.", default=10.0, min=0.1)
     text: bool = option("Pair their statements, and run nothing.")
     page: PageOptions
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """0 if the programs are equal, 1 if they differ, 2 if they cannot be compared."""

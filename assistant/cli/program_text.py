@@ -49,10 +49,10 @@ class Show:
     """Print the pseudo-program of any source or robot program."""
 
     source: Source
-    robot: RobotOption = None
+    robot: RobotOption
     reader: DrawingOptions
-    from_language: FromLanguage = None
-    entry: EntryOption = None
+    from_language: FromLanguage
+    entry: EntryOption
     output: Path | None = option(
         "Write a .pseudo file, long paths in tables beside.", "--output", "-o"
     )
@@ -136,7 +136,7 @@ class Fmt:
     check: bool = option("Write nothing; exit 1 if a file would change.")
     diff: bool = option("Write nothing; print what would change.")
     renumber: str | None = option("Number the steps anew, jumps to them too.", metavar="FIRST,STEP")
-    from_language: FromLanguage = None
+    from_language: FromLanguage
 
     def run(self) -> int:
         """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""

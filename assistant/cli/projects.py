@@ -35,7 +35,7 @@ class Build:
     )
     anew: bool = option("Also what has not changed since the last build.")
     edits: EditOptions
-    format: FindingFormatOption = FindingFormat.TEXT
+    format: FindingFormatOption
 
     def run(self) -> int:
         from assistant.project import State, build, project_of
@@ -76,7 +76,7 @@ class Init:
         default=(),
         metavar="[FOLDER] [DRAWING]...",
     )
-    unit: UnitOption = None
+    unit: UnitOption
 
     def run(self) -> int:
         from assistant.project.new_project import BLANK_KEYS, start_project

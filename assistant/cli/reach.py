@@ -24,7 +24,7 @@ from assistant.cli.options import (
     RobotOption,
     Source,
 )
-from assistant.cli.presentation import Format, print_answer, working
+from assistant.cli.presentation import print_answer, working
 from assistant.cli.simulation import report_errors, solved_source
 from assistant.cli.source_input import NO_FILE_NAME, keep_sources
 
@@ -83,23 +83,23 @@ class _PlacedArm:
 class Map:
     """Tell which part of a region an arm reaches, with which directions of its tool."""
 
-    robot: RobotOption = None
+    robot: RobotOption
     cell: CellOption = None
-    x: _WorldRange = None
-    y: _WorldRange = None
-    z: _WorldRange = None
+    x: _WorldRange
+    y: _WorldRange
+    z: _WorldRange
     direction: tuple[str, ...] = option(
         "Of the tool's z axis: down, up, x,y,z, or with /DEGREES a cone; repeatable."
     )
     turns: int = option(
         "Turns of the tool about its z axis that are tried; 1 if its turn counts.", default=12
     )
-    tip: TipOption = None
-    margin: MarginOption = None
+    tip: TipOption
+    margin: MarginOption
     output: tuple[str, ...] = option(
         "File to write: .csv, .npz, .png or .svg; repeatable.", "--output", "-o"
     )
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """0; what is not reached is an answer."""
@@ -279,23 +279,23 @@ class PlaceSearch:
     program: str | None = argument(
         "Program whose targets are to be reached; default locations of bodies.", default=None
     )
-    robot: RobotOption = None
+    robot: RobotOption
     cell: CellOption = None
-    x: _OffsetRange = None
-    y: _OffsetRange = None
-    z: _OffsetRange = None
+    x: _OffsetRange
+    y: _OffsetRange
+    z: _OffsetRange
     turn: str | None = option("Degrees about z.", metavar=_RANGE_FORM)
     turns: int = option(
         "Turns of the tool about its z axis that are tried; default its own alone.", default=1
     )
-    tip: TipOption = None
-    margin: MarginOption = None
+    tip: TipOption
+    margin: MarginOption
     reader: ReaderOptions
-    from_language: FromLanguage = None
+    from_language: FromLanguage
     output: tuple[str, ...] = option(
         "File to write: .csv, .png or .svg; repeatable.", "--output", "-o"
     )
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def places(self, body: str | None) -> int:
         """1 if everything is reached at no place, else 0. body: None for the base of the robot."""
@@ -425,16 +425,16 @@ class Swept:
     """Tell which space the arm sweeps in a program, with its tool and what it carries."""
 
     program: Source
-    robot: RobotOption = None
+    robot: RobotOption
     cell: CellOption = None
     size: float = option("How wide the cells of the grid are, mm.", default=20.0)
     reader: ReaderOptions
-    from_language: FromLanguage = None
-    entry: EntryOption = None
+    from_language: FromLanguage
+    entry: EntryOption
     output: tuple[str, ...] = option(
         "File: .csv, .npz, .glb, .png or .svg; repeatable.", "--output", "-o"
     )
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """1 if the robot cannot run the program, else 0; contacts are for `check` to find."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import argument, command_of, option
+from assistant.cli.command import Default, argument, command_of, option
 from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
 
@@ -45,6 +45,7 @@ EstimateOption = Annotated[
     typer.Option(
         help="Zeros of the axes; with the lengths of the robot file; or a free chain of axes."
     ),
+    Default(_Estimated.LENGTHS),
 ]
 InBase = Annotated[
     bool, typer.Option("--in-base", help="The points are measured in the base of the arm.")
@@ -86,12 +87,12 @@ class Calibrate:
     robot: RobotArgument
     measured: Path = argument("CSV: joints beside measured points.", metavar="MEASURED")
     output: Path = option("The corrected robot, as TOML.", "--output", "-o", metavar="FILE")
-    estimate: EstimateOption = _Estimated.LENGTHS
+    estimate: EstimateOption
     tool: str | None = option("Measured point in the flange, mm, if it is known.", metavar="X,Y,Z")
-    in_base: InBase = False
+    in_base: InBase
     noise: float | None = option("Of the measured points, if it is known.", metavar="MM")
     cameras: CamerasOption = None
-    format: AnswerOption = None
+    format: AnswerOption
 
     def run(self) -> int:
         """1 if something is doubtful: rows that do not fit, too large errors, over-fitting."""
@@ -138,12 +139,12 @@ class Poses:
     robot: RobotArgument
     output: Path = option("Table of the joints, as CSV.", "--output", "-o", metavar="FILE")
     count: int = option("How many.", default=40)
-    estimate: EstimateOption = _Estimated.LENGTHS
+    estimate: EstimateOption
     tool: str | None = option("Point in the flange, mm, roughly.", metavar="X,Y,Z")
-    in_base: InBase = False
+    in_base: InBase
     box: str | None = option("Where the point may be, mm of the base.", metavar="X0,X1,Y0,Y1,Z0,Z1")
     cameras: CamerasOption = None
-    format: AnswerOption = None
+    format: AnswerOption
 
     def run(self) -> int:
         import numpy as np
@@ -197,7 +198,7 @@ class Show:
         "A robot of the catalogue, or a robot file.", metavar="NAME", autocompletion=complete_robot
     )
     draw: Path | None = option("Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE")
-    format: AnswerOption = None
+    format: AnswerOption
 
     def run(self) -> int:
         """Show a robot. draw: the picture that is written before any output; None for none."""

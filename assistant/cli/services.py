@@ -39,7 +39,7 @@ class Studio:
     )
     port: int = option("Port; default one that is free.", default=0, min=0, max=65535)
     open: bool = option("Open the browser.", "--open/--no-open", default=True)
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         from assistant.base.termination import is_ctrl_c, raise_on_termination, wait_for_termination
@@ -216,7 +216,7 @@ class Answer:
     process: Path | None = option(
         "Process file that says how far sights are trusted.", "--process", "-p"
     )
-    robot: RobotOption = None
+    robot: RobotOption
     cell: CellOption = None
     times: int = option("Programs to answer; 0 until Ctrl-C.", default=0, min=0)
     patience: float | None = option("Seconds without a word; default for ever.", min=0.1)

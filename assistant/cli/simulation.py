@@ -53,20 +53,20 @@ class Simulate:
     """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
 
     program: Source
-    robot: RobotOption = None
+    robot: RobotOption
     output: tuple[str, ...] = option(
         "Folder for all files, or a .csv, .npz, .png or .svg; repeatable.", "--output", "-o"
     )
-    acceleration: AccelerationOption = None
+    acceleration: AccelerationOption
     period: float | None = option("Seconds between samples; default 0.01, or what fits.")
     reader: DrawingOptions
     cell: CellOption = None
-    from_language: FromLanguage = None
-    from_robot: FromRobot = None
-    entry: EntryOption = None
+    from_language: FromLanguage
+    from_robot: FromRobot
+    entry: EntryOption
     sight: SightOptions
     page: PageOptions
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """Run a simulation; return 0 if it succeeds, 1 if the robot cannot run the program, or not

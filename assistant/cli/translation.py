@@ -34,8 +34,6 @@ from assistant.cli.output_files import Outcomes, output_folders, output_paths, w
 from assistant.cli.presentation import (
     FindingFormat,
     Format,
-    FramesAs,
-    GrammarAs,
     TranslationFormat,
     answer_as,
     print_findings,
@@ -81,8 +79,8 @@ class Translate:
 
     programs: tuple[str, ...] = argument("Robot programs, or folders with them; - for input.")
     to: str = option("Language to write.", autocompletion=complete_language)
-    robot: RobotOption = None
-    from_robot: FromRobot = None
+    robot: RobotOption
+    from_robot: FromRobot
     process: Path | None = option(
         "File with signals, tools, frames of the other cell.", "--process", "-p"
     )
@@ -95,10 +93,10 @@ class Translate:
     names: Path | None = option("Write a table of the old and the new names, as CSV.")
     every: bool = option("Tell of each statement, also of those that are said.", "--all")
     draft: bool = option("Write programs that are not whole: a stop for each gap.")
-    frames: FramesOption = FramesAs.BASE
-    grammar: GrammarOption = GrammarAs.SAMPLES
-    from_language: FromLanguage = None
-    entry: EntryOption = None
+    frames: FramesOption
+    grammar: GrammarOption
+    from_language: FromLanguage
+    entry: EntryOption
     sight: SightOptions
     proof: ProofOptions
     format: TranslationFormat = option(
@@ -422,8 +420,8 @@ class Coverage:
     """Tell, construct by construct, what of a program can be translated and what cannot."""
 
     programs: tuple[str, ...] = argument("Robot programs, or folders with them; - for input.")
-    from_language: FromLanguage = None
-    format: FormatOption = Format.TEXT
+    from_language: FromLanguage
+    format: FormatOption
 
     def run(self) -> int:
         """0 if every program could be read, 1 if one has syntax errors, 2 if one is unreadable."""

@@ -54,7 +54,7 @@ class Run:
         "A program, the programs of several slots, the modules or folder of a task, a "
         "backup, or any other source; - for standard input."
     )
-    robot: RobotOption = None
+    robot: RobotOption
     signals: Path | None = option("Script of inputs and answers, in TOML.", metavar="FILE")
     until: str | None = option(
         "End the run there: seconds, or FILE:LINE.", metavar="TIME|FILE:LINE"
@@ -87,10 +87,10 @@ class Run:
     )
     ask: bool = option("Have what the programs ask answered on standard input.")
     reader: DrawingOptions
-    from_language: FromLanguage = None
-    entry: EntryOption = None
+    from_language: FromLanguage
+    entry: EntryOption
     sight: SightOptions
-    format: FormatOption = Format.TEXT
+    format: FormatOption
 
     def run(self) -> int:
         """0 if the programs came to their end, 1 if they did not."""

@@ -29,7 +29,7 @@ from assistant.cli.controller_session import (
     robot_of_cell,
 )
 from assistant.cli.options import FormatOption
-from assistant.cli.presentation import Format, print_findings
+from assistant.cli.presentation import print_findings
 
 if TYPE_CHECKING:
     from assistant.base.arrays import Floats
@@ -59,10 +59,10 @@ class Servo:
     task: Path = argument("File of what is led where.", metavar="SERVO.toml")
     cameras: Path = option("File of the cameras.", metavar="CAMERAS.toml")
     by: str = option("Way to lead it: see the docs.", autocompletion=complete_servo_mode)
-    log: RecordingOption = None
+    log: RecordingOption
     link: LinkedOptions
-    yes: YesOption = False
-    format: FormatOption = Format.TEXT
+    yes: YesOption
+    format: FormatOption
 
     def run(self) -> int:
         """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
