@@ -25,7 +25,7 @@ from assistant.cli.options import (
     RobotOption,
     complete_robot,
 )
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.presentation import print_answer, print_findings
 
 if TYPE_CHECKING:
     from assistant.blocks.fmu import Model
@@ -66,11 +66,7 @@ class Kinematics:
         assert robot is not None
         print_findings(robot.findings)
         written = write_files(kinematics(robot, self.language.value), self.output)
-        if self.format is Format.JSON:
-            print_json({"robot": robot.name, "written": list(map(str, written))})
-            return 0
-        for path in written:
-            say(f"wrote {path}")
+        print_answer(self.format, {"robot": robot.name}, (), written=written)
         return 0
 
 
@@ -143,16 +139,14 @@ class Fmu:
             findings = [*findings, *more]
             keep_sources([self.source], [output])
             (written,) = write_files({output.name: data}, output.parent)
-        if self.format is Format.JSON:
-            from assistant.findings.formats import finding_record
-
-            told = [finding_record(finding) for finding in findings]
-            answer = {"source": self.source, "kind": kind, "identifier": model.identifier}
-            print_json({**answer, "guid": model.guid, "findings": told, "written": [str(written)]})
-            return 0
-        print_findings(findings, explained=True)
-        say(f"{model.title}: {_summary(model)}")
-        say(f"wrote {written}")
+        answer = {
+            "source": self.source,
+            "kind": kind,
+            "identifier": model.identifier,
+            "guid": model.guid,
+        }
+        lines = (f"{model.title}: {_summary(model)}",)
+        print_answer(self.format, answer, lines, findings, [written])
         return 0
 
     def _check(self, kind: str) -> None:

@@ -17,7 +17,7 @@ import typer
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.cli.command import argument, command_group, command_of, option
 from assistant.cli.options import FormatOption
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.presentation import Format, print_answer, print_findings, print_json, say
 
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
@@ -93,12 +93,8 @@ class Calibrate:
         }
         write_cameras(self.output, with_sources(found.rig, sources))
         print_findings([finding for finding in found.findings if finding not in told])
-        if self.format is Format.JSON:
-            print_json(_calibration_record(found))
-        else:
-            for line in _calibration_lines(found):
-                say(line)
-            say(f"wrote {self.output}")
+        lines = (*_calibration_lines(found), f"wrote {self.output}")
+        print_answer(self.format, _calibration_record(found), lines)
         return 0
 
 
@@ -124,12 +120,10 @@ class View:
         frame = _next_frame(rig, camera, self.source)
         _write_png(self.output, with_axes(camera, frame.picture))
         print_findings(exposure_findings(camera, frame.picture))
-        if self.format is Format.JSON:
-            print_json(
-                {"camera": self.name, "picture": str(self.output), "size": list(camera.lens.size)}
-            )
-        else:
-            say(f"{self.name}: {frame.name or 'a picture'}, wrote {self.output}")
+        size = list(camera.lens.size)
+        answer = {"camera": self.name, "picture": str(self.output), "size": size}
+        line = f"{self.name}: {frame.name or 'a picture'}, wrote {self.output}"
+        print_answer(self.format, answer, (line,))
         return 0
 
 
@@ -218,11 +212,8 @@ class Draw:
                 stands = _camera_in_world(camera, scene, flange)
                 picture = draw(stands, things, Optics(noise=self.noise), seed=self.seed + number)
                 _write_png(self.output / name / f"{number:04}.png", picture)
-        if self.format is Format.JSON:
-            print_json({"cameras": list(rig.cameras), "pictures": len(moments)})
-        else:
-            for name in rig.cameras:
-                say(f"{name}: {len(moments)} pictures in {self.output / name}")
+        lines = (f"{name}: {len(moments)} pictures in {self.output / name}" for name in rig.cameras)
+        print_answer(self.format, {"cameras": list(rig.cameras), "pictures": len(moments)}, lines)
         return 0
 
 

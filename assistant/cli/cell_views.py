@@ -37,7 +37,14 @@ from assistant.cli.options import (
     UnitOption,
     with_project_defaults,
 )
-from assistant.cli.presentation import Format, print_findings, print_json, say, working
+from assistant.cli.presentation import (
+    Format,
+    print_answer,
+    print_findings,
+    print_json,
+    say,
+    working,
+)
 from assistant.cli.report_pages import page_name, solved_sheet
 from assistant.cli.simulation import report_errors, solved_source
 from assistant.cli.source_input import keep_sources
@@ -157,15 +164,9 @@ class Info:
             for finding in (*left, *chosen.findings, *found.findings)
         ]
         findings = apply_severities(told).left
-        if self.format is Format.JSON:
-            from assistant.findings.formats import finding_record
-
-            answer = {"drawing": str(self.drawing), **report.record(found)}
-            print_json(answer | {"findings": [finding_record(finding) for finding in findings]})
-        else:
-            print_findings(fold(findings), explained=True)
-            for line in report.lines(found):
-                say(line)
+        answer = {"drawing": str(self.drawing), **report.record(found)}
+        shown = findings if self.format is Format.JSON else fold(findings)
+        print_answer(self.format, answer, report.lines(found), shown)
         return 1 if worst(findings) in (Severity.ERROR, Severity.WARNING) else 0
 
 
@@ -202,18 +203,9 @@ class Scene:
                 found += _left_out_tables(others)
             written = _write_scene(self.file, files)
         findings = [finding.within(str(self.file)) for finding in found]
-        if self.format is Format.JSON:
-            from assistant.findings.formats import finding_record
-
-            answer = {"cell": str(self.file), **told}
-            answer["findings"] = [finding_record(finding) for finding in findings]
-            print_json(answer | {"written": [str(path) for path in written]})
-            return 0
-        print_findings(fold(findings), explained=True)
-        for line in report.lines(scene) if self.output is None else ():
-            say(line)
-        for path in written:
-            say(f"wrote {path}")
+        shown = findings if self.format is Format.JSON else fold(findings)
+        lines = report.lines(scene) if self.output is None else ()
+        print_answer(self.format, {"cell": str(self.file), **told}, lines, shown, written)
         return 0
 
 

@@ -37,7 +37,7 @@ from assistant.cli.options import (
     ReaderOptions,
     Source,
 )
-from assistant.cli.presentation import Format, print_json, say, working
+from assistant.cli.presentation import print_answer, working
 from assistant.cli.source_input import keep_sources
 
 ChartArgument = Annotated[Path, typer.Argument(help="A chart.")]
@@ -150,11 +150,8 @@ class Show:
             written = [
                 str(one) for one in write_all({self.output: explored_picture(occupancy, kind)})
             ]
-        if self.format is Format.JSON:
-            print_json({"chart": str(self.chart), **chart_record(occupancy), "written": written})
-            return 0
-        for line in [*chart_lines(occupancy), *(f"wrote {one}" for one in written)]:
-            say(line)
+        answer = {"chart": str(self.chart), **chart_record(occupancy)}
+        print_answer(self.format, answer, chart_lines(occupancy), written=written)
         return 0
 
 
@@ -177,12 +174,8 @@ class Merge:
             with _at_chart(path):
                 merged = merged.merged(other)
         save_map(merged, self.output)
-        if self.format is Format.JSON:
-            print_json({"chart": chart_record(merged), "written": [str(self.output)]})
-            return 0
-        for line in chart_lines(merged):
-            say(line)
-        say(f"wrote {self.output}")
+        answer = {"chart": chart_record(merged)}
+        print_answer(self.format, answer, chart_lines(merged), written=[self.output])
         return 0
 
 
@@ -201,18 +194,17 @@ class Compare:
         before, after = load_map(self.old), load_map(self.new)
         with _at_chart(self.new):
             found = before.compared(after)
-        if self.format is Format.JSON:
-            print_json({"old": str(self.old), "new": str(self.new), **asdict(found)})
-        else:
-            litre = before.size**3 / 1e6
-            for count, what in (
-                (found.same, "are known alike"),
-                (found.gained, f"are known in {self.new} only"),
-                (found.lost, f"are known in {self.old} only"),
-                (found.freed, "were occupied and are free"),
-                (found.blocked, "were free and are occupied"),
-            ):
-                say(f"{count:>12,} cells ({count * litre:.1f} l) {what}")
+        litre = before.size**3 / 1e6
+        counts = (
+            (found.same, "are known alike"),
+            (found.gained, f"are known in {self.new} only"),
+            (found.lost, f"are known in {self.old} only"),
+            (found.freed, "were occupied and are free"),
+            (found.blocked, "were free and are occupied"),
+        )
+        lines = (f"{count:>12,} cells ({count * litre:.1f} l) {what}" for count, what in counts)
+        answer = {"old": str(self.old), "new": str(self.new), **asdict(found)}
+        print_answer(self.format, answer, lines)
         return 1 if found.blocked else 0
 
 

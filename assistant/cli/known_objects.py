@@ -15,7 +15,7 @@ import typer
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.cli.command import Default, argument, command, command_group, command_of, option
 from assistant.cli.options import CellOption, FormatOption, UnitOption
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.presentation import Format, print_answer, print_findings, say
 
 if TYPE_CHECKING:
     from assistant.cell.scene import PlacedRobot
@@ -67,11 +67,9 @@ class Add:
         one, findings = _learn_object(self)
         add_objects(self.library, [one], again=self.again)
         print_findings(findings)
-        if self.format is Format.JSON:
-            print_json({"library": str(self.library), **_object_record(one)})
-        else:
-            say(_object_line(one))
-            say(f"wrote {self.library / one.name}.toml")
+        answer = {"library": str(self.library), **_object_record(one)}
+        lines = (_object_line(one), f"wrote {self.library / one.name}.toml")
+        print_answer(self.format, answer, lines)
         return 0
 
 
@@ -87,10 +85,10 @@ class List:
 
         read = read_library(self.library)
         print_findings(read.findings)
-        if self.format is Format.JSON:
-            records = [_object_record(one) for one in read.objects.values()]
-            print_json({"library": str(self.library), "objects": records})
-            return 0
+        known = read.objects.values()
+        answer = {"library": str(self.library), "objects": list(map(_object_record, known))}
+        print_answer(self.format, answer, map(_object_line, known))
+        return 0
         for one in read.objects.values():
             say(_object_line(one))
         return 0
@@ -411,20 +409,20 @@ def _write_png(file: Path, picture: object) -> None:
 def _print_found(
     sight: Recognition, base: OutputFrame, written: list[Path], format: Format
 ) -> None:
-    if format is Format.JSON:
-        found = [_found_record(one, base) for one in sight.found]
-        unknown = [{"x": one.x, "y": one.y, "size": one.size} for one in sight.unknown]
-        print_json({"found": found, "unknown": unknown, "written": [str(p) for p in written]})
-        return
-    for one in sight.found:
-        x, y, z = base.of(one.pose).position
-        say(
-            f"{one.name}: x {x:.2f}, y {y:.2f}, z {z:.2f} mm, turned {_z_turn(one, base):.2f} "
-            f"degrees; ± {one.estimate.sigma_mm:.2f} mm, {one.estimate.sigma_deg:.2f} degrees, "
-            f"confidence {one.confidence:.2f}"
-        )
-    for path in written:
-        say(f"wrote {path}")
+    answer = {
+        "found": [_found_record(one, base) for one in sight.found],
+        "unknown": [{"x": one.x, "y": one.y, "size": one.size} for one in sight.unknown],
+    }
+    print_answer(format, answer, (_found_line(one, base) for one in sight.found), written=written)
+
+
+def _found_line(one: FoundObject, base: OutputFrame) -> str:
+    x, y, z = base.of(one.pose).position
+    return (
+        f"{one.name}: x {x:.2f}, y {y:.2f}, z {z:.2f} mm, turned {_z_turn(one, base):.2f} "
+        f"degrees; ± {one.estimate.sigma_mm:.2f} mm, {one.estimate.sigma_deg:.2f} degrees, "
+        f"confidence {one.confidence:.2f}"
+    )
 
 
 def _z_turn(one: FoundObject, base: OutputFrame) -> float:

@@ -200,20 +200,24 @@ def print_answer(
     format: Format,
     answer: Mapping[str, Any],
     lines: Iterable[str],
-    findings: Sequence[Diagnostic],
+    findings: Sequence[Diagnostic] | None = None,
     written: Iterable[Path | str] | None = None,
 ) -> None:
     """Print an answer: a record with its findings for programs, findings and lines for people.
 
-    written: files, None for a command that writes none.
+    findings, written: None for a command whose record has no findings, or that writes no files.
     """
     if format is Format.JSON:
         from assistant.findings.formats import finding_record
 
-        record = {**answer, "findings": [finding_record(finding) for finding in findings]}
-        print_json(record if written is None else record | {"written": list(map(str, written))})
+        record = dict(answer)
+        if findings is not None:
+            record["findings"] = [finding_record(finding) for finding in findings]
+        if written is not None:
+            record["written"] = [str(path) for path in written]
+        print_json(record)
         return
-    print_findings(findings, explained=True)
+    print_findings(findings or (), explained=True)
     for line in (*lines, *(f"wrote {path}" for path in written or ())):
         say(line)
 

@@ -17,7 +17,14 @@ import typer
 from assistant.base.diagnostics import Refused, error
 from assistant.cli.command import Default, argument, command_of, option
 from assistant.cli.options import FormatOption, complete_robot
-from assistant.cli.presentation import Format, answer_as, print_findings, print_json, say
+from assistant.cli.presentation import (
+    Format,
+    answer_as,
+    print_answer,
+    print_findings,
+    print_json,
+    say,
+)
 
 if TYPE_CHECKING:
     from assistant.learning.parameter_fit import KnownPlacement
@@ -119,15 +126,10 @@ class Calibrate:
         _refuse_own_file(self.robot, [output.parent / name for name in files])
         written = write_files(files, output.parent)
         print_findings(done.findings)
-        if format is Format.JSON:
-            print_json(
-                calibration_output.calibration_record(done)
-                | {"files": [str(file) for file in written]}
-            )
-        else:
-            for line in calibration_output.calibration_lines(done):
-                say(line)
-            say(f"corrected robot: {', '.join(str(file) for file in written)}")
+        names = [str(file) for file in written]
+        lines = calibration_output.calibration_lines(done)
+        answer = calibration_output.calibration_record(done) | {"files": names}
+        print_answer(format, answer, (*lines, f"corrected robot: {', '.join(names)}"))
         return 1 if any(one.severity is not Severity.INFO for one in done.findings) else 0
 
 
@@ -178,14 +180,11 @@ class Poses:
         rows = [",".join(f"{value:.2f}" for value in row) for row in found.joints]
         text = "\n".join([",".join(header), *rows]) + "\n"
         (written,) = write_files({self.output.name: text.encode()}, self.output.parent)
-        if format is Format.JSON:
-            names = [one.name for one in found.parameters]
-            sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
-            print_json({"poses": str(written), "count": self.count, "sigmas": sigmas})
-            return 0
-        for line in calibration_output.suggestion_lines(found):
-            say(line)
-        say(f"poses: {written}")
+        names = [one.name for one in found.parameters]
+        sigmas = dict(zip(names, found.sigmas.tolist(), strict=True))
+        answer = {"poses": str(written), "count": self.count, "sigmas": sigmas}
+        lines = (*calibration_output.suggestion_lines(found), f"poses: {written}")
+        print_answer(format, answer, lines)
         return 0
 
 
@@ -217,15 +216,9 @@ class Show:
 
             picture = arm_drawing(robot, format_of(self.draw.name))
             (drawn,) = write_files({self.draw.name: picture}, self.draw.parent)
-        if format is Format.JSON:
-            print_json(
-                report.robot_record(robot) | ({} if drawn is None else {"drawing": str(drawn)})
-            )
-            return 0
-        for line in report.robot_lines(robot):
-            say(line)
-        if drawn is not None:
-            say(f"drawing: {drawn}")
+        answer = report.robot_record(robot) | ({} if drawn is None else {"drawing": str(drawn)})
+        lines = (*report.robot_lines(robot), *([] if drawn is None else [f"drawing: {drawn}"]))
+        print_answer(format, answer, lines)
         return 0
 
 
