@@ -15,10 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal
 
-import typer
-
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
-from assistant.cli.command import argument, command, option, options
+from assistant.cli.command import Option, argument, command, option, options
 from assistant.cli.controller_session import (
     CellArgument,
     Session,
@@ -95,14 +93,13 @@ def complete_servo_mode(incomplete: str) -> list[str]:
 
 
 RecordingOption = Annotated[
-    Path | None, typer.Option(help="Write what was recorded.", metavar="FILE.csv|.npz")
+    Path | None, Option("Write what was recorded.", metavar="FILE.csv|.npz")
 ]
 LinesOption = Annotated[
-    tuple[str, ...],
-    typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
+    tuple[str, ...], Option("HOST:PORT or serial port of a line; repeatable, in order.", "--line")
 ]
 ReplaceProgramsOption = Annotated[
-    bool, typer.Option("--replace", help="Our programs replace others of their names.")
+    bool, Option("Our programs replace others of their names.", "--replace")
 ]
 
 

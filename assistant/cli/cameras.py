@@ -12,10 +12,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from assistant.base.diagnostics import Diagnostic, Refused, error
-from assistant.cli.command import argument, command_group, command_of, option
+from assistant.cli.command import Argument, argument, command_group, command_of, option
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import Format, print_answer, print_findings, print_json, say
 
@@ -32,9 +30,7 @@ if TYPE_CHECKING:
 camera: Final = command_group(
     "Calibrate, look through and check cameras; draw what they would see of a cell."
 )
-CamerasArgument = Annotated[
-    Path, typer.Argument(metavar="CAMERAS", help="File of the cameras, .toml.")
-]
+CamerasArgument = Annotated[Path, Argument("File of the cameras, .toml.", metavar="CAMERAS")]
 
 
 class MountingChoice(StrEnum):

@@ -13,21 +13,23 @@
         def run(self) -> int: ...
 
 The docstring is the help, and the order of the fields that of the options. An option that several
-commands have is an alias for a type, as `CellArgument`; with a `Default` if it has one. A field
-whose type is a class made by `options` stands for all options of that class. `run` returns the exit
-status.
+commands have is an alias, `Annotated[Path | None, Option("Process file.", "--process", "-p")]`. A
+field whose type is a class made by `options` stands for all options of that class. `run` returns
+the exit status.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from typing import (
     Annotated,
     Any,
     Final,
+    NamedTuple,
     Protocol,
+    TypeGuard,
     TypeVar,
     dataclass_transform,
     get_args,
@@ -51,44 +53,56 @@ _INFO: Final = "typer"
 """Key of a field's metadata."""
 
 
-@dataclass(frozen=True, slots=True)
-class ProjectDefault:
-    """Marks an option that defaults to what the project states. key: of `SourceOptions`."""
+class Option:
+    """An option of commands, for `Annotated`.
 
-    key: str
-
-
-@dataclass(frozen=True, slots=True)
-class Default:
-    """Default of an option that several commands have."""
-
-    value: Any
-
-
-def option(help: str, *names: str, project: str | None = None, **settings: Any) -> Any:
-    """Return a field that is an option.
-
-    names: as it is typed; default the name of the field. project: key of `SourceOptions` that it
-    defaults to. settings: its default, if it is not None, False or (), and those of `typer.Option`.
+    names: as it is typed; default the name of the field. default: None, False and () need not be
+    stated. project: key of `SourceOptions` that it defaults to. settings: of `typer.Option`.
     """
-    default = settings.pop("default", MISSING)
-    marks = () if project is None else (ProjectDefault(project),)
 
-    def typed(name: str, hint: Any) -> Any:
-        flag = (f"--{name.replace('_', '-')}",) if hint is bool else ()
-        return Annotated[(hint, typer.Option(*(names or flag), help=help, **settings), *marks)]
+    def __init__(
+        self,
+        help: str,
+        *names: str,
+        default: Any = MISSING,
+        project: str | None = None,
+        **settings: Any,
+    ) -> None:
+        self.names, self.default, self.project = names, default, project
+        self.settings = {"help": help, **settings}
 
-    return field(default=default, metadata={_INFO: typed})
+    def default_of(self, kind: Any) -> Any:
+        """Return its default, or what its type implies."""
+        if self.default is not MISSING or type(None) in get_args(kind):
+            return None if self.default is MISSING else self.default
+        return {bool: False, tuple: ()}.get(get_origin(kind) or kind, MISSING)
+
+    def info(self, name: str, kind: Any) -> Any:
+        """Return what typer is told."""
+        flag = (f"--{name.replace('_', '-')}",) if kind is bool else ()
+        return typer.Option(*(self.names or flag), **self.settings)
+
+
+class Argument(Option):
+    """An argument of commands, for `Annotated`. settings: of `typer.Argument`."""
+
+    def default_of(self, kind: Any) -> Any:  # noqa: ARG002
+        return self.default
+
+    def info(self, name: str, kind: Any) -> Any:  # noqa: ARG002
+        return typer.Argument(**self.settings)
+
+
+def option(help: str, *names: str, **settings: Any) -> Any:
+    """Return a field that is an option of one command; see `Option`."""
+    told = Option(help, *names, **settings)
+    return field(default=told.default, metadata={_INFO: told})
 
 
 def argument(help: str, **settings: Any) -> Any:
-    """Return a field that is an argument. settings: its default, and those of `typer.Argument`."""
-    default = settings.pop("default", MISSING)
-
-    def typed(_: str, hint: Any) -> Any:
-        return Annotated[hint, typer.Argument(help=help, **settings)]
-
-    return field(default=default, metadata={_INFO: typed})
+    """Return a field that is an argument of one command; see `Argument`."""
+    told = Argument(help, **settings)
+    return field(default=told.default, metadata={_INFO: told})
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, argument))
@@ -146,77 +160,66 @@ def with_project_values(record: T, complete: Callable[[dict[str, Any]], Mapping[
 def _parameters(cls: type) -> list[inspect.Parameter]:
     """Return the parameters of a function with the options of a record, groups expanded."""
     found: list[inspect.Parameter] = []
-    for one, hint in _typed_fields(cls):
-        if isinstance(hint, type) and is_dataclass(hint):
+    for one in _typed_fields(cls):
+        hint, default = one.kind, one.default
+        if _is_group(hint):
             found += _parameters(hint)
             continue
-        default = _default(one, hint)
-        if _is_repeatable(hint):
-            values, *info = get_args(hint)
-            listed: Any = list[get_args(values)[0]]  # type: ignore[misc]
-            if default == ():
-                listed, default = listed | None, None
-            hint = Annotated[(listed, *info)]
+        if get_origin(hint) is tuple:  # typer knows lists, and None for an empty one
+            hint = list[get_args(hint)[0]]  # type: ignore[misc]
+            default, hint = (None, hint | None) if default == () else (default, hint)
+        if one.told is not None:
+            hint = Annotated[hint, one.told.info(one.name, one.kind)]
+        default = inspect.Parameter.empty if default is MISSING else default
         kind = inspect.Parameter.KEYWORD_ONLY
         found.append(inspect.Parameter(one.name, kind, default=default, annotation=hint))
     return found
 
 
-def _default(one: Field[Any], hint: Any) -> Any:
-    """Return the default of a field, or what its type implies for an option."""
-    if one.default is not MISSING:
-        return one.default
-    type_, *info = get_args(hint) or (None,)
-    for each in info:
-        if isinstance(each, Default):
-            return each.value
-    if any(isinstance(each, typer.models.OptionInfo) for each in info):
-        if type(None) in get_args(type_):
-            return None
-        if type_ is bool:
-            return False
-        if _is_repeatable(hint):
-            return ()
-    return inspect.Parameter.empty
-
-
 def _record(cls: type[T], given: Mapping[str, Any]) -> T:
     values: dict[str, Any] = {}
-    for one, hint in _typed_fields(cls):
-        if isinstance(hint, type) and is_dataclass(hint):
-            values[one.name] = _record(hint, given)
-        elif _is_repeatable(hint):
-            values[one.name] = tuple(given[one.name] or ())
+    for one in _typed_fields(cls):
+        if _is_group(one.kind):
+            values[one.name] = _record(one.kind, given)
         else:
-            values[one.name] = given[one.name]
+            value = given[one.name]
+            values[one.name] = tuple(value or ()) if get_origin(one.kind) is tuple else value
     return cls(**values)
 
 
-def _typed_fields(cls: type) -> list[tuple[Field[Any], Any]]:
-    """Return the fields of a record with their types, which hold what typer is told about them."""
+def _is_group(kind: Any) -> TypeGuard[type]:
+    return isinstance(kind, type) and is_dataclass(kind)
+
+
+class _TypedField(NamedTuple):
+    """Field of a record. told: None for a group, and for typer's context."""
+
+    name: str
+    kind: Any
+    told: Option | None
+    default: Any
+
+
+def _typed_fields(cls: type) -> Iterator[_TypedField]:
     hints = get_type_hints(cls, include_extras=True)
-    found = []
     for one in fields(cls):
-        typed = one.metadata.get(_INFO)
-        found.append((one, typed(one.name, hints[one.name]) if typed else hints[one.name]))
-    return found
-
-
-def _is_repeatable(hint: Any) -> bool:
-    """True for a tuple of any number of values, which typer knows as a list."""
-    return get_origin(hint) is Annotated and get_origin(get_args(hint)[0]) is tuple
+        kind, told, default = hints[one.name], one.metadata.get(_INFO), one.default
+        if get_origin(kind) is Annotated:
+            kind, told, *_ = get_args(kind)
+        if default is MISSING and told is not None:
+            default = told.default_of(kind)
+        yield _TypedField(one.name, kind, told, default)
 
 
 def _project_options(cls: type) -> dict[str, tuple[str, ...]]:
     """Return the names by which a field is found, by the key of the project."""
     found: dict[str, tuple[str, ...]] = {}
-    for one, hint in _typed_fields(cls):
-        if isinstance(hint, type) and is_dataclass(hint):
-            inner = _project_options(hint)
+    for one in _typed_fields(cls):
+        if _is_group(one.kind):
+            inner = _project_options(one.kind)
             found |= {key: (one.name, *path) for key, path in inner.items()}
-        for info in get_args(hint)[1:]:
-            if isinstance(info, ProjectDefault):
-                found[info.key] = (one.name,)
+        elif one.told is not None and one.told.project:
+            found[one.told.project] = (one.name,)
     return found
 
 

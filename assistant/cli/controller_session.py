@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.cli.command import Argument, Option
 from assistant.cli.presentation import Format, note, print_json, say
 from assistant.controllers.states import record as record
 
@@ -38,16 +37,14 @@ def complete_controller(incomplete: str) -> list[str]:
 
 CellArgument = Annotated[
     str,
-    typer.Argument(
+    Argument(
+        "Its name in [controllers] of assistant.toml, or its address.",
         metavar="CONTROLLER",
-        help="Its name in [controllers] of assistant.toml, or its address.",
         autocompletion=complete_controller,
     ),
 ]
-YesOption = Annotated[
-    bool, typer.Option("--yes", help="Do it without asking. Look that nobody is near.")
-]
-ReplaceOption = Annotated[bool, typer.Option("--replace", help="Also what is there already.")]
+YesOption = Annotated[bool, Option("Do it without asking. Look that nobody is near.", "--yes")]
+ReplaceOption = Annotated[bool, Option("Also what is there already.", "--replace")]
 
 
 def named_by(text: str) -> Named:

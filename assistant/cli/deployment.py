@@ -14,10 +14,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.command import Default, argument, command, option, options
+from assistant.cli.command import Argument, Option, argument, command, option, options
 from assistant.cli.controller_session import complete_controller, named_by, new_client
 from assistant.cli.options import FormatOption
 from assistant.cli.presentation import (
@@ -40,40 +38,36 @@ if TYPE_CHECKING:
 
 FilesArgument = Annotated[
     tuple[Path, ...],
-    typer.Argument(help="Robot programs, or folders with them; default what the project deploys."),
+    Argument("Robot programs, or folders with them; default what the project deploys."),
 ]
 HistoryOption = Annotated[
-    Path | None,
-    typer.Option(help="Folder of the deployments; default .robot-assistant/deployments."),
+    Path | None, Option("Folder of the deployments; default .robot-assistant/deployments.")
 ]
-TaskOption = Annotated[
-    str,
-    typer.Option(help="Task whose memory counts; default the first."),
-    Default(""),
-]
-LoadOption = Annotated[
-    bool, typer.Option("--load", help="Also load modules that are not loaded yet.")
-]
+TaskOption = Annotated[str, Option("Task whose memory counts; default the first.", default="")]
+LoadOption = Annotated[bool, Option("Also load modules that are not loaded yet.", "--load")]
 ReplaceOption = Annotated[
     tuple[str, ...],
-    typer.Option(
-        metavar="NAME",
-        help="Program to replace although no deployment left it as it is; * for all.",
+    Option(
+        "Program to replace although no deployment left it as it is; * for all.", metavar="NAME"
     ),
 ]
 PlanFormatOption = Annotated[
     PlanFormat,
-    typer.Option("--format", help="For people, programs or pull requests.", callback=answer_as),
-    Default(PlanFormat.TEXT),
+    Option(
+        "For people, programs or pull requests.",
+        "--format",
+        default=PlanFormat.TEXT,
+        callback=answer_as,
+    ),
 ]
 
 
 ToOption = Annotated[
     str | None,
-    typer.Option(
+    Option(
+        "Its name in assistant.toml, or its address.",
         "--to",
         metavar="CONTROLLER",
-        help="Its name in assistant.toml, or its address.",
         autocompletion=complete_controller,
     ),
 ]

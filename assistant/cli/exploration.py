@@ -16,8 +16,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import typer
-
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
 from assistant.cli.arm_motion import (
@@ -27,7 +25,15 @@ from assistant.cli.arm_motion import (
     complete_servo_mode,
     moving,
 )
-from assistant.cli.command import argument, command_group, command_of, option, options
+from assistant.cli.command import (
+    Argument,
+    Option,
+    argument,
+    command_group,
+    command_of,
+    option,
+    options,
+)
 from assistant.cli.controller_session import YesOption, confirm, connected, robot_of_cell
 from assistant.cli.learning import box_of, range_of
 from assistant.cli.options import FormatOption
@@ -66,16 +72,15 @@ CHART_SUFFIX: Final = ".npz"
 explore: Final = command_group(
     "Chart the space about a robot by where it has been without contact."
 )
-CellOption = Annotated[Path, typer.Option("--cell", help="File of the cell, with the robot.")]
+CellOption = Annotated[Path, Option("File of the cell, with the robot.", "--cell")]
 ChartOption = Annotated[
-    Path, typer.Option("--chart", "-c", help="The chart, .npz; one that is there is gone on with.")
+    Path, Option("The chart, .npz; one that is there is gone on with.", "--chart", "-c")
 ]
 ControllerArgument = Annotated[
-    str, typer.Argument(help="Name of a controller of the project, or its address.")
+    str, Argument("Name of a controller of the project, or its address.")
 ]
 HiddenOption = Annotated[
-    Path | None,
-    typer.Option(help="Cell file of what is really there: contacts with that end a run."),
+    Path | None, Option("Cell file of what is really there: contacts with that end a run.")
 ]
 
 

@@ -12,10 +12,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Final
 
-import typer
-
 from assistant.base.diagnostics import Refused, error, has_errors
-from assistant.cli.command import argument, command_of, option
+from assistant.cli.command import Argument, argument, command_of, option
 from assistant.cli.exploration import (
     CellOption,
     ChartingOptions,
@@ -40,7 +38,7 @@ from assistant.cli.options import (
 from assistant.cli.presentation import print_answer, working
 from assistant.cli.source_input import keep_sources
 
-ChartArgument = Annotated[Path, typer.Argument(help="A chart.")]
+ChartArgument = Annotated[Path, Argument("A chart.")]
 NO_UNTIL: Final = error("CL281", "--until is {value:g}", "write seconds above 0")
 
 

@@ -10,10 +10,16 @@ import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import typer
-
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
-from assistant.cli.command import Default, argument, command, command_group, command_of, option
+from assistant.cli.command import (
+    Argument,
+    Option,
+    argument,
+    command,
+    command_group,
+    command_of,
+    option,
+)
 from assistant.cli.options import CellOption, FormatOption, UnitOption
 from assistant.cli.presentation import Format, print_answer, print_findings, say
 
@@ -31,14 +37,10 @@ if TYPE_CHECKING:
 objects: Final = command_group(
     "Learn objects by their drawings or by showing them; list those of a library."
 )
-LibraryArgument = Annotated[Path, typer.Argument(metavar="LIBRARY", help="Folder of the library.")]
-CamerasOption = Annotated[
-    Path | None, typer.Option("--cameras", help="File of the cameras, .toml.")
-]
+LibraryArgument = Annotated[Path, Argument("Folder of the library.", metavar="LIBRARY")]
+CamerasOption = Annotated[Path | None, Option("File of the cameras, .toml.", "--cameras")]
 PlaneOption = Annotated[
-    float,
-    typer.Option("--plane", help="Height of what objects lie on, mm in the world."),
-    Default(0.0),
+    float, Option("Height of what objects lie on, mm in the world.", "--plane", default=0.0)
 ]
 
 

@@ -11,10 +11,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-import typer
-
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import Default, ProjectDefault, option, options, with_project_values
+from assistant.cli.command import (
+    Argument,
+    Option,
+    option,
+    options,
+    with_project_values,
+)
 from assistant.cli.presentation import (
     FindingFormat,
     Format,
@@ -49,73 +53,82 @@ def complete_unit(incomplete: str) -> list[str]:
 
 
 Source = Annotated[
-    str, typer.Argument(help="Drawing, table, .pseudo text or robot program; - for standard input.")
+    str, Argument("Drawing, table, .pseudo text or robot program; - for standard input.")
 ]
-Sources = Annotated[
-    tuple[str, ...], typer.Argument(help="Drawings, tables or programs; - for input.")
-]
+Sources = Annotated[tuple[str, ...], Argument("Drawings, tables or programs; - for input.")]
 RobotOption = Annotated[
     str | None,
-    typer.Option(
-        "--robot", "-r", help="Arm that runs it, or its file.", autocompletion=complete_robot
+    Option(
+        "Arm that runs it, or its file.",
+        "--robot",
+        "-r",
+        project="robot",
+        autocompletion=complete_robot,
     ),
-    ProjectDefault("robot"),
 ]
 FromRobot = Annotated[
     str | None,
-    typer.Option("--from-robot", help="Arm that a vendor program was written for.",
-                 autocompletion=complete_robot),
-    ProjectDefault("from_robot"),
-]  # fmt: skip
+    Option(
+        "Arm that a vendor program was written for.",
+        "--from-robot",
+        project="from_robot",
+        autocompletion=complete_robot,
+    ),
+]
 FromLanguage = Annotated[
     str | None,
-    typer.Option("--from", help="Language of the input if its name does not tell.",
-                 autocompletion=complete_language),
-    ProjectDefault("from_language"),
-]  # fmt: skip
+    Option(
+        "Language of the input if its name does not tell.",
+        "--from",
+        project="from_language",
+        autocompletion=complete_language,
+    ),
+]
 CellOption = Annotated[
     Path | None,
-    typer.Option("--cell", help="File of the cell: its robots, and bodies not to be touched."),
-    ProjectDefault("cell"),
+    Option("File of the cell: its robots, and bodies not to be touched.", "--cell", project="cell"),
 ]
 AccelerationOption = Annotated[
-    float | None,
-    typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),
+    float | None, Option("mm/s² of the tool on lines and arcs; default what the axes allow.")
 ]
 EntryOption = Annotated[
     str | None,
-    typer.Option("--entry", help="Procedure that the program begins with; default its main."),
-    ProjectDefault("entry"),
+    Option("Procedure that the program begins with; default its main.", "--entry", project="entry"),
 ]
 UnitOption = Annotated[
     str | None,
-    typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",
-                 autocompletion=complete_unit),
-    ProjectDefault("unit"),
-]  # fmt: skip
+    Option(
+        "Unit that a drawing is in, whatever it says: mm, in, m …",
+        "--unit",
+        project="unit",
+        autocompletion=complete_unit,
+    ),
+]
 FramesOption = Annotated[
     FramesAs,
-    typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
-    Default(FramesAs.BASE),
+    Option(
+        "Work objects in MELFA-BASIC: as Base, or as factors of the targets.", default=FramesAs.BASE
+    ),
 ]
 GrammarOption = Annotated[
     GrammarAs,
-    typer.Option(help="What lark parses of a program of over 20,000 lines: samples, or all."),
-    Default(GrammarAs.SAMPLES),
+    Option(
+        "What lark parses of a program of over 20,000 lines: samples, or all.",
+        default=GrammarAs.SAMPLES,
+    ),
 ]
 FindingFormatOption = Annotated[
     FindingFormat,
-    typer.Option(
+    Option(
+        "For people, programs, code scanning, pull or merge requests.",
         "--format",
-        help="For people, programs, code scanning, pull or merge requests.",
+        default=FindingFormat.TEXT,
         callback=answer_as,
     ),
-    Default(FindingFormat.TEXT),
 ]
 FormatOption = Annotated[
     Format,
-    typer.Option("--format", help="For people or for programs.", callback=answer_as),
-    Default(Format.TEXT),
+    Option("For people or for programs.", "--format", default=Format.TEXT, callback=answer_as),
 ]
 
 

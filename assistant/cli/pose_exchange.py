@@ -13,10 +13,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from assistant.base.diagnostics import Refused, Severity, error, warning
-from assistant.cli.command import Default, argument, command_group, command_of, option, options
+from assistant.cli.command import (
+    Option,
+    argument,
+    command_group,
+    command_of,
+    option,
+    options,
+)
 from assistant.cli.controller_session import (
     CellArgument,
     Session,
@@ -45,15 +50,9 @@ if TYPE_CHECKING:
 exchange: Final = command_group(
     "Exchange poses with a running program, by files on the controller."
 )
-PrefixOption = Annotated[
-    str,
-    typer.Option(help="How the names of the files begin."),
-    Default("exchange"),
-]
+PrefixOption = Annotated[str, Option("How the names of the files begin.", default="exchange")]
 TimeoutOption = Annotated[
-    float,
-    typer.Option(help="Seconds for an answer without a motion.", min=0.1),
-    Default(10.0),
+    float, Option("Seconds for an answer without a motion.", default=10.0, min=0.1)
 ]
 
 

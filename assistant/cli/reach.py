@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
-from assistant.cli.command import argument, command_group, command_of, option, options
+from assistant.cli.command import Option, argument, command_group, command_of, option, options
 from assistant.cli.options import (
     CellOption,
     EntryOption,
@@ -42,14 +40,13 @@ reach: Final = command_group(
     "What an arm reaches, where things stand best, which space a program sweeps."
 )
 _RANGE_FORM: Final = "LOW:HIGH:STEP"
-_WorldRange = Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm of the world.")]
-_OffsetRange = Annotated[str | None, typer.Option(metavar=_RANGE_FORM, help="mm from where it is.")]
+_WorldRange = Annotated[str | None, Option("mm of the world.", metavar=_RANGE_FORM)]
+_OffsetRange = Annotated[str | None, Option("mm from where it is.", metavar=_RANGE_FORM)]
 TipOption = Annotated[
-    str | None,
-    typer.Option(help="x,y,z[,w,x,y,z] of the tip on the flange, mm; default the flange itself."),
+    str | None, Option("x,y,z[,w,x,y,z] of the tip on the flange, mm; default the flange itself.")
 ]
 MarginOption = Annotated[
-    float | None, typer.Option(help="mm to keep from everything; default those of the cell file.")
+    float | None, Option("mm to keep from everything; default those of the cell file.")
 ]
 
 

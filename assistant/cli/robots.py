@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import Default, argument, command_of, option
-from assistant.cli.options import FormatOption, complete_robot
+from assistant.cli.command import Argument, Option, argument, command_of, option
+from assistant.cli.options import complete_robot
 from assistant.cli.presentation import (
     Format,
     answer_as,
@@ -41,28 +41,22 @@ class _Estimated(enum.StrEnum):
 
 RobotArgument = Annotated[
     str,
-    typer.Argument(
-        metavar="ROBOT",
-        help="A robot of the catalogue, or a robot file.",
-        autocompletion=complete_robot,
+    Argument(
+        "A robot of the catalogue, or a robot file.", metavar="ROBOT", autocompletion=complete_robot
     ),
 ]
 EstimateOption = Annotated[
     _Estimated,
-    typer.Option(
-        help="Zeros of the axes; with the lengths of the robot file; or a free chain of axes."
+    Option(
+        "Zeros of the axes; with the lengths of the robot file; or a free chain of axes.",
+        default=_Estimated.LENGTHS,
     ),
-    Default(_Estimated.LENGTHS),
 ]
-InBase = Annotated[
-    bool, typer.Option("--in-base", help="The points are measured in the base of the arm.")
-]
+InBase = Annotated[bool, Option("The points are measured in the base of the arm.", "--in-base")]
 CamerasOption = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="File of the cameras that see the point.")
+    Path | None, Option("File of the cameras that see the point.", metavar="FILE")
 ]
-AnswerOption = Annotated[
-    Format | None, typer.Option("--format", help="For people or for programs.")
-]
+AnswerOption = Annotated[Format | None, Option("For people or for programs.", "--format")]
 
 
 def _answer_format(context: typer.Context, format: Format | None) -> Format:
@@ -80,7 +74,12 @@ robots: Final = typer.Typer(
 
 
 @robots.callback()
-def _robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> None:
+def _robots_list(
+    context: typer.Context,
+    format: Annotated[
+        Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
+    ] = Format.TEXT,
+) -> None:
     """List the robots of the catalogue; `robots show NAME` tells all of one."""
     if context.invoked_subcommand is None:
         raise typer.Exit(_list_robots(format))
