@@ -94,7 +94,7 @@ class Fmu:
     all_platforms: bool = option("Also for systems that a compiler is here for.")
     acceleration: AccelerationOption
     reader: ReaderOptions
-    cell: CellOption = None
+    cell: CellOption
     from_language: FromLanguage
     from_robot: FromRobot
     entry: EntryOption

@@ -65,7 +65,7 @@ class View:
 
     program: Source
     robot: RobotOption
-    cell: CellOption = None
+    cell: CellOption
     html: Path | None = option("File for the page, which needs no other; default it is opened.")
     live: str | None = option(
         "Controller that the page follows until Ctrl-C; it is only looked at.", metavar="CONTROLLER"

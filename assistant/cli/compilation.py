@@ -74,7 +74,7 @@ class Compile:
     )
     robot: RobotOption
     reader: DrawingOptions
-    cell: CellOption = None
+    cell: CellOption
     output: str = option(
         "Folder for the files; - prints a single one.", "--output", "-o", default="."
     )

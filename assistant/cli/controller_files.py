@@ -65,7 +65,7 @@ class Get:
     cell: CellArgument
     names: tuple[str, ...] = argument("Programs, as `ls` lists them.")
     output: str | None = option("File, folder, or - to print.", "--output", "-o")
-    replace: ReplaceOption = False
+    replace: ReplaceOption
     format: FormatOption
 
     def run(self) -> int:
@@ -116,7 +116,7 @@ class Put:
 
     cell: CellArgument
     files: tuple[Path, ...] = argument("Programs.")
-    replace: ReplaceOption = False
+    replace: ReplaceOption
     format: FormatOption
 
     def run(self) -> int:

@@ -38,14 +38,23 @@ if TYPE_CHECKING:
 
 FilesArgument = Annotated[
     tuple[Path, ...],
-    Argument("Robot programs, or folders with them; default what the project deploys."),
+    Argument("Robot programs, or folders with them; default what the project deploys.", default=()),
+]
+ToOption = Annotated[
+    str | None,
+    Option(
+        "Its name in assistant.toml, or its address.",
+        "--to",
+        metavar="CONTROLLER",
+        autocompletion=complete_controller,
+    ),
 ]
 HistoryOption = Annotated[
     Path | None, Option("Folder of the deployments; default .robot-assistant/deployments.")
 ]
 TaskOption = Annotated[str, Option("Task whose memory counts; default the first.", default="")]
 LoadOption = Annotated[bool, Option("Also load modules that are not loaded yet.", "--load")]
-ReplaceOption = Annotated[
+ReplaceNamesOption = Annotated[
     tuple[str, ...],
     Option(
         "Program to replace although no deployment left it as it is; * for all.", metavar="NAME"
@@ -58,17 +67,6 @@ PlanFormatOption = Annotated[
         "--format",
         default=PlanFormat.TEXT,
         callback=answer_as,
-    ),
-]
-
-
-ToOption = Annotated[
-    str | None,
-    Option(
-        "Its name in assistant.toml, or its address.",
-        "--to",
-        metavar="CONTROLLER",
-        autocompletion=complete_controller,
     ),
 ]
 
@@ -116,11 +114,11 @@ class WhereOptions:
 class Plan:
     """Show what a deployment would do to each program on a controller. Changes nothing."""
 
-    files: FilesArgument = ()
+    files: FilesArgument
     where: WhereOptions
     task: TaskOption
     load: LoadOption
-    replace: ReplaceOption = ()
+    replace: ReplaceNamesOption
     history: HistoryOption
     format: PlanFormatOption
 
@@ -146,7 +144,7 @@ def _show_plans(jobs: Sequence[_DeploymentJob], format: PlanFormat) -> int:
 class Deploy:
     """Install programs on a controller, read them back and compare. Never starts motion."""
 
-    files: FilesArgument = ()
+    files: FilesArgument
     where: WhereOptions
     dry_run: bool = option("Only show what would change, as `plan` does.")
     resume: bool = option("Finish the deployment that was interrupted.")
@@ -154,7 +152,7 @@ class Deploy:
         "Deploy nothing; bring what was changed on the controller into the sources here."
     )
     source: Path | None = option("With --pull: what the program was compiled from; default itself.")
-    replace: ReplaceOption = ()
+    replace: ReplaceNamesOption
     files_only: bool = option("Replace files though what was taught in memory is not seen.")
     task: TaskOption
     load: LoadOption
@@ -293,7 +291,7 @@ class Rollback:
         metavar="[N]",
     )
     where: WhereOptions
-    replace: ReplaceOption = ()
+    replace: ReplaceNamesOption
     history: HistoryOption
     format: FormatOption
 

@@ -72,7 +72,7 @@ CHART_SUFFIX: Final = ".npz"
 explore: Final = command_group(
     "Chart the space about a robot by where it has been without contact."
 )
-CellOption = Annotated[Path, Option("File of the cell, with the robot.", "--cell")]
+ExploredCellOption = Annotated[Path, Option("File of the cell, with the robot.", "--cell")]
 ChartOption = Annotated[
     Path, Option("The chart, .npz; one that is there is gone on with.", "--chart", "-c")
 ]
@@ -428,7 +428,7 @@ class Manual:
     """Learn while you jog or lead an arm by hand, until Ctrl-C. This moves nothing."""
 
     controller: ControllerArgument
-    cell: CellOption
+    cell: ExploredCellOption
     chart: ChartOption
     contacts: ContactOptions
     charting: ChartingOptions
@@ -467,7 +467,7 @@ class Running:
     """Start a program and learn while it moves the arm; a contact stops it. Asks before."""
 
     controller: ControllerArgument
-    cell: CellOption
+    cell: ExploredCellOption
     chart: ChartOption
     program: str | None = option("Program of the controller; default what is loaded.")
     contacts: ContactOptions

@@ -15,9 +15,9 @@ from typing import Annotated, Final
 from assistant.base.diagnostics import Refused, error, has_errors
 from assistant.cli.command import Argument, argument, command_of, option
 from assistant.cli.exploration import (
-    CellOption,
     ChartingOptions,
     ChartOption,
+    ExploredCellOption,
     HiddenOption,
     chart_lines,
     chart_record,
@@ -49,7 +49,7 @@ class Recorded:
     recordings: tuple[Path, ...] = argument(
         "Joints over time, .csv: logs of `monitor` or `follow`."
     )
-    cell: CellOption
+    cell: ExploredCellOption
     chart: ChartOption
     contact: str | None = option("Recorded input that is not 0 in contact.", metavar="SIGNAL")
     charting: ChartingOptions
@@ -72,7 +72,7 @@ class Program:
     """Learn from a program that has run without contact, or up to one. Nothing moves."""
 
     program: Source
-    cell: CellOption
+    cell: ExploredCellOption
     chart: ChartOption
     until: float | None = option("Seconds of its procedure at which a contact ended it.")
     hidden: HiddenOption

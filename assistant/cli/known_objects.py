@@ -55,7 +55,7 @@ class Add:
     line: tuple[str, ...] = option("Layer whose curves are ways on the part; repeatable.")
     width: float | None = option("mm that the face is wide which fills the first picture.")
     height: float | None = option("mm of the face above what the part lies on.", min=0.0)
-    cameras: CamerasOption = None
+    cameras: CamerasOption
     plane: PlaneOption
     solid: bool = option("It is not flat: marks in space, by two cameras.")
     unit: UnitOption
@@ -114,7 +114,7 @@ class See:
     plane_sigma: float = option(
         "mm, one sigma, that the plane may be off.", default=0.05, min=0.001
     )
-    cell: CellOption = None
+    cell: CellOption
     robot: str | None = option("Its name in the cell, if there are several.", "--robot", "-r")
     joints: str | None = option("Where the arm was that carries a camera: degrees with commas.")
     expect: tuple[str, ...] = option("An object that has to be there; repeatable.")

@@ -1,6 +1,6 @@
 """Options that several commands share: each is written here once.
 
-An option with a `ProjectDefault` that is not given takes what `assistant.toml` states for the
+An option with a key of the `project` that is not given takes what `assistant.toml` states for the
 source, if the project makes it in one way only. Options that belong together are groups.
 """
 

@@ -63,7 +63,7 @@ class Check:
     )
     robot: RobotOption
     reader: DrawingOptions
-    cell: CellOption = None
+    cell: CellOption
     from_language: FromLanguage
     sight: SightOptions
     page: PlottedPageOptions

@@ -81,7 +81,7 @@ class Map:
     """Tell which part of a region an arm reaches, with which directions of its tool."""
 
     robot: RobotOption
-    cell: CellOption = None
+    cell: CellOption
     x: _WorldRange
     y: _WorldRange
     z: _WorldRange
@@ -277,7 +277,7 @@ class PlaceSearch:
         "Program whose targets are to be reached; default locations of bodies.", default=None
     )
     robot: RobotOption
-    cell: CellOption = None
+    cell: CellOption
     x: _OffsetRange
     y: _OffsetRange
     z: _OffsetRange
@@ -423,7 +423,7 @@ class Swept:
 
     program: Source
     robot: RobotOption
-    cell: CellOption = None
+    cell: CellOption
     size: float = option("How wide the cells of the grid are, mm.", default=20.0)
     reader: ReaderOptions
     from_language: FromLanguage

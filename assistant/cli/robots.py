@@ -53,7 +53,7 @@ EstimateOption = Annotated[
     ),
 ]
 InBase = Annotated[bool, Option("The points are measured in the base of the arm.", "--in-base")]
-CamerasOption = Annotated[
+RobotCamerasOption = Annotated[
     Path | None, Option("File of the cameras that see the point.", metavar="FILE")
 ]
 AnswerOption = Annotated[Format | None, Option("For people or for programs.", "--format")]
@@ -97,7 +97,7 @@ class Calibrate:
     tool: str | None = option("Measured point in the flange, mm, if it is known.", metavar="X,Y,Z")
     in_base: InBase
     noise: float | None = option("Of the measured points, if it is known.", metavar="MM")
-    cameras: CamerasOption = None
+    cameras: RobotCamerasOption
     format: AnswerOption
 
     def run(self) -> int:
@@ -144,7 +144,7 @@ class Poses:
     tool: str | None = option("Point in the flange, mm, roughly.", metavar="X,Y,Z")
     in_base: InBase
     box: str | None = option("Where the point may be, mm of the base.", metavar="X0,X1,Y0,Y1,Z0,Z1")
-    cameras: CamerasOption = None
+    cameras: RobotCamerasOption
     format: AnswerOption
 
     def run(self) -> int:

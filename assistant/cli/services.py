@@ -217,7 +217,7 @@ class Answer:
         "Process file that says how far sights are trusted.", "--process", "-p"
     )
     robot: RobotOption
-    cell: CellOption = None
+    cell: CellOption
     times: int = option("Programs to answer; 0 until Ctrl-C.", default=0, min=0)
     patience: float | None = option("Seconds without a word; default for ever.", min=0.1)
 

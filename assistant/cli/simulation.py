@@ -60,7 +60,7 @@ class Simulate:
     acceleration: AccelerationOption
     period: float | None = option("Seconds between samples; default 0.01, or what fits.")
     reader: DrawingOptions
-    cell: CellOption = None
+    cell: CellOption
     from_language: FromLanguage
     from_robot: FromRobot
     entry: EntryOption

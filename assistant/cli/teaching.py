@@ -73,7 +73,7 @@ class Teach:
     joints: bool = option("As joint angles.")
     tool: str | None = option("Tool of the file that the controller shows the pose of.")
     frame: str | None = option("Frame that it shows it in.")
-    replace: ReplaceOption = False
+    replace: ReplaceOption
     pointing: PointingOptions
 
     def run(self) -> int:

@@ -150,13 +150,10 @@ class Cr:
     log: bool = option("Print each command and answer.")
 
     def run(self) -> int:
-        from assistant.virtual.cr import Faults
-
-        faults = Faults(delay=self.delay, broken=self.broken)
         from assistant.cli.run_environment import line_targets
         from assistant.compiler.arms import robot_of
         from assistant.compiler.exploration import contact_test
-        from assistant.virtual.cr import Contact
+        from assistant.virtual.cr import Contact, Faults
 
         arm = robot_of(self.robot)
         assert arm is not None
@@ -169,6 +166,7 @@ class Cr:
             ):
                 raise Refused(_INCOMPLETE_CONTACT(), exit_status=2)
             felt = Contact(str(int(self.contact)), contact_test(self.cell, arm.name))
+        faults = Faults(delay=self.delay, broken=self.broken)
         faults.errors = dict(map(_refused_command, self.refuse))
         with ExitStack() as open_:
             given, made = line_targets(self.line), {}
