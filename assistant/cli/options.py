@@ -12,20 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import (
-    Argument,
-    Option,
-    option,
-    options,
-    with_project_values,
-)
-from assistant.cli.presentation import (
-    FindingFormat,
-    Format,
-    FramesAs,
-    GrammarAs,
-    answer_as,
-)
+from assistant.cli.command import Argument, Option, option, options, with_project_values
+from assistant.cli.presentation import FindingFormat, Format, FramesAs, GrammarAs, answer_as
 
 if TYPE_CHECKING:
     from assistant.compiler.merge_edits import MergeChoices

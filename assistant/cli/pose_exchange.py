@@ -14,14 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 from assistant.base.diagnostics import Refused, Severity, error, warning
-from assistant.cli.command import (
-    Option,
-    argument,
-    command_group,
-    command_of,
-    option,
-    options,
-)
+from assistant.cli.command import Option, argument, command_group, command_of, option, options
 from assistant.cli.controller_session import (
     CellArgument,
     Session,

@@ -8,11 +8,7 @@ from pathlib import Path
 
 from assistant.base.diagnostics import FailOn, Refused, error, fold_files
 from assistant.cli.command import argument, command, option
-from assistant.cli.options import (
-    EditOptions,
-    FindingFormatOption,
-    UnitOption,
-)
+from assistant.cli.options import EditOptions, FindingFormatOption, UnitOption
 from assistant.cli.presentation import (
     FindingFormat,
     print_findings,

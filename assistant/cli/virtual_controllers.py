@@ -150,7 +150,7 @@ class Cr:
     log: bool = option("Print each command and answer.")
 
     def run(self) -> int:
-        from assistant.cli.run_environment import line_targets
+        from assistant.cli.virtual_runs import line_targets
         from assistant.compiler.arms import robot_of
         from assistant.compiler.exploration import contact_test
         from assistant.virtual.cr import Contact, Faults
