@@ -17,12 +17,10 @@ from assistant.cli.command import argument, command, option
 from assistant.cli.options import (
     AccelerationOption,
     CellOption,
-    EntryOption,
     FormatOption,
-    FromLanguage,
-    FromRobot,
     ReaderOptions,
     RobotOption,
+    WrittenOptions,
     complete_robot,
 )
 from assistant.cli.presentation import print_answer, print_findings
@@ -95,9 +93,7 @@ class Fmu:
     acceleration: AccelerationOption
     reader: ReaderOptions
     cell: CellOption
-    from_language: FromLanguage
-    from_robot: FromRobot
-    entry: EntryOption
+    written: WrittenOptions
     format: FormatOption
 
     def run(self) -> int:
@@ -124,9 +120,7 @@ class Fmu:
                     options.reader,
                     robot=options.robot,
                     cell=options.cell,
-                    from_language=options.from_language,
-                    from_robot=options.from_robot,
-                    entry=options.entry,
+                    written=options.written,
                 )
                 if has_errors(ready.findings):
                     robot = ready.solution.robot

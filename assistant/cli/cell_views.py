@@ -27,14 +27,12 @@ from assistant.cli.options import (
     AccelerationOption,
     CellOption,
     DrawingOptions,
-    EntryOption,
     FormatOption,
-    FromLanguage,
-    FromRobot,
     ReaderOptions,
     RobotOption,
     Source,
     UnitOption,
+    WrittenOptions,
     with_project_defaults,
 )
 from assistant.cli.presentation import (
@@ -72,9 +70,7 @@ class View:
     )
     acceleration: AccelerationOption
     reader: DrawingOptions
-    from_language: FromLanguage
-    from_robot: FromRobot
-    entry: EntryOption
+    written: WrittenOptions
     format: FormatOption
 
     def run(self) -> int:
@@ -95,9 +91,7 @@ class View:
                 options.reader,
                 robot=options.robot,
                 cell=options.cell,
-                from_language=options.from_language,
-                from_robot=options.from_robot,
-                entry=options.entry,
+                written=options.written,
             )
             robot = ready.solution.robot
             if has_errors(ready.findings):

@@ -13,17 +13,15 @@ from assistant.cli.options import (
     CellOption,
     DrawingOptions,
     EditOptions,
-    EntryOption,
     FindingFormatOption,
     FramesOption,
-    FromLanguage,
-    FromRobot,
     GrammarOption,
     PlottedPageOptions,
     ProofOptions,
     RobotOption,
     SightOptions,
     Sources,
+    WrittenOptions,
     complete_language,
     with_project_defaults,
 )
@@ -83,9 +81,7 @@ class Compile:
     )
     frames: FramesOption
     grammar: GrammarOption
-    from_language: FromLanguage
-    from_robot: FromRobot
-    entry: EntryOption
+    written: WrittenOptions
     called: str | None = option(
         "What others call the program; default main.", "--as", metavar="NAME"
     )
@@ -118,7 +114,7 @@ class Compile:
         ((language, robot, cell),) = settings
         language_of(language)
         for one in wanted.values():
-            robot_of(one.from_robot)
+            robot_of(one.written.from_robot)
         stands = replace(open_cell(cell, robot), seeing=self.sight.seeing)
         answers = Outcomes()
         done: list[tuple[str, Compiled]] = []
@@ -192,7 +188,7 @@ class Compile:
         assert self.language is not None
         reader = self.reader
         if self.together is None:
-            given = load_named(source, self.from_language, self.from_robot, reader)
+            given = load_named(source, self.written.from_language, self.written.from_robot, reader)
         else:
             given = combine_sources(
                 tuple(dict.fromkeys(self.sources)),
@@ -210,11 +206,11 @@ class Compile:
             unit=reader.unit,
             placement=reader.placement,
             cell=stands,
-            from_robot=self.from_robot,
+            from_robot=self.written.from_robot,
             most_targets=self.most_targets,
             frames=self.frames.value,
             grammar=self.grammar.value,
-            entry=self.entry,
+            entry=self.written.entry,
             called=self.called,
             main=False if self.no_main else None,
             proving=self.proof.proving,

@@ -28,12 +28,10 @@ from assistant.cli.exploration import (
 from assistant.cli.exploration import explore as explore
 from assistant.cli.options import (
     AccelerationOption,
-    EntryOption,
     FormatOption,
-    FromLanguage,
-    FromRobot,
     ReaderOptions,
     Source,
+    WrittenOptions,
 )
 from assistant.cli.presentation import print_answer, working
 from assistant.cli.source_input import keep_sources
@@ -79,9 +77,7 @@ class Program:
     charting: ChartingOptions
     acceleration: AccelerationOption
     reader: ReaderOptions
-    from_language: FromLanguage
-    from_robot: FromRobot
-    entry: EntryOption
+    written: WrittenOptions
     format: FormatOption
 
     def run(self) -> int:
@@ -104,9 +100,7 @@ class Program:
             done = solved_source(
                 self.program,
                 self.reader,
-                from_language=self.from_language,
-                from_robot=self.from_robot,
-                entry=self.entry,
+                written=self.written,
                 stands=InCell(scene, named),
             )
             if has_errors(done.findings):

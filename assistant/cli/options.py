@@ -170,6 +170,15 @@ class DrawingOptions(ReaderOptions):
 
 
 @options
+class WrittenOptions:
+    """Language and arm that a robot program was written for, and where it begins."""
+
+    from_language: FromLanguage = None
+    from_robot: FromRobot = None
+    entry: EntryOption = None
+
+
+@options
 class SightOptions:
     """Where objects are that frames depend on."""
 

@@ -21,6 +21,7 @@ from assistant.cli.options import (
     ReaderOptions,
     RobotOption,
     Source,
+    WrittenOptions,
 )
 from assistant.cli.presentation import print_answer, working
 from assistant.cli.simulation import report_errors, solved_source
@@ -371,7 +372,7 @@ class PlaceSearch:
             self.reader,
             robot=self.robot,
             cell=self.cell,
-            from_language=self.from_language,
+            written=WrittenOptions(from_language=self.from_language),
         )
         solution = ready.solution
         there = _placed_arm(self.cell, self.robot, None, self.margin, solution.robot)
@@ -448,8 +449,7 @@ class Swept:
                 self.reader,
                 robot=self.robot,
                 cell=self.cell,
-                from_language=self.from_language,
-                entry=self.entry,
+                written=WrittenOptions(from_language=self.from_language, entry=self.entry),
             )
             robot = ready.solution.robot
             if has_errors(ready.findings):

@@ -17,15 +17,13 @@ from assistant.cli.options import (
     AccelerationOption,
     CellOption,
     DrawingOptions,
-    EntryOption,
     FormatOption,
-    FromLanguage,
-    FromRobot,
     PageOptions,
     ReaderOptions,
     RobotOption,
     SightOptions,
     Source,
+    WrittenOptions,
     with_project_defaults,
 )
 from assistant.cli.presentation import Format, print_answer, working
@@ -61,9 +59,7 @@ class Simulate:
     period: float | None = option("Seconds between samples; default 0.01, or what fits.")
     reader: DrawingOptions
     cell: CellOption
-    from_language: FromLanguage
-    from_robot: FromRobot
-    entry: EntryOption
+    written: WrittenOptions
     sight: SightOptions
     page: PageOptions
     format: FormatOption
@@ -88,9 +84,7 @@ class Simulate:
                 options.reader,
                 robot=options.robot,
                 cell=options.cell,
-                from_language=options.from_language,
-                from_robot=options.from_robot,
-                entry=options.entry,
+                written=options.written,
                 seeing=self.sight.seeing,
             )
             solution, findings = ready.solution, ready.findings
@@ -129,11 +123,9 @@ def solved_source(
     source: str,
     reader: ReaderOptions,
     *,
+    written: WrittenOptions,
     robot: str | None = None,
     cell: Path | None = None,
-    from_language: str | None = None,
-    from_robot: str | None = None,
-    entry: str | None = None,
     seeing: Seeing | None = None,
     stands: InCell | None = None,
 ) -> Solved:
@@ -146,9 +138,10 @@ def solved_source(
 
     stands = stands or open_cell(cell, robot)
     stands = stands if seeing is None else replace(stands, seeing=seeing)
-    language = from_language
-    loaded = load_given(source, from_robot or stands.robot, reader, language, entry, stands.around)
-    return solve(loaded, stands, source, from_robot)
+    arm = written.from_robot or stands.robot
+    named, entry = written.from_language, written.entry
+    loaded = load_given(source, arm, reader, named, entry, stands.around)
+    return solve(loaded, stands, source, written.from_robot)
 
 
 def report_errors(
