@@ -136,9 +136,9 @@ def _command(name: str) -> Any:
     module = importlib.import_module(f"assistant.cli.{COMMANDS[name]}")
     found = getattr(module, name, None)
     if not isinstance(found, typer.Typer):
-        function = found if callable(found) else function_of(getattr(module, name.capitalize()))
         found = typer.Typer(add_completion=False, rich_markup_mode=None)
         minus = {"ignore_unknown_options": True} if name in _NEGATIVE_ARGUMENTS else None
+        function = function_of(getattr(module, name.capitalize()))
         found.command(name, context_settings=minus)(function)
     command = typer.main.get_command(found)
     command.name = name

@@ -8,7 +8,7 @@
         files: tuple[Path, ...] = argument("Programs.")
         task: str = option("Task or slot; default the first.", default="")
         reader: DrawingOptions
-        format: FormatOption = Format.TEXT
+        format: FormatOption
 
         def run(self) -> int: ...
 
@@ -72,13 +72,15 @@ class Option:
         self.settings = {"help": help, **settings}
 
     def default_of(self, kind: Any) -> Any:
-        """Return its default, or what its type implies."""
-        if self.default is not MISSING or type(None) in get_args(kind):
-            return None if self.default is MISSING else self.default
+        """Return the stated default, or the one that the type implies."""
+        if self.default is not MISSING:
+            return self.default
+        if type(None) in get_args(kind):
+            return None
         return {bool: False, tuple: ()}.get(get_origin(kind) or kind, MISSING)
 
     def info(self, name: str, kind: Any) -> Any:
-        """Return what typer is told."""
+        """Return the description for typer. kind: type of the field."""
         flag = (f"--{name.replace('_', '-')}",) if kind is bool else ()
         return typer.Option(*(self.names or flag), **self.settings)
 
@@ -95,14 +97,14 @@ class Argument(Option):
 
 def option(help: str, *names: str, **settings: Any) -> Any:
     """Return a field that is an option of one command; see `Option`."""
-    told = Option(help, *names, **settings)
-    return field(default=told.default, metadata={_INFO: told})
+    about = Option(help, *names, **settings)
+    return field(default=about.default, metadata={_INFO: about})
 
 
 def argument(help: str, **settings: Any) -> Any:
     """Return a field that is an argument of one command; see `Argument`."""
-    told = Argument(help, **settings)
-    return field(default=told.default, metadata={_INFO: told})
+    about = Argument(help, **settings)
+    return field(default=about.default, metadata={_INFO: about})
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, argument))
@@ -168,8 +170,8 @@ def _parameters(cls: type) -> list[inspect.Parameter]:
         if get_origin(hint) is tuple:  # typer knows lists, and None for an empty one
             hint = list[get_args(hint)[0]]  # type: ignore[misc]
             default, hint = (None, hint | None) if default == () else (default, hint)
-        if one.told is not None:
-            hint = Annotated[hint, one.told.info(one.name, one.kind)]
+        if one.about is not None:
+            hint = Annotated[hint, one.about.info(one.name, one.kind)]
         default = inspect.Parameter.empty if default is MISSING else default
         kind = inspect.Parameter.KEYWORD_ONLY
         found.append(inspect.Parameter(one.name, kind, default=default, annotation=hint))
@@ -192,23 +194,23 @@ def _is_group(kind: Any) -> TypeGuard[type]:
 
 
 class _TypedField(NamedTuple):
-    """Field of a record. told: None for a group, and for typer's context."""
+    """Field of a record. about: None for a group, and for typer's context."""
 
     name: str
     kind: Any
-    told: Option | None
+    about: Option | None
     default: Any
 
 
 def _typed_fields(cls: type) -> Iterator[_TypedField]:
     hints = get_type_hints(cls, include_extras=True)
     for one in fields(cls):
-        kind, told, default = hints[one.name], one.metadata.get(_INFO), one.default
+        kind, about, default = hints[one.name], one.metadata.get(_INFO), one.default
         if get_origin(kind) is Annotated:
-            kind, told, *_ = get_args(kind)
-        if default is MISSING and told is not None:
-            default = told.default_of(kind)
-        yield _TypedField(one.name, kind, told, default)
+            kind, about, *_ = get_args(kind)
+        if default is MISSING and about is not None:
+            default = about.default_of(kind)
+        yield _TypedField(one.name, kind, about, default)
 
 
 def _project_options(cls: type) -> dict[str, tuple[str, ...]]:
@@ -218,8 +220,8 @@ def _project_options(cls: type) -> dict[str, tuple[str, ...]]:
         if _is_group(one.kind):
             inner = _project_options(one.kind)
             found |= {key: (one.name, *path) for key, path in inner.items()}
-        elif one.told is not None and one.told.project:
-            found[one.told.project] = (one.name,)
+        elif one.about is not None and one.about.project:
+            found[one.about.project] = (one.name,)
     return found
 
 
