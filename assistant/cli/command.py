@@ -114,12 +114,12 @@ def command(cls: type[C]) -> type[C]:
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, argument))
-def command_of(group: typer.Typer, name: str | None = None) -> Callable[[type[C]], type[C]]:
-    """Make a class a command of a group. name: as it is typed; default that of the class."""
+def command_of(group: typer.Typer) -> Callable[[type[C]], type[C]]:
+    """Make a class a command of a group."""
 
     def made(cls: type[C]) -> type[C]:
         record = command(cls)
-        group.command(name or cls.__name__.lower())(function_of(record))
+        group.command(cls.__name__.lower())(function_of(record))
         return record
 
     return made
