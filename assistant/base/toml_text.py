@@ -1,4 +1,4 @@
-"""TOML read within a budget, and the spans of its keys and values.
+"""TOML read within a budget, and the spans of its tables, keys and values.
 
 The standard library's reader sets itself no bound, and does not report where a key is.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from assistant.base.budgets import READING, within
@@ -47,6 +48,16 @@ def parse_toml(text: str, path: str | None = None) -> dict[str, Any]:
     raise deep  # outside, as a stage has a finding of its own for it
 
 
+def toml_content(text: str) -> dict[str, Any] | None:
+    """Return the contents of a TOML text, None for invalid TOML; raise Refused for a text that
+    takes too long to read.
+    """
+    try:
+        return parse_toml(text)
+    except (ValueError, RecursionError):
+        return None
+
+
 KeyPath = tuple[str, ...]
 
 BLANK: Final = re.compile(r"[ \t]*")
@@ -77,6 +88,28 @@ def value_spans(text: str) -> dict[KeyPath, Span]:
     return reader.values
 
 
+@dataclass(slots=True)
+class Section:
+    """Lines of a table after its header, until the next header.
+
+    path: of the table. header: start of the header's line. pairs: the paths of its keys, with the
+    spans from key to value.
+    """
+
+    path: KeyPath
+    header: int
+    start: int
+    stop: int
+    pairs: list[tuple[KeyPath, Span]] = field(default_factory=list)
+
+
+def sections(text: str) -> dict[KeyPath, Section]:
+    """Sections by the paths of their tables: () until the first header; see `key_spans`."""
+    reader = _KeyReader(text)
+    reader.document()
+    return {one.path: one for one in reader.sections}
+
+
 class _KeyReader:
     """Reads keys and skips values; the text is known to be valid."""
 
@@ -85,12 +118,14 @@ class _KeyReader:
         self.spans: dict[KeyPath, Span] = {}
         self.values: dict[KeyPath, Span] = {}
         self.entries: dict[KeyPath, int] = {}
+        self.sections = [Section((), 0, 0, len(text))]
 
     def document(self) -> None:
         table: KeyPath = ()
         while self._skip(_SPACE) < len(self.text):
             if self.text[self.at] == "[":
                 entry = self.text.startswith("[[", self.at)
+                header = self.text.rfind("\n", 0, self.at) + 1
                 self.at += 1 + entry
                 opening = self.at
                 table = self._within_entries(self._key(()))
@@ -101,8 +136,13 @@ class _KeyReader:
                     self.spans[table] = Span(opening, self.at)
                 self.at = self.text.index("]", self.at) + 1
                 self.at += self.text.startswith("]", self.at)
+                self.sections[-1].stop = header
+                start = next_line(self.text, self.at)
+                self.sections.append(Section(table, header, start, len(self.text)))
             else:
-                self._pair(table)
+                start = self.at
+                path = self._pair(table)
+                self.sections[-1].pairs.append((path, Span(start, self.at)))
 
     def _within_entries(self, path: KeyPath) -> KeyPath:
         """A table's path with the number of the last entry after each array of tables."""
@@ -113,12 +153,13 @@ class _KeyReader:
                 found = (*found, str(self.entries[found] - 1))
         return (*found, path[-1])
 
-    def _pair(self, table: KeyPath) -> None:
+    def _pair(self, table: KeyPath) -> KeyPath:
         path = self._key(table)
         self.at = self.text.index("=", self.at) + 1
         start = self._skip(_SPACE)
         self._value(path)
         self.values[path] = Span(start, self.at)
+        return path
 
     def _key(self, table: KeyPath) -> KeyPath:
         """A dotted key; every part of it gets its place."""
@@ -163,6 +204,12 @@ class _KeyReader:
         match = pattern.match(self.text, self.at)
         self.at = match.end() if match else self.at
         return self.at
+
+
+def next_line(text: str, at: int) -> int:
+    """Return the start of the line after a position, the end of the text for its last line."""
+    end = text.find("\n", at)
+    return len(text) if end < 0 else end + 1
 
 
 def _unquoted_key(key: str) -> str:

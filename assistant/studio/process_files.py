@@ -6,23 +6,19 @@ refused. Lines of a drawing are points from above in mm.
 
 from __future__ import annotations
 
-import copy
-import json
-import math
-import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.base import toml_text
+from assistant.base import toml_edits
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, encode, is_file
-from assistant.base.toml_text import KeyPath, key_spans, value_spans
-from assistant.project.new_project import COMMENT_COLUMN, process_text, toml_quoted
+from assistant.base.toml_text import KeyPath, toml_content
+from assistant.project.new_project import process_text
 from assistant.sources import PROCESS_SUFFIX, process_of
 from assistant.sources.drawing import read_contents
 from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
@@ -32,173 +28,28 @@ from assistant.studio import rules
 from assistant.studio.route_answers import finding_records, not_asked, plain_value
 from assistant.studio.studio import Studio
 
-_BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
-_TRAILING_COMMENT: Final = re.compile(r"[^\S\n]*(#[^\n]*)?$")
-
 
 def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
-    """Return a text in which keys have these values; None removes a key.
+    """Return a text in which keys have these values; see `toml_edits.with_values`.
 
-    A key that is commented out with `#`, as a choice, is replaced there. Raises Refused if anything
-    else in the text would change its meaning. name: of the file, for the finding.
-    """
-    meant = _key_position(toml_content(text), values)
-    changed = None if meant is None else _changed_text(text, values)
-    if changed is None or toml_content(changed) != meant:
-        key = ".".join(next(iter(values), ()))
-        raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
-    return changed
-
-
-def _changed_text(text: str, values: Mapping[KeyPath, Any]) -> str | None:
-    """None if a value breaks the text."""
-    for path, value in values.items():
-        text = _with_one_value(text, path, value)
-        if toml_content(text) is None:
-            return None
-    return text
-
-
-def toml_value(value: Any) -> str:
-    """A value as TOML has it, in one line. Raises Refused for what it has nothing for."""
-    match value:
-        case bool():
-            return "true" if value else "false"
-        case int():
-            return str(value)
-        case float() if math.isfinite(value):
-            return json.dumps(int(value) if value.is_integer() and abs(value) < 1e15 else value)
-        case str():
-            return _toml_text(value)
-        case Mapping():
-            pairs = (f"{_toml_key(str(key))} = {toml_value(one)}" for key, one in value.items())
-            return "{" + ", ".join(pairs) + "}"
-        case Sequence():
-            return "[" + ", ".join(map(toml_value, value)) + "]"
-    raise not_asked(f"a TOML file has no {value}")
-
-
-def _with_one_value(text: str, path: KeyPath, value: Any) -> str:
-    there = value_spans(text).get(path)
-    if there is not None:
-        if value is None:
-            return _without_key(text, there.start)
-        return _replaced_value(text, there.start, there.end, toml_value(value))
-    if value is None:
-        return text
-    return _with_new_key(text, path, f"{_toml_key(path[-1])} = {toml_value(value)}")
-
-
-def _replaced_value(text: str, start: int, end: int, value: str) -> str:
-    """Return the text with the value replaced; a comment after it keeps its column as far as there
-    is room.
-    """
-    stop = text.find("\n", end)
-    rest = text[end : stop if stop >= 0 else len(text)]
-    match = _TRAILING_COMMENT.match(rest)
-    if match is None or match[1] is None:
-        return text[:start] + value + text[end:]
-    before = text[text.rfind("\n", 0, start) + 1 : start]
-    line = f"{before}{value}"
-    column = len(before) + (end - start) + match.start(1)
-    return f"{text[: start - len(before)]}{line:{column - 1}} {match[1]}{text[end + len(rest) :]}"
-
-
-def _without_key(text: str, at: int) -> str:
-    start, stop = text.rfind("\n", 0, at) + 1, text.find("\n", at)
-    return text[:start] + (text[stop + 1 :] if stop >= 0 else "")
-
-
-def _with_new_key(text: str, path: KeyPath, line: str) -> str:
-    """Return the text with a new key: at its commented-out choice in the table; else after the
-    table's last line.
-    """
-    start, stop = _table_region(text, path[:-1])
-    if start < 0:
-        header = ".".join(map(_toml_key, path[:-1]))
-        gap = "" if not text else "\n" if text.endswith("\n") else "\n\n"
-        return f"{text}{gap}[{header}]\n{line}\n"
-    choice = re.compile(rf"^# *{re.escape(_toml_key(path[-1]))} *=[^\n]*$", re.MULTILINE)
-    found = choice.search(text, start, stop)
-    if found is not None:
-        about = re.search(r"[^\S\n]#(?=[^#]*$)(.*)$", found[0][1:])
-        said = f"{line:{COMMENT_COLUMN - 1}} #{about[1]}" if about else line
-        return text[: found.start()] + said + text[found.end() :]
-    body = text[start:stop]
-    last = max((m.end() for m in re.finditer(r"^[^#\s\[][^\n]*\n?", body, re.MULTILINE)), default=0)
-    at = start + last
-    before = "" if at == 0 or text[at - 1] == "\n" else "\n"
-    return f"{text[:at]}{before}{line}\n{text[at:]}"
-
-
-def _table_region(text: str, table: KeyPath) -> tuple[int, int]:
-    """Return the region of a table: from after its header to the next one; (-1, -1) if it is
-    missing.
-    """
-    headers = [m.start() for m in re.finditer(r"^[^\S\n]*\[", text, re.MULTILINE)]
-    if not table:
-        return 0, headers[0] if headers else len(text)
-    span = key_spans(text).get(table)
-    if span is None:
-        return -1, -1
-    line = text.rfind("\n", 0, span.start) + 1
-    if not text[line : span.start].lstrip().startswith("["):
-        return -1, -1
-    end = text.find("\n", span.end)
-    start = len(text) if end < 0 else end + 1
-    return start, min((at for at in headers if at >= start), default=len(text))
-
-
-def _key_position(
-    content: dict[str, Any] | None, values: Mapping[KeyPath, Any]
-) -> dict[str, Any] | None:
-    """None where a key would belong to what is no table, and for what no text says."""
-    out = copy.deepcopy(content)
-    for path, value in values.items():
-        here: Any = out
-        for key in path[:-1]:
-            here = here.setdefault(key, {}) if isinstance(here, dict) else None
-        said = {"it": None} if value is None else toml_content(f"it = {toml_value(value)}")
-        if not isinstance(here, dict) or said is None:
-            return None
-        if value is None:
-            here.pop(path[-1], None)
-        else:
-            here[path[-1]] = said["it"]
-    return out
-
-
-def toml_content(text: str) -> dict[str, Any] | None:
-    """Return the TOML contents, None for invalid TOML; raise Refused for a text that takes too long
-    to read.
+    Raises Refused if anything else in the text would change its meaning. name: of the file, for the
+    finding.
     """
     try:
-        return toml_text.parse_toml(text)
-    except (ValueError, RecursionError):
-        return None
-
-
-def _toml_key(name: str) -> str:
-    return name if _BARE_KEY.fullmatch(name) else _toml_text(name)
-
-
-def _toml_text(text: str) -> str:
-    if any("\ud800" <= character <= "\udfff" for character in text):
-        raise not_asked("a text holds what is no character")
-    return toml_quoted(text)
+        changed = toml_edits.with_values(text, values)
+    except ValueError as error:
+        raise not_asked(f"a TOML file cannot hold that: {error}") from None
+    return _unless_kept(changed, next(iter(values), ()), name)
 
 
 def _without_table(text: str, table: KeyPath, name: str) -> str:
     """A text without a table and what it holds, with the comments in it. Raises Refused."""
-    start, stop = _table_region(text, table)
-    if start < 0:
-        return text
-    line = text.rfind("\n", 0, start - 1) + 1
-    changed = text[:line] + text[stop:]
-    meant = _key_position(toml_content(text), {table: None})
-    if meant is None or toml_content(changed) != meant:
-        key = ".".join(table)
-        raise Refused(rules.NOT_KEPT(path=name, key=key, name=name))
+    return _unless_kept(toml_edits.without_table(text, table), table, name)
+
+
+def _unless_kept(changed: str | None, path: KeyPath, name: str) -> str:
+    if changed is None:
+        raise Refused(rules.NOT_KEPT(path=name, key=".".join(path), name=name))
     return changed
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from assistant.base.arrays import Floats, evenly_spaced
 from assistant.base.diagnostics import Refused, Span
 from assistant.base.source_text import visible
-from assistant.base.toml_text import value_spans
+from assistant.base.toml_text import toml_content
 from assistant.cell.collision.model import Model
 from assistant.compiler.loader import language_of
 from assistant.compiler.taught_targets import branch_at
@@ -36,7 +36,7 @@ from assistant.robots.arms import closed_form
 from assistant.robots.solved_program import Leg
 from assistant.sources.process.file import parse_process
 from assistant.studio import rules
-from assistant.studio.process_files import toml_content, toml_value, with_values
+from assistant.studio.process_files import with_values
 from assistant.studio.stages import DRAWING_HANDLE, TAUGHT_SUFFIX, Handle, Stage, taught_entries
 from assistant.studio.studio import Studio
 from assistant.studio.texts import open_text
@@ -276,14 +276,11 @@ def _drawing_change(handle: Handle, text: str, place: Vector) -> Change:
 
 def _taught_change(handle: Handle, text: str, place: Vector) -> Change:
     number = dict(taught_entries(text)).get(handle.name.lower())
-    span = None if number is None else value_spans(text).get(("targets", number, "position"))
-    if span is None:
+    entries = (toml_content(text) or {}).get("targets", [])
+    if number is None or "position" not in entries[int(number)]:
         raise _not_moved(handle, "its place is not stated as a position")
-    return Change(Lines(text).range(span), toml_value([*map(_plain_number, place)]))
-
-
-def _plain_number(value: float) -> float | int:
-    return int(value) if value.is_integer() else value
+    changed = with_values(text, {("targets", number, "position"): place}, handle.path)
+    return _least_change(text, changed)
 
 
 # ----------------------------------------------------------------------------------- programs

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from assistant.base.diagnostics import Refused
-from assistant.base.toml_text import key_spans
+from assistant.base.toml_text import key_spans, toml_content
 from assistant.editing.workspace import Document, Workspace
 from assistant.program import pseudo
 from assistant.program.expressions import Name
@@ -29,7 +29,6 @@ from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, MoveCircular
 from assistant.report.track import stops
 from assistant.studio import rules
-from assistant.studio.process_files import toml_content
 from assistant.studio.studio import Studio
 
 if TYPE_CHECKING:
