@@ -161,12 +161,13 @@ def with_other_key(text: str, old: str, key: str, value: Any) -> str:
 
 
 def is_alike(one: Any, other: Any) -> bool:
-    """True if two contents are the same, with the types of their values; `nan` equals itself."""
+    """True if two contents are the same; `nan` equals itself, `true` is no number."""
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(is_alike(one[key], other[key]) for key in one)
     if isinstance(one, list) and isinstance(other, list):
         return len(one) == len(other) and all(map(is_alike, one, other))
-    return type(one) is type(other) and (one == other or (one != one and other != other))
+    same = one == other or (one != one and other != other)
+    return same and isinstance(one, bool) == isinstance(other, bool)
 
 
 def _set(content: Any, path: KeyPath, value: Any) -> bool:

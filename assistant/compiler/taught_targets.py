@@ -7,12 +7,11 @@ there.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import SourceText, decode, encode, read_bytes
+from assistant.base.toml_edits import rounded
 from assistant.controllers.states import Position
 from assistant.program.expressions import Name
 from assistant.program.geometry import Configuration, Pose, Target
@@ -32,7 +32,6 @@ from assistant.sources.reading import Reading
 from assistant.sources.tables.taught import (
     TARGET_EXISTS,
     TaughtTarget,
-    is_otherwise_equal,
     new_file_text,
     with_target,
 )
@@ -52,11 +51,6 @@ _JOINTS_OF_OTHER_ARM: Final = error(
     "CO702",
     "the controller tells joints {told}, and `{robot}` has {axes}",
     "correct `robot` of the controller in the project's file",
-)
-_TARGET_CHANGES_OTHERS: Final = error(
-    "CO703",
-    "`{name}` cannot be written into {file} without changing the rest of it; it was not touched",
-    "name another file",
 )
 _POSE_INCOMPLETE: Final = error(
     "CO704", "the controller tells no whole pose", "store joints, or ask it again"
@@ -100,29 +94,25 @@ def teach_target(
     target = TaughtTarget(
         name, _target_values(position, robot, own, wanted), _more_keys(wanted), arm
     )
-    source, changed, reading = _taught_text(file, target, wanted)
+    changed, reading = _taught_text(file, target, wanted)
     if robot is not None and own is not None and not wanted.joints:
         _check_pose(file, position, robot, own, reading, name)
-    _write_taught(file, source, changed, name)
+    _write_taught(file, changed)
     return reading
 
 
 def _taught_text(
     file: FilePath, target: TaughtTarget, wanted: TargetOptions
-) -> tuple[SourceText, SourceText, Reading]:
-    """The text of a file as it is and with a target, and what that reads as.
+) -> tuple[SourceText, Reading]:
+    """The text of a file with a target, and what it reads as.
 
     Raises Refused and Unreadable.
     """
     source = _file_text(file, target.robot)
-    changed, reading = with_target(source, file.stem, target, process_of(file), again=wanted.again)
-    return source, changed, reading
+    return with_target(source, file.stem, target, process_of(file), again=wanted.again)
 
 
-def _write_taught(file: FilePath, source: SourceText, changed: SourceText, name: str) -> None:
-    """Writes a text that says something else of one target only; raises Refused."""
-    if not is_otherwise_equal(source.text, changed.text, name):
-        raise Refused(_TARGET_CHANGES_OTHERS(path=str(file), name=name, file=file))
+def _write_taught(file: FilePath, changed: SourceText) -> None:
     write_files({file.name: encode(changed)}, file.parent)
 
 
@@ -144,19 +134,19 @@ def _file_text(file: FilePath, robot: str | None) -> SourceText:
 
 def _target_values(
     position: Position, robot: Robot | None, own: tuple[float, ...] | None, wanted: TargetOptions
-) -> dict[str, str]:
+) -> dict[str, Any]:
     if wanted.joints:
         joints = (math.nan if joint is None else joint for joint in position.joints)
-        return {"joints": number_list(_joints_without_end(list(joints)), 4)}
+        return {"joints": rounded(_joints_without_end(list(joints)), 4)}
     numbers = (*position.position, *position.quaternion)
     if not all(map(math.isfinite, numbers)):
         raise Refused(_POSE_INCOMPLETE())
     found = {
-        "position": number_list(position.position, 4),
-        "quaternion": number_list(rotations.canonical(position.quaternion).tolist(), 9),
+        "position": rounded(position.position, 4),
+        "quaternion": rounded(rotations.canonical(position.quaternion).tolist(), 9),
     }
     if robot is not None and own is not None:
-        found["configuration"] = branch_words(branch_at(robot, own))
+        found["configuration"] = branch_table(branch_at(robot, own))
     return found
 
 
@@ -166,11 +156,10 @@ def branch_at(robot: Robot, joints: Sequence[float]) -> Configuration:
     return Configuration(bool(back), bool(down), bool(flip), (q[0], q[1], q[2]))
 
 
-def branch_words(branch: Configuration) -> str:
-    """Return a configuration as TOML for a file of targets."""
+def branch_table(branch: Configuration) -> dict[str, Any]:
+    """Return a configuration as a file of targets has it."""
     words = {"back": branch.back, "down": branch.down, "flip": branch.flip}
-    said = ", ".join(f"{word} = {'true' if on else 'false'}" for word, on in words.items())
-    return f"{{{said}, quadrants = {list(branch.quadrants)}}}"
+    return {**words, "quadrants": list(branch.quadrants)}
 
 
 def _joints_without_end(joints: list[float]) -> list[float]:
@@ -181,22 +170,9 @@ def _joints_without_end(joints: list[float]) -> list[float]:
 
 
 def _more_keys(wanted: TargetOptions) -> dict[str, str]:
-    """Tool and frame as the TOML of a file of targets."""
+    """Tool and frame of a new target."""
     given = {"tool": wanted.tool, "frame": wanted.frame}
-    return {key: json.dumps(name) for key, name in given.items() if name is not None}
-
-
-def number_list(values: Sequence[float], digits: int) -> str:
-    """Return numbers as TOML for a file of targets."""
-    return "[" + ", ".join(_number_text(value, digits) for value in values) + "]"
-
-
-def _number_text(value: float, digits: int) -> str:
-    """With as many digits as a controller tells, at least one behind the point; `nan` for none."""
-    if math.isnan(value):
-        return "nan"
-    whole, _, part = f"{round(value, digits) + 0.0:.{digits}f}".partition(".")
-    return f"{whole}.{part.rstrip('0') or '0'}"
+    return {key: name for key, name in given.items() if name is not None}
 
 
 def _check_pose(
@@ -320,7 +296,7 @@ def target_of_shown(
     """
     arm = None if robot is None else robot.name
     first = TaughtTarget(name, _pose_values(shown), _more_keys(wanted), arm)
-    program = _taught_text(file, first, wanted)[2].program
+    program = _taught_text(file, first, wanted)[1].program
     motion = _motion_to(program, name)
     tool_name, frame_name = str(motion.tool), str(motion.frame)
     tool, frame = program.tools.get(tool_name), program.frames.get(frame_name)
@@ -328,21 +304,21 @@ def target_of_shown(
     tip = _shown_in_base(shown, program, world, file)
     joints: Floats | None = None
     findings: tuple[Diagnostic, ...] = ()
-    values: dict[str, str] = {}
+    values: dict[str, Any] = {}
     if robot is not None:
         flange, findings = _flange_in_plane(tip @ flange_to_tip.inverse(), flange_to_tip, robot)
         joints = _nearest_joints(flange, robot, near, tool_name)
         tip = flange @ flange_to_tip
     pose = tip if frame is None or frame.held else frame.pose.inverse() @ tip
     if wanted.joints and joints is not None and robot is not None:
-        values["joints"] = number_list(_with_all_axes(joints, robot), 4)
+        values["joints"] = rounded(_with_all_axes(joints, robot), 4)
     else:
         values |= _pose_values(pose)
         if joints is not None and robot is not None:
-            values["configuration"] = branch_words(branch_at(robot, joints.tolist()))
+            values["configuration"] = branch_table(branch_at(robot, joints.tolist()))
     target = replace(first, values=values)
     return ShownTarget(
-        name, pose, joints, tip, target, _taught_text(file, target, wanted)[2], findings
+        name, pose, joints, tip, target, _taught_text(file, target, wanted)[1], findings
     )
 
 
@@ -380,8 +356,8 @@ def turned_into_plane(positions: Floats, quaternions: Floats, robot: Robot | Non
 
 def store_target(file: FilePath, place: ShownTarget, wanted: TargetOptions) -> Reading:
     """Writes the target into the file, whole or not at all; raises Refused and Unreadable."""
-    source, changed, reading = _taught_text(file, place.target, wanted)
-    _write_taught(file, source, changed, place.name)
+    changed, reading = _taught_text(file, place.target, wanted)
+    _write_taught(file, changed)
     return reading
 
 
@@ -436,10 +412,10 @@ def tip_of(place: ShownTarget) -> Pose:
     return tool.tip if tool is not None and tool.held else Pose()
 
 
-def _pose_values(pose: Pose) -> dict[str, str]:
+def _pose_values(pose: Pose) -> dict[str, Any]:
     return {
-        "position": number_list(pose.position, 4),
-        "quaternion": number_list(rotations.canonical(pose.quaternion).tolist(), 9),
+        "position": rounded(pose.position, 4),
+        "quaternion": rounded(rotations.canonical(pose.quaternion).tolist(), 9),
     }
 
 

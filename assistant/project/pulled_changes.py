@@ -22,9 +22,9 @@ from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, decode, encode, read_bytes
 from assistant.base.text_merge import StoredForm, in_layout, merged
-from assistant.base.toml_text import value_spans
+from assistant.base.toml_edits import rounded
 from assistant.compiler.loader import PSEUDO_ENCODINGS, lift_texts, parse_pseudo
-from assistant.compiler.taught_targets import branch_words, number_list
+from assistant.compiler.taught_targets import branch_table
 from assistant.deploy import Change, Held, Plan, PlannedFile
 from assistant.deploy.repository import is_committed
 from assistant.deploy.rules import IN_WRITTEN
@@ -41,7 +41,6 @@ from assistant.sources import process_of
 from assistant.sources.tables.taught import (
     ORIENTATIONS,
     TaughtTarget,
-    is_otherwise_equal,
     read_taught,
     with_target,
 )
@@ -164,49 +163,37 @@ def _with_taught_target(
 ) -> SourceText:
     del program, place
     entries = read_toml(text).content.get("targets", [])
-    number, entry = next(
-        (i, one) for i, one in enumerate(entries) if one["name"].lower() == change.name.lower()
-    )
-    spans = value_spans(text.text)
-    as_it_is = {
-        key: text.text[span.start : span.end]
-        for key in entry
-        if (span := spans.get(("targets", str(number), key))) is not None
-    }
-    target = TaughtTarget(entry["name"], dict(_taught_values(change, as_it_is)), {})
+    entry = next(one for one in entries if one["name"].lower() == change.name.lower())
+    target = TaughtTarget(entry["name"], dict(_taught_values(change, entry)), {})
     changed, _ = with_target(text, source.stem, target, process_of(source), again=True)
-    if not is_otherwise_equal(text.text, changed.text, entry["name"]):
-        raise Refused(
-            rules.OTHER_TARGET(path=str(source), target=change.name, name=source, source=source)
-        )
     return changed
 
 
-def _taught_values(change: _ChangedTarget, as_it_is: dict[str, str]) -> Iterator[tuple[str, str]]:
-    """Keys with TOML; what did not change stays as it is written."""
+def _taught_values(change: _ChangedTarget, entry: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Keys with values; what did not change stays as it is written."""
     before, after = change.before, change.after
     if isinstance(after, JointTarget):
         joints = list(after.joints)
         while joints and joints[-1] != joints[-1]:
             joints.pop()
-        yield "joints", number_list(joints, _LENGTH_DIGITS)
+        yield "joints", rounded(joints, _LENGTH_DIGITS)
         return
     assert isinstance(before, Target)
     moved = before.pose.position != after.pose.position
-    if moved or "position" not in as_it_is:
-        yield "position", number_list(after.pose.position, _LENGTH_DIGITS)
+    if moved or "position" not in entry:
+        yield "position", rounded(after.pose.position, _LENGTH_DIGITS)
     else:
-        yield "position", as_it_is["position"]
+        yield "position", entry["position"]
     turned = before.pose.quaternion != after.pose.quaternion
-    kept = next((key for key in ORIENTATIONS if key in as_it_is), None)
+    kept = next((key for key in ORIENTATIONS if key in entry), None)
     if turned:
-        yield "quaternion", number_list(after.pose.quaternion, _TURN_DIGITS)
+        yield "quaternion", rounded(after.pose.quaternion, _TURN_DIGITS)
     elif kept is not None:
-        yield kept, as_it_is[kept]
+        yield kept, entry[kept]
     if before.configuration != after.configuration and after.configuration is not None:
-        yield "configuration", branch_words(after.configuration)
-    elif "configuration" in as_it_is:
-        yield "configuration", as_it_is["configuration"]
+        yield "configuration", branch_table(after.configuration)
+    elif "configuration" in entry:
+        yield "configuration", entry["configuration"]
 
 
 # ------------------------------------------------------------------------------ pseudo-programs

@@ -31,7 +31,6 @@ teaches one again, and changes nothing else of the text.
 
 from __future__ import annotations
 
-import json
 import math
 import pathlib
 from collections.abc import Iterator, Mapping
@@ -43,7 +42,14 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused, Severity, Span, error, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
-from assistant.base.toml_text import key_spans, parse_toml, value_spans
+from assistant.base.toml_edits import (
+    is_alike,
+    toml_value,
+    with_line,
+    with_other_key,
+    with_values,
+)
+from assistant.base.toml_text import key_spans, sections, toml_content
 from assistant.program import settings_tables as values
 from assistant.program.expressions import Name, Number
 from assistant.program.geometry import NO_EXTERNAL, Configuration, JointTarget, Pose, Target
@@ -371,27 +377,33 @@ _NO_ROBOT: Final = error(
     'write robot = "{robot}" as its first line',
 )
 
-_POSE_KEYS: Final = ("position", "quaternion", "configuration")
-_JOINT_KEYS: Final = ("joints",)
+_NOT_KEPT: Final = error(
+    "TB513",
+    "`{name}` cannot be written into {file} without changing the rest of it; it was not touched",
+    "name another file",
+)
+
+_PLACE_KEYS: Final = ("position", "quaternion", "configuration", "joints", *ORIENTATIONS)
+"""Keys of a target that change when it is taught anew."""
 
 
 @dataclass(frozen=True, slots=True)
 class TaughtTarget:
     """A target from a file of targets.
 
-    values: TOML by key, of POSE or of JOINTS, in their order. more: tool and frame, which only a
-    new target gets. robot: the robot that it was taught on, None if unknown.
+    values: of a pose or of joints, by key, in their order. more: tool and frame, which only a new
+    target gets. robot: the robot that it was taught on, None if unknown.
     """
 
     name: str
-    values: Mapping[str, str]
+    values: Mapping[str, Any]
     more: Mapping[str, str]
     robot: str | None = None
 
 
 def new_file_text(robot: str | None) -> str:
     """The text of a file before its first target."""
-    return "" if robot is None else f"robot = {json.dumps(robot)}\n"
+    return "" if robot is None else f"robot = {toml_value(robot)}\n"
 
 
 def with_target(
@@ -420,10 +432,12 @@ def with_target(
     if number is None:
         text = _with_added_target(source, target)
     elif again:
-        text = _Reteaching(source, number, entries[number], target).text()
+        text = _with_new_place(source, number, entries[number], target)
     else:
         span = key_spans(source.text).get(("targets", str(number)), Span(0, 0))
         raise Refused(source.finding(TARGET_EXISTS, span, name=target.name))
+    if not is_alike(toml_content(text), _content_with(content, number, target)):
+        raise Refused(_NOT_KEPT(path=source.path, name=target.name, file=source.path or stem))
     changed = replace(source, text=text)
     return changed, read_taught(changed, stem, process)
 
@@ -451,90 +465,65 @@ def _with_added_target(source: SourceText, target: TaughtTarget) -> str:
         )
     end, text = source.newline, source.text
     before = "" if not text else end if text.endswith(end) else end + end
-    lines = ["[[targets]]", f'name = "{target.name}"']
-    lines += [f"{key} = {value}" for key, value in (*target.values.items(), *target.more.items())]
+    values = {"name": target.name, **target.values, **target.more}
+    lines = ["[[targets]]", *(f"{key} = {toml_value(value)}" for key, value in values.items())]
     return text + before + "".join(line + end for line in lines)
 
 
-class _Reteaching:
-    """Changes the place of one entry and leaves what else it says: its speed, its comments."""
+def _with_new_place(
+    source: SourceText, number: int, entry: Mapping[str, Any], target: TaughtTarget
+) -> str:
+    """Change the place of one entry and leave what else it says: its speed, its comments.
 
-    def __init__(
-        self, source: SourceText, number: int, entry: Mapping[str, Any], target: TaughtTarget
-    ) -> None:
-        self.source, self.entry, self.target = source, entry, target
-        self.path = ("targets", str(number))
-        self.keys, self.values = key_spans(source.text), value_spans(source.text)
-
-    def text(self) -> str:
-        name = self.target.name
-        if _is_in_brackets(self.source):
-            raise Refused(
-                self.source.finding(_TARGETS_IN_BRACKETS, self.keys[self.path], name=name)
-            )
-        if "external" in self.entry:
-            span = self.keys[*self.path, "external"]
-            raise Refused(self.source.finding(_EXTERNAL_AXES, span, name=name))
-        # In its place among the others: a new value behind an old one of the same meaning.
-        olds = {key for key in (*_POSE_KEYS, *ORIENTATIONS, *_JOINT_KEYS) if key in self.entry}
-        rest = dict(self.target.values)
-        edits: list[tuple[Span, str]] = []
-        at = self._line(Span(self.keys[*self.path, "name"].start, self._end("name"))).end
-        for key in sorted(olds, key=lambda one: self.keys[*self.path, one].start):
-            pair = Span(self.keys[*self.path, key].start, self._end(key))
-            line = self._line(pair)
-            taken = self._successor(key, rest)
-            if taken is None:
-                edits.append((line, ""))
-                continue
-            # A comment behind the value tells of it, and may be wrong for another kind of value.
-            kept = pair if taken == key else Span(pair.start, self._without_end(line))
-            edits.append((kept, f"{taken} = {rest.pop(taken)}"))
-            at = line.end
-        if rest:
-            newline = self.source.newline
-            lines = "".join(f"{key} = {value}{newline}" for key, value in rest.items())
-            edits.append((Span(at, at), lines if self._ends(at) else newline + lines))
-        text = self.source.text
-        for span, new in sorted(edits, key=lambda edit: edit[0].start, reverse=True):
-            text = text[: span.start] + new + text[span.end :]
-        return text
-
-    def _end(self, key: str) -> int:
-        return self.values[*self.path, key].end
-
-    def _ends(self, at: int) -> bool:
-        return self.source.text[:at].endswith("\n")
-
-    def _without_end(self, line: Span) -> int:
-        text = self.source.text[line.start : line.end]
-        return line.start + len(text.rstrip("\r\n"))
-
-    def _successor(self, key: str, rest: Mapping[str, str]) -> str | None:
-        """Return the key that replaces a key: the same, or one with the same meaning."""
-        if key in rest:
-            return key
-        if key in ORIENTATIONS and "quaternion" in rest and "quaternion" not in self.entry:
-            return "quaternion"
-        places = ("position", "joints")
-        return next((p for p in places if key in places and p in rest), None)
-
-    def _line(self, pair: Span) -> Span:
-        """Return the complete lines of a pair, with a comment after it."""
-        text = self.source.text
-        start = text.rfind("\n", 0, pair.start) + 1
-        end = text.find("\n", pair.end)
-        return Span(start, len(text) if end < 0 else end + 1)
+    A new value is where the old one of the same meaning was.
+    """
+    path = ("targets", str(number))
+    if _is_in_brackets(source):
+        span = key_spans(source.text)[path]
+        raise Refused(source.finding(_TARGETS_IN_BRACKETS, span, name=target.name))
+    if "external" in entry:
+        span = key_spans(source.text)[*path, "external"]
+        raise Refused(source.finding(_EXTERNAL_AXES, span, name=target.name))
+    section = sections(source.text)[path]
+    text = source.text[section.start : section.stop]
+    rest, last = dict(target.values), "name"
+    for old in dict.fromkeys(key[2] for key, _ in section.pairs):
+        if old not in _PLACE_KEYS:
+            continue
+        new = _successor(old, entry, rest)
+        if new is None:
+            text = with_values(text, {(old,): None}) or text
+            continue
+        value, last = rest.pop(new), new
+        if new != old:
+            # A comment after the value tells of it, and may be wrong for another kind of value.
+            text = with_other_key(text, old, new, value)
+        elif value != entry[old]:
+            text = with_values(text, {(old,): value}) or text
+    for new, value in rest.items():
+        text = with_line(text, new, value, after=last)
+        last = new
+    return source.text[: section.start] + text + source.text[section.stop :]
 
 
-def is_otherwise_equal(before: str, after: str, name: str) -> bool:
-    """True if two texts are equal except for one target."""
-    return _without_target(before, name) == _without_target(after, name)
+def _successor(key: str, entry: Mapping[str, Any], rest: Mapping[str, Any]) -> str | None:
+    """Return the key that replaces a key: the same, or one with the same meaning."""
+    if key in rest:
+        return key
+    if key in ORIENTATIONS and "quaternion" in rest and "quaternion" not in entry:
+        return "quaternion"
+    places = ("position", "joints")
+    return next((p for p in places if key in places and p in rest), None)
 
 
-def _without_target(text: str, name: str) -> str:
-    content = parse_toml(text)
-    entries = content.get("targets", [])
-    number = _entry_number(entries, name)
-    kept = [entry for i, entry in enumerate(entries) if i != number]
-    return repr({**content, "targets": kept})  # by text: numbers that are none equal no others
+def _content_with(
+    content: Mapping[str, Any], number: int | None, target: TaughtTarget
+) -> dict[str, Any]:
+    """What a file is meant to hold with a target: a new one, or one that is taught anew."""
+    entries = list(content.get("targets", []))
+    if number is None:
+        entries.append({"name": target.name, **target.values, **target.more})
+    else:
+        rest = {key: one for key, one in entries[number].items() if key not in _PLACE_KEYS}
+        entries[number] = {**rest, **target.values}
+    return {**content, "targets": entries}

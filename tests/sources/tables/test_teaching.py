@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 import difflib
+import tomllib
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import SourceText
+from assistant.base.toml_edits import toml_value
+from assistant.sources.process import NO_PROCESS
 from assistant.sources.tables.taught import (
     TaughtTarget,
-    is_otherwise_equal,
     new_file_text,
     with_target,
 )
 
 SAMPLE = Path(__file__).parents[3] / "samples" / "taught.toml"
-POSE = {"position": "[1.0, 2.0, 3.0]", "quaternion": "[0.0, 1.0, 0.0, 0.0]"}
-BRANCH = {"configuration": "{back = false, down = true, flip = false, quadrants = [0, 0, 0]}"}
-JOINTS = {"joints": "[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]"}
+POSE = {"position": [1.0, 2.0, 3.5], "quaternion": [0.0, 1.0, 0.0, 0.0]}
+BRANCH = {"configuration": {"back": False, "down": True, "flip": False, "quadrants": [0, 0, 0]}}
+JOINTS = {"joints": [1, 2, 3, 4, 5, 6]}
 
 
-def target(name: str, values: dict[str, str], robot: str | None = None, **more: str):
-    return TaughtTarget(name, values, {k: f'"{v}"' for k, v in more.items()}, robot)
+def target(name: str, values: dict[str, Any], robot: str | None = None, **more: str):
+    return TaughtTarget(name, values, more, robot)
 
 
 def changes(before: str, after: str) -> list[str]:
@@ -31,12 +35,18 @@ def changes(before: str, after: str) -> list[str]:
     return sorted(line for line in lines if line[0] in "+-")
 
 
+def others(text: str, name: str) -> str:
+    content = tomllib.loads(text)
+    targets = [one for one in content["targets"] if one["name"].lower() != name]
+    return repr({**content, "targets": targets})
+
+
 def test_a_new_file():
     source = SourceText(new_file_text("rv-2aj"), "x.toml", "utf-8", "\n")
     text, reading = with_target(source, "x", target("above", POSE, "rv-2aj"))
     assert text.text == (
-        'robot = "rv-2aj"\n\n[[targets]]\nname = "above"\nposition = [1.0, 2.0, 3.0]\n'
-        "quaternion = [0.0, 1.0, 0.0, 0.0]\n"
+        'robot = "rv-2aj"\n\n[[targets]]\nname = "above"\nposition = [1, 2, 3.5]\n'
+        "quaternion = [0, 1, 0, 0]\n"
     )
     assert list(reading.program.targets) == ["above"] and reading.program.robot == "rv-2aj"
 
@@ -49,8 +59,8 @@ def test_a_target_behind_all_others(newline, end):
     text, reading = with_target(source, "taught", target("last", POSE, tool="gripper"))
     assert text.text.startswith(before) and text.text.count("\n") == text.text.count(newline)
     assert list(reading.program.targets)[-1] == "last"
-    assert is_otherwise_equal(before, text.text, "last")
-    assert reading.program.targets["last"].pose.position == (1.0, 2.0, 3.0)
+    assert others(before, "last") == others(text.text, "last")
+    assert reading.program.targets["last"].pose.position == (1.0, 2.0, 3.5)
 
 
 def test_taught_anew_only_its_place_changes():
@@ -59,12 +69,12 @@ def test_taught_anew_only_its_place_changes():
     text, reading = with_target(source, "taught", target("Above", {**POSE, **BRANCH}), again=True)
     assert changes(before, text.text) == [
         "+ configuration = {back = false, down = true, flip = false, quadrants = [0, 0, 0]}",
-        "+ position = [1.0, 2.0, 3.0]  # mm",
-        "+ quaternion = [0.0, 1.0, 0.0, 0.0]",
+        "+ position = [1, 2, 3.5]      # mm",
+        "+ quaternion = [0, 1, 0, 0]",
         "- euler_zyx = [0, 0, 180]     # degrees: the tool points down",
         "- position = [420, -60, 360]  # mm",
     ]
-    assert is_otherwise_equal(before, text.text, "above")
+    assert others(before, "above") == others(text.text, "above")
     program = reading.program
     assert program.targets["above"].configuration.down and len(program.targets) == 5
 
@@ -72,12 +82,12 @@ def test_taught_anew_only_its_place_changes():
 @pytest.mark.parametrize(
     ("name", "values", "wanted"),
     [
-        ("home", JOINTS, ["+ joints = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]  # degrees",
+        ("home", JOINTS, ["+ joints = [1, 2, 3, 4, 5, 6]   # degrees",
                           "- joints = [0, 0, 0, 0, 30, 0]  # degrees"]),
-        ("home", POSE, ["+ position = [1.0, 2.0, 3.0]",
-                        "+ quaternion = [0.0, 1.0, 0.0, 0.0]",
+        ("home", POSE, ["+ position = [1, 2, 3.5]",
+                        "+ quaternion = [0, 1, 0, 0]",
                         "- joints = [0, 0, 0, 0, 30, 0]  # degrees"]),
-        ("down", JOINTS, ["+ joints = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]",
+        ("down", JOINTS, ["+ joints = [1, 2, 3, 4, 5, 6]",
                           "- euler_zyx = [0, 0, 180]",
                           "- position = [420, -60, 300]"]),
     ],
@@ -90,13 +100,14 @@ def test_joints_for_a_pose_and_a_pose_for_joints(name, values, wanted):
     assert name in (
         reading.program.joint_targets if "joints" in values else reading.program.targets
     )
-    assert is_otherwise_equal(before, text.text, name)
+    assert others(before, name) == others(text.text, name)
 
 
 def test_an_old_branch_goes_with_its_place():
-    with_branch = "\n".join(f"{k} = {v}" for k, v in {**POSE, **BRANCH}.items())
-    source = SourceText(f'[[targets]]\nname = "a"\n{with_branch}\nspeed = 5\n', "x.toml")
-    other = {**POSE, "position": "[9.0, 9.0, 9.0]"}
+    entry = {"name": "a", **POSE, **BRANCH, "speed": 5}
+    lines = (f"{key} = {toml_value(value)}\n" for key, value in entry.items())
+    source = SourceText("[[targets]]\n" + "".join(lines), "x.toml")
+    other = {**POSE, "position": [9.0, 9.0, 9.0]}
     text, reading = with_target(source, "x", target("a", other), again=True)
     assert "configuration" not in text.text and "speed = 5" in text.text
     assert reading.program.targets["a"].configuration is None
@@ -122,3 +133,41 @@ def test_what_is_refused(text, one, again, code):
     with pytest.raises(Refused) as refused:
         with_target(SourceText(text, "x.toml", "utf-8", "\n"), "x", one, again=again)
     assert [finding.code for finding in refused.value.findings] == [code]
+
+
+@pytest.mark.parametrize(
+    ("entry", "after"),
+    [
+        # A branch in dotted keys goes with its place; CRLF and tabs stay.
+        (
+            "\tjoints=[1]\r\nconfiguration.back = false\r\nconfiguration.down = true\r\nwait = 5 #",
+            "\tposition = [1, 2, 3.5]\r\nquaternion = [0, 1, 0, 0]\r\nwait = 5 #",
+        ),
+        (
+            "position = [\n1,\n2, # y\n9]\neuler_zyx = [0, 0, 0]",
+            "position = [1, 2, 3.5]\nquaternion = [0, 1, 0, 0]",
+        ),
+        (
+            "position = [1, 2.0, 3.5]\nquaternion = [0, 1, 0, 0.0]",
+            "position = [1, 2.0, 3.5]\nquaternion = [0, 1, 0, 0.0]",
+        ),
+        # It cannot be taken out of a table of its own.
+        ("joints = [1]\n[targets.configuration]\nback = false", None),
+    ],
+)
+def test_layouts_of_an_entry(entry, after):
+    newline = "\r\n" if "\r" in entry else "\n"
+    head, rest = (
+        f'[[targets]]{newline}name = "a"{newline}',
+        f'{newline}[[targets]]{newline}name = "b"{newline}joints = [nan, 1]',
+    )
+    source = SourceText(head + entry + rest, "x.toml", "utf-8", newline)
+    if after is None:
+        with pytest.raises(Refused) as refused:
+            with_target(source, "x", target("a", POSE, "rv-2aj"), again=True)
+        assert [finding.code for finding in refused.value.findings] == ["TB513"]
+        return
+    text, _ = with_target(
+        source, "x", target("a", POSE), replace(NO_PROCESS, robot="rv-2aj"), again=True
+    )
+    assert text.text == head + after + rest
