@@ -80,9 +80,9 @@ def toml_rows(array: Sequence[Any]) -> Item:
 
 
 def toml_text(content: Mapping[str, Any]) -> str:
-    """A TOML file.
+    """A TOML file without the keys that have no value.
 
-    content: mappings become tables, lists of mappings arrays of tables, but for what is an item
+    content: mappings become tables and lists of mappings arrays of tables, unless they are items
     already.
     """
     import tomlkit
@@ -96,7 +96,6 @@ def rounded(numbers: Sequence[float], digits: int) -> list[float]:
 
 
 def _plain(value: Any) -> Any:
-    """Mappings as dictionaries of items, without the keys that have no value."""
     from tomlkit.items import Item
 
     match value:

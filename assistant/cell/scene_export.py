@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any, Final
@@ -25,6 +25,7 @@ from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
+from assistant.base.toml_edits import toml_item, toml_text
 from assistant.cell.collision.model import Carriers, carrier_of
 from assistant.cell.findings import CHART_BODY, UNNAMED_ROBOT, UNWRITABLE_NAME
 from assistant.cell.link_bodies import touching_links
@@ -47,7 +48,6 @@ from assistant.cell.scene import (
 )
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.program import IDENTIFIER
-from assistant.sources.cell_values import toml_value
 
 _MESH_SUFFIX: Final = ".obj"
 
@@ -62,15 +62,13 @@ def cell_files(scene: Scene, name: str, folder: FilePath) -> dict[str, bytes]:
     """
     _check_names(scene)
     files: dict[str, bytes] = {}
-    world = list(_world(scene))
-    parts = ["\n".join(["[world]", *world])] if world else []
-    for frame, pose in scene.frames.items():
-        parts.append("\n".join([f"[frames.{frame}]", *_place_keys(pose)]))
-    parts += ["\n".join(_robot(placed, folder)) for placed in scene.robots]
-    for body in scene.bodies:
-        parts.append("\n".join(_body(body, name, files)))
-    text = "\n\n".join(parts) + "\n" if parts else ""
-    return {f"{name}.toml": text.encode(), **files}
+    content = {
+        "world": _world(scene) or None,
+        "frames": {name: _place_keys(pose) for name, pose in scene.frames.items()} or None,
+        "robots": {placed.name: _robot(placed, folder) for placed in scene.robots} or None,
+        "bodies": {body.name: _body(body, name, files) for body in scene.bodies} or None,
+    }
+    return {f"{name}.toml": toml_text(content).encode(), **files}
 
 
 def _check_names(scene: Scene) -> None:
@@ -94,39 +92,33 @@ def _allowed(scene: Scene) -> list[tuple[str, str]]:
     return sorted(scene.allowed - known)
 
 
-def _world(scene: Scene) -> Iterator[str]:
+def _world(scene: Scene) -> dict[str, Any]:
+    world: dict[str, Any] = {}
     if scene.margin != MARGIN:
-        yield f"margin = {toml_value(scene.margin)}"
+        world["margin"] = scene.margin
     if pairs := _allowed(scene):
-        yield f"allowed = {toml_value(pairs)}"
+        world["allowed"] = pairs
+    return world
 
 
-def _robot(placed: PlacedRobot, folder: FilePath) -> Iterator[str]:
-    yield f"[robots.{placed.name}]"
+def _robot(placed: PlacedRobot, folder: FilePath) -> dict[str, Any]:
     named = placed.named
     if named is None or named.robot in robots.names():
         name = placed.robot.name if named is None else named.robot
         if name not in robots.names() or robots.get(name) is not placed.robot:
             raise Refused(UNNAMED_ROBOT(name=placed.name))
-        yield f"robot = {toml_value(name)}"
     else:
-        yield f"robot = {toml_value(_from(folder, named.robot))}"
+        name = _from(folder, named.robot)
+    table: dict[str, Any] = {"robot": name}
     if named is not None and named.packages:
-        pairs = (f"{k} = {toml_value(_from(folder, v))}" for k, v in _keyed(named.packages))
-        yield f"packages = {{{', '.join(pairs)}}}"
+        packages = {key: _from(folder, path) for key, path in named.packages.items()}
+        table["packages"] = toml_item(packages)
     if named is not None and named.capsules:
-        yield 'links = "capsules"'
+        table["links"] = "capsules"
     if named is not None and named.explored:
-        yield f"explored = {toml_value(_from(folder, named.explored))}"
-        if named.unknown:
-            yield f"unknown = {toml_value(named.unknown)}"
-    yield from _place_keys(placed.base)
-
-
-def _keyed(table: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """With keys as TOML has them."""
-    for key, value in table.items():
-        yield key if IDENTIFIER.fullmatch(key) else toml_value(key), value
+        table["explored"] = _from(folder, named.explored)
+        table["unknown"] = named.unknown or None
+    return table | _place_keys(placed.base)
 
 
 def _from(folder: FilePath, path: str) -> str:
@@ -136,59 +128,54 @@ def _from(folder: FilePath, path: str) -> str:
         return FilePath(path).as_posix()
 
 
-def _place_keys(pose: Pose) -> Iterator[str]:
-    if pose.position != IDENTITY.position:
-        yield f"position = {toml_value(pose.position)}"
-    if pose.quaternion != IDENTITY.quaternion:
-        yield f"quaternion = {toml_value(pose.quaternion)}"
+def _place_keys(pose: Pose) -> dict[str, Any]:
+    return {
+        "position": pose.position if pose.position != IDENTITY.position else None,
+        "quaternion": pose.quaternion if pose.quaternion != IDENTITY.quaternion else None,
+    }
 
 
-def _body(body: Body, name: str, files: dict[str, bytes]) -> Iterator[str]:
-    yield f"[bodies.{body.name}]"
+def _body(body: Body, name: str, files: dict[str, bytes]) -> dict[str, Any]:
+    table: dict[str, Any] = {}
     whole = len(body.parts) == 1 and body.parts[0].pose == IDENTITY
     if whole:
-        yield from _shape(body.parts[0], f"{name}.{body.name}", files)
-    if body.parent != WORLD:
-        yield f"parent = {toml_value(body.parent)}"
-    yield from _place_keys(body.pose)
+        table |= _shape(body.parts[0], f"{name}.{body.name}", files)
+    table |= {"parent": body.parent if body.parent != WORLD else None, **_place_keys(body.pose)}
     if body.colour is not None:
-        yield 'colour = "#{:02x}{:02x}{:02x}"'.format(*body.colour)
-    if body.margin is not None:
-        yield f"margin = {toml_value(body.margin)}"
+        table["colour"] = "#{:02x}{:02x}{:02x}".format(*body.colour)
+    table["margin"] = body.margin
     for key, output in (("taken", body.taken), ("released", body.released)):
-        if output is not None:
-            yield f"{key} = {{{toml_value(output[0])} = {toml_value(output[1])}}}"
-    for number, part in enumerate(() if whole else body.parts, 1):
-        yield f"\n[bodies.{body.name}.parts.p{number}]"
-        yield from _shape(part, f"{name}.{body.name}.p{number}", files)
-        yield from _place_keys(part.pose)
-    for key, pose in body.locations.items():
-        yield f"\n[bodies.{body.name}.locations.{key}]"
-        yield from _place_keys(pose)
+        table[key] = None if output is None else toml_item(dict([output]))
+    if not whole:
+        table["parts"] = {
+            f"p{number}": _shape(part, f"{name}.{body.name}.p{number}", files)
+            | _place_keys(part.pose)
+            for number, part in enumerate(body.parts, 1)
+        } or None
+    table["locations"] = {key: _place_keys(pose) for key, pose in body.locations.items()} or None
+    return table
 
 
-def _shape(part: Part, file: str, files: dict[str, bytes]) -> Iterator[str]:
+def _shape(part: Part, file: str, files: dict[str, bytes]) -> dict[str, Any]:
     match part.shape:
         case Box(size=size):
-            yield f"box = {toml_value(size)}"
+            return {"box": size}
         case Sphere(radius=radius):
-            yield f"sphere = {toml_value(radius)}"
+            return {"sphere": radius}
         case Cylinder(radius=radius, length=length):
-            yield f"cylinder = {toml_value((radius, length))}"
+            return {"cylinder": (radius, length)}
         case Capsule(radius=radius, length=length):
-            yield f"capsule = {toml_value((radius, length))}"
+            return {"capsule": (radius, length)}
         case Convex() as hull:
-            yield from _mesh("convex", hull.hull, file, files)
+            return _mesh("convex", hull.hull, file, files)
         case Mesh() as mesh:
-            yield from _mesh("mesh", mesh, file, files)
-            if mesh.off:
-                yield f"off = {toml_value(mesh.off)}"
+            return _mesh("mesh", mesh, file, files) | {"off": mesh.off or None}
+    return {}
 
 
-def _mesh(key: str, mesh: Mesh, file: str, files: dict[str, bytes]) -> Iterator[str]:
+def _mesh(key: str, mesh: Mesh, file: str, files: dict[str, bytes]) -> dict[str, Any]:
     files[file + _MESH_SUFFIX] = _obj(mesh)
-    yield f"{key} = {toml_value(file + _MESH_SUFFIX)}"
-    yield 'unit = "mm"'
+    return {key: file + _MESH_SUFFIX, "unit": "mm"}
 
 
 def _obj(mesh: Mesh) -> bytes:

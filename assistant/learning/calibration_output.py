@@ -5,7 +5,6 @@ The corrected robot is a TOML that reads back, with a URDF beside it for a free 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 from xml.sax.saxutils import quoteattr
@@ -13,6 +12,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.toml_edits import toml_item, toml_text
 from assistant.learning.arm_calibration import Calibration
 from assistant.learning.arm_models import LengthsModel
 from assistant.learning.parameter_fit import BASE_PARAMETERS, PLACEMENT_COUNT, Residual
@@ -139,78 +139,67 @@ def corrected_files(done: Calibration, stem: str) -> dict[str, bytes]:
     model, values = done.fit.problem.model, done.fit.state.values
     zero = [round(float(value), _FILE_DECIMALS) + 0.0 for value in model.zero(values)]
     arm = model.arm(values) if isinstance(model, LengthsModel) else None
-    head = _head_lines(done, stem)
+    head = _figures(done, stem)
     if isinstance(arm, SixAxis | FiveAxis | Scara):
         has = arm if isinstance(arm, Scara) else arm.lengths
         lengths = {
             name: round(float(getattr(has, name)), _FILE_DECIMALS)
             for name in LENGTH_NAMES[arm.kind]
         }
-        kind = [f"arm = {_quoted_text(arm.kind)}"]
-        table = ["[lengths_mm]", *(f"{key} = {value}" for key, value in lengths.items()), ""]
-        body = [
-            *_axis_lines(done.robot, done.robot.axes, zero),
-            *_radius_lines(done.robot, done.robot.axes),
-        ]
-        return {f"{stem}.toml": _file_bytes([*head, *kind, "", *table, *body])}
+        kind = {"arm": arm.kind, "lengths_mm": lengths}
+        return {f"{stem}.toml": _robot_file(head | kind | _axes(done.robot, done.robot.axes, zero))}
     chain = model.chain(values)
     names = [f"J{i}" for i in range(1, len(done.robot.axes) + 1)]
-    link = [f"urdf = {_quoted_text(f'{stem}.urdf')}", ""]
-    body = [*_axis_lines(done.robot, names, zero), *_radius_lines(done.robot, names)]
+    link = {"urdf": f"{stem}.urdf"}
     return {
-        f"{stem}.toml": _file_bytes([*head, *link, *body]),
+        f"{stem}.toml": _robot_file(head | link | _axes(done.robot, names, zero)),
         f"{stem}.urdf": _file_bytes(_urdf_lines(done.robot, chain, zero)),
     }
 
 
-def _head_lines(done: Calibration, stem: str) -> Iterator[str]:
+def _robot_file(content: dict[str, Any]) -> bytes:
+    head = "# Corrected by measured poses. Lengths in mm, angles in degrees.\n\n"
+    return (head + toml_text(content)).encode()
+
+
+def _figures(done: Calibration, stem: str) -> dict[str, Any]:
     robot = done.robot
-    name = stem if ROBOT_NAME.fullmatch(stem) else f"{robot.name[:53]}-calibrated"
     count = int(done.fit.used.sum())
     how = f"calibrated by {count} poses of {done.measured.path or 'a program'}"
     left = f"{done.out.point:.3g} mm left in poses held out"
-    yield "# Corrected by measured poses. Lengths in mm, angles in degrees."
-    yield ""
-    yield f"name = {_quoted_text(name)}"
-    yield f"title = {_quoted_text(f'{robot.title} (calibrated)')}"
-    yield f"maker = {_quoted_text(robot.maker)}"
-    yield f"controller = {_quoted_text(robot.controller)}"
-    yield f"languages = [{', '.join(map(_quoted_text, robot.languages))}]"
-    yield f"configuration = {_quoted_text(robot.counts)}"
-    yield f"reach_mm = {float(robot.reach)!r}"
-    figures = {
+    return {
+        "name": stem if ROBOT_NAME.fullmatch(stem) else f"{robot.name[:53]}-calibrated",
+        "title": f"{robot.title} (calibrated)",
+        "maker": robot.maker,
+        "controller": robot.controller,
+        "languages": robot.languages,
+        "configuration": robot.counts,
+        "reach_mm": robot.reach,
         "payload_kg": robot.payload,
         "tcp_speed_mm_s": robot.tcp_speed,
         "repeatability_mm": robot.repeatability,
         "time_to_speed_s": robot.time_to_speed,
         "time_to_speed_kg": robot.light or None,
         "coupling": robot.coupling or None,
+        "source": f"{how}, {left}; else: {robot.source}",
+        "unconfirmed": robot.unconfirmed,
     }
-    yield from (f"{key} = {float(v)!r}" for key, v in figures.items() if v is not None)
-    yield f"source = {_quoted_text(f'{how}, {left}; else: {robot.source}')}"
-    yield f"unconfirmed = [{', '.join(map(_quoted_text, robot.unconfirmed))}]"
 
 
-def _axis_lines(robot: Robot, names: Sequence[str], zero: Sequence[float]) -> Iterator[str]:
-    for table, slides in (("axes_deg", False), ("axes_mm", True)):
-        which = [i for i, sliding in enumerate(robot.sliding) if bool(sliding) == slides]
-        if not which:
-            continue
-        yield f"[{table}]"
-        for i in which:
-            low, high = (float(v) for v in robot.limits[i])
-            fields = [f"limits = [{low!r}, {high!r}]", f"speed = {float(robot.speeds[i])!r}"]
-            if robot.accelerations is not None:
-                fields.append(f"acceleration = {float(robot.accelerations[i])!r}")
-            fields += [f"zero = {zero[i]!r}", f"home = {float(robot.home[i])!r}"]
-            yield f"{names[i]} = {{ {', '.join(fields)} }}"
-        yield ""
-
-
-def _radius_lines(robot: Robot, names: Sequence[str]) -> Iterator[str]:
-    yield "[radii_mm]"
-    for name, radius in zip(("base", *names), robot.radii, strict=True):
-        yield f"{name} = {float(radius)!r}"
+def _axes(robot: Robot, names: Sequence[str], zero: Sequence[float]) -> dict[str, Any]:
+    """Tables of the axes, a line for each, and of the radii."""
+    tables: dict[str, Any] = {}
+    for i, name in enumerate(names):
+        fields = {
+            "limits": robot.limits[i].tolist(),
+            "speed": float(robot.speeds[i]),
+            "acceleration": None if robot.accelerations is None else float(robot.accelerations[i]),
+            "zero": zero[i],
+            "home": float(robot.home[i]),
+        }
+        axis = toml_item({key: value for key, value in fields.items() if value is not None})
+        tables.setdefault("axes_mm" if robot.sliding[i] else "axes_deg", {})[name] = axis
+    return {**tables, "radii_mm": dict(zip(("base", *names), robot.radii, strict=True))}
 
 
 def _urdf_lines(robot: Robot, chain: Chain, zero: Sequence[float]) -> Iterator[str]:
@@ -250,10 +239,6 @@ def _fixed_joint(pose: Pose, parent: str, child: str) -> Iterator[str]:
 def _number_text(values: Sequence[float]) -> str:
     """All their digits: an angle with few of them may be read as the quarter turn beside it."""
     return " ".join(repr(float(value) + 0.0) for value in values)
-
-
-def _quoted_text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
 
 
 def _file_bytes(lines: Iterator[str] | Sequence[str]) -> bytes:

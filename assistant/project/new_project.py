@@ -7,7 +7,6 @@ command says so and writes nothing. Files that are there are never overwritten.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
@@ -19,6 +18,7 @@ from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all
 from assistant.base.length_units import UNITS, known_unit
 from assistant.base.source_text import read_bytes
+from assistant.base.toml_edits import COMMENT_COLUMN, toml_key, toml_text, toml_value
 from assistant.program.program import TakenNames, identifier
 from assistant.program.project_file import read_project
 from assistant.program.settings_tables import shown
@@ -29,8 +29,6 @@ from assistant.sources import PROCESS_SUFFIX
 from assistant.sources.drawing.survey import Extents, Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS
 
-COMMENT_COLUMN: Final = 30
-"""Columns before a comment."""
 BLANK_KEYS: Final = ("`tip` of [tools.tool]", "`position` of [frames.work]")
 """Keys that must be filled in before anything moves."""
 
@@ -148,7 +146,7 @@ def _process_lines(name: str, survey: Survey) -> Iterator[str]:
         yield from _commented_rows(rows)
     for number, layer in enumerate(works):
         yield ""
-        yield f"[layers.{toml_quoted(layer.name)}]"
+        yield f"[{toml_key('layers', _encodable(layer.name))}]"
         yield f"# {_layer_content(layer)}"
         yield from _commented_rows(LAYER_ROWS)
         yield from _commented_rows(CHOICE_KEYS if not number else ())
@@ -164,13 +162,13 @@ def _unit_rows(survey: Survey) -> Iterator[_KeyRow]:
         yield f"# the drawing is in {survey.unit}", "which it says itself"
     else:
         size = "" if survey.extents is None else f": it is {_size_text(survey.extents)} mm then"
-        yield f"unit = {toml_quoted(short)}", f"{survey.stated}{size}"
+        yield f"unit = {toml_value(short)}", f"{survey.stated}{size}"
 
 
 def _left_out_row(idle: Sequence[SurveyedLayer]) -> _KeyRow:
-    names = ", ".join(toml_quoted(layer.name) for layer in idle)
+    names = toml_value([_encodable(layer.name) for layer in idle])
     about = "nothing there can be followed" if idle else '["*"]: all that have no table here'
-    return f"leave_out = [{names}]", about
+    return f"leave_out = {names}", about
 
 
 def _layer_content(layer: SurveyedLayer) -> str:
@@ -202,17 +200,14 @@ def _commented_rows(rows: Sequence[_KeyRow]) -> Iterator[str]:
         yield f"{key:{COMMENT_COLUMN - 1}} # {about}" if about else key
 
 
-def toml_quoted(text: str) -> str:
-    """A text as TOML has it, all of it in one line."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _encodable(name: str) -> str:
+    """A name without characters that no file can hold."""
+    return name.encode("utf-8", "replace").decode("utf-8")
 
 
 def _program_text(sources: Mapping[str, str]) -> str:
     """Tables of programs, by their names, of sources as paths from the project's folder."""
-    tables = [
-        f"[programs.{name}]\nsource = {toml_quoted(path)}\n" for name, path in sources.items()
-    ]
-    return "\n".join(tables)
+    return toml_text({"programs": {name: {"source": path} for name, path in sources.items()}})
 
 
 PROJECT_FILE: Final = "assistant.toml"
@@ -345,7 +340,7 @@ def _program_names(sources: Sequence[str]) -> dict[str, str]:
 
 def _project_text(programs: str, names: Iterable[str]) -> bytes:
     """Return the example's project file, with these programs instead of the example's."""
-    listed = "[" + ", ".join(f'"{name}"' for name in names) + "]"
+    listed = toml_value(list(names))
     text = _template_bytes(PROJECT_FILE).decode().replace(_EXAMPLE_PROGRAM, programs)
     return text.replace(f"{_EXAMPLE_NAMES:{_NAMES_WIDTH}}", f"{listed:{_NAMES_WIDTH}}").encode()
 
@@ -357,7 +352,7 @@ def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[
     known = {recipe.source.resolve() for recipe in project_of(folder).programs.values()}
     for name, source in programs.items():
         if (folder / source).resolve() not in known:
-            table = f"[programs.{name}] with source = {toml_quoted(source)}"
+            table = f"[programs.{name}] with source = {toml_value(source)}"
             yield rules.NOT_ADDED(name=name, source=source, table=table)
 
 

@@ -44,7 +44,8 @@ from typing import Any, Final, TypeVar
 
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.source_text import SourceText, decode, read_bytes
-from assistant.base.toml_text import parse_toml
+from assistant.base.toml_edits import toml_key, toml_value, with_values
+from assistant.base.toml_text import toml_content
 from assistant.program import settings_tables
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Blend, Speed
@@ -281,31 +282,13 @@ def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
     The answer is TOML; an answer that is not TOML is a text. The text is returned unchanged if it
     has no such placeholder.
     """
-    head = re.search(
-        rf"^\[{TABLE_OF_KIND[wanted.kind]}\.{re.escape(wanted.name)}\]",
-        text,
-        re.MULTILINE | re.IGNORECASE,
-    )
-    if head is None:
+    table = TABLE_OF_KIND[wanted.kind]
+    entries = (toml_content(text) or {}).get(table, {})
+    name = next((one for one in entries if one.lower() == wanted.name.lower()), None)
+    if name is None or entries[name].get(key) != _OPEN_VALUE:
         return text
-    end = text.find("\n[", head.end())
-    entry = text[head.end() : len(text) if end < 0 else end]
-    filled = re.sub(
-        rf"^({key} *= *){re.escape(_OPEN_TEXT)}",
-        lambda found: found[1] + _as_toml(answer),
-        entry,
-        count=1,
-        flags=re.MULTILINE,
-    )
-    return text[: head.end()] + filled + text[head.end() + len(entry) :]
-
-
-def _as_toml(answer: str) -> str:
-    try:
-        parse_toml(f"answer = {answer}")
-    except ValueError:
-        return toml_value(answer)
-    return answer
+    read = toml_content(f"answer = {answer}") or {"answer": answer}
+    return with_values(text, {(table, name, key): read["answer"]}) or text
 
 
 _MOST_USES: Final = 6
@@ -316,13 +299,12 @@ def _lines(wanted: Wanted, value: SuppliedValue | None) -> Iterator[str]:
     more = len(wanted.uses) - _MOST_USES
     used = f", used in {places}" + (f" and {more} more" if more > 0 else "") if places else ""
     yield f"# {_wanted_words(wanted)}{used}"
-    yield f"[{TABLE_OF_KIND[wanted.kind]}.{wanted.name}]"
+    yield f"[{toml_key(TABLE_OF_KIND[wanted.kind], wanted.name)}]"
     for key, given, remark in _keys(wanted, value):
-        line = f"{key} = {_OPEN_TEXT if given is None else toml_value(given)}"
+        line = f"{key} = {toml_value(_OPEN_VALUE if given is None else given)}"
         yield line + (f"  # {remark}" if remark else "")
 
 
-_OPEN_TEXT: Final = f'"{_OPEN_VALUE}"'
 _WORDS: Final[Mapping[WantedKind, str]] = {
     "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
     "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
@@ -402,21 +384,4 @@ def _keys(wanted: Wanted, value: SuppliedValue | None) -> Iterator[tuple[str, An
 
 def data_text(value: Plain | None) -> str:
     """A value of data as the file has it."""
-    return _OPEN_TEXT if value is None else toml_value(value)
-
-
-def toml_value(value: Any) -> str:
-    """A number, a text or a list as TOML has it."""
-    match value:
-        case bool():
-            return str(value).lower()
-        case float() if value.is_integer() and abs(value) < 1e15:
-            return str(int(value))
-        case int():
-            return str(int(value))
-        case float():
-            return repr(float(value))
-        case list() | tuple():
-            return f"[{', '.join(map(toml_value, value))}]"
-    text = str(value).replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + re.sub("[\x00-\x1f\x7f]", lambda found: f"\\u{ord(found[0]):04x}", text) + '"'
+    return toml_value(_OPEN_VALUE if value is None else value)

@@ -128,8 +128,8 @@ def test_targets_go_into_the_file_that_they_were_taught_in(capsys, repository, r
     status, out, _ = run(capsys, "deploy", "--pull", "--format", "json")
     answer = json.loads(out)
     assert status == 0 and answer["written"] == {"taught.toml": ["target `down`", "target `home`"]}
-    expected = before.replace("position = [420, -60, 300]", "position = [420.0, -60.0, 298.5]")
-    expected = expected.replace("[0, 0, 0, 0, 30, 0]", "[0.0, 0.0, 0.0, 0.0, 45.0, 0.0]")
+    expected = before.replace("position = [420, -60, 300]", "position = [420, -60, 298.5]")
+    expected = expected.replace("[0, 0, 0, 0, 30, 0]", "[0, 0, 0, 0, 45, 0]")
     assert source.read_text() == expected
     assert run(capsys, "build")[0] == 0
     assert run(capsys, "deploy")[0] == 0 and run(capsys, "verify")[0] == 0

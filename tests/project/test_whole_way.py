@@ -28,7 +28,7 @@ JET: Mapping[str, Mapping[str, str]] = {
     },
     "frames.work": {"position": "[1200, -100, 500]"},
     "signals.work_on": {"direction": '"output"', "number": "8"},
-    'layers."Default"': {
+    "layers.Default": {
         "on": "{work_on = 1}",
         "off": "{work_on = 0}",
         "offset": f"{KERF / 2}",
@@ -47,7 +47,7 @@ def test_a_customers_drawing_is_cut_as_it_should(
     drawn = write_drawing(home.folder / "plate4711.dxf")
     said(capsys, "init", "plate4711.dxf")
     process = home.folder / "plate4711.process.toml"
-    text = without(process.read_text("utf-8"), 'layers."BORDER"', 'layers."CENTER"')
+    text = without(process.read_text("utf-8"), "layers.BORDER", "layers.CENTER")
     for table, keys in JET.items():
         text = stated(text, table, keys)
     process.write_text(text, "utf-8")

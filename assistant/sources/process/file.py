@@ -58,7 +58,7 @@ names are letters, digits and `_`, a letter first.
     port = 10003                  # of TCP; of a serial line the number of the other one's port
     address = "192.168.125.1"     # as server its address, as client the other computer's
 
-    [layers."GLUE"]               # by layer name, compared without case
+    [layers.GLUE]                 # by layer name, compared without case
     process = "gluing"            # for people; the layer's name if left out
     speed = 50                    # along the contours; these four from [motion] if left out
     blend = 1

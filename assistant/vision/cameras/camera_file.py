@@ -17,7 +17,6 @@ source = "pictures/left"      # a folder, a file, an address, or the number of a
 from __future__ import annotations
 
 import datetime
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
@@ -27,6 +26,7 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Refused, has_errors, near_names
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import SourceText, decode, read_bytes
+from assistant.base.toml_edits import toml_text
 from assistant.cell.body_tables import PLACE_KEYS, pose_of
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose
@@ -113,33 +113,25 @@ def write_cameras(path: str | FilePath, rig: Rig) -> None:
 
 def rig_toml(rig: Rig) -> str:
     """The file of a rig, as `read_cameras` reads it."""
-    return "\n".join("\n".join(_camera_lines(rig, name)) + "\n" for name in rig.cameras)
+    return toml_text({"cameras": {name: _camera_table(rig, name) for name in rig.cameras} or None})
 
 
-def _camera_lines(rig: Rig, name: str) -> list[str]:
+def _camera_table(rig: Rig, name: str) -> dict[str, Any]:
     camera, record = rig.cameras[name], rig.records.get(name, CalibrationRecord())
     lens, pose = camera.lens, camera.pose
-    rows: list[tuple[str, Any]] = [
-        *(("size", lens.size), ("focal", lens.focal), ("centre", lens.centre)),
-        *(("distortion", lens.distortion), ("position", pose.position)),
-        *(("quaternion", pose.quaternion), ("parent", camera.parent)),
-        ("calibrated", record.date),
-        *zip(
-            _RESIDUAL_KEYS, (record.residual, record.pair, record.mm, record.degrees), strict=True
-        ),
-        ("source", rig.sources.get(name) or None),
-    ]
-    return [f"[cameras.{name}]", *(f"{k} = {_toml_value(v)}" for k, v in rows if v is not None)]
-
-
-def _toml_value(value: Any) -> str:
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_toml_value, value))}]"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if isinstance(value, float):
-        return repr(float(value))
-    return str(value)
+    residuals = (record.residual, record.pair, record.mm, record.degrees)
+    return {
+        "size": lens.size,
+        "focal": lens.focal,
+        "centre": lens.centre,
+        "distortion": lens.distortion,
+        "position": pose.position,
+        "quaternion": pose.quaternion,
+        "parent": camera.parent,
+        "calibrated": record.date,
+        **dict(zip(_RESIDUAL_KEYS, residuals, strict=True)),
+        "source": rig.sources.get(name) or None,
+    }
 
 
 # ----------------------------------------------------------------------------------- keys

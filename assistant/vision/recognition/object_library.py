@@ -32,6 +32,7 @@ from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable, has_errors
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import decode, is_file, is_folder, read_bytes
+from assistant.base.toml_edits import rounded, toml_item, toml_rows, toml_text
 from assistant.program import settings_tables
 from assistant.program.geometry import Pose
 from assistant.program.program import IDENTIFIER
@@ -132,29 +133,28 @@ def add_objects(
 
 def _object_toml(one: KnownObject) -> str:
     """Return the part of an object that people may edit, as TOML."""
-    lines = [f"# {one.source}"] if one.source.isprintable() and one.source else []
-    lines += [f"height = {_number(one.height)}  # mm of its face above what it lies on"]
-    for name, place in one.places.items():
-        lines += ["", f"[places.{name}]", f"position = {_numbers(place.pose.position)}"]
-        lines += [f"quaternion = {_numbers(place.pose.quaternion, 9)}"]
-        lines += [f"approach = {_number(place.approach)}"]
-    for name, line in one.lines.items():
-        lines += ["", f"[lines.{name}]", "points = ["]
-        lines += [f"    {_numbers(point)}," for point in line.points]
-        lines += ["]"]
-        lines += [f"vias = {sorted(line.vias)}"] if line.vias else []
-        lines += [f"quaternion = {_numbers(line.quaternion, 9)}"]
-        lines += [f"approach = {_number(line.approach)}"]
-        lines += [f"speed = {_number(line.speed)}"] if line.speed is not None else []
-    return "\n".join(lines) + "\n"
-
-
-def _number(value: float) -> str:
-    return f"{round(float(value), 6) + 0.0:g}" if abs(value) < 1e5 else repr(float(value))
-
-
-def _numbers(numbers: Iterable[float], digits: int = 4) -> str:
-    return "[" + ", ".join(repr(round(float(n), digits) + 0.0) for n in numbers) + "]"
+    height = toml_item(round(one.height, 6))
+    height.comment("mm of its face above what it lies on")
+    places = {
+        name: {
+            "position": rounded(place.pose.position, 4),
+            "quaternion": rounded(place.pose.quaternion, 9),
+            "approach": round(place.approach, 6),
+        }
+        for name, place in one.places.items()
+    }
+    lines = {
+        name: {
+            "points": toml_rows([rounded(point, 4) for point in line.points]),
+            "vias": sorted(line.vias) or None,
+            "quaternion": rounded(line.quaternion, 9),
+            "approach": round(line.approach, 6),
+            "speed": None if line.speed is None else round(line.speed, 6),
+        }
+        for name, line in one.lines.items()
+    }
+    head = f"# {one.source}\n" if one.source.isprintable() and one.source else ""
+    return head + toml_text({"height": height, "places": places or None, "lines": lines or None})
 
 
 def _check_version(folder: FilePath) -> None:

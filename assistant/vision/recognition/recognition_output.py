@@ -8,12 +8,11 @@ picture of a camera.
 from __future__ import annotations
 
 import datetime
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from types import ModuleType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import is_file, read_bytes
+from assistant.base.toml_edits import rounded, toml_rows, toml_text
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.known_objects import Line, Place
@@ -68,40 +68,51 @@ def targets_text(
     tool. Poses are in the frame of the object, so that a build with another sighting only changes
     frames.
     """
-    lines = [f"{_FILE_HEAD} at {when.isoformat(timespec='seconds')}: {len(found)} objects."]
-    lines += ["", f'robot = "{robot}"'] if robot else []
-    for one in found:
-        pose = base.of(one.pose)
-        lines += ["", f"[frames.{one.name}]", f"position = {_numbers(pose.position)}"]
-        lines += [f"quaternion = {_numbers(pose.quaternion, 9)}"]
-    for one in found:
-        for name, place in one.object.places.items():
-            lines += _place_lines(f"{one.name}_{name}", place, one.name)
-        for name, line in one.object.lines.items():
-            lines += _line_lines(f"{one.name}_{name}", line, one.name)
-    return "\n".join(lines) + "\n"
+    content = {
+        "robot": robot,
+        "frames": {one.name: _pose_keys(base.of(one.pose)) for one in found} or None,
+        "targets": [target for one in found for target in _target_tables(one)] or None,
+    }
+    head = f"{_FILE_HEAD} at {when.isoformat(timespec='seconds')}: {len(found)} objects.\n"
+    return f"{head}\n{toml_text(content)}"
 
 
 def found_text(found: Iterable[FoundObject], base: OutputFrame, when: datetime.datetime) -> str:
     """Return the poses of objects: [found.NAME] with pose, standard deviations, covariance,
     confidence.
     """
-    lines = [f"{_FILE_HEAD}: where known objects are, in mm."]
-    for one in found:
-        pose = base.of(one.pose)
-        lines += ["", f"[found.{one.name}]", f'object = "{one.object.name}"']
-        lines += [f"position = {_numbers(pose.position)}"]
-        lines += [f"quaternion = {_numbers(pose.quaternion, 9)}", f'frame = "{base.name}"']
-        lines += [f"sigma_mm = {one.estimate.sigma_mm:.4g}"]
-        lines += [f"sigma_deg = {one.estimate.sigma_deg:.4g}"]
-        lines += [f"confidence = {min(one.confidence, 1.0):.3f}"]
-        lines += [f"seen = {when.isoformat(timespec='seconds')}"]
-        cameras = ", ".join(f'"{name}"' for name in one.cameras)
-        lines += [f"cameras = [{cameras}]"]
-        lines += ["covariance = [  # mm along and degrees about x, y and z of the frame"]
-        rows = _covariance_in_frame(one.estimate.covariance, base)
-        lines += [f"    [{', '.join(f'{v:.4g}' for v in row)}]," for row in rows] + ["]"]
-    return "\n".join(lines) + "\n"
+    tables = {one.name: _found_table(one, base, when) for one in found}
+    return (
+        f"{_FILE_HEAD}: where known objects are, in mm.\n\n{toml_text({'found': tables or None})}"
+    )
+
+
+def _found_table(one: FoundObject, base: OutputFrame, when: datetime.datetime) -> dict[str, Any]:
+    rows = _covariance_in_frame(one.estimate.covariance, base)
+    covariance = toml_rows([[_short_number(value) for value in row] for row in rows])
+    covariance.comment("mm along and degrees about x, y and z of the frame")
+    return {
+        "object": one.object.name,
+        **_pose_keys(base.of(one.pose)),
+        "frame": base.name,
+        "sigma_mm": _short_number(one.estimate.sigma_mm),
+        "sigma_deg": _short_number(one.estimate.sigma_deg),
+        "confidence": round(min(one.confidence, 1.0), 3),
+        "seen": when.replace(microsecond=0),
+        "cameras": one.cameras,
+        "covariance": covariance,
+    }
+
+
+def _pose_keys(pose: Pose) -> dict[str, Any]:
+    return {
+        "position": rounded(pose.position, _MM_DECIMALS),
+        "quaternion": rounded(pose.quaternion, 9),
+    }
+
+
+def _short_number(value: float) -> float:
+    return float(f"{value:.4g}")
 
 
 def _covariance_in_frame(covariance: Floats, base: OutputFrame) -> Floats:
@@ -121,42 +132,36 @@ def write_seen_files(files: dict[FilePath, str]) -> tuple[FilePath, ...]:
     return write_all({path: text.encode() for path, text in files.items()})
 
 
-def _place_lines(name: str, place: Place, frame: str) -> Iterator[str]:
-    pose = place.pose
-    yield from _target_lines(f"{name}_before", _backed_off(pose, place.approach), frame, "joint")
-    yield from _target_lines(name, pose, frame, "linear")
-    yield from _target_lines(f"{name}_after", _backed_off(pose, place.approach), frame, "linear")
+def _target_tables(one: FoundObject) -> Iterator[dict[str, Any]]:
+    """Targets of the places and lines of an object, in its frame."""
+    for name, place in one.object.places.items():
+        yield from _place_targets(f"{one.name}_{name}", place, one.name)
+    for name, line in one.object.lines.items():
+        yield from _line_targets(f"{one.name}_{name}", line, one.name)
 
 
-def _line_lines(name: str, line: Line, frame: str) -> Iterator[str]:
+def _place_targets(name: str, place: Place, frame: str) -> Iterator[dict[str, Any]]:
+    above = _backed_off(place.pose, place.approach)
+    yield _target(f"{name}_before", above, frame, "joint")
+    yield _target(name, place.pose, frame, "linear")
+    yield _target(f"{name}_after", above, frame, "linear")
+
+
+def _line_targets(name: str, line: Line, frame: str) -> Iterator[dict[str, Any]]:
     poses = [Pose.of(point, np.array(line.quaternion)) for point in line.points]
-    yield from _target_lines(f"{name}_before", _backed_off(poses[0], line.approach), frame, "joint")
+    yield _target(f"{name}_before", _backed_off(poses[0], line.approach), frame, "joint")
     for i, pose in enumerate(poses):
         kind = "via" if i in line.vias else "end" if i - 1 in line.vias else "linear"
-        speed = line.speed if i else None
-        yield from _target_lines(f"{name}_{i + 1}", pose, frame, kind, speed)
-    yield from _target_lines(
-        f"{name}_after", _backed_off(poses[-1], line.approach), frame, "linear"
-    )
+        yield _target(f"{name}_{i + 1}", pose, frame, kind) | {"speed": line.speed if i else None}
+    yield _target(f"{name}_after", _backed_off(poses[-1], line.approach), frame, "linear")
 
 
 def _backed_off(pose: Pose, by: float) -> Pose:
     return pose.offset(z=-by)
 
 
-def _target_lines(
-    name: str, pose: Pose, frame: str, kind: str, speed: float | None = None
-) -> Iterator[str]:
-    assert re.fullmatch(r"\w+", name)
-    yield from ("", "[[targets]]", f'name = "{name}"', f'kind = "{kind}"', f'frame = "{frame}"')
-    yield f"position = {_numbers(pose.position)}"
-    yield f"quaternion = {_numbers(pose.quaternion, 9)}"
-    if speed is not None:
-        yield f"speed = {speed:g}"
-
-
-def _numbers(numbers: Iterable[float], digits: int = _MM_DECIMALS) -> str:
-    return "[" + ", ".join(repr(round(float(n), digits) + 0.0) for n in numbers) + "]"
+def _target(name: str, pose: Pose, frame: str, kind: str) -> dict[str, Any]:
+    return {"name": name, "kind": kind, "frame": frame, **_pose_keys(pose)}
 
 
 _OUTLINE_COLOUR: Final = (80, 220, 80)
