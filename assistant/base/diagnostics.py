@@ -7,8 +7,8 @@ the fields and gives a `Diagnostic`:
     NO_UNITS(path="part.dxf", place="header")
 
 A finding about a part of a program holds that part as a `Subject`, whose words are made when
-they are shown; a statement is identified by its span alone. Also here: cures that suggest
-similarly spelled names, and the least severity that fails a check.
+they are shown; a statement is identified by its span alone. Also here: the least severity that
+fails a check.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ import string
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from types import MappingProxyType
 from typing import Any, Final, Literal, Self, TypeAlias
 
@@ -512,44 +511,6 @@ def _over_files(group: list[Diagnostic]) -> Diagnostic:
         first.cure,
         about=f"in {len(group)} files: {named} and {rest} more",
     )
-
-
-_LEAST_SIMILARITY: Final = 0.7
-"""Least similarity of two names, as `difflib` counts it: one letter in three may differ."""
-_SHORTEST_PREFIX: Final = 3
-"""Fewest letters and digits by which names with that beginning are suggested."""
-_MOST_SUGGESTIONS: Final = 6
-"""Most names that are suggested."""
-
-
-def near_names(given: str, known: Iterable[str]) -> tuple[str, ...]:
-    """Those that begin as the given one does, else those that are spelled like it; the best first.
-
-    Case, blanks and punctuation do not count: `IRB 4600` begins three arms.
-    """
-    plain: dict[str, list[str]] = {}
-    for name in known:
-        plain.setdefault(_letters_and_digits(name), []).append(name)
-    wanted = _letters_and_digits(given)
-    begun = [one for one in plain if len(wanted) >= _SHORTEST_PREFIX and one.startswith(wanted)]
-    close = begun or get_close_matches(wanted, plain, n=_MOST_SUGGESTIONS, cutoff=_LEAST_SIMILARITY)
-    return tuple(name for one in close for name in plain[one])[:_MOST_SUGGESTIONS]
-
-
-def did_you_mean(given: str, known: Iterable[str], otherwise: str) -> str:
-    """A cure: `did you mean ...?` where names are near, else what to do otherwise."""
-    near = near_names(given, known)
-    if not near:
-        return otherwise
-    return (
-        f"did you mean {', '.join(near[:-1])} or {near[-1]}?"
-        if len(near) > 1
-        else (f"did you mean {near[0]}?")
-    )
-
-
-def _letters_and_digits(name: str) -> str:
-    return "".join(c for c in name.casefold() if c.isalnum())
 
 
 class FailOn(enum.StrEnum):

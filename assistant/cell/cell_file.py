@@ -52,7 +52,8 @@ from typing import Any, Final
 
 from assistant import robots
 from assistant.base.budgets import SETTINGS_FILE
-from assistant.base.diagnostics import Diagnostic, Refused, has_errors, near_names
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
+from assistant.base.near_names import near_names
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell import link_bodies
 from assistant.cell.body_tables import PLACE_KEYS, ROBOT_KEYS, WORLD_KEYS, BodyReader, pose_of

@@ -402,7 +402,7 @@ class _PrintedRun:
 
 def _unused_signals(programs: Programs, script: Script) -> Iterator[Diagnostic]:
     """Signals of a script that no program uses, most likely misspelled."""
-    from assistant.program.settings_tables import nearest
+    from assistant.base.near_names import near_name
     from assistant.virtual.kernel.script import When
 
     known = programs.signals()
@@ -413,7 +413,7 @@ def _unused_signals(programs: Programs, script: Script) -> Iterator[Diagnostic]:
         + [one.when.name for one in script.changes if isinstance(one.when, When)]
     ):
         if name not in known:
-            near = nearest(name, known)
+            near = near_name(name, known)
             cure = f"write `{near}`" if near else "name a signal that they use"
             yield _NOT_USED(name=name, cure=cure)
 

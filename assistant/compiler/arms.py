@@ -12,7 +12,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import SETTINGS_FILE
-from assistant.base.diagnostics import Diagnostic, Refused, did_you_mean, error, warning
+from assistant.base.diagnostics import Diagnostic, Refused, error, warning
+from assistant.base.near_names import did_you_mean
 from assistant.base.source_text import SourceText, decode, path_of, read_bytes
 from assistant.program.program import Program
 from assistant.program.undeclared_names import SAME_ARM

@@ -19,8 +19,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
-from assistant.base.diagnostics import Diagnostic, Refused, did_you_mean, error, has_errors, warning
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.base.length_units import unit_stated
+from assistant.base.near_names import did_you_mean
 from assistant.base.source_text import SourceText, decode, folders_of, read_bytes
 from assistant.languages.language_types import Choice
 from assistant.program import pseudo

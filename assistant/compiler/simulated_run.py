@@ -37,6 +37,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant import languages, sources
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has_errors, warning
+from assistant.base.near_names import near_name
 from assistant.base.source_text import SourceText, decode, is_folder, lines_of, read_bytes
 from assistant.compiler.arms import Arms, teaching_arm
 from assistant.compiler.loader import (
@@ -58,7 +59,6 @@ from assistant.program.settings_tables import (
     Table,
     Wrong,
     kind_of,
-    nearest,
     read_toml,
     shown,
 )
@@ -355,7 +355,7 @@ def unknown_visits(script: Script, sources: Sequence[SourceText]) -> Iterator[Di
         place = change.when.place if isinstance(change.when, Visit) else ""
         if not place or place in names:
             continue
-        near = nearest(place, names)
+        near = near_name(place, names)
         cure = f"write `{near}`" if near else "write the name of a target as the program has it"
         if not sources:
             cure = "write the number of the visit, as `visit 3`: no text names targets"

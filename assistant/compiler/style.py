@@ -31,8 +31,8 @@ from assistant.base.diagnostics import (
     Span,
     Unreadable,
     error,
-    near_names,
 )
+from assistant.base.near_names import near_names
 from assistant.base.source_text import (
     NOT_FOUND,
     SourceText,

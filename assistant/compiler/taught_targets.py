@@ -141,7 +141,7 @@ def _target_values(
     numbers = (*position.position, *position.quaternion)
     if not all(map(math.isfinite, numbers)):
         raise Refused(_POSE_INCOMPLETE())
-    found = {
+    found: dict[str, Any] = {
         "position": rounded(position.position, 4),
         "quaternion": rounded(rotations.canonical(position.quaternion).tolist(), 9),
     }

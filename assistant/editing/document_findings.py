@@ -12,7 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.base.diagnostics import Diagnostic, Span, has_errors, near_names
+from assistant.base.diagnostics import Diagnostic, Span, has_errors
+from assistant.base.near_names import near_names
 from assistant.editing.answers import Change, Fix, Found
 from assistant.editing.symbols import editable, named
 from assistant.editing.text_lines import Place, Range

@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from typing import Any, Final
 
 import numpy as np
@@ -19,6 +18,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.diagnostics import Diagnostic, Refused, Rule, Span, Unreadable, error, warning
 from assistant.base.length_units import UNITS
+from assistant.base.near_names import near_name
 from assistant.base.source_text import SourceText
 from assistant.base.toml_text import KeyPath, key_spans, parse_toml
 from assistant.program.geometry import Quaternion, Vector
@@ -336,16 +336,9 @@ class Table:
 
     def _unknown(self, key: str, keys: Mapping[str, Read]) -> None:
         where = f"in [{'.'.join(shown(p) for p in self.path)}]" if self.path else "here"
-        near = nearest(key, keys)
+        near = near_name(key, keys)
         cure = f"write `{near}`" if near else f"use one of {listed(list(keys))}"
         self.say(_UNKNOWN_KEY, key, key=shown(key), where=where, cure=cure)
-
-
-def nearest(given: str, known: Iterable[str]) -> str | None:
-    """The known name that is most like the given one, without case."""
-    plain: Final = {name.casefold(): name for name in known}
-    close = get_close_matches(given.casefold(), plain, n=1, cutoff=0.7)
-    return plain[close[0]] if close else None
 
 
 _NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")

@@ -22,11 +22,12 @@ from assistant import __version__
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import file_in_folder, scratch_folder, write_all, write_files
+from assistant.base.near_names import near_name
 from assistant.compiler.checker import check_files
 from assistant.compiler.merge_edits import WRITTEN, Keeper, Kept, MergeChoices
 from assistant.findings.formats import finding_record
 from assistant.findings.severities import apply_severities
-from assistant.program.settings_tables import listed, nearest, shown
+from assistant.program.settings_tables import listed, shown
 from assistant.project import rules
 from assistant.project.build_jobs import (
     BuildOrder,
@@ -243,7 +244,7 @@ def chosen_orders(project: Project, names: Sequence[str]) -> list[tuple[Place, R
     found: list[Diagnostic] = []
     for name in names:
         if name not in known:
-            near = nearest(name, sorted(known))
+            near = near_name(name, sorted(known))
             cure = f"write `{near}`" if near else f"there are: {listed(sorted(known))}"
             if name in unwanted:
                 cure = "write it into `programs` of a target"

@@ -18,8 +18,9 @@ from pathlib import PurePosixPath
 from typing import Any, Final, get_args
 
 from assistant import languages, robots
-from assistant.base.diagnostics import Diagnostic, Refused, has_errors, near_names
+from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.length_units import UNITS
+from assistant.base.near_names import near_name, near_names
 from assistant.base.source_text import is_file, is_folder
 from assistant.compiler.style import STYLE_KEYS
 from assistant.controllers import Named, controllers_of
@@ -34,7 +35,7 @@ from assistant.program import settings_tables
 from assistant.program.program import IDENTIFIER
 from assistant.program.project_file import CONTROLLERS, DEPLOY, PROGRAMS, TARGETS
 from assistant.program.project_file import STYLE as STYLE_TABLE
-from assistant.program.settings_tables import Page, Read, Table, Wrong, listed, nearest, shown
+from assistant.program.settings_tables import Page, Read, Table, Wrong, listed, shown
 from assistant.project import rules
 
 PROJECT_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
@@ -418,7 +419,7 @@ class _Reader:
         """What to write instead of a file that is not there."""
         beside = file.parent if is_folder(file.parent) else self.folder
         names = sorted(one.name for one in beside.iterdir() if one.is_file())
-        near = nearest(file.name, names)
+        near = near_name(file.name, names)
         if near is None:
             return "put it there, or correct its name"
         return f"write `{(beside / near).relative_to(self.folder).as_posix()}`"

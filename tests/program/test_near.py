@@ -3,7 +3,8 @@
 import pytest
 
 from assistant import languages, robots
-from assistant.base.diagnostics import Refused, near_names
+from assistant.base.diagnostics import Refused
+from assistant.base.near_names import near_names
 from assistant.compiler.arms import known_robot
 from assistant.compiler.loader import language_of
 

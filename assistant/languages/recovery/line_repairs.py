@@ -11,10 +11,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import Any, Final, NamedTuple
 
 from assistant.base.diagnostics import Diagnostic, Rule, Span
+from assistant.base.near_names import spelled_like
 from assistant.base.source_text import SourceText
 from assistant.languages.lalr import END
 from assistant.languages.line_grammar import LineGrammar
@@ -176,7 +176,7 @@ def _correct_words(
         known = syntax.words
         if word is stop.word:
             known = [w for w, types in syntax.keywords.items() if fitting & set(types)]
-        for near in get_close_matches(written.upper(), known, n=3, cutoff=_ALIKE):
+        for near in spelled_like(written, known, 3, _ALIKE):
             meant = syntax.spelled(near)
             what = f"`{written}` is not known: is it `{meant}`?"
             cost = NEAR + (word is not stop.word)

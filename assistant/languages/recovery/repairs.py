@@ -8,7 +8,6 @@ placeholder.
 
 from __future__ import annotations
 
-import difflib
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from functools import cached_property
 from itertools import islice
 from typing import Final
 
+from assistant.base.near_names import spelled_like
 from assistant.languages.lalr import END, Kept, Tables
 from assistant.languages.recovery.syntax import STRANGE, Blocks, Lexeme, Syntax, column
 
@@ -326,7 +326,7 @@ def _correct_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             following = b.words[row + 1].text if row + 1 < len(b.words) else ""
             two = (word.text + following).lower() in reserved
             foreign = () if two else changes.foreign.get(word.text.lower(), ())
-            for near in (*foreign, *difflib.get_close_matches(word.text.lower(), reserved, 3, 0.7)):
+            for near in (*foreign, *spelled_like(word.text, reserved, 3)):
                 type = reserved[near]
                 mended = (*b.words[:row], word._replace(type=type))
                 behind = row + 1

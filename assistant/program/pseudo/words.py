@@ -6,7 +6,6 @@ of a line, with the words that would have fitted.
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Iterable, Iterator
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 from lark import Token, Tree
 
 from assistant.base.diagnostics import Rule, Span, error
+from assistant.base.near_names import spelled_like
 from assistant.base.source_text import with_line_feeds
 from assistant.program.program import IDENTIFIER
 from assistant.resources import read_grammar
@@ -461,7 +461,7 @@ def _wrong(start: Start, text: str, position: int, found: str, expected: set[str
     after = len(text) - len(text.lstrip()) + len(word)
     words = FIRST_WORDS.get(start, ())
     if word and word not in words and not text[after:position].strip():
-        near = difflib.get_close_matches(word.lower(), words, n=3)
+        near = spelled_like(word, words, 3, least=0.6)
         cure = " or ".join(f"`{n}`" for n in near or words[:_MOST_EXPECTED])
         whole = Token("WORD", word, after - len(word), end_pos=after)
         return Wrong(UNKNOWN_WORD, whole, word=shortened(word), cure=f"write {cure}")

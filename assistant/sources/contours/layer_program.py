@@ -14,9 +14,10 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.base.diagnostics import Diagnostic, error, info, warning
+from assistant.base.near_names import near_name
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
-from assistant.program.settings_tables import nearest, shown
+from assistant.program.settings_tables import shown
 from assistant.program.statements import Comment, Statement
 from assistant.sources.contours.chains import Contour, chain_curves, wide_gaps, without_overlaps
 from assistant.sources.contours.contour_order import (
@@ -196,7 +197,7 @@ def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Dia
     findings = []
     for name in layers:
         if name.casefold() not in there:
-            near = nearest(name, drawn)
+            near = near_name(name, drawn)
             cure = f"did you mean {shown(near)}?" if near else "draw some, or delete its table"
             findings.append(_NO_CONTOURS(layer=shown(name), cure=cure))
     return findings

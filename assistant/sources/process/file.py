@@ -121,6 +121,7 @@ from typing import Any, Final
 
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Refused, error, has_errors
+from assistant.base.near_names import near_name
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.program import settings_tables
 from assistant.program import settings_tables as values
@@ -134,7 +135,6 @@ from assistant.program.settings_tables import (
     Table,
     Wrong,
     listed,
-    nearest,
     read_toml,
     shown,
 )
@@ -384,7 +384,7 @@ class DefinedNames:
         for name in known:
             if name.casefold() == given.casefold():
                 return name
-        near, shown_name = nearest(given, known), shown(given)
+        near, shown_name = near_name(given, known), shown(given)
         cure = (
             f"write {near}"
             if near

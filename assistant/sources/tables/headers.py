@@ -26,7 +26,6 @@ Every angle may be in `_rad` as well. Case and outer blanks do not matter.
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -35,8 +34,8 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import Rule, Severity, error
 from assistant.base.length_units import UNITS
+from assistant.base.near_names import near_name, spelled_like
 from assistant.program.motion import CONFIGURATION_COLUMNS
-from assistant.program.settings_tables import nearest
 
 ERROR: Final = Severity.ERROR
 UNKNOWN_COLUMN = error("TB101", "there is no column called {name}", "{cure}")
@@ -225,7 +224,7 @@ def _column(index: int, given: str) -> tuple[Column | None, Problem | None]:
 
 
 def _unknown(index: int, given: str) -> Problem:
-    near = nearest(given.strip(), KNOWN)
+    near = near_name(given.strip(), KNOWN)
     cure = f"did you mean `{near}`? " if near else "docs/tables.md lists the columns; "
     cure += "put `_` before the name of a column that is not for the robot"
     return Problem(UNKNOWN_COLUMN, index, {"name": shown(given), "cure": cure})
@@ -285,4 +284,4 @@ def _sibling(names: Sequence[str], columns: Sequence[Column], group: str, part: 
     """The name of a missing part, spelled as the parts that are there."""
     there = next(n.strip().lower() for n, c in zip(names, columns, strict=True) if c.group == group)
     choices = [name for name, c in KNOWN.items() if c.group == group and c.part == part]
-    return difflib.get_close_matches(there, choices, n=1, cutoff=0.0)[0]
+    return spelled_like(there, choices, 1, least=0.0)[0]

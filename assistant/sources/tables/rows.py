@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, info, warning
+from assistant.base.near_names import near_name
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
-from assistant.program.settings_tables import nearest
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.contours.path_tolerance import (
     ROUNDING_RADII,
@@ -338,7 +338,7 @@ def known_frame(name: str, process: Process) -> str | None:
 
 def cure_for(kind: str, name: str, table: Mapping[str, Any]) -> str:
     """What to do about a tool, frame or signal that nobody declared."""
-    if near := nearest(name, table):
+    if near := near_name(name, table):
         return f"did you mean `{near}`?"
     return f"declare it in the process file: `[{kind}s.{identifier(name)}]`"
 

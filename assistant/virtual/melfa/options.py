@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from difflib import get_close_matches
 from types import NoneType, UnionType
 from typing import Any, Final, Literal, Union, get_args, get_origin, get_type_hints
 
 from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.base.near_names import near_name
 from assistant.virtual.kernel.kernel import CLOCK_START
 
 Frame = tuple[float, float, float, float, float, float]
@@ -126,8 +126,8 @@ def choose(given: Mapping[str, object]) -> Options:
     taken: dict[str, Any] = {}
     for name, value in given.items():
         if name not in hints:
-            near = get_close_matches(name, hints, n=1, cutoff=0.7)
-            cure = f"write `{near[0]}`" if near else f"there are {', '.join(hints)}"
+            near = near_name(name, hints)
+            cure = f"write `{near}`" if near else f"there are {', '.join(hints)}"
             findings.append(_NO_OPTION(name=name, cure=cure))
         elif (read := _read_option(hints[name], value)) is None:
             allowed = _allowed_text(hints[name])

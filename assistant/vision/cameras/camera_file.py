@@ -23,8 +23,9 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.base.budgets import SETTINGS_FILE
-from assistant.base.diagnostics import Refused, has_errors, near_names
+from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.file_sets import write_files
+from assistant.base.near_names import near_names
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.base.toml_edits import toml_text
 from assistant.cell.body_tables import PLACE_KEYS, pose_of
