@@ -210,15 +210,20 @@ def _with_changed_pair(text: str, span: Span, names: KeyPath, value: Any) -> str
     start, end = text.rfind("\n", 0, span.start) + 1, next_line(text, span.end)
     document = tomlkit.parse(text[start:end])
     table: Any = document
-    for name in names[:-1]:
-        table = table[int(name) if isinstance(table, list) else name]
+    while len(names) > 1 and (isinstance(table, list) or names[0] in table):
+        key: Any = int(names[0]) if isinstance(table, list) else names[0]
+        table, names = table[key], names[1:]
+    for name in reversed(names[1:] if value is not None else ()):
+        value = {name: value}
     if value is None:
-        del table[names[-1]]
-    elif names[-1] not in table:
-        table.add(names[-1], toml_item(value))
+        if len(names) > 1 or names[0] not in table:
+            return text
+        del table[names[0]]
+    elif names[0] not in table:
+        table.add(names[0], toml_item(value))
     else:
         before = document.as_string()
-        table[names[-1]] = toml_item(value)
+        table[names[0]] = toml_item(value)
         trivia = _only_value(document).trivia
         longer = len(document.as_string()) - len(before)
         if trivia.comment and "\n" not in before[: before.index(trivia.comment)]:

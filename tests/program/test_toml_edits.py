@@ -37,6 +37,9 @@ ENTRIES = "[[t]]\nn = 1\n\n[t.s]\nv = 1\n\n[[t]]\nn = 2  # two\n[[t.u]]\nw = 1\n
         # Inline tables.
         ("a = {b = 1, c = {d = 2}} # x\n", "a.c.d", 3, "a = {b = 1, c = {d = 3}} # x\n"),
         ("a = {b = 1, c = 2}\n", "a.c", None, "a = {b = 1 }\n"),
+        ("a = {b = 1}\n", "a.c.d.e", 2, "a = {b = 1, c = {d = {e = 2}}}\n"),
+        ("a = {b = 1}\n", "a.c", None, "a = {b = 1}\n"),
+        ("a = {b = 1}\n", "a.b.c", None, None),
         ("a = [{b = 1}, {b = 2}]\n", "a.1.b", 3, "a = [{b = 1}, {b = 3}]\n"),
         ("a = 1\n", "b", {"c d": [1, {"e": "f"}]}, 'a = 1\nb = {"c d" = [1, {e = "f"}]}\n'),
         # Dotted keys.
