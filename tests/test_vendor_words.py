@@ -48,7 +48,7 @@ EXCEPTIONS: Final = {
     ("cli/app.py", "reset"): "the name of a command",
     ("cli/app.py", "melfa"): "help: what the program is for",
     ("cli/demo.py", "j_curr"): "what the second program on its virtual controller sends",
-    ("cli/controller_commands.py", "reset"): "the name of our own command",
+    ("cli/controller_state.py", "reset"): "the name of our own command",
     ("cli/options.py", "melfa"): "help: whose frames the option is about",
     ("editing/answers.py", "function"): "a sort of word",
     ("editing/answers.py", "readonly"): "what editors call it",

@@ -19,7 +19,7 @@ KNOWN = {
     "report/workspace.py": "into memory",
     "blocks/display.py": "into memory",
     "blocks/fmu/co_simulation.py": "for a compiler, in a folder for the moment",
-    "cli/controller_commands.py": "a log, which grows by a row at a time",
+    "cli/controller_state.py": "a log, which grows by a row at a time",
     "controllers/abb/ftp.py": "a part that later runs go on with",
     "controllers/abb/sftp.py": "on the controller",
     "controllers/recording.py": "into memory",
