@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -65,41 +66,46 @@ def written(given: Program, name: str, frames: Frames = "base") -> str:
     return "\n".join(line.strip() for line in lines[end + 1 :])
 
 
+STATEMENTS = [
+    ("WaitTime 0.5;", "DLY 0.5"),
+    ("SetDO glue,1;", "M_OUT(5)=1"),
+    ("PulseDO\\High\\PLength:=0.3,glue;", "M_OUT(5)=1 DLY 0.3"),
+    ("SetAO pressure,3;", "M_DOUT(6010)=3"),
+    ("WaitDI ok,1;", "WAIT M_IN(7)=1"),
+    ("SetDO hand1_open,1;", "HOPEN 1"),
+    ("AccSet 50,100;", "ACCEL 50,50"),
+    ("VelSet 40,5000;", "OVRD 40"),
+    ("Stop;", "HLT"),
+    ("Incr n;", "MN=MN+1"),
+    ("n:=Round(Sqrt(Abs(n))+ATan2(n,1));", "MN=CINT(SQR(ABS(MN))+DEG(ATN2(MN,1)))"),
+    ("n:=Sin(30)*2;", "MN=SIN(RAD(30))*2"),
+    ("n:=Distance(home.trans,seat.trans);", "MN=DIST(PHOME,PSEAT)"),
+    ('t:="no. "+NumToStr(n,0);', 'CT$="no. "+STR$(CINT(MN))'),
+    ("t:=StrPart(t,2,3);", "CT$=MID$(CT$,2,3)"),
+    ("n:=StrLen(t);", "MN=LEN(CT$)"),
+    ("spot:=home;", "PSPOT=PHOME"),
+    ("spot.trans.x:=spot.trans.x+5;", "PSPOT.X=PSPOT.X+5"),
+    ("axes:=CJointT();", "JAXES=J_CURR"),
+    ("axes.robax.rax_2:=15;", "JAXES.J2=RAD(15)"),
+    ("n:=axes.robax.rax_3;", "MN=DEG(JAXES.J3)"),
+    ("heights{2}:=heights{n}+1;", "MHEIGHTS(2)=MHEIGHTS(MN)+1"),
+    ("FOR i FROM 3 TO 1 STEP -1 DO\nn:=n+i;\nENDFOR",
+     "FOR MI=3 TO 1 STEP -1\nMN=MN+MI\nNEXT MI"),
+    ("WHILE n<3 DO\nn:=n+1;\nENDWHILE", "WHILE MN<3\nMN=MN+1\nWEND"),
+]  # fmt: skip
+
+
 @pytest.mark.parametrize("name", DIALECTS)
-@pytest.mark.parametrize(
-    ("main", "lines"),
-    [
-        ("WaitTime 0.5;", "DLY 0.5"),
-        ("SetDO glue,1;", "M_OUT(5)=1"),
-        ("PulseDO\\High\\PLength:=0.3,glue;", "M_OUT(5)=1 DLY 0.3"),
-        ("SetAO pressure,3;", "M_DOUT(6010)=3"),
-        ("WaitDI ok,1;", "WAIT M_IN(7)=1"),
-        ("SetDO hand1_open,1;", "HOPEN 1"),
-        ("AccSet 50,100;", "ACCEL 50,50"),
-        ("VelSet 40,5000;", "OVRD 40"),
-        ("Stop;", "HLT"),
-        ("Incr n;", "MN=MN+1"),
-        ("n:=Round(Sqrt(Abs(n))+ATan2(n,1));", "MN=CINT(SQR(ABS(MN))+DEG(ATN2(MN,1)))"),
-        ("n:=Sin(30)*2;", "MN=SIN(RAD(30))*2"),
-        ("n:=Distance(home.trans,seat.trans);", "MN=DIST(PHOME,PSEAT)"),
-        ('t:="no. "+NumToStr(n,0);', 'CT$="no. "+STR$(CINT(MN))'),
-        ("t:=StrPart(t,2,3);", "CT$=MID$(CT$,2,3)"),
-        ("n:=StrLen(t);", "MN=LEN(CT$)"),
-        ("spot:=home;", "PSPOT=PHOME"),
-        ("spot.trans.x:=spot.trans.x+5;", "PSPOT.X=PSPOT.X+5"),
-        ("axes:=CJointT();", "JAXES=J_CURR"),
-        ("axes.robax.rax_2:=15;", "JAXES.J2=RAD(15)"),
-        ("n:=axes.robax.rax_3;", "MN=DEG(JAXES.J3)"),
-        ("heights{2}:=heights{n}+1;", "MHEIGHTS(2)=MHEIGHTS(MN)+1"),
-        ("FOR i FROM 3 TO 1 STEP -1 DO\nn:=n+i;\nENDFOR",
-         "FOR MI=3 TO 1 STEP -1\nMN=MN+MI\nNEXT MI"),
-        ("WHILE n<3 DO\nn:=n+1;\nENDWHILE", "WHILE MN<3\nMN=MN+1\nWEND"),
-    ],
-)  # fmt: skip
-def test_one_statement(name: str, main: str, lines: str) -> None:
+def test_statements_one_by_one(name: str) -> None:
+    """All are in one program, each after a comment with its number."""
     data = " VAR num n;\n VAR string t;\n VAR robtarget spot;\n VAR jointtarget axes;\n"
-    text = written(program(main, data=data + " VAR num heights{3};\n"), name)
-    assert lines.upper() in text.upper()
+    data += " VAR num heights{3};\n"
+    main = "\n".join(f"! --{row}--\n{one}" for row, (one, _) in enumerate(STATEMENTS))
+    text = written(program(main, data=data), name).upper()
+    _, *parts = re.split(r"^' --\d+--$", text, flags=re.MULTILINE)
+    assert len(parts) == len(STATEMENTS), text
+    for part, (one, lines) in zip(parts, STATEMENTS, strict=True):
+        assert lines.upper() in part, one
 
 
 @pytest.mark.parametrize("name", DIALECTS)
