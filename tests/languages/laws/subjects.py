@@ -23,8 +23,9 @@ from tests.examples import drawn
 
 LANGUAGES: Final = (*(name for name in languages.names() if name != "toy"), "toy")
 every_language = pytest.mark.parametrize("name", LANGUAGES)
+assert settings.default is not None
 few = settings(
-    max_examples=8,
+    max_examples=5 if settings.default.derandomize else 8,
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterable
 from functools import cache
+from itertools import islice
 
 import pytest
 from hypothesis import given
@@ -60,11 +61,12 @@ def test_every_rule_of_a_language_has_a_page(name: str) -> None:
         assert Severity.ERROR in severities
 
 
-@every_language
-def test_what_is_found_in_a_damaged_text_points_into_it(name: str) -> None:
+def finds_what_points_into_the_text(name: str, start: int, step: int) -> None:
+    """start, step: of the damages of the same text."""
     language = languages.get(name)
     (data,) = written(language, language.adapt(WAITING).program).values()
-    for _, _, text in damaged(language.decode(data).text, language.comment_mark):
+    spoilt = damaged(language.decode(data).text, language.comment_mark)
+    for _, _, text in islice(spoilt, start, None, step):
         tree = language.parse(text)
         findings = (*tree.findings, *language.check([tree]))
         are_of_rules(name, findings)
@@ -74,6 +76,18 @@ def test_what_is_found_in_a_damaged_text_points_into_it(name: str) -> None:
             assert finding.line is not None and finding.column is not None, finding
             assert finding.excerpt == lines[finding.line - 1]
             assert 1 <= finding.column <= len(finding.excerpt) + 1
+
+
+@every_language
+def test_what_is_found_in_a_damaged_text_points_into_it(name: str) -> None:
+    """Those damages around which `test_texts.py` does not read."""
+    finds_what_points_into_the_text(name, 1, 2)
+
+
+@pytest.mark.slow
+@every_language
+def test_what_is_found_in_a_text_damaged_in_every_way_points_into_it(name: str) -> None:
+    finds_what_points_into_the_text(name, 0, 1)
 
 
 @every_language

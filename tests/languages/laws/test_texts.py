@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from itertools import islice
 from pathlib import Path
 
 import pytest
@@ -30,10 +31,9 @@ from tests.languages.laws.subjects import (
     read,
     written,
 )
+from tests.tables import every_row
 
-every_text = pytest.mark.parametrize(
-    ("name", "file"), TEXTS, ids=[f"{name}-{file.name}" for name, file in TEXTS]
-)
+every_text = every_row(("name", "file"), TEXTS)
 
 
 def test_every_language_has_texts() -> None:
@@ -69,8 +69,8 @@ def codes(tree) -> Counter[str]:
     return Counter(finding.code for finding in tree.findings)
 
 
-@every_language
-def test_a_damaged_line_is_found_and_the_others_are_read(name: str) -> None:
+def is_read_around(name: str, step: int) -> None:
+    """A damaged line is found, and the other ones are read. step: from damage to damage."""
     language = languages.get(name)
     (data,) = written(language, language.adapt(WAITING).program).values()
     text = language.decode(data).text
@@ -78,7 +78,7 @@ def test_a_damaged_line_is_found_and_the_others_are_read(name: str) -> None:
     assert waits(whole) == list(WAITS)
     own = {text.count("\n", 0, wait.span.start) + 1: wait for wait in waits(whole) if wait.span}
     assert len(own) == len(WAITS)
-    for line, lost, spoilt in damaged(text, language.comment_mark):
+    for line, lost, spoilt in islice(damaged(text, language.comment_mark), 0, None, step):
         tree = language.parse(spoilt)
         assert language.render(tree) == spoilt
         assert line in {finding.line for finding in errors(tree.findings)}, spoilt
@@ -88,6 +88,18 @@ def test_a_damaged_line_is_found_and_the_others_are_read(name: str) -> None:
             assert [wait for wait in left if wait != own.get(line)] == [
                 wait for wait in WAITS if wait != own.get(line)
             ], spoilt
+
+
+@every_language
+def test_a_damaged_line_is_found_and_the_others_are_read(name: str) -> None:
+    """Of the three damages every other one: each line has one of them, or two."""
+    is_read_around(name, 2)
+
+
+@pytest.mark.slow
+@every_language
+def test_a_line_damaged_in_every_way_is_found_and_the_others_are_read(name: str) -> None:
+    is_read_around(name, 1)
 
 
 def waits(program: Program) -> list[p.Wait]:

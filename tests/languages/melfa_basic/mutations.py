@@ -32,4 +32,4 @@ def _tokens(text: str) -> Tokens:
     return [t for t in TOKENS.finditer(text) if not t["comment"]]
 
 
-__all__ = ["PROGRAMS", "Mutation", "language_of", "mutations"]
+__all__ = ["KINDS", "PROGRAMS", "Mutation", "language_of", "mutations"]

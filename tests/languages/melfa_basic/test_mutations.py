@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import pytest
 
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Severity
-from tests.languages.melfa_basic.mutations import PROGRAMS, Mutation, language_of, mutations
+from tests.languages.melfa_basic.mutations import KINDS, PROGRAMS, Mutation, language_of, mutations
 
 LEAST, LEAST_MISSPELT, LEAST_NEEDED = 0.95, 0.90, 0.85
 
@@ -20,7 +20,11 @@ LEAST, LEAST_MISSPELT, LEAST_NEEDED = 0.95, 0.90, 0.85
 def damaged(*kinds: str) -> tuple[tuple[Mutation, list[Diagnostic]], ...]:
     """Each mutation with what is found in it."""
     made = mutations(kinds) if kinds else mutations()
-    return tuple((one, findings_of(one.program, one.text)) for one in made)
+    return tuple(found_in(made))
+
+
+def found_in(made: Iterable[Mutation]) -> Iterator[tuple[Mutation, list[Diagnostic]]]:
+    return ((one, findings_of(one.program, one.text)) for one in made)
 
 
 def findings_of(program: str, text: str) -> list[Diagnostic]:
@@ -83,6 +87,20 @@ def test_a_line_that_another_needs_is_missed() -> None:
 
 
 def test_findings_point_into_the_text() -> None:
-    for mutation, found in (*damaged(), *damaged("line dropped")):
+    """In every fourth of the damaged programs, of all kinds of damage and all programs."""
+    made = [*mutations(), *mutations(("line dropped",))][::4]
+    assert {(one.program, one.kind) for one in made} == {
+        (path.name, kind) for path in PROGRAMS for kind in (*KINDS, "line dropped")
+    }
+    point_into_the_text(found_in(made))
+
+
+@pytest.mark.slow
+def test_findings_point_into_the_text_of_all_damaged_programs() -> None:
+    point_into_the_text((*damaged(), *damaged("line dropped")))
+
+
+def point_into_the_text(cases: Iterable[tuple[Mutation, list[Diagnostic]]]) -> None:
+    for mutation, found in cases:
         for finding in found:
             assert mutation.holds(finding), finding

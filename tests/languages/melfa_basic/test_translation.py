@@ -56,8 +56,9 @@ def comes_back(program: Program, name: str, frames: Frames) -> None:
     assert languages.get(name).with_frames(frames).adapt(adapted).program == adapted
 
 
+assert settings.default is not None
 random_programs = settings(
-    max_examples=drawn(12),
+    max_examples=5 if settings.default.derandomize else 12,
     deadline=None,
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],

@@ -25,4 +25,4 @@ def _tokens(text: str) -> Tokens:
     return [t for t in TOKENS.finditer(text) if not (t["comment"] or t["header"])]
 
 
-__all__ = ["PROGRAMS", "Mutation", "mutations"]
+__all__ = ["KINDS", "PROGRAMS", "Mutation", "mutations"]

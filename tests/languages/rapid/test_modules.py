@@ -63,6 +63,7 @@ def kinds(node: Any, seen: set[type]) -> set[type]:
     return seen
 
 
+@pytest.mark.slow  # it is about the strategy
 @pytest.mark.filterwarnings("ignore:Generating overly large repr")  # of the file that is found
 def test_every_kind_of_node_is_made() -> None:
     every = {kind for kind in vars(s).values() if isinstance(kind, type)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Severity
-from tests.languages.rapid.mutations import PROGRAMS, Mutation, mutations
+from tests.languages.rapid.mutations import KINDS, PROGRAMS, Mutation, mutations
 
 RAPID = languages.get("rapid")
 LEAST = 0.95
@@ -41,6 +42,20 @@ def test_damage_is_found_where_it_is() -> None:
 
 
 def test_findings_point_into_the_text() -> None:
-    for mutation, found in damaged():
+    """In every third of the damaged programs, of all kinds of damage and all programs."""
+    made = [*mutations()][::3]
+    assert {(one.program, one.kind) for one in made} == {
+        (path.name, kind) for path in PROGRAMS for kind in KINDS
+    }
+    point_into_the_text((one, findings_of(one.text)) for one in made)
+
+
+@pytest.mark.slow
+def test_findings_point_into_the_text_of_all_damaged_programs() -> None:
+    point_into_the_text(damaged())
+
+
+def point_into_the_text(cases: Iterable[tuple[Mutation, list[Diagnostic]]]) -> None:
+    for mutation, found in cases:
         for finding in found:
             assert mutation.holds(finding), finding
