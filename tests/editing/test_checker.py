@@ -30,6 +30,14 @@ def checker():
     made.close()
 
 
+@pytest.fixture(scope="module")
+def lasting():
+    """Also of other tests, each with a path of its own."""
+    made = Checker()
+    yield made
+    made.close()
+
+
 def apart(workspace: Workspace, checker: Checker) -> Workspace:
     workspace.apart = checker.look
     return workspace
@@ -54,11 +62,11 @@ def typed(workspace: Workspace, path: str, text: str, *changes: Change) -> list[
         ("p.pseudo", "program p\n\nprocedure main\n  wait 1\nend\n"),
     ],
 )
-def test_findings_from_the_process_are_those_from_here(tmp_path, checker, path, text):
+def test_findings_from_the_process_are_those_from_here(tmp_path, lasting, path, text):
     name = str(tmp_path / path)
     at = Range(Place(3, 8), Place(3, 8))
     changes = Change(at, "x"), Change(at, "("), Change(Range(Place(3, 8), Place(3, 10)), "")
-    there = typed(apart(Workspace(), checker), name, text, *changes)
+    there = typed(apart(Workspace(), lasting), name, text, *changes)
     here = typed(Workspace(), name, text, *changes)
     shown = [[str(one) for one in found] for found in there]
     assert shown == [[str(one) for one in found] for found in here]
