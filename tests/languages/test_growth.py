@@ -31,7 +31,7 @@ KNOWN = {one.name: one for one in flows()}
         ("MELFA-BASIC: subroutines in a ring", 30),
         ("MELFA-BASIC: subroutines in a ring, with jumps", 20),
         ("MELFA-BASIC: For in each other", 100),
-        ("MELFA-BASIC: an interrupt and subroutines", 40),
+        ("MELFA-BASIC: an interrupt and subroutines", 20),
     ],
 )
 def test_four_times_the_program_is_at_most_about_four_times_the_work(

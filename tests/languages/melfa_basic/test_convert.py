@@ -325,7 +325,7 @@ def test_what_a_dialect_lacks_is_refused_on_that_way_too(text: str) -> None:
 
 
 def test_blocks_far_too_deep_are_refused() -> None:
-    deep = [f"For M{n}=1 To 2" for n in range(2000)] + ["Next"] * 2000
+    deep = [f"For M{n}=1 To 2" for n in range(1200)] + ["Next"] * 1200
     assert any("too deep" in message for message in errors("\n".join(deep) + "\nEnd\n", VI, IV))
 
 

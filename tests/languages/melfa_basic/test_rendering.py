@@ -188,7 +188,7 @@ def test_moves_are_numbered_in_place() -> None:
 
 
 def test_a_table_of_many_rows_is_changed_without_an_object_a_row() -> None:
-    n = 200_000
+    n = 40_000
     numbers = np.arange(1, n + 1)
     values = np.round(np.random.default_rng(0).uniform(-900, 900, (n, 6)), 2)
     table = PositionRows("P", numbers, values, np.tile([7, 0], (n, 1)))

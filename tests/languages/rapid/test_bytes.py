@@ -75,7 +75,7 @@ CASES = {
 def crossed(body: str) -> Translation:
     local = "VAR rawbytes b;\nVAR rawbytes two{2};\nVAR message one;\nVAR message two_of;\n"
     head = f"{HEAD}VAR message all;\nPROC main()\n{local}VAR num x;\nVAR string t;\n"
-    return crossed_module(head, f"{body}\nENDPROC", runs=2, seconds=20.0)
+    return crossed_module(head, f"{body}\nENDPROC", seconds=20.0)
 
 
 @pytest.mark.parametrize("name", CASES)

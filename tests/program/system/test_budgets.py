@@ -153,9 +153,11 @@ budgets.PERIOD, budgets.REPEAT_AFTER, budgets.MOST_TIMES = 0.0002, 0.0003, 1000
 outer, inner = Stage("outer", "-", 5e-4, 0, 512, 0), Stage("inner", "-", 2e-4, 0, 512, 0)
 begin, refused = time.monotonic(), 0
 
-def going():  # at least 1.5 s, and on a busy computer until enough was refused
+least, enough = float(sys.argv[1]), int(sys.argv[2])
+
+def going():  # at least so long, and on a busy computer until enough was refused
     gone = time.monotonic() - begin
-    return gone < 1.5 or (refused <= 100 and gone < 40.0)
+    return gone < least or (refused <= enough and gone < 40.0)
 
 def work():
     global refused
@@ -180,12 +182,19 @@ for one in threads:
 for one in threads:
     one.join()
 time.sleep(0.2)
-print(refused > 100, len(budgets.watch.entered()))
+print(refused > enough, len(budgets.watch.entered()))
 """
 
 
-def test_what_is_told_while_entering_and_leaving_holds_nothing():
+@pytest.mark.parametrize(
+    ("seconds", "refused"), [("0.3", "15"), pytest.param("1.5", "100", marks=pytest.mark.slow)]
+)
+def test_what_is_told_while_entering_and_leaving_holds_nothing(seconds: str, refused: str) -> None:
     run = subprocess.run(
-        [sys.executable, "-c", STRESS], capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", STRESS, seconds, refused],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
     )
     assert (run.stdout.strip(), run.returncode) == ("True 0", 0), run.stderr

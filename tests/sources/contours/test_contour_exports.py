@@ -85,7 +85,7 @@ CASES = [
 
 @pytest.mark.parametrize(("keys", "offset", "tolerance"), CASES)
 def test_exports_stop_where_they_turn(keys, offset, tolerance, tmp_path):
-    contours = sheet(1, 4, tolerance)
+    contours = sheet(1, 2, tolerance)
     check(contours, compiled(tmp_path, contours, keys, tolerance), offset, tolerance)
 
 

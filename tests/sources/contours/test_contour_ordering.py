@@ -94,14 +94,13 @@ def test_a_closed_contour_starts_where_the_tool_comes_from():
     assert result.after == pytest.approx(10.0)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(5))
 def test_small_tours_are_near_the_best_there_is(seed):
     random = np.random.default_rng(seed)
-    parts = [line(*random.uniform(0, 100, (2, 3))) for _ in range(6)]
+    parts = [line(*random.uniform(0, 100, (2, 3))) for _ in range(5)]
     best = math.inf
-    for order in itertools.permutations(range(6)):
-        for turns in itertools.product((False, True), repeat=6):
+    for order in itertools.permutations(range(5)):
+        for turns in itertools.product((False, True), repeat=5):
             chosen = [
                 parts[i].reversed() if t else parts[i] for i, t in zip(order, turns, strict=False)
             ]

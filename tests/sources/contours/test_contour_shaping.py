@@ -16,6 +16,7 @@ from assistant.sources.contours.curves import Arc, FreeCurve, Line
 from assistant.sources.contours.layer_program import contour_program
 from assistant.sources.process.file import parse_process
 from tests.sources.contours.whole import whole_paths
+from tests.tables import every_row
 
 
 def box(width, height=None, at=(0.0, 0.0), layer="CUT", z=0.0):
@@ -365,7 +366,7 @@ def test_ellipses_are_offset_as_arcs_and_lines():
     assert fitted.startswith("1 ellipses")
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("keys", "code"),
     [
         ("offset = 0", "CT303"),

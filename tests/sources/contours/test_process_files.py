@@ -31,6 +31,7 @@ from assistant.sources.process import file as process_file
 from assistant.sources.process import file as process_layers
 from assistant.sources.process.file import parse_process, read_process
 from tests.examples import drawn
+from tests.tables import every_row
 
 
 def parse(text):
@@ -236,7 +237,7 @@ BAD = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "code", "line", "message", "cure"), BAD)
+@every_row(("text", "code", "line", "message", "cure"), BAD)
 def test_what_is_wrong_is_said_with_line_and_cure(text, code, line, message, cure):
     (finding,) = refused(text)
     assert (finding.code, finding.severity) == (code, Severity.ERROR)
@@ -403,7 +404,7 @@ def test_no_value_anywhere_gives_another_error(entries):
 GLUE = "[signals.glue]\n[motion]\nspeed = 50\n[layers.GLUE]\non = {glue = 1}\noff = {glue = 0}\n"
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("keys", "code", "named"),
     [
         ("on_before = {mm = 60}", "CT342", "`on_before` is 60 mm"),
