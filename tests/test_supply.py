@@ -19,6 +19,8 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from tests.tables import every_row
+
 PROJECT = Path(__file__).parent.parent
 PINNED = re.compile(r"^(?P<name>[a-z0-9-]+)==(?P<version>[^ ;]+)(?: ; (?P<when>.+?))? \\$", re.M)
 PYTHONS = ("3.11", "3.12", "3.13")
@@ -50,8 +52,8 @@ def pins() -> dict[str, list[re.Match[str]]]:
     return found
 
 
-@pytest.mark.parametrize("python", PYTHONS)
-@pytest.mark.parametrize("one", needed(), ids=str)
+@every_row("python", PYTHONS)
+@every_row("one", needed())
 def test_a_version_is_pinned_of_all_that_is_asked_for(one, python):
     here = {"python_version": python, "python_full_version": f"{python}.1", "sys_platform": "linux"}
     if one.marker is not None and not one.marker.evaluate(here):

@@ -10,6 +10,7 @@ from assistant.base.diagnostics import Refused
 from assistant.editing import service
 from assistant.editing.service import Change, Place, Range, Workspace
 from tests.editing.typing import kept, made
+from tests.tables import every_row
 
 PIECES = (
     *("(", ")", '"', "'", "!", "#", ";", "\n", "\r\n", "\r", "\t", "\0", "🤖", "ä", "\u2028", "`"),
@@ -80,11 +81,11 @@ def test_any_text_and_place_of_all_files_has_an_answer(tell):
     tell(f"{len(texts) * states:,} damaged states of {len(texts)} files asked about: all answered")
 
 
-@pytest.mark.parametrize(
+@every_row(
     "text",
     ["", "\n" * 5000, "(" * 20_000, '"' * 20_000, "\0", "🤖" * 5000, "\r" * 300, "a" * 100_000],
 )
-@pytest.mark.parametrize("suffix", ["mod", "mb5", "pseudo"])
+@every_row("suffix", ["mod", "mb5", "pseudo"])
 def test_odd_texts_have_answers(text, suffix):
     document = Workspace().open(f"/nowhere/odd.{suffix}", text)
     asked(document, random.Random(1))

@@ -27,6 +27,7 @@ from assistant.languages.rapid.reading.parser import Nodes as RapidNodes
 from assistant.languages.rapid.reading.parser import parse as parse_rapid
 from docs.grammars import GRAMMAR, current
 from tests.languages.lark_trees import everything, node_of
+from tests.tables import every_row
 
 ROOT: Final = Path(__file__).parent.parent.parent
 HERE: Final = Path(__file__).parent
@@ -229,7 +230,7 @@ def test_plain_lark_and_the_reader_refuse_the_same_when_characters_are_missing(
 # ---------------------------------------------------------------------------- odd texts
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("language", "text", "accepted"),
     [
         ("rapid", "", False),

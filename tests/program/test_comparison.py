@@ -18,6 +18,7 @@ from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program, Signal, Variable
 from assistant.program.pseudo.printer import part_text
 from assistant.program.statements import Branch, Comment, Follow, If, Motion, Move, SetSignal, Wait
+from tests.tables import every_row
 
 PATH = Path.of(
     "seam",
@@ -96,7 +97,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("change", CHANGES)
+@every_row("change", list(CHANGES))
 def test_every_change_is_found(change):
     result = compare(PROGRAM, CHANGES[change](PROGRAM), Tolerance(1e-3, 1e-3, 1e-6))
     assert not result.same
@@ -153,7 +154,7 @@ PARTS = (
 )
 
 
-@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+@every_row("part", PARTS)
 def test_what_differs_is_told_in_words_of_the_text_form(part: Any) -> None:
     text = part_text(part)
     assert text and "\n" not in text

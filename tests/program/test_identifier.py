@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,9 +19,10 @@ from assistant.program.statements import (
     While,
 )
 from tests import strategies
+from tests.tables import every_row
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("given_", "name"),
     [
         ("seam", "seam"),

@@ -12,6 +12,7 @@ from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import LINE_ENDS, SourceText, lines_of
 from assistant.compiler import check_files, translate
 from assistant.controllers.mitsubishi.programs import program_lines as listed_lines
+from tests.tables import every_row
 
 HIDDEN = {
     "TEST1.prg": "10 ' a {}15 HLT\r\n20 DLY 1\r\n30 END\r\n",
@@ -29,7 +30,7 @@ def found(name: str, text: str) -> list[tuple[str, int | None, int | None]]:
 
 
 @both
-@pytest.mark.parametrize("character", list(LINE_ENDS), ids=[hex(ord(c)) for c in LINE_ENDS])
+@every_row("character", list(LINE_ENDS))
 def test_what_may_end_a_comment_is_an_error_at_its_place(name: str, character: str) -> None:
     text, at = HIDDEN[name].format(character), HIDDEN[name].index("{}")
     line, column = text[:at].count("\n") + 1, at - text.rfind("\n", 0, at)
@@ -50,7 +51,7 @@ def test_it_is_neither_translated_nor_laid_out(name: str, tmp_path: Path) -> Non
 
 
 @both
-@pytest.mark.parametrize("character", list(LINE_ENDS), ids=[hex(ord(c)) for c in LINE_ENDS])
+@every_row("character", list(LINE_ENDS))
 def test_at_the_edge_of_a_line_it_does_not_matter(name: str, character: str) -> None:
     text = HIDDEN[name].format("").replace("\r\n", f" {character}\r\n", 1)
     assert "IN008" not in [code for code, *_ in found(name, text)]
@@ -77,8 +78,8 @@ def test_a_comment_of_a_tree_is_written_on_one_line(character: str) -> None:
     assert not has_errors(rapid.parse(written).findings)
 
 
-@pytest.mark.parametrize("character", ["\n", *LINE_ENDS])
-@pytest.mark.parametrize("number", [0, 1, 2])
+@every_row("character", ["\n", *LINE_ENDS])
+@every_row("number", [0, 1, 2])
 def test_a_comment_of_melfa_basic_is_written_on_one_line(number: int, character: str) -> None:
     basic = languages.get("melfa-basic-5")
     tree = basic.parse("1 'a\r\n2 Hlt 'a\r\n3 End\r\n")

@@ -22,6 +22,7 @@ from assistant.program.statements import (
     While,
 )
 from tests.strategies import HOSTILE_TEXTS
+from tests.tables import every_row
 
 FIXTURES = FilePath(__file__).parent / "fixtures"
 LINES = [
@@ -56,12 +57,12 @@ def test_a_file_is_read_with_its_encoding(tmp_path: FilePath) -> None:
     assert read(file) == parse(text)
 
 
-@pytest.mark.parametrize("line", LINES)
+@every_row("line", LINES)
 def test_a_line_prints_as_it_was_read(line: str) -> None:
     assert printed_body(in_main(line)) == [line]
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("written", "printed"),
     [
         ("  wait   1   s", "wait 1 s"),
@@ -181,7 +182,7 @@ def test_a_mark_of_comment_inside_a_text_or_a_name_is_no_comment() -> None:
 # ---------------------------------------------------------------------------- hostile texts
 
 
-@pytest.mark.parametrize("text", HOSTILE_TEXTS)
+@every_row("text", HOSTILE_TEXTS)
 def test_hostile_texts_come_back_and_never_leave_their_line(text: str) -> None:
     program = Program(
         "p",

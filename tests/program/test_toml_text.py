@@ -13,6 +13,7 @@ from assistant.base.source_text import SourceText
 from assistant.base.toml_text import LONG_KEY, MOST_PARTS, parse_toml
 from assistant.robots.robot_file import read as read_robot
 from assistant.sources.process.file import parse_process
+from tests.tables import every_row
 
 
 def dotted(parts: int, part: str = "a", dot: str = ".") -> str:
@@ -30,8 +31,8 @@ def robot(text: str) -> object:
 LONG = dotted(MOST_PARTS + 1)
 
 
-@pytest.mark.parametrize("read", [process, robot, lambda text: parse_toml(text, "x.toml")])
-@pytest.mark.parametrize(
+@every_row("read", [process, robot, lambda text: parse_toml(text, "x.toml")])
+@every_row(
     "line",
     [
         f"{LONG} = 1",
@@ -43,7 +44,6 @@ LONG = dotted(MOST_PARTS + 1)
         dotted(MOST_PARTS + 1, "'a b'", "\t.") + " = 1",
         dotted(1_000_000) + " = 1",
     ],
-    ids=range(8),
 )
 def test_a_key_of_too_many_parts_is_refused_at_its_line(
     read: Callable[[str], object], line: str

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import get_args
-
-import pytest
 
 from assistant import robots
 from assistant.program import statements as p
 from assistant.program.program import walk
 from assistant.program.pseudo import parse
 from assistant.robots.timing import simulate
+from tests.tables import every_row
 
 LINES: dict[type, str] = {
     p.Move: "move linear target [350, 0, 400] [0, 0, 1, 0] speed 100 mm/s blend fine",
@@ -69,6 +69,7 @@ AT_ONCE = ("sets", "marks", "says")
 """Traits that take no time."""
 
 
+@cache
 def told(line: str) -> tuple[float, int]:
     """Seconds of a program with a line, and how many things nothing tells the time of."""
     program = parse(PROGRAM.format(line=line))
@@ -83,7 +84,7 @@ def test_every_statement_has_a_trait_and_a_line() -> None:
         assert any(type(statement) is kind for statement in walk(procedure.body)), kind
 
 
-@pytest.mark.parametrize("kind", LINES, ids=lambda kind: kind.__name__)
+@every_row("kind", list(LINES))
 def test_a_statement_takes_time_is_noted_or_is_done_at_once(kind: type) -> None:
     """A statement that is new to whoever times a program must not pass for nothing."""
     changed = told(LINES[kind]) != told("# nothing")

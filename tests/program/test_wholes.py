@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import pytest
-
 from assistant.program import expressions as e
 from assistant.program import pseudo
 from assistant.program.analysis.integer_inference import NumberFacts, without_needless_rounding
 from assistant.program.program import Program
+from tests.tables import every_row
 
 HEAD = """\
 program cell
@@ -39,7 +38,7 @@ def known(made: Program, name: str) -> tuple[bool, bool]:
     return found.whole, found.positive
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("lines", "name", "wanted"),
     [
         (["a = b + part"], "a", (True, True)),

@@ -30,6 +30,7 @@ from tests.languages.laws.subjects import (
     programs,
     written,
 )
+from tests.tables import every_row
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +192,7 @@ def test_a_comment_in_any_script_is_proven(name: str, text: str) -> None:
 
 
 @every_language
-@pytest.mark.parametrize(
+@every_row(
     "statement",
     [
         p.Opaque("another language", "do it"),
@@ -200,7 +201,6 @@ def test_a_comment_in_any_script_is_proven(name: str, text: str) -> None:
         p.Assign(e.Name("spot"), e.PoseValue(Pose((math.inf, 0.0, 0.0)))),
         p.If((p.Branch(e.Truth(True), (p.Opaque("another language", "do it"),)),)),
     ],
-    ids=lambda statement: type(statement).__name__,
 )
 def test_what_cannot_be_said_is_an_error_that_keeps_all_from_being_written(
     name: str, statement: p.Statement
@@ -224,7 +224,7 @@ ODD = {
 
 
 @every_language
-@pytest.mark.parametrize("statement", ODD.values(), ids=ODD)
+@every_row("statement", ODD.values())
 def test_what_is_odd_is_an_error_or_proven(name: str, statement: p.Statement) -> None:
     program = Program("job", (Procedure("main", (statement,)),), **PARTS)
     if not errors(languages.get(name).adapt(program).findings):

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import pytest
-
 from assistant.base.source_text import SourceText
 from assistant.compiler.checker import check_text
+from tests.tables import every_row
 
 ROWS: dict[str, tuple[int, str, list[str]]] = {
     "a jump elsewhere": (5, "X=1+\nGoTo *LOP", ["MB002 1", "MB101 2"]),
@@ -35,7 +34,7 @@ ROWS: dict[str, tuple[int, str, list[str]]] = {
 }
 
 
-@pytest.mark.parametrize(("version", "text", "expected"), ROWS.values(), ids=ROWS)
+@every_row(("version", "text", "expected"), ROWS)
 def test_damage(version: int, text: str, expected: list[str]) -> None:
     source = SourceText(text + "\n", "A.prg")
     checked = check_text(source, language=f"melfa-basic-{version}")

@@ -6,6 +6,7 @@ import pytest
 
 from assistant import languages
 from assistant.program.expressions import Effect, unknown_effect
+from tests.tables import every_row
 
 MELFA = languages.get("melfa-basic-6")
 
@@ -15,7 +16,7 @@ def does(*flags: str, reads: str = "", writes: str = "", calls: str = "") -> Eff
     return Effect(*named, "moves" in flags, "jumps" in flags, "waits" in flags)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "expected"),
     [
         ("P1.X=M2(M3)+P_Curr.Y", does(reads="p1 m2 m3 p_curr", writes="p1 m3")),

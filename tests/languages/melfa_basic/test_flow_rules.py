@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import pytest
-
 from assistant import languages
 from tests.languages.melfa_basic.ruled import Row, found
+from tests.tables import every_row
 
 BLOCKS: dict[str, Row] = {
     "For without Next": ("For M1=1 To 3\nDly 1", ["MB105 1:1"]),
@@ -64,7 +63,7 @@ BLOCKS: dict[str, Row] = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), BLOCKS.values(), ids=BLOCKS)
+@every_row(("text", "expected"), BLOCKS)
 def test_blocks(text: str, expected: list[str]) -> None:
     assert found(5, text) == expected
 
@@ -143,7 +142,7 @@ WAYS: dict[str, Row] = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), WAYS.values(), ids=WAYS)
+@every_row(("text", "expected"), WAYS)
 def test_ways_through_a_program(text: str, expected: list[str]) -> None:
     assert found(5, text) == expected
 

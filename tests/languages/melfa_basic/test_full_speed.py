@@ -8,6 +8,7 @@ from assistant.base.diagnostics import Severity
 from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.loader import load_text
+from tests.tables import every_row
 
 PLACES = """P1=(+310,+0,+400,+180,+0,+180)(7,0)
 P2=(+330,+0,+420,+180,+0,+180)(7,0)
@@ -39,7 +40,7 @@ PROGRAMS = {
 }
 
 
-@pytest.mark.parametrize("name", PROGRAMS)
+@every_row("name", list(PROGRAMS))
 def test_implicit_full_speed_is_told(name: str) -> None:
     lines, expected = PROGRAMS[name]
     code = ("Tool P_NTool", "Base P_NBase", *lines, "End")

@@ -11,6 +11,7 @@ from assistant import languages
 from assistant.compiler import Translation, load
 from assistant.program import statements as p
 from assistant.program.statements import Reason
+from tests.tables import every_row
 
 MELFA = "melfa-basic-5"
 POSITIONS = "".join(f"P{i}=({i}00,0,300,180,0,180)(7,0)\n" for i in range(1, 9))
@@ -155,7 +156,7 @@ WHERE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", WHERE)
+@every_row("name", list(WHERE))
 def test_moves_that_an_interrupt_may_come_before(name: str) -> None:
     text, targets = WHERE[name]
     assert interrupted(text) == targets

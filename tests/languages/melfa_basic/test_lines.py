@@ -6,6 +6,7 @@ import pytest
 
 from assistant import languages
 from assistant.languages.melfa_basic.tree import syntax as s
+from tests.tables import every_row
 
 FIVE = languages.get("melfa-basic-5")
 
@@ -116,7 +117,7 @@ LINES = """\
 """.replace("\\\\", "\\").splitlines()
 
 
-@pytest.mark.parametrize("line", LINES)
+@every_row("line", LINES)
 def test_lines_are_read_and_kept(line: str) -> None:
     read(line)
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-
 from tests.languages.melfa_basic.ruled import Row, found, taught
+from tests.tables import every_row
 
 MOVES: dict[str, Row] = {
     "a position of zeros": ("Mov P1\nP1=(0,0,0,0,0,0)(0,0)", ["MB701 1:5"]),
@@ -86,6 +85,6 @@ MOVES: dict[str, Row] = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), MOVES.values(), ids=MOVES)
+@every_row(("text", "expected"), MOVES)
 def test_motion(text: str, expected: list[str]) -> None:
     assert found(5, text) == expected

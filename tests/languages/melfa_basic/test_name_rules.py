@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-
 from tests.languages.melfa_basic.ruled import Row, found, taught
+from tests.tables import every_row
 
 LINES: dict[str, Row] = {
     "a jump without label": ("GoTo *X", ["MB101 1:6"]),
@@ -64,7 +63,7 @@ LINES: dict[str, Row] = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), LINES.values(), ids=LINES)
+@every_row(("text", "expected"), LINES)
 def test_lines_and_names(text: str, expected: list[str]) -> None:
     assert found(5, text) == expected
 
@@ -96,6 +95,6 @@ STEPS: dict[str, Row] = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), STEPS.values(), ids=STEPS)
+@every_row(("text", "expected"), STEPS)
 def test_steps_of_the_oldest_version(text: str, expected: list[str]) -> None:
     assert found(4, text) == expected

@@ -12,6 +12,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.pseudo.statements import statement_text
 from assistant.program.rewriting import rewrite
+from tests.tables import every_row
 
 MELFA = languages.get("melfa-basic-5")
 TEXT = """10 Spd 100
@@ -30,7 +31,7 @@ def on_way(text: str) -> list[str]:
     return [line.partition(" set ")[2] for line in lines]
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("append", "said"),
     [
         ("Wth M_Out(5)=1", "do_5 = 1 at 0 mm from start"),

@@ -16,6 +16,7 @@ from assistant.program import statements as p
 from assistant.program.geometry import Configuration
 from assistant.program.motion import FINE, Blend, Path, Speed
 from assistant.program.program import Procedure, Program, Signal
+from tests.tables import every_row
 
 FIVE = languages.get("melfa-basic-5")
 FOUR = languages.get("melfa-basic-4")
@@ -121,7 +122,7 @@ def test_written_program_goes_to_another_version() -> None:
     assert FOUR.lift(FOUR.parse(text)).procedures == adapted.program.procedures
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("lines", "code"),
     [
         ("10 GOTO *X", "MB101"),

@@ -9,6 +9,7 @@ import pytest
 from assistant import languages
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.base.source_text import SourceText
+from tests.tables import every_row
 
 FOUR, FIVE, SIX = (languages.get(f"melfa-basic-{n}") for n in (4, 5, 6))
 PLACE = "P1=(+1.00,+2.00,+3.00,+180.00,+0.00,+180.00)(7,0)\r\n"
@@ -20,7 +21,7 @@ def name_of(file: str, text: str | bytes) -> str | None:
     return None if found is None else found.name
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("file", "text", "expected"),
     [
         ("A.prg", "10 MOV P1\r\n20 END\r\n" + PLACE, "melfa-basic-4"),
@@ -64,7 +65,7 @@ def test_files_of_the_controller_are_named_as_such(file: str, level: int) -> Non
     assert "text" in finding.cure
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("comment", "encoding"),
     [
         ("ロボット", "cp932"),
@@ -77,7 +78,7 @@ def test_files_of_the_controller_are_named_as_such(file: str, level: int) -> Non
         ("plain", "ascii"),
     ],
 )
-@pytest.mark.parametrize("newline", ["\r\n", "\n", "\r"])
+@every_row("newline", ["\r\n", "\n", "\r"])
 def test_bytes_come_back(comment: str, encoding: str, newline: str) -> None:
     text = newline.join(["1 '" + comment, "2 Mvs P1", "M1=3 '\"", ""])
     source = FIVE.decode(text.encode(encoding))

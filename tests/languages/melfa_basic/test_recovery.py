@@ -13,11 +13,12 @@ from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.mistakes import Slip
 from tests.examples import drawn
+from tests.tables import every_row
 
 FIVE = languages.get("melfa-basic-5")
 
 
-@pytest.mark.parametrize("mistake", MISTAKES, ids=lambda m: m.example)
+@every_row("mistake", MISTAKES)
 def test_usual_mistakes(mistake: Slip) -> None:
     before, _, behind = mistake.example.replace("{{", "{").replace("}}", "}").partition("¦")
     tree = FIVE.parse(before + behind + "\r\n")
@@ -29,7 +30,7 @@ def test_usual_mistakes(mistake: Slip) -> None:
     assert FIVE.render(tree) == before + behind + "\r\n"
 
 
-@pytest.mark.parametrize("word", sorted(foreign_words()))
+@every_row("word", sorted(foreign_words()))
 def test_words_of_other_languages(word: str) -> None:
     _, cure = foreign_words()[word]
     tails = ["", " M1", " P1", " M1=1", " 1,0", ' "A"', " M1=1 Then"]
@@ -38,7 +39,7 @@ def test_words_of_other_languages(word: str) -> None:
     assert (4, cure) in [(finding.column, finding.cure) for finding in first]
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("line", "said", "cure"),
     [
         ("10 If M1=1 ¦Mov P1", "`Then` is missing", "write `Then`"),

@@ -13,6 +13,7 @@ from assistant.base.diagnostics import Severity
 from assistant.base.source_text import SourceText
 from assistant.languages.melfa_basic.checks import CHECKS
 from tests.languages.melfa_basic.ruled import QUIET, found, taught
+from tests.tables import every_row
 
 SAMPLES = Path(__file__).parents[3] / "samples"
 
@@ -42,7 +43,7 @@ def test_programs_together(texts: list[str], expected: list[str]) -> None:
 STARTS_B = 'XRun 2,"B"'
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("texts", "expected"),
     [
         # straight on

@@ -19,13 +19,14 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.recovery.syntax import Stop
 from tests.examples import drawn
+from tests.tables import every_row
 
 FIXTURES = FilePath(__file__).parent / "fixtures"
 IDENTITY = (FIXTURES / "identity.txt").read_text().splitlines()
 FIVE = languages.get("melfa-basic-5")
 
 
-@pytest.mark.parametrize("line", IDENTITY)
+@every_row("line", IDENTITY)
 def test_identity(line: str) -> None:
     tree = FIVE.parse(line + "\n")
     assert not tree.findings

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.languages.melfa_basic.ruled import Row, found, numbered, taught
+from tests.tables import every_row
 
 VALUES: dict[str, Row] = {
     "an override of 0": ("Ovrd 0", ["MB601 1:6"]),
@@ -109,7 +110,7 @@ VALUES: dict[str, Row] = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), VALUES.values(), ids=VALUES)
+@every_row(("text", "expected"), VALUES)
 def test_values_and_types(text: str, expected: list[str]) -> None:
     assert found(5, text) == expected
 
@@ -147,7 +148,7 @@ OLDEST: dict[str, Row] = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), OLDEST.values(), ids=OLDEST)
+@every_row(("text", "expected"), OLDEST)
 def test_what_the_oldest_version_lacks(text: str, expected: list[str]) -> None:
     chain = [numbered(f'CALLP "{name}"') for name in "CDEFGHI"]
     assert found(4, numbered(text), *chain, numbered("END")) == expected

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
+from tests.tables import every_row
 
 from .test_lower import program, written
 from .test_procedures import NUMBERS
@@ -13,8 +14,8 @@ COUNTED = " FUNC num counted(num k)\n  n:=n+1;\n  RETURN k;\n ENDFUNC\n"
 TAKEN = " FUNC num taken(INOUT num k)\n  k:=k-1;\n  RETURN 1;\n ENDFUNC\n"
 
 
-@pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-5"])
-@pytest.mark.parametrize(
+@every_row("name", ["melfa-basic-4", "melfa-basic-5"])
+@every_row(
     ("line", "said"),
     [
         ("m:=n+counted(1);", False),

@@ -6,6 +6,7 @@ import pytest
 
 from assistant import languages
 from assistant.program.expressions import Effect, unknown_effect
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 
@@ -15,7 +16,7 @@ def does(*flags: str, reads: str = "", writes: str = "", calls: str = "") -> Eff
     return Effect(*named, "moves" in flags, "jumps" in flags, "waits" in flags)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "expected"),
     [
         ("a.x:=B{i}+c.trans.y;", does(reads="a b i c", writes="a")),

@@ -13,6 +13,7 @@ from assistant import compiler, languages
 from assistant.base.diagnostics import Refused
 from assistant.languages.rapid.reading.files import listed, newline_of
 from tests.examples import drawn
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 MODULE = (
@@ -21,8 +22,8 @@ MODULE = (
 ENCODINGS = ("utf-8-sig", "utf-8", "cp1252", "latin-1", "utf-16-le", "utf-16-be")
 
 
-@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize("encoding", ENCODINGS)
+@every_row("newline", ["\n", "\r\n", "\r"])
+@every_row("encoding", ENCODINGS)
 def test_every_encoding_and_line_end_comes_back(encoding: str, newline: str) -> None:
     mark = "\ufeff" if encoding.startswith("utf-16") else ""
     data = (mark + MODULE.replace("\n", newline)).encode(encoding)

@@ -12,6 +12,7 @@ from assistant.base.diagnostics import Rule, Severity
 from assistant.base.source_text import SourceText
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import CHECKS
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 OF_CALLS = ("RA40", "RA41", "RA42", "RA43", "RA44")
@@ -112,7 +113,7 @@ DECLARATIONS = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), DECLARATIONS.values(), ids=DECLARATIONS)
+@every_row(("text", "expected"), DECLARATIONS)
 def test_declarations(text: str, expected: list[tuple[str, int]]) -> None:
     assert found(module(text)) == expected
 
@@ -205,7 +206,7 @@ STATEMENTS = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), STATEMENTS.values(), ids=STATEMENTS)
+@every_row(("text", "expected"), STATEMENTS)
 def test_statements(text: str, expected: list[tuple[str, int]]) -> None:
     assert found(routine(text)) == expected
 
@@ -510,8 +511,8 @@ MOUNTED = {
 }
 
 
-@pytest.mark.parametrize("many", [1, 9])
-@pytest.mark.parametrize("case", MOUNTED)
+@every_row("many", [1, 9])
+@every_row("case", list(MOUNTED))
 def test_tools_and_work_objects_that_no_controller_takes(case: str, many: int) -> None:
     data, more, expected = MOUNTED[case]
     moves = "MoveL p,v100,z10,tG\\WObj:=wT;\n" * many

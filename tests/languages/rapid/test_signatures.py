@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import pytest
-
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.constants import LONGEST_NAME, SPEEDS, ZONES
 from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.signatures import Parameter, Signature
+from tests.tables import every_row
 
 ALL = [found for name in predefined.rows() if (found := signature(name))]
 
@@ -24,7 +23,7 @@ def test_every_line_is_a_routine_of_its_own() -> None:
     assert {routine.kind for routine in ALL} == {"PROC", "FUNC"}
 
 
-@pytest.mark.parametrize("routine", ALL, ids=lambda routine: routine.name)
+@every_row("routine", ALL)
 def test_a_routine_is_declared_as_rapid_could(routine: Signature) -> None:
     parameters = [one for slot in routine.slots for one in slot.alternatives]
     names = [name for slot in routine.slots for name in {p.name.lower() for p in slot.alternatives}]

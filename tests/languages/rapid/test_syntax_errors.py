@@ -16,6 +16,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.recovery.reader import MOST_FINDINGS
 from tests.examples import drawn
 from tests.languages.rapid.mistakes import FURTHER
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 PLACE = "¦"
@@ -33,7 +34,7 @@ def framed(example: str) -> str:
     return f"MODULE m\nPROC p()\n{example}\nENDPROC\nENDMODULE\n"
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("cure", "example"),
     [
         *((mistake.cure, mistake.example) for mistake in MISTAKES),

@@ -17,6 +17,7 @@ from assistant.languages.rapid.tables.constants import RESERVED
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.syntax import FEWEST_IN_RUN
 from tests.examples import drawn
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 LINES = (Path(__file__).parent / "identity.txt").read_text(encoding="utf-8").splitlines()
@@ -27,7 +28,7 @@ def test_the_grammar_reserves_the_same_words_as_the_tables() -> None:
     assert set(name.removeprefix("(?!(?:").partition(")")[0].split("|")) == RESERVED
 
 
-@pytest.mark.parametrize("line", [line.replace("¶", "\n") for line in LINES])
+@every_row("line", [line.replace("¶", "\n") for line in LINES])
 def test_every_construct_comes_back(line: str) -> None:
     tree = RAPID.parse(line)
     assert not tree.findings, tree.findings

@@ -19,6 +19,7 @@ from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.rapid.tree.syntax import File
 from tests.examples import drawn
 from tests.languages.rapid import modules
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 KNOWN = {rule.code for rule in vars(rules).values() if isinstance(rule, Rule)}
@@ -198,7 +199,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("case", CASES, ids=str)
+@every_row("case", CASES)
 def test_a_finding_stands_where_it_belongs(case: Case) -> None:
     found = findings(module(case.wrong, data=case.wrong_data))
     assert [f.code for f in found] == [case.rule.code], found

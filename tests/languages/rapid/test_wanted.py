@@ -7,6 +7,7 @@ import pytest
 from assistant.languages import get
 from assistant.program.program import Signal
 from assistant.program.undeclared_names import Wanted
+from tests.tables import every_row
 
 
 def wanted(*bodies: str) -> dict[str, Wanted]:
@@ -15,7 +16,7 @@ def wanted(*bodies: str) -> dict[str, Wanted]:
     return {one.name: one for one in rapid.wanted([rapid.parse(text) for text in texts])}
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("statement", "kind", "type"),
     [
         ("MoveJ p, v100, fine, x;", "tool", "tooldata"),

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 from ezdxf.document import Drawing
@@ -21,6 +22,7 @@ from assistant.sources.drawing import read, read_contents
 from assistant.sources.drawing.findings import shown
 from assistant.sources.process import NO_PROCESS
 from tests.examples import drawn
+from tests.tables import every_row
 
 Save = Callable[..., Path]
 
@@ -312,11 +314,10 @@ def test_broken_splines(
     assert (error.code, error.place) == ("DX205", f"SPLINE #{spline.dxf.handle}")
 
 
-@pytest.mark.parametrize("value", ["nan", "inf", "1e300", "-1e12"])
-@pytest.mark.parametrize(
-    "kind", ["LINE", "CIRCLE", "LWPOLYLINE", "POINT", "ELLIPSE", "SPLINE", "INSERT"]
-)
-def test_coordinates_that_are_no_place(save: Save, drawing: Drawing, kind: str, value: str) -> None:
+@every_row("value", ["nan", "inf", "1e300", "-1e12"])
+@every_row("kind", ["LINE", "CIRCLE", "LWPOLYLINE", "POINT", "ELLIPSE", "SPLINE", "INSERT"])
+def test_coordinates_that_are_no_place(save: Save, kind: str, value: str) -> None:
+    drawing = ezdxf.new("R2010", units=4)
     model = drawing.modelspace()
     drawing.blocks.new("DOT").add_line((0, 0), (1, 0))
     {

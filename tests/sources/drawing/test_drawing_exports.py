@@ -10,6 +10,7 @@ import pytest
 import assistant
 from assistant.base.diagnostics import Refused
 from tests.sources.contours.exports import ways
+from tests.tables import every_row
 
 HEAD = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1015\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n"
 
@@ -127,11 +128,11 @@ def test_a_spline_that_jumps_is_two_contours(jump, count, tmp_path):
         assert np.hypot(*np.diff(way.points, axis=0).T).max() < 5.0
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("given", "cure"),
     [("50,5", "50.5"), ("1,234.5", "1234.5"), ("1.5D+02", "1.5E+02"), ("4O.5", ""), ("12.3.4", "")],
 )
-@pytest.mark.parametrize("code", [10, 31, 62, 39, 1040])
+@every_row("code", [10, 31, 62, 39, 1040])
 def test_a_malformed_number_is_an_error(given, cure, code, tmp_path):
     numbers = {8: "CUT", 10: 0, 20: 0, 30: 0, 11: 50, 21: 0, 31: 0.0, code: given}
     body = "".join(f"{c}\n{v}\n" for c, v in numbers.items())

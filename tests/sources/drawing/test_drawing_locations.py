@@ -25,6 +25,7 @@ from assistant.program.statements import Call, Motion, Move
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS, Defaults, Process
 from tests.examples import drawn
+from tests.tables import every_row
 
 Save = Callable[..., Path]
 
@@ -274,7 +275,7 @@ def test_quaternion_off_unit_length(
 # Values.
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("values", "code", "tag"),
     [
         (angles("12,5"), "DX302", "RX"),
@@ -302,9 +303,8 @@ def test_quaternion_off_unit_length(
         ({"RX": 1, "RY": 2, "RZ": 3, "ORDER": "first"}, "DX301", "ORDER"),
     ],
 )
-def test_values_that_are_wrong(
-    save: Save, drawing: Drawing, values: dict[str, object], code: str, tag: str
-) -> None:
+def test_values_that_are_wrong(save: Save, values: dict[str, object], code: str, tag: str) -> None:
+    drawing = ezdxf.new("R2010", units=4)
     pose_block(drawing)
     insert = put(drawing.modelspace(), (0, 0), values)
     (error,) = errors(save(drawing))

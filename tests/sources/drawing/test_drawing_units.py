@@ -18,6 +18,7 @@ from assistant.program.statements import Follow
 from assistant.sources.contours.curves import Arc
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS
+from tests.tables import every_row
 
 Save = Callable[..., Path]
 
@@ -30,7 +31,7 @@ EXACT = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("code", EXACT)
+@every_row("code", list(EXACT))
 def test_every_code(save: Save, code: int) -> None:
     document = ezdxf.new("R2010", units=code)
     size = 100.0 / float(EXACT[code])  # 100 mm, which no unit makes too large or small

@@ -16,6 +16,7 @@ from assistant.program.program import Signal
 from assistant.sources.process import Defaults, Process
 from tests.examples import drawn
 from tests.sources.tables.test_csv_tables import CELL, POSE, read
+from tests.tables import every_row
 
 SIGNALS = Process(
     signals={
@@ -114,7 +115,7 @@ BAD = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", BAD)
+@every_row("case", list(BAD))
 def test_bad_input_is_refused_with_its_place_and_a_cure(case: str) -> None:
     text, code, line, words = BAD[case]
     with pytest.raises(Refused) as refused:

@@ -7,7 +7,6 @@ import sys
 from pathlib import Path as FilePath
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
@@ -32,6 +31,7 @@ from assistant.program.statements import (
 from assistant.sources.process import NO_PROCESS, Defaults, Process
 from assistant.sources.tables import csv_tables
 from tests.examples import drawn
+from tests.tables import every_row
 
 POSE = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
 CELL = Process(
@@ -158,9 +158,9 @@ def test_signals_waits_and_comments_of_named_rows() -> None:
     )
 
 
-@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
-@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@every_row("delimiter", [",", ";", "\t"])
+@every_row("newline", ["\n", "\r\n", "\r"])
+@every_row("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 def test_delimiters_line_ends_and_encodings(delimiter: str, newline: str, encoding: str) -> None:
     lines = ["# küche", "", "name," + POSE, "a,1,2,3,1,0,0,0", "", ' "b" , 4,5 ,6,1,0,"0",0', ""]
     text = newline.join(lines).replace(",", delimiter)

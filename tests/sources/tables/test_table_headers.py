@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from assistant.sources.tables import headers
 from assistant.sources.tables.headers import KNOWN, columns_of
+from tests.tables import every_row
 
 POSE = ["x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z"]
 TEMPTING = [
@@ -20,7 +21,7 @@ TEMPTING = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", TEMPTING)
+@every_row("name", TEMPTING)
 def test_an_ambiguous_name_is_refused_and_the_full_names_are_proposed(name: str) -> None:
     _, problems = columns_of([*POSE, name])
     (problem,) = problems

@@ -29,6 +29,7 @@ from assistant.sources import Reading
 from assistant.sources.process import NO_PROCESS, Defaults, Process
 from assistant.sources.tables.taught import read_taught
 from tests.examples import drawn
+from tests.tables import every_row
 
 CELL = Process(
     defaults=Defaults(speed=Speed(70.0), blend=Blend(3.0)),
@@ -183,7 +184,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("case", BAD)
+@every_row("case", list(BAD))
 def test_bad_input_is_refused_with_its_line_and_a_cure(case: str) -> None:
     text, code, line = BAD[case]
     with pytest.raises(Refused) as refused:

@@ -25,6 +25,7 @@ from assistant.program.statements import Follow, Move
 from assistant.sources.process import NO_PROCESS, Defaults, Process
 from assistant.sources.tables import waypoints
 from tests.examples import drawn
+from tests.tables import every_row
 
 RNG = np.random.default_rng(3)
 POSITIONS = RNG.uniform(-400, 400, (9, 3))
@@ -246,7 +247,7 @@ BAD: dict[str, tuple[str, bytes | str, str, str | None]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", BAD)
+@every_row("case", list(BAD))
 def test_bad_input_is_refused_with_its_place_and_a_cure(case: str, read: Any) -> None:
     name, data, code, place = BAD[case]
     if place == "zip":
