@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import queue
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -102,9 +101,9 @@ class Editor:
 
 
 @contextmanager
-def editor(*arguments: str) -> Iterator[Editor]:
+def editing(python: str) -> Iterator[Editor]:
     """A debugger's process with an editor at its standard streams."""
-    command = [sys.executable, "-m", "assistant", "debug", *arguments]
+    command = [python, "-m", "assistant", "debug"]
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     try:
         yield Editor(process)

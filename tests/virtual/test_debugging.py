@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path as FilePath
 
 import pytest
 
-from tests.virtual.editor import Editor, editor
+from tests.forks import Forks
+from tests.virtual.editor import Editor, editing
 
 MODULE = """MODULE Cell
   PERS num total := 0;
@@ -41,6 +45,21 @@ PROGRAM = """1 M1=1
 """
 
 
+Editing = Callable[[], AbstractContextManager[Editor]]
+"""Starts a debugger's process with an editor."""
+
+
+@pytest.fixture(scope="session")
+def python(forks: Forks) -> str:
+    """Python that has everything imported already."""
+    return str(forks.folder / "python")
+
+
+@pytest.fixture(scope="session")
+def editor(python: str) -> Editing:
+    return partial(editing, python)
+
+
 @pytest.fixture
 def module(tmp_path: FilePath) -> FilePath:
     path = tmp_path / "Cell.mod"
@@ -55,7 +74,9 @@ def program(tmp_path: FilePath) -> FilePath:
     return path
 
 
-def test_rapid_is_held_at_break_points_and_shows_calls_and_data(module: FilePath) -> None:
+def test_rapid_is_held_at_break_points_and_shows_calls_and_data(
+    module: FilePath, editor: Editing
+) -> None:
     with editor() as e:
         e.begin(module, (15,))
         stopped = e.event("stopped")
@@ -79,7 +100,7 @@ def points(e: Editor, path: FilePath, *asked: dict[str, object]) -> list[tuple[b
 
 
 def test_break_points_move_to_the_next_statement_or_are_not_verified(
-    module: FilePath, program: FilePath, tmp_path: FilePath
+    module: FilePath, program: FilePath, tmp_path: FilePath, editor: Editing
 ) -> None:
     other = tmp_path / "Other.mod"
     other.write_text(MODULE)
@@ -101,7 +122,9 @@ def test_break_points_move_to_the_next_statement_or_are_not_verified(
         assert e.stack()[0] == ("Main", 3)
 
 
-def test_a_pseudo_program_is_held_where_a_statement_begins(tmp_path: FilePath) -> None:
+def test_a_pseudo_program_is_held_where_a_statement_begins(
+    tmp_path: FilePath, editor: Editing
+) -> None:
     path = tmp_path / "two.pseudo"
     path.write_text("program Two\n\nprocedure main\n\n  wait 1 s\n  wait 2 s\nend\n")
     with editor() as e:
@@ -139,7 +162,7 @@ def stops(e: Editor, look: str) -> list[str]:
     ids=str,
 )
 def test_break_points_with_conditions_and_counts_hold_when_they_are_met(
-    module: FilePath, point: dict[str, object], stopped: list[str]
+    module: FilePath, point: dict[str, object], stopped: list[str], editor: Editing
 ) -> None:
     module.write_text(MODULE.replace("WaitDI ready, 1;", ""))
     with editor() as e:
@@ -147,7 +170,9 @@ def test_break_points_with_conditions_and_counts_hold_when_they_are_met(
         assert stops(e, "by") == stopped
 
 
-def test_log_points_say_what_expressions_are_and_hold_nothing(module: FilePath) -> None:
+def test_log_points_say_what_expressions_are_and_hold_nothing(
+    module: FilePath, editor: Editing
+) -> None:
     module.write_text(MODULE.replace("WaitDI ready, 1;", ""))
     log = {"line": 15, "logMessage": "by={by}, half {by/2}, {here.trans.x}, {gone}"}
     with editor() as e:
@@ -159,7 +184,9 @@ def test_log_points_say_what_expressions_are_and_hold_nothing(module: FilePath) 
         assert len(logged) == 3
 
 
-def test_melfa_conditions_see_variables_components_and_ports(program: FilePath) -> None:
+def test_melfa_conditions_see_variables_components_and_ports(
+    program: FilePath, editor: Editing
+) -> None:
     wrong = {"line": 5, "condition": "M1 >"}, {"line": 5, "hitCondition": "often"}
     with editor() as e:
         good = {"line": 5, "condition": "M1=5 and P1.Z>=400 and M_Out(3)=1"}
@@ -170,7 +197,7 @@ def test_melfa_conditions_see_variables_components_and_ports(program: FilePath) 
 
 
 def test_a_request_after_the_end_is_answered(module: FilePath) -> None:
-    with editor() as e:
+    with editing(sys.executable) as e:
         e.begin(module, (15,))
         e.event("stopped")
         e.ask("terminate")
@@ -180,7 +207,7 @@ def test_a_request_after_the_end_is_answered(module: FilePath) -> None:
         assert e.process.wait(30) == 0
 
 
-def test_steps_go_into_over_and_out_of_calls(module: FilePath) -> None:
+def test_steps_go_into_over_and_out_of_calls(module: FilePath, editor: Editing) -> None:
     with editor() as e:
         e.begin(module, stopOnEntry=True)
         assert e.event("stopped")["reason"] == "entry"
@@ -198,7 +225,9 @@ def test_steps_go_into_over_and_out_of_calls(module: FilePath) -> None:
             assert e.stack()[0] == place
 
 
-def test_melfa_is_stepped_and_shows_subroutines_positions_and_signals(program: FilePath) -> None:
+def test_melfa_is_stepped_and_shows_subroutines_positions_and_signals(
+    program: FilePath, editor: Editing
+) -> None:
     with editor() as e:
         e.begin(program, (8,))
         e.event("stopped")
@@ -216,7 +245,7 @@ def test_melfa_is_stepped_and_shows_subroutines_positions_and_signals(program: F
         assert e.data("Outputs")["3"] == "1"
 
 
-def test_an_input_that_is_set_ends_a_wait(program: FilePath) -> None:
+def test_an_input_that_is_set_ends_a_wait(program: FilePath, editor: Editing) -> None:
     with editor() as e:
         e.begin(program, (5,))
         e.event("stopped")
@@ -229,7 +258,9 @@ def test_an_input_that_is_set_ends_a_wait(program: FilePath) -> None:
         e.event("terminated")
 
 
-def test_a_wait_that_nothing_ends_is_told_and_ends_the_run(module: FilePath) -> None:
+def test_a_wait_that_nothing_ends_is_told_and_ends_the_run(
+    module: FilePath, editor: Editing
+) -> None:
     with editor() as e:
         e.begin(module)
         assert e.event("exited")["exitCode"] == 1
@@ -238,7 +269,9 @@ def test_a_wait_that_nothing_ends_is_told_and_ends_the_run(module: FilePath) -> 
         assert "ready" in said[-1]
 
 
-def test_a_program_that_never_ends_can_be_paused_and_left(tmp_path: FilePath) -> None:
+def test_a_program_that_never_ends_can_be_paused_and_left(
+    tmp_path: FilePath, editor: Editing
+) -> None:
     path = tmp_path / "L.prg"
     path.write_text("1 M1=0\n2 *LOOP\n3 M1=M1+1\n4 GoTo *LOOP\n")
     with editor() as e:
@@ -260,7 +293,7 @@ def test_a_program_that_never_ends_can_be_paused_and_left(tmp_path: FilePath) ->
     ],
 )
 def test_what_cannot_be_launched_is_refused_with_its_reason(
-    launch: dict[str, object], said: str, module: FilePath
+    launch: dict[str, object], said: str, module: FilePath, editor: Editing
 ) -> None:
     given = {k: str(module) if v == "{module}" else v for k, v in launch.items()}
     with editor() as e:
@@ -282,8 +315,8 @@ def test_what_cannot_be_launched_is_refused_with_its_reason(
         b"Content-Length: 2\r\n\r\n[]",
     ],
 )
-def test_what_is_no_message_ends_the_debugger_without_a_traceback(sent: bytes) -> None:
-    command = [sys.executable, "-m", "assistant", "debug"]
+def test_what_is_no_message_ends_the_debugger_without_a_traceback(sent: bytes, python: str) -> None:
+    command = [python, "-m", "assistant", "debug"]
     done = subprocess.run(command, input=sent, capture_output=True, timeout=60, check=False)
     assert done.returncode == 2
     assert b"Traceback" not in done.stderr
@@ -292,7 +325,9 @@ def test_what_is_no_message_ends_the_debugger_without_a_traceback(sent: bytes) -
 
 
 @pytest.mark.skipif(sys.version_info < (3, 12), reason="the client needs Python 3.12")
-def test_the_client_of_another_project_understands_what_is_said(module: FilePath) -> None:
+def test_the_client_of_another_project_understands_what_is_said(
+    module: FilePath, editor: Editing
+) -> None:
     from dap import DAPClient
 
     with editor() as e:

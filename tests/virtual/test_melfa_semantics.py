@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,21 +25,22 @@ from assistant.virtual.events import Moved, Run, Said, Stopped, Switched, Waited
 from assistant.virtual.melfa import Given, Options
 from assistant.virtual.melfa.values import Bare, Joints, Position, Value
 from tests.virtual.melfa_cell import POSITIONS, START
+from tests.virtual.tables import failures
 
-CASES = Path(__file__).parent / "semantics" / "melfa"
+FILES = sorted((Path(__file__).parent / "semantics" / "melfa").glob("*.toml"))
 
 
-def cases() -> Iterator[Any]:
-    for path in sorted(CASES.glob("*.toml")):
-        for name, case in tomllib.loads(path.read_text(encoding="utf-8")).items():
-            assert case["cites"]
-            for level in case.get("levels", [5]):
-                kept = [v for v in case.get("values", ()) if not _ends(v)]
-                alone = [[v] for v in case.get("values", ()) if _ends(v)]
-                for at, values in enumerate([kept, *alone] if kept else alone):
-                    yield pytest.param(case, level, values, id=f"{path.stem}-{name}-{level}-{at}")
-                if "program" in case:
-                    yield pytest.param(case, level, [], id=f"{path.stem}-{name}-{level}")
+def cases(file: Path) -> Iterator[tuple[str, dict[str, Any], int, list[list[Any]]]]:
+    """Names of the cases of a file, each with what it is, a version, and the values of one run."""
+    for name, case in tomllib.loads(file.read_text(encoding="utf-8")).items():
+        assert case["cites"]
+        for level in case.get("levels", [5]):
+            kept = [v for v in case.get("values", ()) if not _ends(v)]
+            alone = [[v] for v in case.get("values", ()) if _ends(v)]
+            for at, values in enumerate([kept, *alone] if kept else alone):
+                yield f"{name}-{level}-{at}", case, level, values
+            if "program" in case:
+                yield f"{name}-{level}", case, level, []
 
 
 def _ends(value: list[Any]) -> bool:
@@ -46,8 +48,13 @@ def _ends(value: list[Any]) -> bool:
     return str(value[1]).startswith(("error", "unknown"))
 
 
-@pytest.mark.parametrize(("case", "level", "values"), list(cases()))
-def test_a_case(case: dict[str, Any], level: int, values: list[list[Any]]) -> None:
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_the_cases_of_a_file(file: Path) -> None:
+    assert not failures((name, partial(holds, *case)) for name, *case in cases(file))
+
+
+def holds(case: dict[str, Any], level: int, values: list[list[Any]]) -> None:
+    """Asserts what a case states."""
     if not values:
         done, told = run(case, case["program"], level)
         assert (told, done.ended) == (case["expected"], case.get("ended", "end")), done.message
@@ -160,4 +167,6 @@ def _move(event: Moved) -> str:
 
 def test_there_are_enough_cases() -> None:
     """Each with what states it; those of several versions and expressions are counted once."""
-    assert len({(p.values[0]["cites"], str(p.values[0])) for p in cases()}) >= 150
+    found = [case for file in FILES for _, case, _, _ in cases(file)]
+    assert len({(case["cites"], str(case)) for case in found}) >= 150
+    assert len(found) >= 690

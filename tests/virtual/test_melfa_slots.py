@@ -12,7 +12,6 @@ each slot does to the world. `sent`: what goes out on lines. `ended`, `message`:
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,18 +25,22 @@ from assistant.virtual.melfa import Controller, Entry, Options
 from assistant.virtual.melfa.communication_lines import Wire
 from assistant.virtual.melfa.world import STEP_TIME
 from tests.virtual.melfa_cell import START
+from tests.virtual.tables import failures
 
-CASES = Path(__file__).parent / "semantics" / "melfa_slots"
-
-
-def cases() -> Iterator[Any]:
-    for path in sorted(CASES.glob("*.toml")):
-        for name, case in tomllib.loads(path.read_text(encoding="utf-8")).items():
-            yield pytest.param(case, id=f"{path.stem}-{name}")
+FILES = sorted((Path(__file__).parent / "semantics" / "melfa_slots").glob("*.toml"))
 
 
-@pytest.mark.parametrize("case", list(cases()))
-def test_a_case(case: dict[str, Any]) -> None:
+def cases(file: Path) -> dict[str, dict[str, Any]]:
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_the_cases_of_a_file(file: Path) -> None:
+    assert not failures((name, partial(holds, case)) for name, case in cases(file).items())
+
+
+def holds(case: dict[str, Any]) -> None:
+    """Asserts what a case states."""
     assert case["cites"]
     language = languages.get(f"melfa-basic-{case.get('level', 4)}")
     programs = {name: language.parse(text.strip()) for name, text in case["programs"].items()}
@@ -83,4 +86,4 @@ def _line(row: Logged) -> str:
 
 
 def test_there_are_enough_cases() -> None:
-    assert len(list(cases())) >= 30
+    assert sum(len(cases(file)) for file in FILES) >= 82

@@ -17,7 +17,7 @@ from tests.virtual.test_translated_melfa import SCENARIOS, SIGNALS
 from tests.virtual.test_translated_melfa import run_melfa as run_melfa_source
 from tests.virtual.test_translated_melfa import run_rapid as run_rapid_target
 from tests.virtual.test_translated_rapid import LANGUAGES, NUMBERS, run_melfa, run_rapid
-from tests.virtual.translating import Tally, judge
+from tests.virtual.translating import Tally, in_turn, judge
 
 
 def places(run: Run) -> list[tuple[str, float, OnWay | None]]:
@@ -142,8 +142,7 @@ SAID = {
 }
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("case", SAID)
+@pytest.mark.parametrize(("case", "language"), in_turn(SAID, [*LANGUAGES]))
 def test_rapid_is_said_alike(case: str, language: str, tmp_path: FilePath) -> None:
     tally = from_rapid(language, SAID[case], tmp_path)
     assert tally.counts["equal"] == 1, tally.reasons
@@ -245,20 +244,19 @@ def from_melfa(body: str, level: int = 5, z: float = 400) -> Tally:
     return tally
 
 
-@pytest.mark.parametrize("level", [4, 5, 6])
-@pytest.mark.parametrize(
-    "move",
-    [
-        "Mvs P2 Wth M_Out(1)=1",
-        "Mvs P2 WthIf M_RDst<=20,M_Out(1)=1",
-        "Mvs P2 WthIf 20>M_RDst,M_Out8(8)=17",
-        "Mvs P2 WthIf M_Ratio>=80,M_Out(1)=1",
-        "Mvs P2 WthIf M_Ratio>=0,M_Out(1)=1",
-        "Mvs P2 WthIf M_Ratio>=100,M_Out(1)=1",
-        "Mov P2 WthIf M_RDst<20,M_Out(1)=1",
-        "Cnt 1,20,20\nMvs P2 Wth M_Out(1)=1\nCnt 0",
-    ],
+MOVES = (
+    "Mvs P2 Wth M_Out(1)=1",
+    "Mvs P2 WthIf M_RDst<=20,M_Out(1)=1",
+    "Mvs P2 WthIf 20>M_RDst,M_Out8(8)=17",
+    "Mvs P2 WthIf M_Ratio>=80,M_Out(1)=1",
+    "Mvs P2 WthIf M_Ratio>=0,M_Out(1)=1",
+    "Mvs P2 WthIf M_Ratio>=100,M_Out(1)=1",
+    "Mov P2 WthIf M_RDst<20,M_Out(1)=1",
+    "Cnt 1,20,20\nMvs P2 Wth M_Out(1)=1\nCnt 0",
 )
+
+
+@pytest.mark.parametrize(("move", "level"), in_turn(MOVES, [4, 5, 6]))
 def test_melfa_is_said_alike(move: str, level: int) -> None:
     tally = from_melfa(move, level)
     assert tally.counts["equal"] == 1, tally.reasons

@@ -13,6 +13,7 @@ from assistant.compiler.loader import load_text
 from assistant.virtual.events import Moved, Stopped, Switched
 from tests.virtual import rapid_words
 from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, says_the_same
+from tests.virtual.translating import in_turn
 
 HEAD = f"""MODULE Cell
 PERS tooldata tGripper:={rapid_words.TOOLS["tGripper"]};
@@ -207,15 +208,20 @@ ENDPROC""",
 SCENARIOS = ({}, {"di1": 1.0, "giorder": 5.0})
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("name", CASES)
+ALSO = {
+    ("corners, speeds and tools beside a function that moves", "melfa-basic-6"),
+    ("targets a distance along the tool, one within another", "melfa-basic-6"),
+    ("numbers that a group has bits for", "melfa-basic-6"),
+}
+
+
+@pytest.mark.parametrize(("name", "language"), in_turn(CASES, [*LANGUAGES], ALSO))
 def test_it_does_the_same(name: str, language: str, tmp_path: FilePath) -> None:
     text = f"{HEAD}{CASES[name]}\nENDMODULE\n"
     says_the_same((name, text, SCENARIOS), language, tmp_path)
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("value", ["n", "-n", "n-6+n"])
+@pytest.mark.parametrize(("value", "language"), in_turn(["n", "-n", "n-6+n"], [*LANGUAGES]))
 def test_what_a_group_has_no_bits_for_stops_the_program(
     value: str, language: str, tmp_path: FilePath
 ) -> None:

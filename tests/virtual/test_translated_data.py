@@ -20,6 +20,7 @@ from assistant.virtual.events import Moved, Run
 from tests.virtual import rapid_words
 from tests.virtual.data_cases import angles, arrays, clocks, named, texts, turns, vectors
 from tests.virtual.test_translated_rapid import LANGUAGES, run_melfa, run_rapid
+from tests.virtual.translating import in_turn
 
 HEAD = f"""MODULE Cell
 CONST robtarget p10:=[[354,0,300],[0,0,1,0],[0,0,0,0],{rapid_words.UNUSED}];
@@ -35,6 +36,9 @@ CASES = {
 }
 
 
+ALSO = {("a routine's own clock begins anew beside one of the module", "melfa-basic-5")}
+
+
 def shown(run: Run) -> Iterator[tuple[float, float, float]]:
     """How far from `p10` each move ended."""
     for event in run.events:
@@ -44,8 +48,7 @@ def shown(run: Run) -> Iterator[tuple[float, float, float]]:
             yield x - 354.0, y, z - 300.0
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(("name", "language"), in_turn(CASES, [*LANGUAGES], ALSO))
 def test_it_shows_what_arithmetic_gives(name: str, language: str, tmp_path: FilePath) -> None:
     body, expected = CASES[name]
     text = f"{HEAD}{body.replace('SHOW', 'MoveL Offs(p10,').replace('DONE', '),v100,fine,tool0;')}"

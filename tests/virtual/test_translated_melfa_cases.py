@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 import pytest
 
 import assistant
@@ -12,7 +10,7 @@ from assistant.base.source_text import SourceText
 from assistant.compiler.loader import load_text
 from tests.virtual.random_melfa_values import DATA
 from tests.virtual.test_translated_melfa import SCENARIOS, SIGNALS, run_melfa, run_rapid
-from tests.virtual.translating import Tally, judge
+from tests.virtual.translating import Tally, in_turn, judge
 
 CASES = {
     "subroutines in front of the main part": """Spd 100
@@ -253,18 +251,7 @@ End""",
 }
 
 
-FIRST: Final = list(CASES).index("a subroutine in several pieces")
-"""The first of the cases that one version each is enough for."""
-
-
-@pytest.mark.parametrize(
-    ("name", "level"),
-    [
-        (name, level)
-        for at, name in enumerate(CASES)
-        for level in ((4, 5, 6) if at < FIRST else (4 + at % 3,))
-    ],
-)
+@pytest.mark.parametrize(("name", "level"), in_turn(CASES, [4, 5, 6]))
 def test_it_does_the_same(name: str, level: int) -> None:
     lines = CASES[name].split("\n")
     code = lines[: len(lines) - lines[::-1].index("End")]

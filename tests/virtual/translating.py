@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, TypeVar
 from zlib import crc32
+
+import pytest
 
 import assistant
 from assistant import languages, robots
@@ -40,6 +43,28 @@ Running = Callable[[Text, Inputs, int], Run]
 """Runs a text with inputs by the names of the source, for at most some steps."""
 
 
+Version = TypeVar("Version", str, int)
+
+
+def in_turn(
+    cases: Iterable[str],
+    versions: Sequence[Version],
+    also: Collection[tuple[str, Version]] = (),
+) -> list[Any]:
+    """Parameters of each case with each version. `make test` runs a case with one version, which
+    is the next one for each case, and the pairs of `also`: together they reach what all reach.
+    """
+    return [
+        pytest.param(
+            case,
+            version,
+            marks=[] if turn == at % len(versions) or (case, version) in also else pytest.mark.slow,
+        )
+        for at, case in enumerate(cases)
+        for turn, version in enumerate(versions)
+    ]
+
+
 class Changing(dict[str, float]):
     """Inputs that may change at each read: a bit is drawn by its number and how often it was read.
 
@@ -63,9 +88,14 @@ class Changing(dict[str, float]):
 
 def parsed(language: str, text: Text) -> tuple[list[Any], tuple[str, ...]]:
     """The trees of a text in a language, and their names."""
-    spoken = languages.get(language)
     texts = {"MAIN": text} if isinstance(text, str) else text
-    return [spoken.parse(one) for one in texts.values()], tuple(texts)
+    return [tree_of(language, one) for one in texts.values()], tuple(texts)
+
+
+@lru_cache(maxsize=16)
+def tree_of(language: str, text: str) -> Any:
+    """The tree of a text, which is parsed once for all scenarios that it is run in."""
+    return languages.get(language).parse(text)
 
 
 RUN = ("equal", "different", "open", "not judged", "failing")
