@@ -11,7 +11,7 @@ from tests.virtual import test_translated_melfa as from_melfa
 from tests.virtual import test_translated_rapid as from_rapid
 from tests.virtual.translating import Changing, Tally, judge
 
-CHANGES = [Changing(number) for number in range(8)]
+CHANGES = [Changing(number) for number in range(5)]
 MELFA_PLACES = """
 P1=(+340.00,+30.00,+260.00,+180.00,+0.00,+180.00)(7,0)
 P2=(+310.00,-40.00,+240.00,+180.00,+0.00,+180.00)(7,0)

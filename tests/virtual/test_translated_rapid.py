@@ -76,7 +76,7 @@ def says_the_same(case: Case, language: str, folder: FilePath) -> None:
     assert tally.counts["equal"] == 1
 
 
-def tally_of(language: str, seeds: range, folder: FilePath) -> Tally:
+def tally_of(language: str, seeds: Iterable[int], folder: FilePath) -> Tally:
     """Programs of some seeds."""
     drawn = ((seed, program(seed)) for seed in seeds)
     tally = judged(language, ((f"seed {n}", one.text, one.scenarios) for n, one in drawn), folder)
@@ -84,7 +84,7 @@ def tally_of(language: str, seeds: range, folder: FilePath) -> Tally:
     return tally
 
 
-def more_tally_of(language: str, seeds: range, folder: FilePath) -> Tally:
+def more_tally_of(language: str, seeds: Iterable[int], folder: FilePath) -> Tally:
     """Programs of `drawn_with_more`, with inputs that change at each read."""
     drawn = ((seed, drawn_with_more(seed)) for seed in seeds)
     tally = judged(language, ((f"seed {n}", one.texts, one.scenarios) for n, one in drawn), folder)
@@ -95,13 +95,13 @@ def more_tally_of(language: str, seeds: range, folder: FilePath) -> Tally:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_random_programs_do_the_same(language: str, tmp_path: FilePath) -> None:
-    tally = tally_of(language, range(5), tmp_path)
+    tally = tally_of(language, (2, 4), tmp_path)  # of the first five those that reach most
     assert tally.kept == []
     assert tally.counts["equal"] > 0
 
 
 def test_programs_with_changing_inputs_do_the_same(tmp_path: FilePath) -> None:
-    tally = more_tally_of("melfa-basic-6", range(1, 3), tmp_path)
+    tally = more_tally_of("melfa-basic-6", (1,), tmp_path)
     assert tally.kept == []
     assert tally.counts["equal"] > 0
 

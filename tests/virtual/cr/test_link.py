@@ -32,11 +32,12 @@ def load(wire, name, *lines):
         assert wire.ask(f"1;1;{command}") == "QoK", command
 
 
-@pytest.mark.parametrize("end", [b"\r", b"\r\n", b"\n", b""])
-def test_every_end_of_a_command_is_understood(wire, end):
-    for _ in range(3):
-        wire.send(b"1;1;DSTATE" + end)
-        assert wire.answer() == "QoK03120;1;1"
+def test_every_end_of_a_command_is_understood(controller):
+    for end in (b"\r", b"\r\n", b"\n", b""):
+        with Wire(controller.port) as wire:
+            for _ in range(3):
+                wire.send(b"1;1;DSTATE" + end)
+                assert wire.answer() == "QoK03120;1;1", end
 
 
 @pytest.mark.parametrize("first", [True, False])
@@ -144,9 +145,8 @@ def test_long_listings_continue(wire):
     assert listed == lines
 
 
-@pytest.mark.parametrize(
-    ("command", "answer"),
-    [
+def test_single_answers(wire):
+    expected = [
         ("1;1;FROB", "QeR6010"),
         ("no head at all", "QeR6010"),
         ("9;1;STATE", "QeR5430"),
@@ -166,15 +166,12 @@ def test_long_listings_continue(wire):
         ("1;1;TIME", "QoK24-02-2812:00:05"),
         ("1;1;EFREE", "QoK220160;0;0"),
         (";;OVRD", "QoK100"),
-    ],
-)
-def test_single_answers(wire, command, answer):
-    assert wire.ask(command) == answer
+    ]
+    assert [(command, wire.ask(command)) for command, _ in expected] == expected
 
 
-@pytest.mark.parametrize(
-    ("command", "answer"),
-    [
+def test_nothing_moves_without_right_program_and_servos(controller, wire):
+    expected = [
         ("RUNSEAM;1", "QeR4140"),
         ("RUN", "QeR5100"),
         ("STEP1", "QeR5100"),
@@ -183,14 +180,15 @@ def test_single_answers(wire, command, answer):
         ("JOG00;00;00;01;00", "QeR2000"),
         ("ALIGN", "QeR2000"),
         ("MOVSP", "QeR2000"),
-    ],
-)
-def test_nothing_moves_without_right_program_and_servos(controller, wire, command, answer):
+    ]
     before = controller.state.joints
-    assert wire.ask(f"1;1;{command}") == "QeR6020"
+    for command, _ in expected:
+        assert wire.ask(f"1;1;{command}") == "QeR6020", command
+        assert controller.state.joints == before, command
     wire.ask("1;1;CNTLON")
-    assert wire.ask(f"1;1;{command}") == answer
-    assert controller.state.joints == before
+    for command, answer in expected:
+        assert wire.ask(f"1;1;{command}") == answer, command
+        assert controller.state.joints == before, command
 
 
 def test_operation_right_is_held_by_one_line(controller, wire):
@@ -225,20 +223,17 @@ def test_a_wrong_line_is_told_with_its_place(wire):
     assert wire.ask("1;1;LISTLTOP") == "QoK10 MOV P1;1;0"
 
 
-@pytest.mark.parametrize(
-    ("line", "answer"),
-    [
+def test_rules_of_single_lines(wire):
+    expected = [
         ("40000 END", "QeR4420"),
         ("10 '" + "x" * 130, "QeR4210"),
         ("10 MOV PLONGNAMES1", "QeR4300"),
         ("10 BREAK", "QeR4220"),  # not in version IV
         ("10 GOTO *LATER", "QoK"),  # looked for when the program runs
         ("20 FOR M1=1 TO 3", "QoK"),
-    ],
-)
-def test_rules_of_single_lines(wire, line, answer):
+    ]
     wire.ask("1;1;LOAD=BAD")
-    assert wire.ask(f"1;1;EDATA{line}").split(";")[0] == answer
+    assert [(one, wire.ask(f"1;1;EDATA{one}").split(";")[0]) for one, _ in expected] == expected
 
 
 def test_a_message_may_have_255_bytes(wire):

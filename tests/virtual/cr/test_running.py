@@ -67,6 +67,7 @@ def test_a_program_runs_and_the_arm_is_on_its_way_meanwhile(slow):
     seen = set()
     while runs(wire):
         seen.add(round(place(wire)["Y"]))
+        time.sleep(0.01)
     assert {round(v) for v in place(wire).values()} == {250, 80, 400, 0, 180}
     assert len(seen) > 2, "the arm was seen on its way"
     assert bits(wire)[1:] == (0x12, 0)

@@ -136,7 +136,7 @@ def wait_for(condition: Callable[[], bool], seconds: float = 10.0) -> None:
     until = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < until, "it never came to be"
-        time.sleep(0.005)
+        time.sleep(0.01)
 
 
 class Robot:
