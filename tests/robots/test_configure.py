@@ -368,7 +368,7 @@ def test_configuring_twice_changes_nothing() -> None:
 def test_random_poses_within_the_limits_never_crash_and_joint_paths_are_solved(name, kind) -> None:
     robot = robots.get(name)
     low, high = robot.limits.T
-    joints = np.random.default_rng(5).uniform(low, high, (3000, len(low)))
+    joints = np.random.default_rng(5).uniform(low, high, (300, len(low)))
     done, found, findings = followed(path_of(*robot.fk(joints), kinds=kind), robot)
     stated = done.configurations[:, 0] != UNSTATED
     assert stated.all()
@@ -411,7 +411,8 @@ def test_rows_that_state_another_branch_in_a_linear_move_are_warned_of() -> None
 def test_long_paths_take_little_memory() -> None:
     import tracemalloc
 
-    t = np.linspace(0, 600, 200_000)
+    rows = 200_000
+    t = np.linspace(0, 600, rows)
     path = path_of(np.c_[450 + 100 * np.cos(t), 100 * np.sin(t), 300 + 0 * t])
     tracemalloc.start()
     followed_program, findings = robots.configure(program(Follow(path)), ABB)
@@ -419,7 +420,7 @@ def test_long_paths_take_little_memory() -> None:
     tracemalloc.stop()
     assert not findings
     assert len(followed_program.procedures[0].body[0].path) == len(path)
-    assert peak < 200_000 * 400  # bytes a row; a million rows stay far below 2 GB
+    assert peak < rows * 400  # bytes a row; a million rows stay far below 2 GB
 
 
 def test_the_way_to_a_path_is_solved_with_it() -> None:

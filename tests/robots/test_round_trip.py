@@ -23,7 +23,7 @@ MARGIN = 0.01
 CLOSE = 1e-6
 """degrees or mm."""
 
-sizes = pytest.mark.parametrize("count", [2_000, pytest.param(100_000, marks=pytest.mark.slow)])
+sizes = pytest.mark.parametrize("count", [400, pytest.param(100_000, marks=pytest.mark.slow)])
 every = pytest.mark.parametrize("name", robots.names())
 
 

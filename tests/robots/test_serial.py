@@ -79,7 +79,7 @@ def test_links_say_the_same_as_the_closed_form(name: str) -> None:
 
 def test_solutions_close_and_are_distinct_and_the_own_one_is_among_them() -> None:
     robot = offset_arm()
-    joints = random_joints(40)
+    joints = random_joints(20)
     poses = robot.fk(joints)
     found, valid = robot.ik(*poses)
     for branch in range(robot.branches):
@@ -104,14 +104,14 @@ def test_the_same_pose_always_gives_the_same_joints() -> None:
 
 def test_joints_come_back_by_the_signs_of_their_branch() -> None:
     robot = offset_arm()
-    joints = random_joints(40, seed=3)
+    joints = random_joints(20, seed=3)
     back = robot.joints_of(*robot.fk(joints), robot.configuration(joints))
     solved = np.isfinite(back).all(axis=1)
     assert solved.mean() > 0.95
     assert np.abs(back - joints)[solved].max() < 1e-4
 
 
-def line(robot: Robot, start, end, n: int = 60) -> Path:
+def line(robot: Robot, start, end, n: int = 20) -> Path:
     (p0, p1), (q0, _) = robot.fk([start, end])
     part = np.linspace(0, 1, n)[:, None]
     return Path.of("seam", p0 + part * (p1 - p0), np.tile(q0, (n, 1)), speeds=[Speed(50.0)])
@@ -148,8 +148,8 @@ def test_what_a_path_states_of_configurations_stays() -> None:
 def test_axes_wind_on_past_half_a_turn() -> None:
     """A tool that turns about itself by 300 degrees, in linear moves."""
     robot = read(toml(OFFSET, limits=(-360.0, 360.0)))
-    joints = np.tile([10.0, -60, 90, -40, 80, 0], (61, 1))
-    joints[:, 5] = np.linspace(-10, 290, 61)
+    joints = np.tile([10.0, -60, 90, -40, 80, 0], (31, 1))
+    joints[:, 5] = np.linspace(-10, 290, 31)
     positions, quaternions = robot.fk(joints)
     path = Path.of("spin", positions, quaternions, speeds=[Speed(50.0)])
     (solved_run,) = solve_program(robot, path).solved_runs

@@ -53,7 +53,7 @@ def behind_start(simulation: Simulation) -> np.ndarray:
 
 
 def parabola(
-    start: object, corner: object, end: object, zone: float, n: int = 100_001
+    start: object, corner: object, end: object, zone: float, n: int = 10_001
 ) -> np.ndarray:
     """(n, 3) evenly in the parameter, from the border of the zone to the other."""
     a, c, b = (np.array(one, dtype=float) for one in (start, corner, end))

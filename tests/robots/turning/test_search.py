@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
+from assistant.base.arrays import Floats
 from assistant.robots import Robot
 from assistant.robots.free_turn_search import (
     FoundPath,
@@ -54,29 +55,32 @@ def drawn(seed: int, kinds: str, ties: tuple[tuple[int, int], ...]) -> TurnProbl
 def cheapest(problem: TurnProblem, robot: Robot) -> float:
     """Seconds of the cheapest way, all of them tried; infinite if there is none."""
     low, high = robot.limits[4]
-    best = np.inf
-    for states in product(product(range(3), BRANCHES, WHOLE), repeat=len(problem.stations)):
-        if any(states[one][0] != states[other][0] for one, other in problem.ties):
-            continue
-        cost, last = 0.0, problem.before
-        for at, (turn, branch, whole) in enumerate(states):
-            station = problem.stations[at]
+
+    def least(states: list[tuple[int, int, int]], last: Floats) -> float:
+        """Seconds of the cheapest way on from some states."""
+        at = len(states)
+        if at == len(problem.stations):
+            return 0.0
+        best = np.inf
+        station, step = problem.stations[at], problem.steps[at - 1] if at else None
+        for turn, branch, whole in product(range(3), BRANCHES, WHOLE):
+            tied = [one for one, other in problem.ties if other == at]
             joints = station.joints[turn, branch].copy()
             joints[4] += 360.0 * whole
-            if not station.possible[turn, branch] or not low <= joints[4] <= high:
-                cost = np.inf
-                break
-            step = problem.steps[at - 1] if at else None
+            if any(states[one][0] != turn for one in tied) or not station.possible[turn, branch]:
+                continue
+            if not low <= joints[4] <= high:
+                continue
             if step is None:
                 away = abs((station.turns[turn] + 180.0) % 360.0 - 180.0)
-                cost += float(np.linalg.norm((joints - last) / robot.speeds)) + 1e-4 * away
+                cost = float(np.linalg.norm((joints - last) / robot.speeds)) + 1e-4 * away
             else:
-                cost += gone(step, states[at - 1], (turn, branch, whole), joints[4], (low, high))
-            if cost >= best:
-                break
-            last = joints
-        best = min(best, cost)
-    return best
+                cost = gone(step, states[-1], (turn, branch, whole), joints[4], (low, high))
+            if np.isfinite(cost):
+                best = min(best, cost + least([*states, (turn, branch, whole)], joints))
+        return best
+
+    return least([], problem.before)
 
 
 def gone(
