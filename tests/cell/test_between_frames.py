@@ -15,7 +15,7 @@ from assistant.cell.scene import Body, Box, Capsule, Part, PlacedRobot, Scene, S
 from assistant.program.geometry import Pose
 from tests.cell.gantry import TURN, gantry, joints
 
-every = pytest.mark.parametrize("cases", [100, pytest.param(1000, marks=pytest.mark.slow)])
+every = pytest.mark.parametrize("cases", [30, pytest.param(1000, marks=pytest.mark.slow)])
 SPEED = 2000.0
 """mm/s."""
 RADIUS, LENGTH, THICK = 1.0, 60.0, 0.2

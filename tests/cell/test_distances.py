@@ -28,7 +28,7 @@ from tests.cell.exact import point_box, point_segment, segment_box, segments
 
 NEAR = 1e-6
 """mm."""
-SCENES, ROWS = 20, 100
+SCENES, ROWS = 8, 100
 """Of each of the five pairs of shapes: 10,000 poses in all."""
 ARM = PlacedRobot("arm", robots.get("irb1200-7-0.7"))
 Ends = tuple[Floats, Floats]

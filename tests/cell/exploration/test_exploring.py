@@ -130,7 +130,7 @@ def test_a_free_cell_holds_nothing_of_what_is_hidden(capsys: pytest.CaptureFixtu
     assert occupancy.runs == RUNS
     free = occupancy.cells(CellState.FREE)
     draw = np.random.default_rng(0)
-    assert apart(hidden(), draw.permutation(free)[:1500], SIZE).min() > 0.0
+    assert apart(hidden(), draw.permutation(free)[:500], SIZE).min() > 0.0
     occupied = occupancy.cells(CellState.OCCUPIED)
     assert len(occupied) > 3
     assert apart(hidden(), occupied, SIZE).max() < 0.2

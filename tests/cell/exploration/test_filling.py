@@ -60,7 +60,7 @@ def test_a_cell_is_filled_if_and_only_if_its_corners_are_inside(name: str) -> No
     shape, within = SHAPES[name]
     draw = np.random.default_rng(5)
     filled = 0
-    for _ in range(4):
+    for _ in range(2):
         pose = Pose.of(draw.uniform(-5, 5, 3), rotations.canonical(draw.normal(size=4)))
         cells = cells_of_keys(Filler(carried(shape, pose), None, SIZE).keys(np.zeros((1, 3))))
         found = {tuple(cell) for cell in cells.tolist()}
@@ -83,8 +83,8 @@ def test_a_body_that_is_moved_fills_what_it_goes_through() -> None:
     far = max(point_segment(p, start, end) for p in (corners * SIZE).reshape(-1, 3))
     assert 38.0 < far <= 40.0
     whole = 0
-    about = np.stack(np.meshgrid(*[np.arange(-20, 20)] * 3, indexing="ij"), -1).reshape(-1, 3)
-    for cell in about[np.abs(about[:, 2]) < 12]:
+    extent = (np.arange(-16, 19), np.arange(-8, 7), np.arange(-3, 10))  # of a radius of 32 mm
+    for cell in np.stack(np.meshgrid(*extent, indexing="ij"), -1).reshape(-1, 3):
         points = (cell + CORNERS) * SIZE
         if point_segment(points.mean(axis=0), start, end) < 32.0:
             whole += all(point_segment(p, start, end) <= 40.0 for p in points)

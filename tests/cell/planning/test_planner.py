@@ -78,6 +78,7 @@ def finding(scene: Scene, start: Any, goal: Any, **more: Any) -> Diagnostic:
     return one
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("cell", CELLS)
 def test_a_way_is_found_and_is_clear(cell: str) -> None:
     scene = CELLS[cell]()
@@ -245,6 +246,7 @@ def test_five_axes() -> None:
     assert len(way.rows) > 2
 
 
+@pytest.mark.slow  # narrower cones are in `test_cones.py`
 def test_a_level_tool_stays_level() -> None:
     scene = scene_of(box("post", (40, 40, 500), (500, 0, 250)))
     down = (0.0, 0.0, 1.0, 0.0)

@@ -191,7 +191,7 @@ def test_one_point_in_two_cameras_moves_five_joints_of_a_free_arm() -> None:
     assert made.arm.task.seen == 4 and made.dimensions == 3
     net = made.start(seed=1)
     tests = draw_test_goals(made.arm, made.space, 1)
-    (*_, late) = train_and_measure(net, made.arm, made.space, usual_plan(8000, seed=1), tests)
+    (*_, late) = train_and_measure(net, made.arm, made.space, usual_plan(5000, seed=1), tests)
     assert late.mm < 4.0 and np.isnan(late.degrees)
     beyond = measure_overrun(net, made.arm, tests)
     assert 0.0 < beyond.share < 0.2 and beyond.where.startswith("J")
@@ -237,9 +237,9 @@ def test_recorded_moves_teach_five_joints() -> None:
     moves = [np.linspace(a, b, 25) for a, b in itertools.pairwise(ends)]
     rows, tests = split_recording(made.arm, np.concatenate(moves))
     net = start_map_with_shape((4, 5, 4, 4, 4), made.arm, made.space, made.ranges, 1)
-    train_recorded(net, rows, made.arm(rows), usual_plan(6000, marks=()))
+    train_recorded(net, rows, made.arm(rows), usual_plan(4000, marks=()))
     found = measure_errors(net, made.arm, tests)
     assert found.mm < 2.0 and found.degrees < 1.0
-    assert net.steps == 6000 and np.isfinite(net.missed[net.wins > 0]).all()
+    assert net.steps == 4000 and np.isfinite(net.missed[net.wins > 0]).all()
     assert code(split_recording, made.arm, np.concatenate(moves)[:50]) == "LN023"
     assert code(split_recording, made.arm, np.tile(ends[0], (500, 1))) == "LN023"

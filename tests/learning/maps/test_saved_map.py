@@ -153,6 +153,7 @@ def test_a_changed_arm_is_told_of(net) -> None:
     assert [finding.code for finding in found.findings] == ["LN013"]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("what", ["a bent tool", "a moved camera"])
 def test_it_goes_on_learning_in_use(net, tell, what: str) -> None:
     arm = ARM.bent(ARM.points + np.array([15.0, -10.0, 10.0]))
@@ -242,7 +243,7 @@ def test_an_arm_that_goes_away_from_the_target_stops(net) -> None:
 
 def test_whoever_says_that_nothing_is_wrong_is_right(net, tell) -> None:
     """Changes of every size: an arm that ends without a finding is where it was to be."""
-    asked = goals(60)
+    asked = goals(20)
     off, said = [], Counter()
     changed = [ARM.bent(ARM.points + np.array([by, 0.0, 0.0])) for by in (5.0, 20.0, 60.0)]
     left, right = ARM.cameras
@@ -274,9 +275,9 @@ def test_a_target_outside_the_ranges_of_the_joints_is_refused(tell) -> None:
     ranges = np.array([[-50.0, 50.0], [0.0, 50.0], [50.0, 100.0]])
     learnt = over_ranges(arm, ranges)
     net = learnt.start()
-    train_and_measure(net, learnt.arm, learnt.space, usual_plan(6000))
+    train_and_measure(net, learnt.arm, learnt.space, usual_plan(4000))
     draw, said = np.random.default_rng(1), Counter()
-    for _ in range(150):
+    for _ in range(50):
         inside = draw.uniform(ranges[:, 0], ranges[:, 1])
         outside, axis, beyond = inside.copy(), draw.integers(3), draw.uniform(2.0, 10.0)
         low, high = ranges[axis]
@@ -289,8 +290,8 @@ def test_a_target_outside_the_ranges_of_the_joints_is_refused(tell) -> None:
             else:
                 said[what, found.findings[0].code if found.findings else "reached"] += 1
     tell(f"learned map, joints inside and outside of its ranges: {dict(said)}")
-    assert said["inside", "reached"] >= 145
-    assert said["outside", "LN022"] >= 75
+    assert said["inside", "reached"] >= 49
+    assert said["outside", "LN022"] >= 25
     assert said["outside", "reached"] == 0
 
 
