@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from assistant.deploy.record import new_record
 from assistant.deploy.repository import commit_of, is_committed
 
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="there is no git")
@@ -53,6 +54,13 @@ def test_changes_are_told_those_of_submodules_too(tmp_path):
     (project / "deeper" / "inner" / NAME).write_text("")
     assert commit_of(project) == commit_of(project / "deeper") == head + "-dirty"
     assert commit_of(tmp_path) == ""
+
+
+def test_a_record_has_the_commit_of_the_working_folder(tmp_path, monkeypatch):
+    assert new_record("ftp://a", None).commit == ""
+    project = started(tmp_path / "project")
+    monkeypatch.chdir(project)
+    assert new_record("ftp://a", None).commit == git(project, "rev-parse", "HEAD")
 
 
 def test_a_file_is_committed_changed_ignored_or_in_no_repository(tmp_path):
