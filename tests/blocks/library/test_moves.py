@@ -43,7 +43,7 @@ def cell() -> Iterator[VirtualCr]:
 
 
 def moved(
-    address: str, kind: type[Move], ways: Sequence[Sequence[ArrayLike]], seconds: float = 4.0
+    address: str, kind: type[Move], ways: Sequence[Sequence[ArrayLike]], seconds: float = 1.0
 ) -> RunResult:
     """A block that is given targets one after the other; it ends when it has been at the last."""
     diagram = Diagram()

@@ -28,3 +28,9 @@ def standing():
 def client(controller):
     with Cr(parse(controller.address), timeout=5, pace=0.01) as client:
         yield client
+
+
+@pytest.fixture(autouse=True)
+def quick_commands(monkeypatch):
+    """A virtual controller needs no pause between commands while a program runs."""
+    monkeypatch.setitem(Cr.__init__.__kwdefaults__, "pace", 0.01)

@@ -26,7 +26,6 @@ def cell(**settings):
         control = DataLink(virtual.serial_path, rate=Rate(9600, "none", 1), timeout=5)
         status = DataLink(f"{host}:{port}", timeout=5)
         with connect(virtual.address, timeout=5) as controller:
-            controller.session.pace = 0.02
             yield (
                 virtual,
                 controller,
