@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.forks import Forks
+
 MODULE = "MODULE m\n  PROC main()\n  ENDPROC\nENDMODULE\n"
 
 
@@ -23,6 +25,27 @@ def check(folder: Path, **variables: str) -> tuple[int, str]:
         env={**environment, "PYTHONPYCACHEPREFIX": str(folder), **variables},
     )
     return done.returncode, (done.stdout + done.stderr).decode()
+
+
+QUICK = """\
+import sys
+from assistant.cli import main
+from assistant.languages.rapid.reading.scanner import grammar
+grammar.cache_clear()
+sys.pycache_prefix, sys.dont_write_bytecode = sys.argv.pop(1), False
+try:
+    main()
+finally:
+    assert grammar.cache_info().misses == 1
+"""
+
+
+def quick(forks: Forks, folder: Path) -> tuple[int, str]:
+    """The same where only the tables are not there yet, and no bytecode has to be made."""
+    module = folder.parent / "m.mod"
+    module.write_text(MODULE)
+    done = forks.python("-c", QUICK, str(folder), "check", str(module))
+    return done.returncode, done.stdout + done.stderr
 
 
 def kept(folder: Path) -> list[Path]:
@@ -41,22 +64,16 @@ def test_tables_are_kept_and_a_damaged_file_of_them_is_made_anew(tmp_path):
     assert check(tmp_path) == first and tables.read_bytes() == anew
 
 
-@pytest.fixture(scope="module")
-def used(tmp_path_factory):
-    """A folder with bytecode and tables of one command before."""
-    folder = tmp_path_factory.mktemp("used")
-    assert check(folder) == (0, "1 checked, 0 findings\n")
-    return folder
-
-
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("foreign", ["[]", "{}", '{"of": [1, "start: NAME", "start"]}', "\0"])
-def test_tables_of_something_else_are_made_anew(used, foreign):
-    first = check(used)
-    [tables] = kept(used)
+def test_tables_of_something_else_are_made_anew(tmp_path, forks, foreign):
+    folder = tmp_path / "used"
+    first = quick(forks, folder)
+    assert first == (0, "1 checked, 0 findings\n")
+    [tables] = kept(folder)
     right = json.loads(tables.read_bytes())
     tables.write_text(foreign)
-    assert check(used) == first
+    assert quick(forks, folder) == first
     assert json.loads(tables.read_bytes())["of"] == right["of"]
     assert [file for file in tables.parent.iterdir() if file.name.startswith("rapid")] == [tables]
 
@@ -67,7 +84,7 @@ def test_where_no_bytecode_is_wanted_none_is_kept(tmp_path):
     assert kept(tmp_path) == []
 
 
-def test_where_nothing_can_be_kept_programs_are_read_all_the_same(tmp_path):
+def test_where_nothing_can_be_kept_programs_are_read_all_the_same(tmp_path, forks):
     no_folder = tmp_path / "file"
     no_folder.write_text("")
-    assert check(no_folder) == (0, "1 checked, 0 findings\n")
+    assert quick(forks, no_folder) == (0, "1 checked, 0 findings\n")

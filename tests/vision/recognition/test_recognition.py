@@ -44,7 +44,7 @@ def good(counts: Counts) -> None:
 
 
 def test_known_objects_are_found_and_unknown_ones_are_not_named(recogniser, ten, tell):
-    counts = counted(recogniser, [4], ten, known=5, strange=2)
+    counts = counted(recogniser, [4], ten, known=4, strange=1)
     tell(f"one scene: {counts.figures()}")
     assert not counts.wrong
     assert not counts.missed
