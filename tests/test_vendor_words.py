@@ -17,6 +17,7 @@ from typing import Final
 import pytest
 
 from assistant import languages
+from assistant.base.budgets import without_gc
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.rapid.tables.constants import RESERVED, SPEEDS, ZONES
 from assistant.languages.rapid.tables.predefined import taken_names
@@ -94,10 +95,13 @@ WORDS: Final = vendor_words()
 
 def literals(tree: ast.AST) -> Iterator[ast.Constant]:
     """The texts of a module but for docstrings."""
-    told = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in told:
-            yield node
+    told: set[int] = set()
+    for node in ast.walk(tree):  # an expression comes before what is in it
+        if isinstance(node, ast.Expr):
+            told.add(id(node.value))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            if id(node) not in told:
+                yield node
 
 
 def is_vendors(name: str) -> bool:
@@ -105,6 +109,7 @@ def is_vendors(name: str) -> bool:
 
 
 @functools.cache
+@without_gc()
 def words_in(package: FilePath) -> Mapping[str, frozenset[str]]:
     """File outside the vendors' rooms → the lower-case words of its texts."""
     found = {}
