@@ -45,9 +45,8 @@ _MOST_TIMES: Final = 5
 """Most times to raise `Reached` for one charge: one raised as a stage is left reaches no code."""
 _RESTS: Final = 20
 """Looks at nothing after which the thread waits to be woken."""
-_RESERVED_MARGIN: Final = 1 << 31
+_RESERVED_MARGIN: Final = (1 << 31) + (1 << 26) * (os.cpu_count() or 1)
 """Bytes beyond a charge that may be reserved, as libraries do for their threads, but not used."""
-_MARGIN_PER_PROCESSOR: Final = 1 << 26
 
 
 class Reached(BaseException):
@@ -184,12 +183,7 @@ class Watchdog:
         if charges:
             least: dict[int, float] = {}
             for one in charges:
-                room = (
-                    one.data
-                    + one.bytes
-                    + _RESERVED_MARGIN
-                    + _MARGIN_PER_PROCESSOR * (os.cpu_count() or 1)
-                )
+                room = one.data + one.bytes + _RESERVED_MARGIN
                 least[one.thread] = min(room, least.get(one.thread, room))
             wanted = int(max(least.values()))
             for known in (soft, hard):
