@@ -17,6 +17,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
 from assistant.robots.arms.spherical_wrist import recognise_six_axis
+from tests.examples import drawn
 
 NAMES = ["irb1200-7-0.7", "rv-4frl", "rv-2aj", "rh-6frh5520", "irb4600-20-2.50"]
 FINE: Final = 3001
@@ -77,7 +78,7 @@ def least_seconds(arm, moves, fine):
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("kinds", [(1, 1), (1, 2, 3)])
-@settings(max_examples=30, derandomize=True)
+@settings(max_examples=drawn(30), derandomize=True)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_the_way_is_that_of_a_fine_look(name, kinds, seed):
     arm = robots.get(name)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import assistant
@@ -17,6 +17,7 @@ from assistant.program.geometry import JointTarget, Load, Pose, Target, Tool
 from assistant.program.motion import FINE, UNSTATED, Blend, Kind, Path, Speed
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow, Motion, Move, MoveJoints, SetOverride, Statement
+from tests.examples import drawn
 
 ARM = robots.get("irb1200-7-0.7")
 MELFA = robots.get("rv-4frl")
@@ -148,6 +149,7 @@ def test_joint_moves_pass_singularities_unharmed():
 # --------------------------------------------------------------------------- joint speeds
 
 
+@settings(max_examples=drawn(100))
 @given(st.floats(30.0, 150.0), st.floats(1.2, 5.0), st.sampled_from([ARM, MELFA, SCARA]))
 def test_a_joint_that_is_too_fast_by_its_part(angle, times, arm):
     """A turn on the spot about axis 6, or axis 4 of a SCARA, at a multiple of its speed."""
@@ -168,6 +170,7 @@ def test_a_joint_that_is_too_fast_by_its_part(angle, times, arm):
     assert [f.code for f in slower] == []
 
 
+@settings(max_examples=drawn(100))
 @given(st.floats(250.0, 600.0), st.floats(0.0, 60.0))
 def test_the_speed_that_is_possible_is_possible(radius, turn):
     """Along an arc about axis 1 that axis turns evenly: the limit is its speed times the radius."""
@@ -249,6 +252,7 @@ def test_a_turn_that_takes_longer_than_the_way():
 # ------------------------------------------------------------------------------- corners
 
 
+@settings(max_examples=drawn(100))
 @given(st.floats(5.0, 60.0), st.floats(0.1, 1.5))
 def test_corners_against_the_way_to_the_next_target(way, part):
     assume((part < 0.5 or (part - 0.5) * way > 0.3) and abs(part - 1.0) > 0.02)

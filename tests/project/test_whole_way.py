@@ -117,7 +117,8 @@ def holds_to(text: str, drawn: dict[str, list[Points]]) -> None:
 
 def distances(points: Points, ring: Points) -> Points:
     """Of each point from the nearest of a dense line."""
-    nearest = [np.linalg.norm(ring - point, axis=1).min() for point in points]
+    squares = (points**2).sum(axis=1)[:, None] - 2.0 * points @ ring.T + (ring**2).sum(axis=1)
+    nearest = np.sqrt(np.maximum(squares.min(axis=1), 0.0))
     return np.array(nearest)
 
 
