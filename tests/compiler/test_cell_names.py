@@ -6,7 +6,7 @@ gives the names.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from pathlib import Path
 
 import ezdxf
@@ -95,12 +95,13 @@ def ran(*modules: str, entry: str = "main") -> Run:
     return found
 
 
-def whole(folder: Path) -> Iterator[tuple[str, Run]]:
-    """Each of two drawings as a program by itself, and what that does."""
-    for name, at in (("left", 0.0), ("right", 50.0)):
-        alone = folder / f"alone_{name}"
-        alone.mkdir()
-        yield name, ran(*texts(made(drawn(alone, name, at))))
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Run]:
+    """What each of two drawings does as a program by itself."""
+    return {
+        name: ran(*texts(made(drawn(tmp_path_factory.mktemp(name), name, at))))
+        for name, at in (("left", 0.0), ("right", 50.0))
+    }
 
 
 def checked(folder: Path, *modules: str) -> list[str]:
@@ -111,8 +112,9 @@ def checked(folder: Path, *modules: str) -> list[str]:
     return [one.code for one in check_files(files, robot="irb1200-7-0.7").findings]
 
 
-def test_others_call_a_program_by_the_name_that_it_is_given(tmp_path: Path) -> None:
-    alone = dict(whole(tmp_path))
+def test_others_call_a_program_by_the_name_that_it_is_given(
+    tmp_path: Path, alone: Mapping[str, Run]
+) -> None:
     said = '[program]\nas = "{}"\nlocal = true\n'
     left = drawn(tmp_path, "left", 0.0, said.format("Glue_Left"), THERE)
     right = drawn(tmp_path, "right", 50.0, said.format("Glue_Right"), THERE)
@@ -131,8 +133,7 @@ def test_what_others_do_not_call_is_the_modules_own(tmp_path: Path) -> None:
     assert "LOCAL PROC Aussen()" in text
 
 
-def test_without_a_main_others_call_the_layers(tmp_path: Path) -> None:
-    alone = dict(whole(tmp_path))
+def test_without_a_main_others_call_the_layers(tmp_path: Path, alone: Mapping[str, Run]) -> None:
     prefixes = '[program]\nprefix = "{}_"\nmain = false\n'
     left = drawn(tmp_path, "left", 0.0, prefixes.format("left"), THERE)
     right = drawn(tmp_path, "right", 50.0, prefixes.format("right"), THERE)
@@ -183,8 +184,9 @@ def test_units_of_a_long_program_see_what_it_declares(tmp_path: Path) -> None:
     assert [one.code for one in refused.findings if one.severity == "error"] == ["CL074"]
 
 
-def test_several_drawings_are_routines_of_one_module(tmp_path: Path) -> None:
-    alone = dict(whole(tmp_path))
+def test_several_drawings_are_routines_of_one_module(
+    tmp_path: Path, alone: Mapping[str, Run]
+) -> None:
     files = [drawn(tmp_path, name, at, there=THERE) for name, at in (("left", 0), ("right", 50))]
     (text,) = texts(made(combine_sources(files, "glue"), main=False))
     modules = [CELL.format(calls="right;\nleft;"), text]
@@ -192,8 +194,7 @@ def test_several_drawings_are_routines_of_one_module(tmp_path: Path) -> None:
     assert checked(tmp_path, *modules) == []
 
 
-def test_several_drawings_are_one_program(tmp_path: Path) -> None:
-    alone = dict(whole(tmp_path))
+def test_several_drawings_are_one_program(tmp_path: Path, alone: Mapping[str, Run]) -> None:
     process = '[program]\nas = "{}"\nlocal = true\n'
     files = [
         drawn(tmp_path, "left", 0, process.format("Glue_Left")),
@@ -205,8 +206,7 @@ def test_several_drawings_are_one_program(tmp_path: Path) -> None:
     assert "LOCAL PROC Glue_Left()" in text
 
 
-def test_one_of_them_without_a_routine_of_its_own(tmp_path: Path) -> None:
-    alone = dict(whole(tmp_path))
+def test_one_of_them_without_a_routine_of_its_own(tmp_path: Path, alone: Mapping[str, Run]) -> None:
     files = [
         drawn(tmp_path, "left", 0, '[program]\nprefix = "l_"\nmain = false\n'),
         drawn(tmp_path, "right", 50),

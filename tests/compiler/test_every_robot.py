@@ -12,7 +12,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots import Robot
 
-COUNT = 40
+COUNT = 12
 CLOSE = 0.05
 """degrees; more than a position of two decimals, as MELFA-BASIC has them, turns a joint here."""
 

@@ -73,10 +73,21 @@ def edit(path, old, new, count=1):
     return text
 
 
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """The drawing of the beads with what was written of it, which each test has a copy of."""
+    folder = tmp_path_factory.mktemp("first")
+    draw(folder, BEADS)
+    given = ("compile", folder / "part.dxf", *RAPID, "--place", "0,0,0", "-o", folder / "out")
+    with pytest.raises(SystemExit) as ended:
+        main([str(argument) for argument in given])
+    assert ended.value.code == 0
+    return folder
+
+
 @pytest.fixture
-def here(tmp_path, capsys):
-    draw(tmp_path, BEADS)
-    assert compiled(capsys, tmp_path)[0] == 0
+def here(tmp_path, first):
+    shutil.copytree(first, tmp_path, dirs_exist_ok=True)
     return tmp_path
 
 

@@ -201,8 +201,8 @@ def test_contacts_are_at_each_move_and_shown_by_stretches(
 ) -> None:
     """Two stretches of moves: what reads each line has them all, a user two findings."""
     file, step = tmp_path / "m.mod", 1 + (form == "apart")
-    file.write_text(contacts(form, 16, (4, 5, 6, 12)))
-    lines = [2 + step * (k + 1) for k in (4, 5, 6, 7, 12, 13)]
+    file.write_text(contacts(form, 13, (2, 3, 4, 10)))
+    lines = [2 + step * (k + 1) for k in (2, 3, 4, 5, 10, 11)]
     found = check_files([file], robot="irb1200-7-0.7").findings
     into = [f for f in found if f.code == "CK421" and "`robot.base`" in f.message]
     into = [f for f in into if "`robot.J4`" in f.message]

@@ -27,6 +27,15 @@ procedure main
   move linear b speed 100 mm/s blend fine
 end
 """
+MODULE = """MODULE across
+CONST robtarget a:=[[400,-100,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+CONST robtarget b:=[[400,100,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC main()
+MoveJ a,v200,fine,tool0;
+MoveL b,v100,fine,tool0;
+ENDPROC
+ENDMODULE
+"""
 POST = """
 [robots.arm]
 robot = "irb1200-7-0.7"
@@ -106,7 +115,7 @@ def test_what_is_simulated_says_what_it_touches_beside_its_times(
 
 
 def test_a_translation_is_in_the_cell_of_its_values(tmp_path: Path) -> None:
-    program = SAMPLES / "rapid" / "gluing.mod"
+    program = written(tmp_path / "across.mod", MODULE)
     given = {"to": "melfa-basic-5", "robot": "irb1200-7-0.7"}
     alone = translate(program, cell=tmp_path / "none.toml", **given)  # type: ignore[arg-type]
     cell = written(tmp_path / "post.toml", POST.replace("plate]\nbox", "wall]\nbox"))

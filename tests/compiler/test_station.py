@@ -29,9 +29,6 @@ pytest.importorskip("coal")
 CELL = Path(__file__).parents[2] / "samples" / "cell"
 DRAWING = CELL / "station.dxf"
 LANGUAGES = {"rv-2aj": "melfa-basic-4", "irb1200-7-0.7": "rapid"}
-EACH = pytest.mark.parametrize(
-    "robot", ["rv-2aj", pytest.param("irb1200-7-0.7", marks=pytest.mark.slow)]
-)
 
 TIP = 70.0
 TOOL = {"holder": (0.0, 40.0, 14.0), "needle": (40.0, 67.0, 3.0)}
@@ -84,7 +81,8 @@ def test_without_planned_ways_the_tool_hits_the_bodies(tmp_path: Path) -> None:
     assert "`POST`" in hit or "`PART_1`" in hit
 
 
-@EACH
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", LANGUAGES)
 def test_the_program_goes_around_the_bodies(robot: str, tmp_path: Path) -> None:
     pytest.importorskip("ompl")
     compiled = made(robot)

@@ -66,14 +66,15 @@ def project(tmp_path, monkeypatch):
     """Writes a project with a template; gives what compiles its program."""
     monkeypatch.chdir(tmp_path)
 
-    def made(template, language="rapid", style="", program=PROGRAM, **options):
+    def made(template, language="rapid", style="", program=PROGRAM, *, bare=False, **options):
         file = tmp_path / "style" / FILES.get(language, "melfa/program.prg.j2")
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(template, "utf-8")
         text = f'[style]\ntemplate = "style"\n{style}'
         (tmp_path / "assistant.toml").write_text(text, "utf-8")
         (tmp_path / "weld.pseudo").write_text(program, "utf-8")
-        return compile("weld.pseudo", language=language, robot=dict(TARGETS)[language], **options)
+        robot = None if bare else dict(TARGETS)[language]
+        return compile("weld.pseudo", language=language, robot=robot, **options)
 
     return made
 
@@ -84,9 +85,9 @@ def text_of(compiled):
 
 
 def refused(project, template, language="rapid", style=""):
-    """The findings about a template."""
+    """The findings about a template; those of an arm are none of them."""
     try:
-        compiled = project(template, language, style)
+        compiled = project(template, language, style, bare=True)
     except Refused as wrong:
         return wrong.findings
     assert not compiled.ok
