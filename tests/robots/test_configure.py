@@ -368,7 +368,7 @@ def test_configuring_twice_changes_nothing() -> None:
 def test_random_poses_within_the_limits_never_crash_and_joint_paths_are_solved(name, kind) -> None:
     robot = robots.get(name)
     low, high = robot.limits.T
-    joints = np.random.default_rng(5).uniform(low, high, (300, len(low)))
+    joints = np.random.default_rng(5).uniform(low, high, (150, len(low)))
     done, found, findings = followed(path_of(*robot.fk(joints), kinds=kind), robot)
     stated = done.configurations[:, 0] != UNSTATED
     assert stated.all()

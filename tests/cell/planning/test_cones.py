@@ -47,6 +47,7 @@ def test_around_a_post_with_the_tool_upright(angle: float, linear: bool) -> None
     goal, cone = Pose((430.0, 260.0, 300.0), DOWN), Cone(DOWNWARDS, angle)
     way = plan(scene, begin, goal, robot="arm", tool=TIP, cone=cone, seconds=60.0, linear=linear)
     assert len(way.rows) > 2
+    assert way.linear.any() == linear
     assert most_tilted(way, (0.0, 0.0, 1.0), DOWNWARDS) < angle + 0.25
     proven(scene, way, {})
     ends_at(way, goal)

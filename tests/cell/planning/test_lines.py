@@ -46,6 +46,7 @@ def test_a_free_line_is_gone() -> None:
     ends_at(way, goal)
 
 
+@pytest.mark.slow  # lines around a post in a narrow cone are in `test_cones.py`
 def test_lines_around_a_post() -> None:
     scene = scene_of(box("post", (60, 60, 340), (430, 0, 170)))
     begin = goal_joints(ARM, Pose((430.0, -200.0, 300.0), DOWN), ARM.home, TIP)[0]

@@ -78,8 +78,8 @@ def finding(scene: Scene, start: Any, goal: Any, **more: Any) -> Diagnostic:
     return one
 
 
-@pytest.mark.one_in(2)
-@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("cell", [*reversed(CELLS)])  # two robots first
 def test_a_way_is_found_and_is_clear(cell: str) -> None:
     scene = CELLS[cell]()
     (problem,) = problems(cell, scene, 1, seed=5)

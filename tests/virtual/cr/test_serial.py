@@ -83,7 +83,7 @@ def test_commands_without_a_procedure(plain, end):
 def test_it_is_switched_off_while_commands_come(plain):
     """Nothing goes wrong in its threads, which pytest would tell."""
     controller, _ = plain
-    for _ in range(10):
+    for _ in range(5):
         with Line(controller.serial_path) as line:
             line.send(b"1;1;STATE\r" * 100)
             line.until(b"\r")
