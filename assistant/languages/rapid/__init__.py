@@ -47,6 +47,7 @@ class Rapid(Language["File"]):
     name = "rapid"
     title = "ABB RAPID"
     suffixes = (".mod", ".modx", ".sys", ".sysx", ".prg", ".pgf")
+    # Tried in order: Latin-1 comes last, as it takes any bytes.
     encodings = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
     precision = Precision(position=6e-5, angle=1e-6)
     comment_mark = "!"
@@ -102,6 +103,8 @@ class Rapid(Language["File"]):
     def format(self, tree: File) -> str:
         """The tree's text in the one layout; the text of a broken file as it is."""
         text = self.render(tree)
+        # A printed tree has the layout already; laying out a broken text could move what nobody
+        # understood.
         if tree.origin is None or has_errors(tree.findings) or not tree.parts:
             return text
         from assistant.languages.rapid.text.layout import lay_out
@@ -205,6 +208,7 @@ class Rapid(Language["File"]):
         merged, origin = merge(tree, before, after), program.origin
         if not sets_on_way(program) and (origin is None or not sets_on_way(origin.lifted)):
             return merged
+        # The merged text counts only if it is the same program as the one that is built anew.
         wanted, made = (self.lift_trees((one,), None) for one in (after, merged))
         return merged if compare(wanted, made).same else after
 

@@ -79,6 +79,7 @@ def tasks(files: Sequence[s.File]) -> Iterator[tuple[TaskFiles, TaskFiles]]:
     arms = _arms(paths)
     named = [_task_of_path(path) or arms.get(path.stem, "") for path in paths]
     names = [name for name in dict.fromkeys(named) if name not in _COMMON_TASKS]
+    # One name tells nothing apart: a single task may have files in folders of any name.
     if len(names) < 2:
         yield tuple(files), ()
         return
@@ -92,6 +93,7 @@ def tasks(files: Sequence[s.File]) -> Iterator[tuple[TaskFiles, TaskFiles]]:
 
 def _task_of_path(path: PurePosixPath) -> str:
     """The task that a path names: its innermost folder that is named like one, else the file."""
+    # The innermost folder is the most specific, and a folder counts more than a file.
     names = [*reversed(path.parts[:-1]), path.stem]
     return next((name.lower() for name in names if _TASK_NAME.fullmatch(name)), "")
 
@@ -102,6 +104,7 @@ def _arms(paths: Sequence[PurePosixPath]) -> dict[str, str]:
     found: dict[tuple[str, str], set[str]] = {}
     for _, match in sides:
         found.setdefault((match[1], match[3]), set()).add(match[2][0].lower())
+    # A name with a side but without its counterpart is an ordinary name.
     return {stem: m[2][0].lower() for stem, m in sides if len(found[m[1], m[3]]) == 2}
 
 
@@ -152,6 +155,8 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
     found = [finding for tree in trees for finding in tree.findings]
     damage = _damage_of(trees)
     for files, common in tasks(trees):
+        # Rows with something to report become nodes of their own, so that rules need not look into
+        # runs.
         single = with_single_rows(files, common)
         shared = {id(one) for one in common}
         pairs = zip(files, single, strict=True)
@@ -162,6 +167,7 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
                 look = RuleContext(tree, module, task)
                 of_module = findings(CHECKS, look, lacks, compiled=look.compiled)
                 found += undamaged_findings(of_module, damage, tree.source)
+    # Modules that several tasks share give the same findings in each.
     return tuple(dict.fromkeys(found))
 
 

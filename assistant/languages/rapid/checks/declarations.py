@@ -62,6 +62,7 @@ def module_names(look: RuleContext) -> Found:
     before = list(look.before)
     if any(other.name.lower() == look.module.name.lower() for other in before):
         yield look.finding(rules.SAME_MODULE, look.module, name=look.module.name)
+    # Of two modules with one name at most one is loaded, so their `main` need no finding.
     elif (main := look.task.main(look.module)) is not None:
         first = next((other for other in before if look.task.main(other) is not None), None)
         if first is not None:
@@ -94,6 +95,7 @@ def duplicate_names(look: RuleContext) -> Found:
             before[name] = any(id(one.module) in earlier for one in look.task.shared.all(name))
         here = name in own
         if here or (before[name] and not declared.local):
+            # Modules that people wrote may come with others that are never loaded together.
             sure = here or look.compiled
             severity = Severity.ERROR if sure else Severity.WARNING
             yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)
@@ -139,6 +141,7 @@ def string_lengths(look: RuleContext) -> Found:
 def number_sizes(look: RuleContext) -> Found:
     """No number is larger than a `dnum` holds, nor the first value of a `num` than that one."""
     for node in look.all(s.NumberLiteral):
+        # Short numbers without an exponent fit any type, so that long tables need no conversion.
         if len(node.text) > _LONGEST_PLAIN_NUMBER or "e" in node.text.lower():
             number = literal_number(node)
             if number is not None and math.isinf(number):
@@ -191,6 +194,7 @@ def initial_values(look: RuleContext) -> Found:
     for node, scope in scoped_nodes_of(look, s.Data):
         if node.storage == "PERS" and node.value is not None and not _is_literal(node.value):
             yield look.finding(rules.NOT_LITERAL, node, name=node.name)
+        # Declarations in the wrong place have a finding of their own.
         if id(node) not in look.once(_in_place):
             continue
         if node.value is None:
@@ -211,6 +215,7 @@ def initial_values(look: RuleContext) -> Found:
                     what = f"`{part.name}`, {_DECLARED_AS[kind]}"
             if what:
                 yield look.finding(rules.NOT_CONSTANT, node, name=node.name, what=what)
+                # One finding for each declaration.
                 break
 
 
@@ -343,6 +348,7 @@ def _used_names(node: Any, own: frozenset[str]) -> Iterator[s.NameRef]:
             yield from _used_names(body, own | {variable.lower()})
         case s.ProcedureCall(str(name), arguments) if name.lower() in MOVE_WORDS:
             plain = tuple(a for a in arguments if isinstance(a, s.Positional))
+            # Speed, zone and tool have rules of their own.
             yield from _used_names(plain[:-_MOTION_ARGUMENTS], own)
         case s.ProcedureCall(str(name)) if name.lower() in _UNTRANSLATED:
             pass
@@ -428,6 +434,7 @@ def _mentioned_names(places: Iterable[s.Node]) -> NameSet:
             case s.StringLiteral(value):
                 words = [word.lower() for word in _STRING_WORD.findall(value)]
                 names.words.update(words)
+                # A name may be put together from this text and something else.
                 names.beginnings.update(word for word in words if len(word) >= _SHORTEST_BEGINNING)
             case s.MoveRunNode(run):
                 names.columns += [run.names, run.vias]

@@ -49,6 +49,7 @@ def _leaving_statement(statement: s.StatementNode) -> str:
             return name
         case s.WhileLoop(condition) if _without_parentheses(condition) == s.BoolLiteral(True):
             return "a loop that never ends"
+        # Only with ELSE or DEFAULT one of the branches always runs.
         case s.IfThen(otherwise=tuple()) | s.TestOf(otherwise=tuple()):
             return (
                 ""
@@ -106,6 +107,7 @@ def jumps(look: RuleContext) -> Found:
                 yield look.finding(
                     rules.NO_LABEL, goto, name=goto.label, kind=routine.kind, routine=routine.name
                 )
+            # The lists around the label have to be around the GOTO as well.
             elif around[: len(label)] != label:
                 yield look.finding(rules.INTO_BLOCK, goto, name=goto.label)
 
@@ -117,6 +119,7 @@ def _nested_statements(
     for statement in body:
         yield statement, around
         for at, block in enumerate(blocks(statement)):
+            # A compact IF is no block: a jump into its one statement is allowed.
             inner = around if isinstance(statement, s.CompactIf) else (*around, id(statement), at)
             yield from _nested_statements(block, inner)
 
@@ -161,9 +164,11 @@ def _raised(look: RuleContext, routine: s.Routine, node: s.Node, name: str) -> F
     data = found.node if found is not None else None
     if found is None or not isinstance(data, s.Data) or data.dimensions or _is_given(look, name):
         return
+    # An errnum without a value is 0.
     number = 0.0 if data.value is None else literal_number(data.value)
     if number is None or _may_be_raised(number):
         return
+    # What another module sees may be booked there.
     sure = found.local or found.kind == "CONST"
     what = f"`{name}` is raised with the number {number:g}, and nothing books it"
     severity = Severity.ERROR if sure else Severity.WARNING

@@ -80,6 +80,7 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
             look = RuleContext(file, module, task)
             _ModuleWalk(look, met, records, stands, handling).walk()
     types = Types(RuleContext(first, first.modules[0], task))
+    # Only after all modules are read is it known which components a type has.
     for one in met.values():
         if one.parts.parts and not one.types:
             owner = records.owner(one.name, one.parts)
@@ -119,6 +120,7 @@ class _ModuleWalk:
                 case s.Routine():
                     scope = Scope(self.types, item)
                     self.result = item.type.lower()
+                    # ERRNO has a meaning only while an error is handled.
                     self.handles = item.name.lower() in self.handling
                     self._body(item.body, scope)
                     self.handles = True
@@ -148,6 +150,7 @@ class _ModuleWalk:
             case s.Assignment(target, value):
                 kind = scope.kind(target)
                 given = scope.kind(value)
+                # Each side of an assignment tells the type of the other.
                 self._expression(target, scope, _type_of_kind(given) or "", assigned=True)
                 self._expression(value, scope, _type_of_kind(kind) or "")
             case s.ProcedureCall(str(name)):
@@ -182,6 +185,7 @@ class _ModuleWalk:
             case s.TestOf(subject, cases, otherwise):
                 kinds = [scope.kind(value) for case in cases for value in case.values]
                 type = next((_type_of_kind(kind) for kind in kinds if kind is not None), "")
+                # Weak: a number in CASE may also be the state of a signal.
                 self._expression(subject, scope, type or "", weak=True)
                 of = _type_of_kind(scope.kind(subject)) or ""
                 for case in cases:
@@ -234,6 +238,7 @@ class _ModuleWalk:
                     o.lower() in TASK_NUMBER_OPTIONS for o in options
                 ):
                     self._state(TASK_NUMBER)
+            # Nothing tells what the routine does, so the cell has to declare it.
             elif routine is None or _is_cell_routine(low, routine):
                 self._unread(node, name, scope, kind, result)
                 return
@@ -252,12 +257,14 @@ class _ModuleWalk:
             if isinstance(argument, s.Conditional) or argument.value is None:
                 continue
             parameters = bound.get(id(argument.value), ())
+            # A REF parameter takes the mere name of any object, so the use tells no type.
             if any(one.mode == "REF" for one in parameters) and not any(
                 one.type in SIGNAL_TYPES for one in parameters
             ):
                 continue
             one = parameters[0] if parameters else None
             type = one.type if one is not None else ""
+            # Data of the equipment is not translated, so the cell need not state it.
             if low in PROCESS_MOVES and type in UNTRANSLATED_TYPES:
                 continue
             changed = one is not None and one.mode in ("VAR", "INOUT") and type not in SIGNAL_TYPES
@@ -393,6 +400,7 @@ class _ModuleWalk:
             kind = scope.kind(other)
             known = _type_of_kind(kind)
             compared = operator in e.RELATIONS
+            # A number that is compared may be the state of a signal.
             weak = compared and (known in ("num", "dionum") or known is None)
             fallback = type if not compared else ""
             self._expression(side, scope, known or fallback or "", weak=weak)
@@ -423,6 +431,7 @@ class _ModuleWalk:
         met = self._note(value.name, of, assigned=assigned)
         if named and not of:
             met.parts.note(named, type, self.place)
+        # The largest index that is used is the least extent.
         if isinstance(outer[0], s.Element):
             numbers = [
                 literal_number(i) if not isinstance(i, s.Whole) else None for i in outer[0].indices
@@ -443,6 +452,7 @@ class _ModuleWalk:
             return False
         if low in predefined.data() or low in predefined.types():
             return False
+        # A name that only looks like a predefined one is a slip, which a rule reports.
         if type == "speeddata":
             return low not in SPEEDS.predefined
         return not (type == "zonedata" and (low in ZONES or low in BLENDS.predefined))

@@ -156,6 +156,7 @@ class UndeclaredRecords:
             return None
         inner: list[Wanted] = []
         found: dict[int, tuple[str, str, Plain | None]] = {}
+        # Components with components come first, as only a value in brackets can be theirs.
         parts = sorted(shape.parts.values(), key=lambda part: not part.parts)
         for part in parts:
             at = self._place(part, slots, found) if shape.rows else len(found)
@@ -217,6 +218,7 @@ class UndeclaredRecords:
             kinds = ("num" if base in (NUMBER, "dnum") else base, _ANY_KIND)
         elsewhere = not base and not part.parts
         for at, kind in enumerate(slots):
+            # A component of unknown type may be any value but one in brackets.
             if at not in taken and (kind in kinds or (elsewhere and kind != _BRACKETS)):
                 return at
         return None
@@ -328,6 +330,7 @@ def wanted_of(
     Data that are only given to a routine have the type that other calls give there, and a
     parameter that of the data.
     """
+    # First the types that calls agree on, as data without another use gets its type from them.
     routines = [one for one in met.values() if one.routine and one.usual is None]
     for routine in routines:
         for slot in _parameter_slots(routine.calls).values():
@@ -414,11 +417,13 @@ def _missing_data(
     """
     uses = tuple(met.uses)
     if met.usual is not None:
+        # A controller state is noted with the one type of its table.
         (type,) = met.types
         return Wanted(met.name, "data", type, uses=uses, nothing=met.usual)
     type = met.types.most_common(1)[0][0] if met.types else ""
     if type in SIGNAL_TYPES:
         return Wanted(met.name, "signal", type, signal=_signal_of_type(type), uses=uses)
+    # Only compared, never assigned: such a name is more often a signal than a number.
     if type == "num" and not met.assigned and met.types["num"] < 1 and not met.extents:
         named = _SIGNAL_NAME.match(met.name)
         letters = "".join(filter(None, named.groups())).lower() if named else "di"
@@ -433,6 +438,7 @@ def _missing_data(
         types.kind(type) == "RECORD" and type not in _NEUTRAL_VALUES and not types.components(type)
     ):
         return None  # of the controller's configuration, or of an option whose records nobody lists
+    # The cell's tables hold single values that nothing assigns; anything else is data.
     kind = KIND_OF_TYPE.get(type, "data") if not (met.extents or met.assigned) else "data"
     nothing = _array_of(_neutral_value(type, types), met.extents)
     size = tuple(met.extents)

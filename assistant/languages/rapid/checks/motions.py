@@ -137,6 +137,7 @@ def endless_waits(look: RuleContext) -> Found:
     for call in look.all(s.ProcedureCall):
         if str(call.name).lower() in _WAIT_INSTRUCTIONS:
             given = {a.name.lower() for a in call.arguments if not isinstance(a, s.Positional)}
+            # `WaitUntil TRUE` only waits for the arm, if at all.
             if "maxtime" not in given and positional(call) != [s.BoolLiteral(True)]:
                 yield look.finding(rules.ENDLESS_WAIT, call, word=call.name)
 
@@ -160,6 +161,7 @@ def _follow_moves(
             yield look.finding(rules.READ_ON_THE_FLY, statement)
         match statement:
             case s.MoveRunNode(run):
+                # Within a run each move follows a move; only the last one is before something else.
                 going = _progress_of_zone(look, run.motions[-1].zone, routine)
             case s.ProcedureCall(str(name)) if name.lower() in _ZONE_POSITIONS:
                 going = _progress_of_move(look, statement, name.lower(), routine)
@@ -170,6 +172,7 @@ def _follow_moves(
                 pass
             case s.Assignment() | s.CommentLine() | s.Placeholder():
                 pass
+            # Any other statement may take time or stop, so the arm may have arrived afterwards.
             case _:
                 for block in blocks(statement):
                     yield from _follow_moves(look, routine, block, going)
@@ -189,6 +192,7 @@ def _progress_of_move(
 ) -> _MoveProgress:
     if option(call, "conc"):
         return "aside"
+    # These options replace the zone, so that nothing is certain.
     if option(call, "z", "inpos"):
         return ""
     plain = positional(call)
@@ -202,6 +206,7 @@ def _progress_of_zone(look: RuleContext, zone: str, routine: s.Routine) -> _Move
     if found is None:
         return "on the fly" if zone.lower() in ZONES and zone.lower() != "fine" else ""
     value = found.node.value if isinstance(found.node, s.Data) else None
+    # Only a constant with a size surely rounds the corner.
     rounded = isinstance(value, s.AggregateNode) and value.items[0] == s.BoolLiteral(False)
     return "on the fly" if rounded and found.kind == "CONST" else ""
 
@@ -219,6 +224,7 @@ def unset_triggers(look: RuleContext) -> Found:
             for one in triggers_taken(node):
                 declared = look.find(one.name, routine)
                 own = declared is not None and isinstance(declared.node, s.Data)
+                # A parameter is set up by the caller.
                 if declared is None or not own or declared.type.lower() != TRIGGER_TYPE:
                     continue
                 if one.name.lower() not in elsewhere:
@@ -233,6 +239,7 @@ def _mentioned_elsewhere(task: Task) -> set[str]:
             named[node.name.lower()] += 1
         elif isinstance(node, s.ProcedureCall):
             named.subtract(one.name.lower() for one in triggers_taken(node))
+    # More mentions than moves take: something else may set the data up.
     return {name for name, count in named.items() if count > 0}
 
 
@@ -262,6 +269,7 @@ _ToolAndFrame = tuple[str, str]
 
 
 def arcs(look: RuleContext) -> Found:
+    # Most modules have no arcs, and positions are costly to gather.
     runs = [n for n in look.all(s.MoveRunNode) if (n.run.kinds == CIRCULAR).any()]
     if not runs and not any(str(c.name).lower() == "movec" for c in look.all(s.ProcedureCall)):
         return
@@ -286,8 +294,11 @@ def _moves_of_list(
             frames = Entries(tuple(map(_tool_and_frame, run.motions.table)), run.motions.index)
             ends = known.of(run.names) if run.values is None else run.values[:, :3]
             apart = np.zeros(len(run), bool)
+            # Positions in different tools or frames have no distance.
             apart[1:] = ~frames.rows(slice(1, None)).equal(frames.rows(slice(-1)))
             # a name may mean another target here
+            # A routine with targets of its own may hide names of the table; kind 0 leaves the row
+            # out.
             kinds = run.kinds.astype(np.int64) * ("robtarget" not in own)
             vias, follows = known.of(run.vias), here == frames[0]
             found.table(node, kinds, ends, vias=vias, follows=follows, apart=apart)
@@ -328,6 +339,7 @@ def _arc_findings(look: RuleContext, moves: Moves[s.Node]) -> Found:
         np.stack([moves.before[rows], moves.vias[rows], moves.ends[rows]], axis=1)
     )
     close = measures.sides < _LEAST_APART  # NaN is no length, so it never is
+    # Points that are too close have no angle, and have a finding already.
     plain = ~close.any(axis=1) & ~np.isnan(measures.sides).any(axis=1)
     straight = measures.apart < _LEAST_ANGLE
     for rule, what, bad in (
@@ -401,6 +413,7 @@ def _indexed_positions(
         for item in module.items:
             if isinstance(item, s.Data) and _is_local(item) == local:
                 numbers = literal_target(item.value) if item.storage == "CONST" else None
+                # Columns hold ASCII names only.
                 if numbers is not None and not item.dimensions and item.name.isascii():
                     names.append(item.name)
                     values.append(numbers)

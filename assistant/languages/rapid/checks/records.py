@@ -69,6 +69,8 @@ def quaternion_lengths(look: RuleContext) -> Found:
             depth = len(data.dimensions)
             target = data.storage == "CONST" and data.type.lower() == "robtarget"
             for one, numbers in _orientations(types, data.value, data.type, depth):
+                # Only a constant that is a place holder is reported; other data may get its value
+                # later.
                 if target or any(numbers):
                     written.append((one, np.array([numbers]), _constant_name(data.name)))
     lengths: list[_FaultyRows] = []
@@ -189,6 +191,7 @@ def _report_rows(
     """
     listed = [fault for fault in faults if len(fault.rows)]
     listed.sort(key=lambda fault: fault.node.span.start if fault.node.span else 0)
+    # The count goes with the last finding that is reported one by one.
     count = sum(len(fault.rows) for fault in listed)
     each = ((fault, int(row)) for fault in listed for row in fault.rows)
     for number, (fault, row) in enumerate(islice(each, _MOST_TARGETS_REPORTED), 1):
@@ -246,6 +249,7 @@ def equipment_values(look: RuleContext) -> Found:
     moved = look.task.once(_moved_equipment)
     for data in look.all(s.Data):
         type = data.type.lower()
+        # A value that the program replaces may be anything before.
         if type not in _EQUIPMENT_SHAPES or data.value is None or data.name.lower() in given:
             continue
         used = data.name.lower() in moved
@@ -295,6 +299,7 @@ def held_pairs(look: RuleContext) -> Found:
         for node in nodes(routine):
             for row, tool, frame in _tools_and_frames(node):
                 pair = (tool.lower(), frame.lower() or BASE)
+                # What a program changes may be held otherwise by then.
                 if pair in seen or not given.isdisjoint(pair):
                     continue
                 seen.add(pair)
@@ -314,6 +319,7 @@ def _tools_and_frames(node: s.Node) -> Iterator[tuple[int, str, str]]:
     """
     match node:
         case s.MoveRunNode(run):
+            # One row for each combination of settings, in the order of the text.
             chosen, rows = np.unique(run.motions.index, return_index=True)
             for at in np.argsort(rows):
                 motion = run.motions.table[int(chosen[at])]

@@ -199,6 +199,7 @@ class RuleContext(CachedResults):
         """The rule's finding at a node. row: which line, of a node that is a long run; else its
         first one.
         """
+        # A built tree has no text to point into.
         if self.file.origin is None or node is None or node.span is None:
             return rule(path=self.file.path, place=self.module.name, **given)
         source, span = self.file.origin.source, node.span
@@ -251,6 +252,7 @@ class Types(NamedTypes):
             case s.Alias(local, of, name):
                 return Type(name, "ALIAS", of)
             case s.Record(local, name, components):
+                # With several records of a name nothing tells which one is meant.
                 several = not local and len(self.look.task.shared.all(name)) > 1
                 known = None if several else {inner: type for type, inner in components}
                 return Type(name, "RECORD", components=known)
@@ -294,6 +296,7 @@ class Scope(Kinds[s.Expression]):
     def find(self, name: str) -> Declared | None:
         """The declaration that a name means, None if no given module has one."""
         low = name.lower()
+        # Names are looked up many times in one scope.
         if low not in self._found:
             if low in self.loops:
                 self._found[low] = Declaration(name, "FOR", "num", True)
@@ -365,6 +368,7 @@ class Scope(Kinds[s.Expression]):
         """Return the kind of a value as it is read: a number for a signal."""
         kind = self.kind(node)
         if kind is not None and kind.type in SIGNAL_TYPES:
+            # A group is a num or a dnum, as the place wants it.
             return None if kind.type.startswith("signalg") else Kind("num")
         return kind
 
@@ -407,6 +411,7 @@ def _walk_scopes(look: RuleContext) -> Iterator[tuple[s.Node, Scope]]:
         if isinstance(item, tuple):
             pending.extend([(one, scope) for one in reversed(item) if not is_leaf(one)])
         elif isinstance(item, s.ForLoop):
+            # Pushed before the bounds, so that it is visited after them, in the order of the text.
             pending.append((item.body, scope.inside(item)))
             pending.append(((item.first, item.last, item.step), scope))
         elif isinstance(item, s.Node):

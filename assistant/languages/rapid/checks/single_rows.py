@@ -52,6 +52,7 @@ def with_single_rows(
     rule reports; another language treats it like any other line.
     """
     files = tuple(files)
+    # Without runs there is nothing to expand.
     if not any(True for _ in _runs(files)):
         return files
     task = Task(files, common)
@@ -60,6 +61,7 @@ def with_single_rows(
         _changed(file, [_with_targets(file, module, shared) for module in file.modules])
         for file in files
     )
+    # Declarations have changed, so names are looked up anew for the moves.
     task = Task(files, common)
     targets, local = NameSet(), dict[int, NameSet]()
     for module, node in task.runs:
@@ -100,6 +102,7 @@ def _split(file: s.File, node: s.RunNode, single: Truths) -> list[Any]:
         return [node]
     kind: Any = "items" if isinstance(node, s.TargetRunNode) else "statements"
     text, start = file.source.text, node.span.start
+    # Stretches of rows that stay or go alternate.
     bounds = np.flatnonzero(single[1:] != single[:-1]) + 1
     found: list[Any] = []
     for first, stop in pairwise([0, *bounds.tolist(), len(single)]):
@@ -132,6 +135,7 @@ def _shared_names(task: Task) -> dict[int, Truths]:
     columns = [node.run.names for _, node in task.runs]
     own = [modules[id(module)] for module, _ in task.runs]
     local = [node.scope == "LOCAL" for _, node in task.runs]
+    # Once for all names of a module, and once for local names apart from global ones.
     for scopes in (own, (np.array(own) * local).tolist()) if columns else ():
         for at, row in chain.from_iterable(repeated_rows(columns, scopes)):
             single[id(task.runs[at][1])][row] = True
@@ -154,6 +158,7 @@ def _with_targets(file: s.File, module: s.Module, shared: dict[int, Truths]) -> 
         match item:
             case s.TargetRunNode():
                 single = shared[id(item)]
+                # A declaration after a routine is out of order, which a rule reports row by row.
                 items += _split(file, item, single | after)
                 changed |= bool(single.any()) or after
                 continue
@@ -215,6 +220,7 @@ class _Moves:
                     found += _split(self.look.file, node, self._single(node, names))
                 else:
                     found.append(node)
+            # A run that is split grows the list; the same length means that nothing changed.
             return statements if len(found) == len(statements) else tuple(found)
 
         changed: s.Routine = map_lists(routine, body)
@@ -230,6 +236,7 @@ class _Moves:
             if "odd" in fits:
                 single |= run.motions.index == at
             elif "unknown" in fits and self.unknown:
+                # The first use is enough: the finding is about the name.
                 single[np.flatnonzero(run.motions.index == at)[:1]] = True
         for column in (run.names, run.vias) if run.values is None else ():
             self._targets(column, names, single)
@@ -237,6 +244,7 @@ class _Moves:
 
     def _targets(self, column: Names, names: _Names, single: Truths) -> None:
         """Adds the rows whose targets are not plain."""
+        # Vias of moves that are not circular have no name.
         named = np.array([bool(stem) for stem in column.stems])[column.stem] | (column.number >= 0)
         shared, own = self.targets
         known = (shared.among(column) | own.among(column)) & ~names.inner.among(column)

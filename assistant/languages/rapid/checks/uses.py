@@ -145,6 +145,7 @@ def _unknown_data(node: s.Expression, scope: Scope) -> Found:
     if not isinstance(node, s.NameRef) or scope.find(node.name) is not None:
         return
     low = node.name.lower()
+    # A compiled program has a rule of its own for undeclared names.
     if low in predefined.data() or scope.look.compiled:
         return
     if scope.look.first("data", low):
@@ -188,6 +189,7 @@ def _unknown_errors(
         case s.Assignment(target, value):
             named, sure = (value,), _is_errnum(target, scope)
     for one in named:
+        # Predefined errors begin with ERR_, so such a name is meant as one.
         if isinstance(one, s.NameRef) and (sure or one.name.startswith("ERR_")):
             yield from _unknown_data(one, scope)
 
@@ -277,6 +279,7 @@ def _index_range(node: s.Element, scope: Scope) -> Found:
     kind = scope.kind(node.value)
     if not isinstance(node.value, s.NameRef) or kind is None:
         return
+    # Another rule reports the wrong number of indices.
     if kind.dimensions != len(node.indices):
         return
     name = node.value.name
@@ -364,6 +367,7 @@ def _routine_call(
         if routine is None:
             yield from _unknown_routine(node, name, kind, scope)
             return
+    # Several modules declare it, and any of them may be loaded.
     elif scope.doubtful(found):
         return
     elif found.kind in _ROUTINE_KINDS and isinstance(found.node, s.Routine):
@@ -393,6 +397,7 @@ def _unknown_routine(
     standard = [n for n, (line, option) in rows if line.startswith(kind) and not option]
     near = misspelt(name, [*own, *standard], TYPE_ENDING)
     meant = _routine_signature(near, scope) if near else None
+    # A similar name is meant only if the arguments fit it.
     if meant is not None and _fits_routine(node, meant, scope):
         yield scope.look.finding(rules.MISSPELT_ROUTINE, node, name=name, near=meant.name)
     else:
@@ -435,6 +440,7 @@ def _argument_value(
         base = scope.types.base(parameters[0].type)
         if len(parameters) == 1 and base and not parameters[0].dimensions:
             yield from _unfit_value(value, base, (), scope)
+        # Parts of the value are compared one by one; as a whole it has no type.
         return
     fit = scope.suiting(value, parameters)
     if not fit:
@@ -464,6 +470,7 @@ def _changed_argument(
     """Report an argument that the routine changes but that is not changeable data."""
     data = root(value)
     storage = _storage_of(data, scope) if data is not None else "value"
+    # Moves have a rule of their own for tools and work objects.
     moved = routine.name.lower() in MOVE_WORDS and parameter.type in ("tooldata", "wobjdata")
     if parameter.mode == "PERS" and storage in ("VAR", "CONST", "IN", "FOR"):
         rule = None if moved and storage in ("VAR", "CONST") else rules.NO_PERSISTENT

@@ -58,6 +58,7 @@ def _file_modes(program: Program) -> Mapping[str, p.ChannelMode]:
                 ways.setdefault(name.lower(), set()).add(_access_of(word.lower()))
     modes: dict[str, p.ChannelMode] = {}
     for name, found in ways.items():
+        # Opening and closing say nothing about the direction.
         match found - {""}:
             case one if one == {"write"}:
                 modes[name] = "write"
@@ -126,6 +127,7 @@ class _SocketStates:
                     function.lower() == _STATUS_FUNCTION and state.lower() == "socket_connected"
                 ):
                     plain[name.lower()] += 1
+        # Questions other than for the connection need the state as a number.
         other = {name for name, count in times.items() if count > plain[name]}
         taken = TakenNames((*program.variables, *program.signals, *program.targets))
         self.names = {
@@ -189,6 +191,7 @@ class _Gateways:
             yield p.Send(socket, "line", (e.Text(_GREETING),))
             yield p.Assign(answer, e.Apply("received", (e.Text(socket),)))
             other = e.Binary("<>", answer, e.Text(_GREETING))
+            # Another protocol than the one that is spoken here cannot go on.
             yield p.If((p.Branch(other, (p.Stop(end=True),)),))
 
     def tell(self, program: Program, findings: Findings) -> None:
@@ -249,6 +252,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
         word = call.word
         names = [name_of(one) for one in call.call.given]
         if word in _PREPARING:
+            # Refuses a socket that is no name, before the instruction is left out.
             call.name(0)
             with findings.at(node.span):
                 loss, cure = _OMITTED_LOSS
@@ -256,6 +260,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
             yield from states.behind(word, names)
             return
         accepts, by_gateway = word == "socketaccept", _GATEWAY_OPTION in call.call.options
+        # A gateway takes bytes only, so that plain texts on its socket have no meaning.
         if word in _OF_TEXTS and not by_gateway and names[0].lower() in gateways.sockets:
             raise NotExpressible(_GATEWAY_REASON)
         made: tuple[p.Statement, ...]
@@ -264,6 +269,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
         elif word == "open":
             made = tuple(_open(call, modes))
             mode = made[0].mode if made and isinstance(made[0], p.Attach) else "both"
+            # Other languages empty a file that they open for writing.
             if mode == "write" and "write" not in call.call.options:
                 with findings.at(node.span):
                     findings.append(rules.OPENED_ANEW(name=call.name(1)))
@@ -284,6 +290,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
 
     instructions = {*_LOWERINGS, *_PREPARING, "socketaccept", "open"}
     made = with_lowered_calls(program, instructions, _READING, said)
+    # Without a channel that is opened nothing has changed its meaning.
     if made is program or not undeclared_names.channels(made):
         return program
     gateways.tell(made, findings)
@@ -291,6 +298,7 @@ def with_channels(program: Program, findings: Findings) -> Program:
     made = states.asked(replace(made, variables=own))
     told = {name.lower() for name in undeclared_names.channels(made)}
     opened = {x.channel.lower() for x in made.statements() if isinstance(x, p.Attach)}
+    # After the states: what asks for the connection alone is a question to the channel.
     made = rewrite(made, lambda part: _connection_test(part, told))
     return _without_handles(_without_unopened(made, opened))
 
@@ -337,6 +345,7 @@ def _bound_ports(program: Program) -> Mapping[str, e.Expression]:
                     value = _argument_of_all_calls(
                         NameResolver().expression(port), procedure, program
                     )
+                    # Two ports for one socket: nothing tells which of them counts.
                     if found.setdefault(name.lower(), value) != value:
                         return {}
     return found
@@ -424,6 +433,8 @@ def _connect(q: VendorCall) -> Replacement:
         timer = f"{channel}_time"
         yield p.StartTimer(timer)
         in_time = e.Binary("<", e.Elapsed(timer), most)
+        # Once the time is over the condition never holds again, so that this wait ends as one whose
+        # time is over.
         again.insert(0, p.WaitUntil(in_time, e.Number(_RETRY_PAUSE)))
     yield attach
     yield p.While(_connected(channel, 0), tuple(again))
@@ -455,6 +466,7 @@ def _write(q: VendorCall) -> Replacement:
     kind: Any = "piece" if "nonewline" in q.call.options else "line"
     truth = q.option("bool")
     if truth is not None:
+        # RAPID writes a truth as a word, whatever other languages write for it.
         yes, no = (p.Send(channel, kind, (text, e.Text(word))) for word in ("TRUE", "FALSE"))
         yield p.If((p.Branch(truth, (yes,)),), (no,))
         return
@@ -509,6 +521,7 @@ def _send_text(channel: str, text: e.Expression) -> p.Send:
         case _:
             found = p.Send(channel, "piece", tuple(parts))
     for part in found.parts:
+        # Other control characters would be lost in a line of text.
         if isinstance(part, e.Text) and not part.value.isprintable():
             raise NotExpressible(_BYTES_REASON)
     return found

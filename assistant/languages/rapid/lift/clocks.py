@@ -39,6 +39,7 @@ def timer_clocks(modules: Sequence[s.Module]) -> frozenset[str]:
     found = {item.name.lower() for item in data if _is_clock(item)}
     if not found:
         return frozenset()
+    # Every mention must be a reading or a part of a restart.
     named: Counter[str] = Counter()
     meant: Counter[str] = Counter()
     for node in nodes(items):
@@ -52,6 +53,7 @@ def timer_clocks(modules: Sequence[s.Module]) -> frozenset[str]:
     for body in chain.from_iterable(map(lists, routines)):
         for pair in pairwise(body):
             if (again := restarted_clock(pair)) is not None:
+                # The restart mentions the clock twice.
                 meant[again.name.lower()] += 2
                 started.add(again.name.lower())
     declared = Counter(item.name.lower() for item in data)
@@ -131,6 +133,7 @@ def with_stopwatches(program: Program, findings: Findings) -> Program:
     def clock(name: str) -> _Stopwatch:
         names = []
         for stem in (name, f"{name}_ran", f"{name}_runs"):
+            # The timer keeps the clock's name if nothing else has it.
             free = stem if stem is name and stem.lower() not in taken.lower else None
             names.append(free or identifier(stem, taken))
             taken.add(names[-1])
@@ -184,6 +187,7 @@ def _with_stopwatches_in_procedure(
         return procedure
     body = tuple(
         n for n in procedure.body
+        # The declaration goes: its variables take its place.
         if not (isinstance(n, p.Opaque) and _declared_clock(verbatim.statements, n.text))
     )  # fmt: skip
     variables = dict(chain.from_iterable(c.variables().items() for c in own.values()))
@@ -209,10 +213,12 @@ class _StopwatchLowering:
             case "clkstart", clock:
                 start = p.StartTimer(clock.timer, span=node.span)
                 runs = p.Assign(clock.runs, RUNNING, span=node.span)
+                # A clock that is known to stand needs no question.
                 if before and before[-1] == p.Assign(clock.runs, _STOPPED):  # it was just reset
                     before.pop()
                     yield from (start, runs)
                 else:
+                    # Starting a clock that runs must not set its timer back.
                     stands = e.Binary("=", clock.runs, _STOPPED)
                     yield p.If((p.Branch(stands, (start, runs)),), span=node.span)
             case "clkstop", clock:

@@ -75,6 +75,7 @@ class DataLift:
         for module, self.start in zip(modules, starts, strict=True):
             for item in module.items:
                 if isinstance(item, s.Data) and item.name.lower() not in self._names:
+                    # Data that nothing assigns is as good as a constant.
                     constant = item.storage == "CONST" or item.name.lower() not in assigned
                     if self._take(item, constant):
                         self._held.add(id(item))
@@ -116,6 +117,7 @@ class DataLift:
             self._spelled[item.name.lower()] = item.name
         elif type == "zonedata" and constant and shape(value) == "bnnnnnn":
             zone = zone_of(value[0], value[1:])
+            # A stop point with sizes is not the one that would be written back.
             if zone.radius is None and any(value[1:]):
                 return False
             self.blends[item.name.lower()] = zone
@@ -221,8 +223,10 @@ class PathLift:
         self._taken = TakenNames(
             i.name for m in modules for i in m.items if isinstance(i, _NAMED_ITEMS)
         )
+        # Without runs there are no targets to count.
         seen = list(nodes(tuple(modules))) if runs else []
         named = (node.name for node in seen if isinstance(node, s.NameRef))
+        # Names in columns are ASCII, so others cannot be targets of a run.
         self.known.count(Names.of([name for name in named if name.isascii()]))
         for run in (node.run for node in seen if isinstance(node, s.MoveRunNode)):
             self.known.count(run.names)
@@ -267,11 +271,13 @@ class PathLift:
         taken = slice(part.start, part.stop)
         at = places[taken]
         stem = rows.names.stems[rows.names.stem[part.start]].decode("ascii")
+        # Paths name their targets `name_1` and so on; other numbered names are not theirs.
         if not stem.endswith("_") or len(stem) < 2:
             return None
         values = values_at(at, self.table.values)
         if not _have_orientations(values):
             return None
+        # These targets belong to the path, so the program does not list them once more.
         self.known.taken[at] = True
         name = self.original(stem[:-1])
         return _path(name, values, rows.kinds[taken], index[rows.moves[taken]], motions)
@@ -285,6 +291,7 @@ class PathLift:
             if any(values[3:7]):
                 left[name] = target(values)
                 continue
+            # A target without an orientation is no pose, but a program may assign it one.
             self.data.variables[name] = Variable("position", _target_value(values), (), "constant")
         return left
 
@@ -322,6 +329,7 @@ def _path(
         rotations.canonical(values[:, 3:7]),
         kinds=kinds,
         configurations=configurations(values[:, 7:11]),
+        # 9E9 marks an axis that is not used.
         external=np.where(values[:, 11:17] >= UNUSED, np.nan, values[:, 11:17]),
         **setting_columns(motions, motion),
     )
@@ -330,6 +338,7 @@ def _path(
 def configurations(confdata: Floats) -> NDArray[np.int8]:
     """Neutral columns; unstated where confdata are no small whole numbers."""
     sane = ((np.abs(confdata) <= 127) & (confdata == np.rint(confdata))).all(axis=1)
+    # Unsound rows are computed as zeros and marked afterwards.
     columns = from_confdata(np.where(sane[:, None], confdata, 0))
     columns[~sane, 0] = UNSTATED
     return columns

@@ -68,6 +68,7 @@ class Expressions:
     def of(self, node: s.Expression) -> e.Expression:
         number = literal_number(node)
         if number is not None:
+            # `-0` is 0: the sign would not come back from the text.
             return e.Number(number if number else 0)
         match node:
             case s.StringLiteral(value):
@@ -117,6 +118,7 @@ class Expressions:
                 if tool.lower() == FLANGE:
                     return e.Apply(_OF_ARM[key], (self.of(value),))
         given = tuple(self.of(argument) for argument in call.given if argument is not None)
+        # A routine of RAPID with the name of a neutral function does something else.
         if call.options or name in e.FUNCTIONS:
             return verbatim_of(node)
         if key in equivalents.SIGNAL_FUNCTIONS and len(given) == 1:
@@ -124,6 +126,7 @@ class Expressions:
                 return verbatim_of(node)
             self.used.append((given[0].name, SIGNAL_READ_BY[key]))
             return given[0]
+        # A form that no row matches has no equivalent, unlike a function of the program.
         if key in equivalents.FUNCTION_ROWS and key not in equivalents.NO_OTHER:
             return verbatim_of(node)
         return e.Apply(name, given)
@@ -164,6 +167,7 @@ def verbatim_of(node: s.Expression) -> e.Verbatim:
 
 def negated(operand: e.Expression) -> e.Expression:
     if isinstance(operand, e.Number):
+        # Keeps 0 without a sign.
         return e.Number(-operand.value if operand.value else operand.value)
     return e.Unary("-", operand)
 
@@ -194,6 +198,7 @@ def with_own_dates(program: Program) -> Program:
 
 def _with_date_function(program: Program, old: str, new: str, between: str) -> Program:
     used = any(part.function.lower() == old for part in records_in_procedures(program, e.Apply))
+    # A routine of the program with that name is not the date.
     if not used or program.procedure(old) is not None:
         return program
     pieces = [e.Apply("part", (e.Apply(new), e.Number(a), e.Number(n))) for a, n in _DATE_PARTS]

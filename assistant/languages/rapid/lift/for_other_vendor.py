@@ -140,6 +140,7 @@ _LAST_FLATTENED: Final[list[_Flattened]] = []
 def _flattened(files: tuple[s.File, ...]) -> _Flattened:
     """The program of some files with plain data, none if they have no other."""
     if _LAST_FLATTENED and len(_LAST_FLATTENED[0].files) == len(files):
+        # The same files in the same order: `kept` and spans are bound to these very trees.
         if all(a is b for a, b in zip(_LAST_FLATTENED[0].files, files, strict=True)):
             return _LAST_FLATTENED[0]
     found = flatten(files)
@@ -168,6 +169,7 @@ def _idle_assignment_findings(program: Program) -> Iterator[Diagnostic]:
     value.
     """
     said = list(program.statements())
+    # A statement that is left in part is not reported as left out.
     left = {node.span for node in said if not _is_omission_mark(node)}
     gone = {node.span: node.text for node in said if _is_omission_mark(node)}
     for span, text in gone.items():
@@ -225,6 +227,7 @@ def with_flat_data(program: Program) -> Adapted:
         return Adapted(program)
     changed: dict[str, Any] = {}
     for table in _CELL_TABLES:
+        # Only what the cell changed is taken over: flattening replaced the rest of these tables.
         before, now = getattr(origin.lifted, table), getattr(program, table)
         said = {name: one for name, one in now.items() if before.get(name) != one}
         changed[table] = {**getattr(told.lifted, table), **said}
@@ -254,6 +257,8 @@ def _heads(program: Program, lifted: Program) -> dict[str, Body] | None:
     for now, was in zip(program.procedures, lifted.procedures, strict=True):
         if now is was:
             continue
+        # Heads only go in front, so the old statements are the end of the body, as the same
+        # objects.
         new = len(now.body) - len(was.body)
         alike = new >= 0 and all(a is b for a, b in zip(now.body[new:], was.body, strict=True))
         if not alike or replace(now, body=was.body) != was:
@@ -287,6 +292,7 @@ def _with_known_extents(program: Program) -> Program:
     shared = {name.lower(): v.size for name, v in program.variables.items()}
     procedures = []
     for procedure in program.procedures:
+        # A parameter hides data of the module, and its extent is not known.
         own: dict[str, tuple[int, ...]] = {q.name.lower(): () for q in procedure.parameters}
         own |= {name.lower(): v.size for name, v in procedure.variables.items()}
         sizes: _ArraySizes = {**shared, **own}
@@ -337,17 +343,21 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
     findings = Findings()
     plain = with_flat_data(program)
     findings += plain.findings
+    # Flat data comes first, so that the passes below meet no records.
     program = as_one_unit(_without_omission_marks(plain.program))
     program = with_stopwatches(_with_known_extents(program), findings)
     if tables := _frame_tables(program):
         program = with_table_rows(program, tables, _with_named_rows)
     program = _with_move_triggers(program)
+    # Without vendor statements there is nothing to lower here.
     if any(map(is_vendor_text, records_in_procedures(program, p.Opaque, e.Verbatim))):
         program, limit = with_speed_limit(program)
         program = with_held_moves(with_aliases(program), findings)
         program = with_interrupts(program, findings)
         program = _with_neutral_statements(program, findings)
         handled = with_errors(program, lift_of(program), findings)
+        # Handlers end up at the statements that they are for, and may hold instructions that RAPID
+        # alone has.
         program = program if handled is program else _with_neutral_statements(handled, findings)
         program = with_timed_moves(with_interrupt_wait_timers(program), arm, findings)
         program = with_channels(with_operator_dialogs(program, findings), findings)
@@ -453,6 +463,7 @@ def _with_move_triggers(program: Program) -> Program:
         return program
     speeds = {name.lower(): speed for name, speed in program.speeds.items()}
     blends = {name.lower(): blend for name, blend in program.blends.items()}
+    # A local name hides the constant of the module.
     inner = {name for procedure in program.procedures for name in locals_of(procedure)}
     numbers = {
         name.lower(): one.initial
@@ -490,6 +501,7 @@ def _with_neutral_statements(program: Program, findings: Findings) -> Program:
     return replace(
         program,
         signals=with_used_signals(program.signals, meaning.used),
+        # Declared variables win over counters of the same name.
         variables={**counted, **program.variables},
     )
 
@@ -507,6 +519,7 @@ def _without_idle_declarations(program: Program) -> Program:
                 named |= effect_of(record).names
             case e.Name(name) | p.SetSignal(name) | p.Trigger(name) | p.WaitSignal(name):
                 named.add(name.lower())
+    # A routine that stays as its text keeps the data that it names.
     for one in program.declarations:
         if _is_routine_declaration(one):
             named |= effect_of(one).names
@@ -542,6 +555,7 @@ def _booked_errors(program: Program) -> Mapping[str, int]:
     names = (
         _booked_error(instruction_of(node)) for node in records_in_procedures(program, p.Opaque)
     )
+    # Only errors whose number is asked for need one.
     found = [name for name in dict.fromkeys(names) if name and name in used]
     return {name: at for at, name in enumerate(found, _FIRST_BOOKED_ERROR)}
 
@@ -573,6 +587,7 @@ def _without_omitted(
     loss = losses.get(key) or losses.get(key.split(" ")[0])
     if key in nothing:
         return
+    # An omitted ClearPath would let the arm finish the move that the interrupt broke off.
     if loss is None or node.reason == BROKEN_OFF:
         yield node
     else:
@@ -670,6 +685,7 @@ def _frame_tables(program: Program) -> Mapping[str, RowTable]:
                 s.Data(type=type, name=str(name), dimensions=(_,), value=s.AggregateNode(values)),
             ) if type.lower() in _ROW_READERS:
                 rows = [_ROW_READERS[type.lower()](literal_values(value)) for value in values]
+                # All rows or none: an index counts the rows of the whole table.
                 known = [row for row in rows if row is not None]
                 if known and len(known) == len(rows):
                     found[name.lower()] = declaration, known

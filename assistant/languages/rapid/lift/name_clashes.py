@@ -93,6 +93,7 @@ def _has_duplicates(modules: Sequence[s.Module]) -> bool:
     """True if any name is declared twice, compared in columns."""
     items = [item for module in modules for item in module.items]
     single = [item.name.lower() for item in items if isinstance(item, s.Data)]
+    # A task may have tens of thousands of targets, so their names are compared in columns.
     rows = Names.joined([item.run.names for item in items if isinstance(item, s.TargetRunNode)])
     index = NameIndex(rows)
     return (

@@ -86,6 +86,7 @@ def with_operator_dialogs(program: Program, findings: Findings) -> Program:
 
 def _stop_statement(q: VendorCall) -> Replacement:
     """Stop with its options, and Break."""
+    # Other options of Stop or Break are not known to have the effect of a plain stop.
     if q.call.given or not set(q.call.options) <= {"noregain", "allmovetasks"}:
         raise NotExpressible
     yield p.Stop()
@@ -115,9 +116,11 @@ def _joined_lines(
 def _key_question(q: VendorCall) -> Replacement:
     """TPReadFK: the number of the key that is pressed, of five."""
     if not q.only(*_DISPLAY_OPTIONS):
+        # Any other option ends the question by itself.
         raise NotExpressible(ENDED)
     answer, question = q.given(0), q.given(1)
     nodes = q.call.given[2:7]
+    # A key without a text is not shown, but the keys keep their numbers.
     shown = [(n, node) for n, node in enumerate(nodes, 1) if name_of(node).lower() != _EMPTY_TEXT]
     shown = [(n, node) for n, node in shown if node != s.StringLiteral("")]
     if answer is None or question is None or not shown:

@@ -152,8 +152,10 @@ class _Lift:
             if v.storage == "constant" and isinstance(v.initial, e.Number)
         }
         known = self.data.joint_targets.items()
+        # An external axis without a position is NaN, which differs from itself.
         alone = {n.lower() for n, j in known if not any(v == v for v in j.external)}
         hidden = inner_names(routines) if numbers or alone else ()
+        # A local name may hide the datum, so the name alone does not tell the value.
         inner = {self.original(name).lower() for name in hidden}
         self.meaning = NameResolver(
             self.original,
@@ -170,6 +172,7 @@ class _Lift:
 
     def _main(self) -> int:
         """The module that names the program: that with its heading, else with its `main`."""
+        # A module with a `unit of` heading belongs to another one.
         whole = [i for i, header in enumerate(self.headers) if not header.unit]
         headed = (i for i in whole if self.headers[i].program)
         entered = (i for i in whole if "main" in _routines_by_name(self.modules[i]))
@@ -185,6 +188,7 @@ class _Lift:
             if at != self.main:
                 self.comments += _declaration_comments(module, (*self.outside[at], *own.comments))
         for module, start, own in zip(self.modules, self.starts, self.headers, strict=True):
+            # Spans count from the start of all files together.
             self.data.start = start
             procedures, declarations = self.module(module, own)
             hidden = self._hidden(module)
@@ -212,6 +216,7 @@ class _Lift:
             variables=self.data.variables,
             declarations=tuple(self.declarations),
         )
+        # Only then are modules units; otherwise all modules are one.
         if any(header.resident for header in self.headers):
             program = _with_unit_calls(program)
         triggers = TriggerReader(self.meaning, self.own.__contains__)
@@ -258,10 +263,12 @@ class _Lift:
         unit = self.original(module.name) if header.unit else None
         pending: list[str] = []
         above: s.Item | None = None
+        # The heading is read already.
         for item in module.items[header.lines :]:
             before, above = above, item
             match item:
                 case s.CommentLine(text):
+                    # The line of the declaration goes, so the comment gets its name.
                     if item.trailing and isinstance(before, s.Data):
                         self.comments.append(f"{before.name}: {text}")
                     else:
@@ -368,6 +375,7 @@ def _declaration_comments(item: s.Item | s.Module, notes: Sequence[str]) -> list
     those that it begins with.
     """
     told = list(notes)
+    # A line of dashes or stars alone is no text to put a name before.
     at = next((i for i, note in enumerate(told) if any(map(str.isalnum, note))), None)
     if at is not None and isinstance(item, s.Data | s.Routine | s.Module):
         if not re.search(rf"\b{item.name}\b", " ".join(told), re.IGNORECASE):

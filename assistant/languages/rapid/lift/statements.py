@@ -150,6 +150,7 @@ class NameResolver:
         match node:
             case s.NameRef(name):
                 return self.blend(name)
+            # A computed stop condition or size; literal zones are read below.
             case s.AggregateNode((stop, *sizes)) if len(sizes) == len(ZONE_SIZES) and not (
                 isinstance(stop, s.BoolLiteral)
                 and _aggregate_numbers(s.AggregateNode(tuple(sizes)))
@@ -158,6 +159,7 @@ class NameResolver:
             case s.AggregateNode((s.BoolLiteral(fine), *sizes)):
                 values = _aggregate_numbers(s.AggregateNode(tuple(sizes)))
                 zone = zone_of(fine, values) if len(values) == 6 else None
+                # A stop point with sizes is not the one that would be written back.
                 return None if zone is None or (zone.radius is None and any(values)) else zone
         return None
 
@@ -229,6 +231,7 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
         read = verbatim.statements(text)
     except Refused:
         return (_opaque_text(text),)  # a finding when it is built
+    # Declarations are no statements of a body.
     if any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
         return (_opaque_text(text),)
     return lift_of(program).block(read)
@@ -265,10 +268,12 @@ class StatementLift:
         at = 0
         while at < len(nodes):
             node = nodes[at]
+            # At the end of a line: it has the span of the statement there.
             if at and isinstance(node, s.CommentLine) and node.trailing:
                 yield p.Comment(node.text, span=nodes[at - 1].span)
                 at += 1
                 continue
+            # Several statements that lowering writes for one are read back as one.
             for count, read in ((3, self._loaded_call), (2, self._timer)):
                 said = read(nodes[at : at + count])
                 if said is not None:
@@ -316,6 +321,8 @@ class StatementLift:
             case s.ForLoop(variable, first, last, step, inner):
                 bounds = expression(first), expression(last)
                 known = map(self._meaning.known, bounds)
+                # Without STEP the direction depends on the bounds; None leaves it to the target
+                # language.
                 upwards = {True: p.ONE, False: e.Number(-1), None: None}[ascends(*known)]
                 by = upwards if step is None else expression(step)
                 yield p.For(original(variable), *bounds, self.block(inner), by, span=span)
@@ -335,6 +342,7 @@ class StatementLift:
 
     def _call(self, node: s.ProcedureCall) -> p.Statement:
         name = str(node.name)
+        # A procedure of the user hides an instruction of that name.
         if name.lower() in _STANDARD and name.lower() not in self._procedures:
             kept = replace(opaque(node), reason=_INSTRUCTION_REASONS.get(name.lower()))
             return lift_instruction(node, self._meaning) or kept
@@ -438,6 +446,7 @@ class TriggerReader:
             return TriggeredMove(names, None)
         given = [*call.given[: known.place], *call.given[known.place + 1 :]]
         options = {name: x for name, x in call.options.items() if name not in FURTHER_TRIGGERS}
+        # Every further option with a triggdata must have given a name.
         plain = len(names) == 1 + len(call.options) - len(options)
         move = lift_call(Called(known.plain, given, options), self.meaning) if plain else None
         return TriggeredMove(names, move if isinstance(move, p.MoveStatement) else None)
@@ -449,6 +458,8 @@ class TriggerReader:
         Such functions must be called once, at that position.
         """
         call, calls = called(node), (x for x in nodes(node) if isinstance(x, s.FunctionCall))
+        # A function of the user may have effects, which moving the set-up to the move would repeat
+        # or shift.
         if call is None or any(self.own(x.name.lower()) for x in calls):
             return TriggerSetUp(name)
         kinds = [kind for option, kind in TRIGGER_OUTPUTS.items() if option in call.options]
@@ -471,6 +482,7 @@ class TriggerReader:
 
 def _trigger_node(kept: VendorText) -> Any:
     """The one declaration or statement that a text is, if it has to do with triggers."""
+    # Looking for the word first spares the parse of most texts.
     if kept.language != verbatim.LANGUAGE or "trigg" not in kept.text.lower():
         return None
     read: Callable[[str], tuple[s.Node, ...]] = (

@@ -48,6 +48,7 @@ def guns(call: Called[s.Expression]) -> tuple[Gun, ...]:
     known = PROCESS_MOVES.get(call.word.lower())
     if known is None or known.kind != "spot":
         return ()
+    # Without arguments between speed and zone, the weld names its guns by options.
     if not known.given:
         named = ((name, spot) for name, spot in call.options.items() if name in table.GUN_OPTIONS)
         return tuple(Gun(f"gun{name[1:]}", spot) for name, spot in named)
@@ -115,6 +116,7 @@ def signals_in(
             ) or verbatim.understood(verbatim.statements, statement.text)
             for node in nodes(read or ()):
                 if isinstance(node, s.ProcedureCall):
+                    # A name of other data may stand for any signal.
                     yield from (
                         (n, x) for n, x in _instruction_signals(node) if not known(n.lower())
                     )
@@ -167,6 +169,7 @@ def _vendor_step(node: s.StatementNode) -> MotionStep:
             known = signature(name)
             if known is None:
                 return MotionStep.CALLS
+            # A routine that is not listed in full may move with the tool that it is given.
             slots = () if known.open else known.slots
             tools = any(q.type == "tooldata" for slot in slots for q in slot.alternatives)
             return MotionStep.MOVES if known.open or tools else MotionStep.NOTHING

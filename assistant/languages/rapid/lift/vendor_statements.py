@@ -93,7 +93,7 @@ class VendorCall:
         return None if node is None else self.value(node)
 
     def name(self, at: int) -> str:
-        """The name that an argument is; raises Unsaid for anything else."""
+        """The name that an argument is; raises NotExpressible for anything else."""
         node = self.call.given[at] if at < len(self.call.given) else None
         found = name_of(node)
         if not found:
@@ -175,6 +175,7 @@ def _vendor_call(
                     found = called(call)
                     return None if found is None else VendorCall(found, expression)
         case p.Assign(target, e.Apply(function, given)) if function.lower() in functions:
+            # Only names can be turned back into nodes of RAPID.
             names = [s.NameRef(one.name) for one in given if isinstance(one, e.Name)]
             if len(names) == len(given):
                 return VendorCall(Called(function, names), expression, target)

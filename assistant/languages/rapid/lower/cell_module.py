@@ -83,6 +83,7 @@ def _declared_item(wanted: Wanted, value: SuppliedValue | None) -> s.Item:
     size = tuple(s.NumberLiteral(str(extent)) for extent in wanted.size)
     if value is None or is_handle(type):
         return s.Data("", "VAR", type, wanted.name, size)
+    # The program may assign it, so it must not be a constant.
     fixed = type in _CONSTANT_TYPES and not wanted.assigned
     return s.Data("", "CONST" if fixed else "PERS", type, wanted.name, size, _value_node(value))
 
@@ -131,6 +132,7 @@ def _empty_routine(wanted: Wanted, *, stops: bool) -> s.Routine:
 
 def _parameter_group(at: int, argument: CallArgument) -> s.ParameterGroup:
     type = argument.type or "num"
+    # Signals and handles cannot be passed by value.
     mode = "VAR" if type.startswith("signal") or is_handle(type) else ""
     name = argument.option or f"p{at}"
     node = s.ParameterNode(mode, type, name, argument.dimensions)

@@ -74,6 +74,7 @@ class _ChannelLowering(Rewording):
         """Files and sockets, which have no value."""
         for name, kind in self.kinds.items():
             sockets = kind in ("server", "client")
+            # A server listens on one socket and talks on another.
             made = [name, f"{name}_server"] if kind == "server" else [name]
             for one in made:
                 node = s.Data("", "VAR", "socketdev" if sockets else "iodev", one)
@@ -114,6 +115,7 @@ class _ChannelLowering(Rewording):
         match node.kind, node.place:
             case "file", (place,):
                 file = place if isinstance(place, e.Text) else None
+                # A path with a drive is complete; any other is in the controller's home folder.
                 whole = file is not None and ":" in file.value
                 words: tuple[s.Argument, ...] = (
                     s.Positional(s.StringLiteral(_HOME_FOLDER)),
@@ -140,6 +142,7 @@ class _ChannelLowering(Rewording):
                 yield self.call("SocketBind", server, address, port)
                 yield self.call("SocketListen", server)
                 yield self.call("SocketAccept", server, own, _FOR_EVER)
+                # One connection at a time: the listening socket is not needed any more.
                 yield self.call("SocketClose", server)
             case _:
                 self.job.cannot(
@@ -163,10 +166,12 @@ class _ChannelLowering(Rewording):
             lines_of_parts(node.parts, _LONGEST_TEXT) if node.parts else [[e.Text("")]]
         )
         for number, row in enumerate(rows, 1):
+            # Long texts go out in pieces, of which only the last one ends the line.
             whole = node.kind == "line" and number == len(rows)
             parts: list[e.Expression] = [
                 e.Apply("text", (x,)) if is_value(x, self.known) else x for x in row
             ]
+            # In files `Write` ends the line itself.
             if whole and kind != "file":
                 parts.append(e.Text(_TEXT_END))
             text = self.node(reduce(lambda a, b: e.Binary("+", a, b), parts))
@@ -200,8 +205,10 @@ class _ChannelLowering(Rewording):
         self.variables |= {text.name: Variable("text"), last.name: Variable("text")}
         one = s.Option("ReadNoOfBytes", s.NumberLiteral("1"))
         into = s.Option("Str", s.NameRef(last.name))
+        # One byte at a time, as bytes of the next text may have arrived already.
         next_one = self.call("SocketReceive", _named_argument(channel), into, one, _FOR_EVER)
         ends = (e.Binary("<>", last, e.Text(mark)) for mark in (_TEXT_END, ","))
+        # The line feed of CR LF belongs to the text before, but arrives with the next one.
         plain = p.Branch(
             e.Binary("<>", last, e.Text("\n")), (p.Assign(text, e.Binary("+", text, last)),)
         )
@@ -214,6 +221,7 @@ class _ChannelLowering(Rewording):
             return
         self.variables[read.name] = Variable("truth")
         yield p.Assign(read, e.Apply("StrToVal", (text, target)))
+        # A text that is no number ends the program, as in the other language.
         yield p.If((p.Branch(e.Unary("not", read), (p.Stop(end=True),)),))
 
     changes: ClassVar[Changes] = {

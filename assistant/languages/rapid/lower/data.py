@@ -125,6 +125,7 @@ def _module_data(program: Program, names: Naming) -> Iterator[s.Data]:
     speeds = {names.get("speeds", n): v for n, v in program.speeds.items()}
     blends = {names.get("blends", n): v for n, v in program.blends.items()}
     for speed, blend in stated_motions(program):
+        # Predefined ones need no declaration.
         if isinstance(speed, Speed) and (name := speed_name(speed)) not in SPEEDS:
             speeds[name] = speed
         if isinstance(blend, Blend) and (name := zone_name(blend)) not in ZONES:
@@ -192,6 +193,7 @@ def path_targets(path: Path, stem: str, scope: str) -> list[s.TargetRunNode | s.
     run = _target_run(path, stem)
     if len(run) >= _SHORTEST_RUN:
         return [s.TargetRunNode(scope, run)]
+    # Through text, so that short paths are the same nodes as when they are read.
     return list(verbatim.items(targets_text(run, scope, "", "\n")))  # type: ignore[arg-type]
 
 
@@ -227,6 +229,7 @@ def _target_run(path: Path, stem: str) -> TargetRun:
     values[:, 7:11] = to_confdata(path.configurations)
     external = np.where(np.isnan(path.external), UNUSED, path.external)
     np.round(external, JOINT_PLACES, out=values[:, 11:17])
+    # Adding 0.0 turns -0.0 into 0.0, which is printed without a sign.
     return TargetRun(_target_names(path, stem), values + 0.0)
 
 
@@ -237,6 +240,7 @@ def _target_names(path: Path, stem: str) -> Names:
 def _move_run(path: Path, stem: str, names: Naming) -> MoveRun:
     via = path.kinds == Kind.VIA
     ends = np.flatnonzero(~via)
+    # Moves share few combinations of settings: each is named once, not once a row.
     _, first, index = np.unique(setting_codes(path)[ends], return_index=True, return_inverse=True)
     table: dict[MotionNames, int] = {}
     rows = []
@@ -245,7 +249,9 @@ def _move_run(path: Path, stem: str, names: Naming) -> MoveRun:
         tool, frame = path.tools[path.tool[row]], path.frames[path.frame[row]]
         named = names.get("tools", tool), frame_name_in(names, frame)
         motion = MotionNames(speed_name_in(names, speed), blend_name_in(names, blend), *named)
+        # Different settings may have the same names in RAPID.
         rows.append(table.setdefault(motion, len(table)))
+    # From the kinds of a path to rows of PLAIN_MOVES; a via point has no move of its own.
     kinds = np.array([0, 1, 0, 2], dtype=np.uint8)[path.kinds[ends]]
     whole, arcs = _target_names(path, stem), kinds == CIRCULAR
     vias = whole.rows(np.flatnonzero(via)).spread(np.flatnonzero(arcs), len(ends))
@@ -318,11 +324,13 @@ class _Mounts(Rewording):
 
     def assign(self, node: p.Assign) -> Iterator[p.Statement]:
         name = node.target.name.lower() if isinstance(node.target, e.Name) else ""
+        # A local name hides the tool or frame, and a complete value needs no parts.
         if name in self.own or name not in {*self.frames, *self.tools} or self.is_whole(node.value):
             yield node
             return
         outer = _USER_FRAME if name in self.frames else _TOOL_FRAME
         yield replace(node, target=e.Member(node.target, outer), value=self.pose(node.value))
+        # The pose is the whole frame, so a declared object frame must not be added to it.
         if name in self.frames and self.frames[name].object != IDENTITY:
             yield replace(
                 node, target=e.Member(node.target, _OBJECT_FRAME), value=e.PoseValue(IDENTITY)

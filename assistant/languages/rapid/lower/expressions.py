@@ -84,6 +84,7 @@ class Expressions:
                 "turned": lambda x, _: self.orientation(x),
                 "timer": lambda x, _: s.NameRef(names.get("timers", x)),
                 "tool": lambda x, _: s.NameRef(names.get("tools", x)),
+                # No move names the base, but `CRobT` does.
                 "frame": lambda x, _: s.NameRef(names.get("frames", x) or "wobj0"),
             },
             function_call,
@@ -124,8 +125,11 @@ class Expressions:
                 node = self._variable(value)
                 return s.Element(node, tuple(self.lower(i) for i in indices)), PRIMARY
             case e.Unary("not", operand):
+                # `NOT a AND b` negates both in RAPID, so only OR and XOR need parentheses behind
+                # it.
                 return s.Prefix("NOT", self.lower(operand, AND)), OR
             case e.Unary(_, operand):
+                # A sign belongs to a sum: `a*-1` is not RAPID.
                 return s.Prefix("-", self.lower(operand, TERM)), SUM
             case e.Binary(operator, left, right) if operator in BINARY:
                 name, own, first, second = BINARY[operator]
@@ -178,6 +182,7 @@ def number(value: float) -> tuple[s.Expression, int]:
     if not math.isfinite(value):
         raise Refused(rules.NOT_FINITE(what="an expression"))
     size = abs(value)
+    # Beyond 15 digits a float is not printed exactly as a whole number.
     written = str(int(size)) if size == int(size) and size < 1e15 else repr(float(size))
     literal = s.NumberLiteral("9E9" if size == UNUSED else written)
     if math.copysign(1.0, value) < 0 and value != 0:

@@ -65,6 +65,7 @@ class _InterruptLowering:
         taken = TakenNames(declared(program))
         self.names: dict[str, list[str]] = {}
         for key, node in found.items():
+            # Room for the longest suffix, and for two digits that make the name unique.
             short = identifier(node.name, taken)[: LONGEST_NAME - len("_answer") - 2]
             made = [identifier(short + suffix, taken) for suffix in _NAME_SUFFIXES]
             taken.update(made)
@@ -99,6 +100,7 @@ class _InterruptLowering:
                 if isinstance(node, p.Interrupt | p.SwitchInterrupt | p.SwitchInterrupts)
                 else (map_bodies(node, self.body),)
             )
+            # The statements that replace an interrupt stand for its source line in findings.
             made += (one if one.span else replace(one, span=node.span) for one in said)
         return tuple(made)
 
@@ -120,14 +122,18 @@ class _InterruptLowering:
                     f"the interrupt `{node.name}`", f"a trap routine {self.asked(node)}",
                     "see on the robot where it comes, and how soon",
                 )  # fmt: skip
+                # CONNECT fails for a variable that is connected already, as when the program passes
+                # here again.
                 yield _vendor_statement(f"IDelete {variable};")
                 yield _vendor_statement(f"CONNECT {variable} WITH {trap};")
                 yield _vendor_statement(f"{self.order(node, variable)};")
+                # An interrupt of the pseudo-program is off until the program switches it on.
                 yield _vendor_statement(f"ISleep {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(False))
             elif node.state == "on":
                 yield _vendor_statement(f"IWatch {variable};")
                 yield p.Assign(e.Name(flag), e.Truth(True))
+                # The signal interrupts only when it changes; the condition may hold by now.
                 yield p.Call(answer)
             else:
                 yield _vendor_statement(f"ISleep {variable};")
@@ -158,24 +164,29 @@ class _InterruptLowering:
     def answer(self, node: p.Interrupt) -> Procedure:
         """The procedure that answers an interrupt while its condition holds."""
         _, flag, answer, _ = self.names[node.name.lower()]
+        # The trap may run after the interrupt was switched off, so it asks for the flag as well.
         holds = e.Binary("and", e.Name(flag), node.condition)
         stop, clear, start = (
             _vendor_statement(f"{word};") for word in ("StopMove", "ClearPath", "StartMove")
         )
         leave: Body = (clear, start, _vendor_statement("ExitCycle;"))
         body: Body
+        # The rest of the path is cleared before the call: the program does not return to the move.
         if node.ends == e.Truth(True):
             left = (p.Branch(holds, (stop, clear, start, node.call, leave[-1])),)
             body = (p.If(left),)
         else:
             ends = () if node.ends is None else (p.If((p.Branch(node.ends, leave),)),)
             inner: Body = (node.call,)
+            # Moves of the answer need a path level of their own, or they would replace the stopped
+            # move.
             if self.moves(node.call.procedure):
                 inner = (
                     _vendor_statement("StorePath;"),
                     node.call,
                     _vendor_statement("RestoPath;"),
                 )
+            # A signal that stays does not interrupt again, so the loop asks for it.
             body = (p.While(holds, (stop, *inner, *ends, start)),)
         return with_named_positions(
             Procedure(answer, body, span=node.span), taken_names(self.job.program)
@@ -300,14 +311,19 @@ class _BreakLowering:
             self.job.cannot("that a move of an interrupt is broken off", cure)
         order = self.order(owner, until)
         variable, trap = self.trap(until, move)
+        # An earlier pass may have left the variable connected.
         yield _vendor_statement(f"IDelete {variable};")
         yield _vendor_statement(f"CONNECT {variable} WITH {trap};")
+        # Ordered before the condition is asked, so that a change between the two is not missed.
         yield _vendor_statement(f"{order},{variable};")
+        # The signal interrupts only when it changes: with a condition that holds already the move
+        # must not begin.
         if self.flag is None:
             yield p.If((p.Branch(_negated(until), (move,)),))
         else:
             came = p.Branch(until, (p.Assign(self.flag, e.Number(1)),))
             yield p.If((came,), (p.Assign(self.flag, e.Number(0)), move))
+        # Otherwise the trap would stop a later move.
         yield _vendor_statement(f"IDelete {variable};")
 
     def order(self, owner: Procedure, until: e.Expression) -> str:
@@ -318,6 +334,7 @@ class _BreakLowering:
             word = "ISignalDI" if self.signals[name.lower()].direction == "input" else "ISignalDO"
             return rf"{word}\Single,{self.naming.get('signals', name)},{value}"
         names = {one.name.lower() for one in records(until) if isinstance(one, e.Name)}
+        # The trap routine cannot see the data of the routine that moves.
         if own := sorted(names & locals_of(owner)):
             cure = "keep that in a variable of the program"
             self.job.cannot(f"a move that `{own[0]}` of `{owner.name}` breaks off", cure)
@@ -334,6 +351,7 @@ class _BreakLowering:
 
     def trap(self, until: e.Expression, move: p.MoveStatement) -> tuple[str, str]:
         """The variable and the trap routine of a condition, made where it is met first."""
+        # The same condition breaks off several moves with one trap routine.
         if until not in self.traps:
             names = self._free("break_move"), self._free("break_move_trap")
             self.traps[until] = names

@@ -180,6 +180,8 @@ class _MotionAdapter:
     def __init__(self, job: Legalisation, written: PartLegaliser) -> None:
         self._job, self._written, self._sizing = job, written, CornerSizes(job, _CORNERS)
         program = job.program
+        # An override other than 100 percent slows the arm; VelSet does so only for speeds of the
+        # tool.
         overrides = (s.percent for s in program.statements() if isinstance(s, p.SetOverride))
         self._slowed = any(percent != e.Number(100) for percent in overrides)
         self.speeds = NamedValues(SPEEDS, program.speeds, self._speed, LONGEST_NAME)
@@ -188,6 +190,7 @@ class _MotionAdapter:
     def motion(self, motion: p.Motion) -> p.Motion:
         speed, blend = motion.speed, motion.blend
         if not isinstance(blend, p.ComputedBlend):
+            # A computed speed is not known here; at 0 the chosen corner is the smallest.
             known = Speed(0.0) if isinstance(speed, p.ComputedSpeed) else speed
             blend = self.blends.said(self._sizing.blend(blend, known))
         if not isinstance(speed, p.ComputedSpeed):
@@ -228,6 +231,7 @@ class _MotionAdapter:
             self._job.cannot(f"a joint speed of {speed.joint:g} % alone", cure, about)
         elif changed:
             self._job.changed(changed, speed_name(said), "state a speed in mm/s", about)
+        # Written as a negation, so that NaN is refused too.
         if not all(v > 0 for v in (said.tcp, said.rotation)) or said.tcp != said.tcp:
             self._job.cannot(f"a speed of {said.tcp} mm/s", "state a speed above 0", about)
         return said
@@ -246,6 +250,7 @@ class _MotionAdapter:
         about = None if name is None else Declared(name, "blends")
         if changed:
             self._job.changed(changed, zone_name(said), "state one radius in mm", about)
+        # Written as a negation, so that NaN is refused too.
         if said.radius is not None and not said.radius >= 0:
             what = f"a corner radius of {said.radius} mm"
             self._job.cannot(what, "state 0 or more", about)
@@ -276,14 +281,17 @@ class _Pulses(Rewording):
         signal = self.signals.get(node.signal.lower())
         plain = signal is None or signal.kind == "digital"
         seconds = None if node.pulse is None else e.plain_number(node.pulse)
+        # A computed time is checked by the controller.
         short = seconds is None or SHORTEST_PULSE <= seconds <= LONGEST_PULSE
         plain = plain and short and self.is_steady(node.value)
+        # What has no equivalent stays as it is; `_check_pulse` refuses it when it is built.
         if node.pulse is None or node.value == ON or not plain:
             yield node
             return
         yield replace(node, pulse=None)
         back = e.Binary("-", ON, node.value)
         if isinstance(node.value, e.Number):
+            # `e.Binary` and `e.Number` are both expressions; mypy keeps the type of the first.
             back = e.Number(1 - node.value.value)  # type: ignore[assignment]
         lower = Expressions(self.names, self.names.value).lower
         call = s.ProcedureCall(
@@ -329,6 +337,8 @@ class _StatementAdapter(Rewording):
         if owner and variable.storage == "persistent":
             self.job.cannot(f"the persistent `{name}` inside a procedure", "declare it outside")
         initial = variable.initial
+        # RAPID has no array without values, so a target that is never given gets one that no move
+        # accepts.
         if variable.type == "position" and variable.size:
             initial = map_expressions(initial, _unset_target)
         if variable.type == "truth":
@@ -356,9 +366,11 @@ class _StatementAdapter(Rewording):
         match x:
             case e.Unary("-", operand):
                 return negated(operand)
+            # `-0` is printed as `0` and would differ from what is read back.
             case e.Number(value) if value == 0:
                 return e.Number(0)
             case e.Aggregate(items):
+                # Numbers in the shape of a target are read back as one.
                 made = aggregate(items)
                 return x if isinstance(made, e.Aggregate) else self.plain(made)
             case e.TargetValue(target):
@@ -424,6 +436,8 @@ def _follow(a: _StatementAdapter, x: p.Follow) -> _Adaptation:
         a.job.changed(f"the path `{x.path.name}`, which has no targets", "nothing", "leave it out")
         return []
     path = a.motions.path(x.path, x.row_span)
+    # A path of one target becomes a move. After an error it stays: names and targets are not
+    # reliable.
     if len(path) > 1 or has_errors(a.job.findings):
         return [replace(x, path=path)]
     name = identifier(f"{path.name}_1", {*a.program.targets, *a.targets, *a.program.variables})
@@ -434,6 +448,7 @@ def _follow(a: _StatementAdapter, x: p.Follow) -> _Adaptation:
 def _wait_signal(a: _StatementAdapter, x: p.WaitSignal) -> _Adaptation:
     value = _bit_value(x.value)
     signal = a.signals.get(x.signal.lower())
+    # RAPID has no wait instruction for analog signals.
     if signal is not None and signal.kind == "analog":
         condition = e.Binary("=", e.Name(x.signal), value)
         return [p.WaitUntil(condition, x.timeout, span=x.span)]
@@ -450,6 +465,7 @@ def _assign(a: _StatementAdapter, x: p.Assign) -> _Adaptation:
 
 def _set_signal(_: _StatementAdapter, x: p.SetSignal) -> _Adaptation:
     value = _bit_value(x.value)
+    # Reading the text gives a gripper, as RAPID has no other statement for it.
     hand = gripper(x.signal, value) if x.pulse is None else None
     if hand is not None:
         return [replace(hand, span=x.span)]
@@ -515,9 +531,11 @@ def sayable(job: Legalisation) -> Program:
                 joints[name] = joint_target
                 del variables[name]
     procedures = tuple(map(statements.procedure, program.procedures))
+    # An entry that no procedure has would name a routine that is missing.
     entry = program.entry
     if entry is not None and program.procedure(entry) is None:
         entry = None
+    # The controller has wobj0 and tool0 by itself; they are not declared.
     frames = {n: f for n, f in program.frames.items() if n.lower() != BASE}
     tools = {n: t for n, t in program.tools.items() if n.lower() != FLANGE}
     return replace(
@@ -535,6 +553,7 @@ def sayable(job: Legalisation) -> Program:
         joint_targets=joints,
         variables=variables,
         procedures=procedures,
+        # The controller loads a module only in the order types, data, routines.
         declarations=tuple(sorted(program.declarations, key=_declaration_rank)),
     )
 
@@ -582,6 +601,8 @@ need another form.
 def _built_units(program: Program, findings: Findings) -> dict[str | None, File]:
     """The units, or a finding for each procedure or declaration that cannot be built."""
     whole: tuple[Diagnostic, ...] = ()
+    # The complete build raises at its first fault. To report every fault, each procedure is then
+    # built alone, and equal findings are listed once.
     if not has_errors(findings):
         try:
             return {unit: build(program, unit) for unit in (None, *units(program))}

@@ -98,6 +98,7 @@ def with_own_targets(program: Program, unit: str | None, held: Collection[str | 
     for part in records(tuple(program.variables.values())):
         if isinstance(part, e.Name):
             users.setdefault(part.name.lower(), set()).add(None)
+    # Vendor declarations belong to the main module and may name any target there.
     texts = " ".join(one.text for one in program.declarations).lower()
 
     def home_of(name: str) -> str | None:
@@ -146,6 +147,7 @@ def with_triggers(
     more = (
         s.Option(name.upper(), one) for name, one in zip(FURTHER_TRIGGERS, others, strict=False)
     )
+    # The first triggdata is positional, the further ones are options directly behind it.
     before, after = move.arguments[: kind.place], move.arguments[kind.place :]
     taking: tuple[s.Argument, ...] = (*before, s.Positional(first), *more, *after)
     yield replace(move, name=kind.word, arguments=taking)
@@ -241,6 +243,8 @@ class BodyLowering:
     def statements(self, body: tuple[p.Statement, ...]) -> Iterator[s.StatementNode]:
         before: p.Statement | None = None
         for statement in body:
+            # A comment stands at the end of the line of the statement before it, also if that was
+            # refused.
             above, before = before, statement
             if isinstance(statement, p.Comment):
                 yield s.CommentLine(statement.text, statement.stands_at_end_of(above))
@@ -251,6 +255,8 @@ class BodyLowering:
                         what = f"a {type(statement).__name__} statement"
                         raise not_expressible(what, "say it in other statements")
                     yield from lower(self, statement)
+                # The other statements are lowered all the same, so that one build reports every
+                # fault.
                 except Refused as refused:
                     self.findings += refused.findings
 
@@ -265,6 +271,7 @@ class BodyLowering:
         return spelt(self._counters, variable), block
 
     def _value(self, name: str) -> str:
+        # A loop variable hides data of the routine, which hides data of the module.
         if name.lower() in self._counting:
             return spelt(self._counters, name)
         if name.lower() in self._inner:
@@ -351,6 +358,8 @@ def _call(b: BodyLowering, x: p.Call) -> _Lowered:
     if x.unit is None or x.unit in b.resident:
         yield s.ProcedureCall(name, given)
         return
+    # The routine is not in memory when the program is linked, so it is called by its name as a
+    # text.
     file = s.StringLiteral(LOADED_FROM + b.names.get("modules", x.unit) + ".mod")
     yield s.ProcedureCall("Load", (s.Option("Dynamic"), s.Positional(file)))
     yield s.ProcedureCall(s.StringLiteral(name), given)
@@ -359,11 +368,13 @@ def _call(b: BodyLowering, x: p.Call) -> _Lowered:
 
 def _assign(b: BodyLowering, x: p.Assign) -> _Lowered:
     match x:
+        # An orientation is assigned to the component `rot` of its target.
         case p.Assign(place, e.Apply("oriented", (base, *angles))) if place == base and len(
             angles
         ) == len(e.ANGLES):
             turn = b.expressions.orientation(place)
             first = angles[0]
+            # All three angles of one value are its quaternion, which is copied without rounding.
             if isinstance(first, e.Member) and angles == [
                 e.Member(first.value, name) for name in e.ANGLES
             ]:
@@ -422,9 +433,11 @@ def _goto(b: BodyLowering, x: p.Goto) -> _Lowered:
 def _message(b: BodyLowering, x: p.Message) -> _Lowered:
     whole: s.Expression | None = None
     for part in message_parts(x, b.known) or (e.Text(""),):
+        # ValToStr takes any value; in parentheses the lowest level needs none of its own.
         if is_value(part, b.known):
             own: s.Expression = s.FunctionCall("ValToStr", (s.Positional(b.lower(part, OR)),))
         else:
+            # On the right of `+` an operand binds tighter than a sum.
             own = b.lower(part, TERM if whole is not None else SUM)
         whole = own if whole is None else s.Infix("+", whole, own)
     assert whole is not None
@@ -472,6 +485,7 @@ def build(program: Program, unit: str | None = None) -> s.File:
     )
     head = header_lines(program, unit, names.changed, resident=unit in held, there=there)
     items: list[Any] = [s.CommentLine(x) for x in head]
+    # A module has types first, then data, then routines, or the controller refuses to load it.
     declared = _declared_items(program) if unit is None else []
     items += [i for i in declared if isinstance(i, s.Record | s.Alias)]
     if unit is None or unit in held:
@@ -539,6 +553,7 @@ def _without_handlers(
 ) -> tuple[tuple[p.Statement, ...], tuple[s.Handler, ...]]:
     """The statements of a body, and the error handlers that stand verbatim at its end."""
     found: list[s.Handler] = []
+    # Handlers are the last statements of a body; any other statement ends the search.
     for statement in reversed(body):
         if not isinstance(statement, p.Opaque) or statement.language != verbatim.LANGUAGE:
             break

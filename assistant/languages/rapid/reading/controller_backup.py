@@ -56,8 +56,10 @@ def _rows_of(text: str, section: str) -> Iterator[dict[str, str]]:
 
 def _sections(text: str) -> Iterator[tuple[str, str]]:
     """The sections of a file, each with its name and its text."""
+    # A backslash at the end of a line continues the row.
     joined = text.replace("\r\n", "\n").replace("\\\n", " ")
     pieces = _SECTION.split(joined)
+    # The text before the first section is the header; after it names and bodies alternate.
     yield from zip(pieces[1::2], pieces[2::2], strict=False)
 
 
@@ -111,6 +113,7 @@ def signals_of_file(text: str) -> ControllerConfiguration:
             continue
         device = row.get("Device", row.get("Unit", "")).lower()
         begin, bits = _bits_of_map(row.get("DeviceMap", row.get("UnitMap", "")))
+        # Only digital signals and groups are numbered by bits.
         rows.append(_SignalRow(name, *kind, device, None if kind[0] == "analog" else begin, bits))
     starts = _first_numbers(rows)
     signals: dict[str, Signal] = {}
@@ -138,6 +141,7 @@ def _bits_of_map(written: str) -> tuple[int | None, int]:
     """First bit and number of bits of a map; no first bit where they do not follow each other."""
     spans = [_BIT_SPAN.fullmatch(part.strip()) for part in written.split(",")]
     read = [(int(span[1]), int(span[2] or span[1])) for span in spans if span is not None]
+    # A map in another notation gives no number.
     if len(read) < len(spans):
         return None, 1
     bits = sum(abs(end - begin) + 1 for begin, end in read)
@@ -157,6 +161,7 @@ def _first_numbers(rows: Sequence[_SignalRow]) -> dict[tuple[bool, str], int]:
     after = {True: 0, False: 0}
     for (is_input, device), end in ends.items():
         starts[is_input, device] = after[is_input]
+        # Rounds up to whole devices.
         after[is_input] += -(-end // _DEVICE_BITS) * _DEVICE_BITS
     return starts
 
@@ -277,14 +282,18 @@ class _SystemParameters:
             for row in _rows_of(self.texts.get(file, ""), section):
                 own = (
                     ""
+                    # A row for all tasks names none, so it applies to every task.
                     if "AllTask" in row
                     else row.get("Name" if section == _TASKS_SECTION else "Task")
                 )
+                # Only this action of an input calls a routine.
                 if row.get("Action", _INTERRUPT_ACTION) != _INTERRUPT_ACTION or key not in row:
                     continue
                 if not task or not own or own.lower() == task.lower():
                     known = when.setdefault(row[key].lower(), [])
                     known.append(words.format_map(defaultdict(str, row)))
+        # Equipment names its routines in attributes that differ from process to process, so every
+        # text counts as one.
         for row in _all_rows(self.texts.get("proc", ""), ""):
             for value in row.values():
                 if value and not _is_number_text(value):
@@ -302,6 +311,7 @@ class _SystemParameters:
             return names[place[1]]
         own = self.module.absolute().parent.name.lower()
         tasks = [row["Name"] for row in self.tasks()]
+        # Without the list of the backup, the folder is named like its task, or there is only one.
         return next((t for t in tasks if t.lower() == own or len(tasks) == 1), "")
 
     def row_of(self, task: str) -> dict[str, str]:
@@ -329,11 +339,13 @@ class _SystemParameters:
     def base(self, task: str) -> str | None:
         """Describe the base of a robot that is not at the world's origin, None if it is."""
         for row in self.robots(task):
+            # System parameters are in metres.
             places = [1000 * _parameter_number(row, f"base_frame_pos_{axis}") for axis in "xyz"]
             turn = [
                 _parameter_number(row, f"base_frame_orient_u{n}", float(n == 0)) for n in range(4)
             ]
             pose = Pose(tuple(places), tuple(turn))  # type: ignore[arg-type]
+            # The opposite sign of all parts is the same orientation.
             if np.abs(places).max() > 1e-6 or abs(abs(turn[0]) - 1) > 1e-9:
                 x, y, z = (f"{one:g}" for one in pose.position)
                 turned = "" if abs(abs(turn[0]) - 1) < 1e-9 else ", turned"
@@ -359,6 +371,7 @@ class _SystemParameters:
             for key, value in row.items()
             if key.replace("_", "").lower() == _WELD_ON
         }
+        # Of several outputs nothing tells which one lights the arc of this program.
         found = [outputs[name] for name in names if name in outputs]
         return {ARC_OUTPUT: found[0]} if len(found) == 1 else {}
 
@@ -392,6 +405,7 @@ def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]
     """The files of each task of a controller, by the task's name, with names for all programs."""
     declared = [dict(_persistent_data(files)) for _, files in tasks]
     count = Counter(name for one in declared for name in one)
+    # Persistents that no task changes keep their value in each program, without sharing.
     both = {name for name, many in count.items() if many > 1}
     files = {id(file): file for _, given in tasks for file in given}
     changed = both & set(_changed_names(files.values())) if both else set()
@@ -405,6 +419,7 @@ def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]
     names: dict[str, str] = {}
     for name in sorted(changed):
         kinds = {_shared_kind(one[name]) for one in declared if name in one}
+        # Tasks that declare a name with different types do not share it.
         letter = _SHARED_LETTERS.get(kinds.pop(), "") if len(kinds) == 1 else ""
         new = next(free[letter], None) if letter else None
         if new is not None:
@@ -413,6 +428,8 @@ def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]
     made = []
     for at, (_, given) in enumerate(tasks):
         own = {name: data for name, data in declared[at].items() if name in changed}
+        # One task alone gives the first value: a second would overwrite what the first has counted
+        # by then.
         kept = {name for name in names if first[name] == at}
         found = [
             _sharing_finding(
@@ -459,6 +476,7 @@ def _changed_names(files: Collection[s.File]) -> Iterator[str]:
             return bool(modes[routine.lower()] - {""})
         known = signature(routine)
         slots = () if known is None else known.slots
+        # A routine that was not read may change everything that it is given.
         return known is None or any(
             one.mode in _CHANGING_MODES for slot in slots for one in slot.alternatives
         )
@@ -497,6 +515,7 @@ def _renamed_file(file: s.File, names: Mapping[str, str], kept: set[str]) -> s.F
             for item in module.items
             if isinstance(item, s.Data) and (item.scope or item.storage != "PERS")
         }
+        # Data of the module hides the shared name.
         said = {name: new for name, new in names.items() if name not in own}
         return replace(module, items=tuple(renamed(bare(item), said) for item in module.items))
 

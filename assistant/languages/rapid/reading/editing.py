@@ -33,6 +33,7 @@ _ROUTINES: Final[Mapping[str, DeclaredKind]] = {
     "func": "function",
     "trap": "interrupt",
 }
+# ELSEIF closes a branch, and its THEN opens the next one.
 _OPENS: Final = {"then": 1, "do": 1, "test": 1, "elseif": -1, "record": 1}
 _CLOSES: Final = ("endif", "endfor", "endwhile", "endtest", "endrecord")
 _STAYS: Final = ("module", "endmodule", "error", "undo", "backward")
@@ -122,6 +123,7 @@ def _declared(head: str, code: Sequence[Word], *, local: bool) -> Iterator[Decla
     scope: Scope = "file" if local else "task"
     names = [word for word in code if word.kind == "name"]
     if head in _ROUTINES and names:
+        # The type of a function stands before its name.
         place = 1 if head == "func" and len(names) > 1 else 0
         name = names[place]
         rest = [word for word in code if word.start > name.start]

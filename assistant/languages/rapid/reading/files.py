@@ -35,6 +35,8 @@ _MOST_CONTROL: Final = 0.02
 """Share of control characters from which on a file is no text."""
 RUN_MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
 """Characters that stand for runs of like rows in what the grammar reads."""
+# With the plain codec `utf-16`, decoding removes the mark and the file is not written back byte for
+# byte.
 _UTF16: Final = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 """Marks at the begin; the mark stays in the text, so that the same bytes are written."""
 
@@ -60,6 +62,7 @@ def recognises(data: bytes) -> bool:
     """
     wide = _UTF16.get(data[:2])
     text = data[:_LOOKED_AT].decode(wide or "latin-1", errors="replace")
+    # A UTF-8 byte order mark, as Latin-1 shows it.
     if _MODULE_BEGIN.search(text.removeprefix("\xef\xbb\xbf")):
         return True
     program = _LIST.match(text) is not None and re.search(r"<Program\b", text) is not None
@@ -88,6 +91,7 @@ def _without_entities(name: str) -> str:
     return name
 
 
+# `&amp;` comes last: replaced first, it would turn `&amp;lt;` into `<`.
 _ENTITIES: Final = (("&gt;", ">"), ("&lt;", "<"), ("&amp;", "&"))
 """XML entities and their characters, in the order of replacement."""
 
@@ -97,6 +101,7 @@ def unreadable(source: SourceText) -> Diagnostic | None:
     begin = source.text[:_LOOKED_AT]
     if controls := _controls(begin):
         at = controls[0]
+        # UTF-16 without a byte order mark: every other byte of ASCII text is zero.
         empty = begin.count("\0") * 3 > len(begin)
         return source.finding(
             rules.UNREADABLE,
@@ -113,6 +118,8 @@ def unreadable(source: SourceText) -> Diagnostic | None:
             why="it is XML that lists no module",
             hint="write <Program><Module>name.mod</Module></Program>, or give the modules",
         )
+    # The parser puts these characters in place of runs; in a source they would name runs that do
+    # not exist.
     if (at := max(source.text.find(mark) for mark in RUN_MARKS)) >= 0:
         return source.finding(
             rules.SYNTAX,

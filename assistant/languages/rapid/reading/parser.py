@@ -59,6 +59,8 @@ from assistant.languages.runs.columns import Names, Store
 from assistant.languages.runs.row_text import MOST, Found, Marks, entries, line_spans, stretches
 from assistant.languages.runs.row_text import NameWords as Spelling
 
+# Quantifiers are possessive (`*+`): a line that does not fit is given up without backtracking, so
+# that finding runs takes linear time.
 _B = r"[ \t]"
 _NAME = r"[A-Za-z][A-Za-z0-9_]*+"
 _SLOT = rf"{_B}*+[-+0-9.eE]++{_B}*+"
@@ -78,7 +80,10 @@ _SETTINGS = rf"{_B}*+,{_B}*+".join([_NAME] * 3)
 _FRAME = rf"(?:{_B}*+,?+{_B}*+\\WObj{_B}*+:={_B}*+{_NAME})?+{_B}*+{_EOL}"
 _TAIL = rf"{_B}*+,{_B}*+{_SETTINGS}{_FRAME}"
 _MOVE = rf"{_B}*+Move(?:[JL]{_B}++{_NAME}|C{_B}++{_NAME}{_B}*+,{_B}*+{_NAME}){_TAIL}"
+# `_WIDE` also takes the comma after the value, so the look-behind asks for `],` in place of a
+# comma.
 _INLINE = rf"{_B}*+Move[JL]{_B}*+(?:{_WIDE}(?<=\],){_SETTINGS}{_FRAME}|{_SPACED}{_TAIL})"
+# The first row stands before the repeated ones, which have to begin with the same words.
 _REST = f"{{{FEWEST_IN_RUN - 1},{MOST - 1}}}+"
 _ALL = f"{{{FEWEST_IN_RUN},{MOST}}}+"
 
@@ -99,6 +104,7 @@ Runs: TypeAlias = Sequence[Found[RunNode]]
 
 def find_runs(text: str) -> Iterator[Found[RunNode]]:
     """The runs of a text, in order; rows that are not exactly plain are left out."""
+    # Every row ends with `;`, so their count is the most rows that there can be.
     store = Store(text.count(";"), TARGET_PARTS[-1][1])
     for match in _RUNS.finditer(text):
         head, inline = match["head"], match["inline"] is not None
@@ -113,6 +119,7 @@ def find_runs(text: str) -> Iterator[Found[RunNode]]:
 
 def _target_run(store: Store, head: str, data: bytes) -> s.TargetRunNode:
     """head: what stands before each name."""
+    # Without blanks, marks and numbers of all rows are at the same place of their row.
     text = Slots(data.translate(None, _BLANKS))
     marks = Marks(text, b"=,", b";")
     values = store.take(len(marks.rows))
@@ -127,6 +134,7 @@ def _target_run(store: Store, head: str, data: bytes) -> s.TargetRunNode:
 def _move_run(store: Store, inline: bool, data: bytes) -> s.MoveRunNode:
     text = Slots(data.translate(None, _BLANKS))
     marks = Marks(text, b",", b";")
+    # MoveJ, MoveL and MoveC differ in their fifth letter alone.
     kinds = _MOVE_KINDS[text.bytes[marks.rows + len("Move")]]
     names = vias = Names.none(len(kinds))
     begins, values = marks.rows + len("MoveL"), None
@@ -135,6 +143,7 @@ def _move_run(store: Store, inline: bool, data: bytes) -> s.MoveRunNode:
         ends = TARGET_GROUPS.read(text, marks, 0, begins, b",", values)
     else:
         circular = kinds == CIRCULAR
+        # Arcs have one more mark, behind their circle point.
         first, ends = marks.offsets[marks.first], marks.offsets[marks.first + circular]
         if circular.any():
             at = np.flatnonzero(circular)
@@ -147,9 +156,11 @@ def _move_run(store: Store, inline: bool, data: bytes) -> s.MoveRunNode:
 
 
 def _motion_names(tail: bytes) -> MotionNames:
+    # With a frame the words are `WObj` and its name.
     speed, zone, tool, *frame = re.findall(r"[A-Za-z]\w*", tail.decode("ascii"))
     names = (speed, zone, tool, *frame[1:])
     if any(len(name) > LONGEST_NAME or name.lower() in RESERVED for name in names):
+        # The row stays in the text, and the grammar reports it.
         raise ValueError("a word is no name")
     return MotionNames(speed, zone, tool, frame[1] if frame else "")
 
@@ -174,6 +185,7 @@ def _open_dimensions(children: Children) -> int:
     return len(children) if children[0] == "*" else -1
 
 
+# `gathered` makes runs of what the grammar read row by row, as `find_runs` does of a text.
 _NODE_ROWS: Final = {
     **dict.fromkeys(("statements", "items", "block"), without_place(gathered)),
     **dict.fromkeys(("attributes", "component", "dimensions", "element"), without_place(tuple)),
@@ -336,6 +348,7 @@ def parse(source: SourceText | str, *, runs: bool = True) -> File:
     (header, parts), findings = reading
     if findings and not text.text.lstrip().startswith("%%%"):
         header = None  # a header that was put in to read on
+    # Recovery reports a strange character at the same place with a cure of its own.
     told = {finding.span.start for finding in findings if finding.span}
     odd = (one for one in text.odd_characters() if one.span is None or one.span.start not in told)
     noted = (*odd, *files.notes(text), *findings)
@@ -374,11 +387,13 @@ def parse_rows(
     for span in spans:
         line = with_line_feeds(text[span.start : span.end])
         line += ";" * (not line.endswith(";"))  # a statement ends before it
+        # The plain drive is the fast path; it gives up at the first damage.
         stack = Stack(tables.first)
         read = words.sound(line, tables.rows, stack.states)
         if tables.drive(stack, read, _SingleNodes(line, span.start.__add__, ())) is None:
             found += stack.values[0]
             continue
+        # The blanks move the spans of the line to its place in the text.
         mended = _read(SourceText(" " * span.start + line), start, runs=False)
         found += () if isinstance(mended, Diagnostic) else mended[0]
     return found
@@ -407,6 +422,8 @@ def _read(
     found: Runs = list(find_runs(text)) if runs else []
     while True:
         short = Shortened.of(text, found, _marks)
+        # Asked before parsing: a chain of operators becomes a tree as deep as the chain is long,
+        # which functions that recurse over trees cannot walk.
         if (long := _too_long(short.text)) is not None:
             at = short.offset(long)
             return source.finding(rules.TOO_LONG, Span(at, at + 1), most=MOST_OPERATORS)
@@ -414,6 +431,8 @@ def _read(
         stack = Stack(tables.first)
         read = table_words().sound(short.text, tables.rows, stack.states)
         sound = tables.drive(stack, read, nodes) is None
+        # Searching for the nesting costs more than the parse, so it is done for deep stacks and
+        # damage only.
         if sound and stack.deepest < MOST_NESTING:
             return stack.values[0], ()
         if (deep := _too_deep(short.text)) is not None:
@@ -446,8 +465,10 @@ def _without_first_row(text: str, found: Runs, number: int) -> Runs:
     return [*found[:number], *moved, *found[number + 1 :]]
 
 
+# An operator and its operand take two characters at least, so shorter stretches need no count.
 _LONG_STRETCH: Final = re.compile(rf"[^;]{{{2 * MOST_OPERATORS},}}")
 _OPERATOR_COUNT: Final = re.compile(
+    # Comments and strings match first, so that no operator, bracket or word inside them counts.
     r"![^\n]*|\"[^\"\n]*\"|(?P<open>[\[({])|(?P<close>[\])}])|(?P<end>,|:=)"
     r"|(?P<operator>[-+*/.<>=]|\b(?:and|or|xor|div|mod|not)\b)",
     re.IGNORECASE,
@@ -476,6 +497,7 @@ def _too_long(text: str) -> int | None:
 
 _NESTING: Final = re.compile(
     r"![^\n]*|\"[^\"\n]*\"|(?P<open>[\[({]|\b(?:if|for|while|test)\b)"
+    # Only an open IF without THEN makes a `;` count.
     r"|(?P<close>[\])}]|\bend(?:if|for|while|test)\b)|;|\bthen\b|(?P<routine>\b(?:proc|func|trap)\b)",
     re.IGNORECASE,
 )
@@ -493,6 +515,7 @@ def _too_deep(text: str) -> int | None:
                 return match.start()
         elif match["close"]:
             depth = max(depth - 1, 0)
+        # A routine begins anew, so that a missing end above it does not make it look nested.
         elif match["routine"]:
             depth = compact = 0
         elif word == "then":

@@ -495,6 +495,8 @@ _FLAGS: Final = re.IGNORECASE | re.MULTILINE
 
 _BLOCK_WORDS: Final = ("if", "for", "while", "test", "proc", "func", "trap", "record", "module")
 """Each begins a block that ends with the same word behind `end`."""
+# RECORD and MODULE enclose no statements, so no word of another language means their end, except
+# `end` for MODULE.
 ENDS: Final = tuple("end" + word for word in _BLOCK_WORDS if word not in ("record", "module"))
 
 BLOCKS: Final = Blocks(

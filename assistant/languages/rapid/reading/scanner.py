@@ -37,10 +37,13 @@ def by_lark() -> Lark:
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
 """Terminals that stand between words."""
+# Tried before the grammar's terminals, which would read `//` as two divisions and `==` as two
+# signs.
 _FOREIGN_BEFORE: Final = {
     "FOREIGN_COMMENT": r"//[^\r\n]*|\#[^\r\n]*|/\*[^\r\n]*",
     "FOREIGN_EQUAL": r"==",
 }
+# Tried last: they take only text that no terminal of the grammar does.
 _FOREIGN_AFTER: Final = {
     "FOREIGN_STRING": (
         r"[\u201c\u201d\u201e\u00ab\u2018\u2019'`][^\r\n;]*?[\u201c\u201d\u00bb\u2018\u2019'`]"
@@ -96,9 +99,12 @@ def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
     ended = with_line_feeds(text)
     for match in scanner().finditer(ended, start, len(text) if end is None else end):
         kind, found, at = kinds[match.lastgroup], match[0], match.start()
+        # `with_line_feeds` keeps offsets, so the original line ends are at the same place.
         if ended is not text:
             found = text[at : match.end()]
         if kind == "blank":
+            # A single blank is the most frequent match; the search for line ends is not worth its
+            # time.
             if found == " ":
                 continue
             for part in _BREAK.finditer(found):
@@ -140,6 +146,7 @@ def tokens(text: str, *, rows: bool = True, start: int = 0) -> Iterator[Word]:
     found = words(text)
     header = next(found, None)
     at = 0
+    # The header is text of any form, in which rows must not be looked for.
     if header is not None and header.kind == "header":
         at = header.end
         yield header._replace(start=start)
@@ -161,7 +168,9 @@ def _may_be_rows(text: str) -> bool:
     return "true" not in lower and "false" not in lower
 
 
+# `MoveL \Conc,p1,...` has an option first, which `_table_lines` has no layout for.
 _ROW_HEAD = r"(?:(?:LOCAL +)?+CONST +robtarget +|Move[JLC] +(?!\\))"
+# Blanks are allowed only beside a mark: removing those between two words would join the words.
 _ROW_REST = r"(?:[^\s;!\"()<>%]++|(?<=\W)[ \t]++|[ \t]++(?=\W))*+"
 _ROW = rf"[ \t]*+{_ROW_HEAD}{_ROW_REST};[ \t]*+(?:\r?\n|\Z)"
 """A declared target or a move on one line, that needs no blank but those of its head."""

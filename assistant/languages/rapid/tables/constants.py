@@ -248,6 +248,7 @@ def state_of(word: str, options: Collection[str]) -> ControllerState | None:
     """
     if word.lower() != _SYSTEM:
         return CONTROLLER_STATES.get(word.lower())
+    # GetSysInfo takes exactly one switch, so several choose nothing.
     (option,) = options if len(options) == 1 else ("",)
     return _SYSTEM_INFO.get(option.lower())
 

@@ -39,6 +39,7 @@ STATEMENT_ROWS: Final = Rows(
     Row(r"WaitDO {signal:digital output}, {value} \MaxTime:={timeout?}", p.WaitSignal),
     Row(r"WaitGI {signal:group input}, {value} \MaxTime:={timeout?}", p.WaitSignal),
     Row(r"WaitGO {signal:group output}, {value} \MaxTime:={timeout?}", p.WaitSignal),
+    # Rows are tried in order: an output that opens a hand is a gripper, not a plain signal.
     Row("SetDO {hand}, 1", p.Gripper, action="open"),
     Row("SetDO {hand}, 0", p.Gripper, action="close"),
     Row("SetDO {signal:digital}, {value}", p.SetSignal),
@@ -48,6 +49,7 @@ STATEMENT_ROWS: Final = Rows(
     Row("AccSet {acceleration}, 100", p.SetAcceleration, deceleration=e.Name("{acceleration}")),
     Row(f"VelSet {{percent}}, {SPEED_CAP}", p.SetOverride),
     Row("Stop", p.Stop),
+    # Read only: lowering writes the first row that fits.
     also=(
         MotionRow(rf"MoveAbsJ {{target:robot}} \NoEOffs, {_MOTION_ARGUMENTS}", p.MoveJoints),
         Row("TPWrite {text}", p.Message, parts=(_TEXT,)),
@@ -90,6 +92,7 @@ FUNCTION_ROWS: Final = Rows(
     FunctionRow("fixed", "NumToStr({x}, {decimals})"),
     FunctionRow("part", "StrPart({text}, {first}, {count})"),
     FunctionRow("length", "StrLen({text})"),
+    # StrToByte takes a text of one character.
     FunctionRow("code", r"StrToByte(StrPart({text}, 1, 1) \Char)"),
     FunctionRow("character", r"ByteToStr({number} \Char)"),
     FunctionRow("offset", "Offs({point}, {x}, {y}, {z})"),
@@ -135,6 +138,8 @@ parentheses.
 """
 
 BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
+    # All operators group to the left: an equal level on the right needs parentheses. A relation
+    # takes no relation on either side.
     "or": ("OR", OR, OR, AND),
     "xor": ("XOR", OR, OR, AND),
     "and": ("AND", AND, AND, _RELATION),
@@ -172,6 +177,7 @@ ZONE_SIZES: Final = (
 def speed_name(speed: Speed) -> str:
     """`v150` if predefined, else the name under which it is declared: `speed_147`."""
     first, *rest = speed_values(speed)
+    # Other parts of the record belong to the name, so that two records never share one.
     usual = rest == speed_values(Speed(first))[1:]
     return _SPEED_NAMES.get(speed) or _record_name("speed", first, () if usual else rest)
 
@@ -185,6 +191,8 @@ def _record_name(kind: str, first: float, more: Sequence[float]) -> str:
     """The name of a record by its values, of one with usual sizes by the first alone."""
     if not more:
         return f"{kind}_{_number_in_name(first)}"
+    # `_` separates the values, so the decimal point becomes `d`: `1.5` and `1, 5` get different
+    # names.
     return f"{kind}_" + "_".join(_number_in_name(v).replace("_", "d") for v in (first, *more))
 
 
@@ -220,6 +228,7 @@ def computed_zone(stops: Expression, sizes: tuple[Expression, ...]) -> ComputedB
     """A zone of six sizes that are worked out; without details if these are the usual ones."""
     radius, *details = sizes
     usual = tuple(details) == usual_details(radius)
+    # A literal FALSE counts as no condition, as blends without one are compared with this.
     never = None if stops == Truth(False) else stops
     return ComputedBlend(radius, never, None if usual else tuple(details))
 
@@ -262,6 +271,7 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
     changed = None
     radius, details = blend.radius, blend.details
     if blend.exit is not None and blend.exit != blend.radius:
+        # The smaller size keeps the path inside both; details of the larger one do not fit it.
         changed, radius, details = "a corner of two sizes", min(radius, blend.exit), None
     if math.isinf(radius):
         changed, radius, details = "a corner without size", _LEAST_CHOSEN, None

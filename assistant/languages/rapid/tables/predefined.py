@@ -159,6 +159,7 @@ def data() -> Mapping[str, Datum]:
     return {
         name.lower(): Datum(name, word, of)
         for word, of, text in _predefined_lines()
+        # The other rows begin with the storage of the data that they list.
         if word not in _TYPE_KINDS
         for name in text.split()
     }
@@ -189,6 +190,7 @@ def _components(text: str) -> Mapping[str, str] | None:
 @cache
 def _predefined_lines() -> tuple[tuple[str, str, str], ...]:
     text = files("assistant.languages.rapid.tables").joinpath("predefined.txt").read_text("utf-8")
+    # A line that is indented continues the line before it.
     return tuple((m[1], m[2] or "", m[3]) for m in _LINE.finditer(text.replace("\n    ", " ")))
 
 
@@ -199,4 +201,5 @@ _FIRST_ERROR: Final = 1001
 def error_numbers() -> Mapping[str, int]:
     """Numbers of errors by lower-case name, which the manuals do not state: counted here."""
     names = (name for name, datum in data().items() if datum.type == "errnum")
+    # `errno` is the variable that holds an error, not an error.
     return {name: at for at, name in enumerate(names, _FIRST_ERROR) if name != "errno"}

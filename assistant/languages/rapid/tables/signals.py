@@ -42,6 +42,7 @@ SIGNAL_READ_BY: Final[Mapping[str, Signal]] = {
 
 
 _HAND_SIGNAL: Final = "hand{hand}_open"
+# RAPID compares names without regard to case.
 _HAND_SIGNAL_NAME: Final = re.compile(_HAND_SIGNAL.format(hand="([1-9][0-9]?)"), re.IGNORECASE)
 _HAND_ACTIONS: Final[dict[float, Literal["open", "close"]]] = {1: "open", 0: "close"}
 

@@ -66,8 +66,10 @@ def _item_key(item: Any) -> _ItemKey | None:
 
 def _merged_routine(here: Any, old: Any, new: Any) -> Any:
     """The new item, in a routine with the statements that did not change as they stand here."""
+    # Statements are matched by position, which holds only if reading and lifting kept their number.
     if not isinstance(here, s.Routine) or len(here.body) != len(old.body):
         return new
+    # `autojunk` would ignore statements that occur often in bodies of 200 or more.
     steps = SequenceMatcher(None, old.body, new.body, autojunk=False).get_opcodes()
     body: list[s.StatementNode] = []
     for step, first, last, start, stop in steps:
@@ -115,7 +117,9 @@ _FILE_HEADER: Final = re.compile(r"\s*%%%(.*?)%%%", re.DOTALL)
 def render(file: s.File, origin: s.Origin) -> str:
     """The text of a file; what is as it was read keeps its bytes."""
     begin = _FILE_HEADER.match(origin.source.text)
+    # A damaged file has no parts; its header stays part of the text.
     header = begin[1] if begin and origin.parts else None
+    # Identity, not equality: an unchanged tree is the one that was read.
     if file.parts is origin.parts and file.header == header:
         return origin.source.text
     old = s.File(origin.parts, header)
@@ -141,6 +145,8 @@ class _FileLayout(lossless.RunLayout):
     def words(self, text: str, start: int, end: int) -> Iterator[Word]:
         for word in words(text, start, end):
             if word.kind not in ("comment", "newline"):
+                # The comma before an option is optional, so that `p,\x` and `p\x` are the same
+                # words.
                 if word.text != "," or not _NEXT_OPTION.match(text, word.end, end):
                     yield word
 
@@ -160,6 +166,7 @@ class _FileLayout(lossless.RunLayout):
         if node.span is None:
             return None
         start, end = node.span.start, node.span.end
+        # The grammar's spans may include blanks at both ends, which belong to the layout.
         while start < end and text[start].isspace():
             start += 1
         while start < end and text[end - 1].isspace():
@@ -214,10 +221,12 @@ def module_pieces(text: str) -> Iterator[tuple[str, str]]:
             continue
         low = word.text.lower()
         begins = low in _PIECE_BEGINS or low in _SCOPES or low in _STORAGES
+        # A piece begins at `LOCAL` or `TASK`, not once more at the word that follows it.
         if piece and depth == 0 and begins and piece[-1].text.lower() not in _SCOPES:
             yield _piece(piece, text)
             piece = []
         piece.append(word)
+        # A stray closing bracket must not hide the ends of all later pieces.
         depth = max(0, depth + (low in "([{") - (low in ")]}")) if word.kind == "mark" else depth
         if low in _PIECE_ENDS and depth == 0:
             yield _piece(piece, text)
@@ -235,6 +244,7 @@ def _compared_form(piece: list[Word]) -> str:
     lows = [word.text.lower() for word in piece]
     kind = next((i for i in (0, 1) if i < len(lows) and lows[i] in _STORAGES), None)
     data = kind is not None and ":=" in lows
+    # Statements keep their spelling on the controller; data is printed anew from its value.
     digits = 0
     if data and kind is not None:
         digits = _DIGITS_OF.get(lows[kind + 1], _DIGITS)
@@ -256,16 +266,21 @@ def _compared_form(piece: list[Word]) -> str:
 
 def _compared_number(text: str, digits: int) -> str:
     """digits: that count of one with a point or an exponent; 0 for all of them."""
+    # Other bases are whole numbers.
     if text.startswith(("0x", "0b", "0o")):
         return str(int(text, 0))
     plain = text.removeprefix("0d")
     value = float(plain)
     if plain.isdecimal() and math.isfinite(value):
         return str(int(plain))
+    # The controller prints a num from its single precision value, so both sides are rounded to
+    # that.
     if digits == 0 or digits > _DIGITS:
         shown = f"{value:.{digits}G}" if digits else repr(value)
     else:
         shown = f"{_as_num(value):.{digits}G}"
+    # Whole numbers compare alike with and without a point; above 1E15 `int` would show digits that
+    # the value does not have.
     back = float(shown)
     return str(int(back)) if back.is_integer() and abs(back) < 1e15 else repr(back)
 

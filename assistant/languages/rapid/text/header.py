@@ -88,6 +88,7 @@ def header_lines(
     lines += [f"elsewhere: {declaration}" for declaration in there]
     lines += [f"name: {short} = {in_ascii(original)}" for short, original in names]
     if unit is None:
+        # A comment that looks like an item would be read back as one.
         lines += [
             _COMMENT_MARK + c
             if _HEADER_ITEM.fullmatch(c) or c.startswith(_COMMENT_MARK.strip())
@@ -130,6 +131,7 @@ def read_header(comments: Sequence[str]) -> Header:
         elif match["signal"]:
             number = int(match["number"]) if match["number"] else None
             header.signals[from_ascii(match["signal"])] = Signal(
+                # The pattern lets only the words of these literal types through.
                 match["kind"],  # type: ignore[arg-type]
                 match["direction"],  # type: ignore[arg-type]
                 number,
@@ -164,6 +166,7 @@ def controller_data(module: s.Module) -> Iterator[s.Data]:
         try:
             yield from (one for one in verbatim.items(text + ";") if isinstance(one, s.Data))
         except Refused:
+            # The line is a comment that people may edit; what is no declaration states nothing.
             continue
 
 
@@ -175,6 +178,8 @@ def with_controller_data(files: Sequence[s.File]) -> Sequence[s.File]:
         return files
     for module in modules:
         for item in module.items:
+            # Local data of a module is not visible to others, so that theirs still needs the
+            # declaration.
             if isinstance(item, s.Data) and item.scope != "LOCAL":
                 found.pop(item.name.lower(), None)
     if not found:

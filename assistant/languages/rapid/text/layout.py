@@ -84,11 +84,15 @@ class _Spacing(layout.Spacing):
         before, role = self._before, _token_role(token)
         ends = before in ("operand", "close")  # of an expression, if no operator follows
         self.begins_statement = (
+            # In `IF a b;` the statement begins where an operand follows an operand without an
+            # operator.
             self._compact_if
             and ends
             and not self._in_late
             and (role in ("operand", "late") or _starts_statement(token))
         )
+        # `%` opens and closes a name that is computed; only the opening one may need a blank before
+        # it.
         if role == "late":
             self._in_late = not self._in_late
             self._before = "mark" if self._in_late else "name"
@@ -122,6 +126,7 @@ def lay_out(text: str) -> str:
 def _table_lines(table: str, indent: str, newline: str) -> str:
     """The lines of a table without the last line end: few long replacements, none by line."""
     tight = table.replace(" ", "").replace("\t", "").replace("\r", "")
+    # Every line then begins with a line feed, so one `replace` a head indents all its lines.
     tight = "\n" + tight.removesuffix("\n")
     for head in ("CONST robtarget ", "LOCAL CONST robtarget ", "MoveJ ", "MoveL ", "MoveC "):
         tight = tight.replace("\n" + head.replace(" ", ""), "\n" + indent + head)

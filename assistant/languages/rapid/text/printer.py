@@ -47,6 +47,7 @@ def string(value: str) -> str:
     """
     pieces = []
     for c in value:
+        # Characters up to 0xFF are written as hex digits and never end the line.
         if c in LINE_ENDS and ord(c) > 0xFF:
             what = f"a {LINE_ENDS[c]} in a text, which would end its line there"
             raise Refused(rules.NO_MEANING(what=what, cure="take it out"))
@@ -82,6 +83,7 @@ def _local(node: s.Record | s.Routine) -> str:
 def _parameters(to: Templates, groups: Sequence[s.ParameterGroup]) -> str:
     text = ""
     for group in groups:
+        # RAPID writes no comma before an optional parameter.
         before = "\\" if group.optional else "," if text else ""
         text += before + "|".join(map(to.text, group.alternatives))
     return text
@@ -99,6 +101,7 @@ def _parameter(_: Templates, node: s.ParameterNode) -> str:
 def _call(to: Templates, node: s.ProcedureCall) -> str:
     name = node.name if isinstance(node.name, str) else f"%{to.text(node.name)}%"
     given = _arguments(to, node.arguments)
+    # An option follows the name without a blank, as in `WaitRob\InPos`.
     return name + (" " if given and not given.startswith("\\") else "") + given + ";"
 
 

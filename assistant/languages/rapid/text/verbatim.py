@@ -61,6 +61,7 @@ def error_handlers(text: str) -> tuple[s.Handler, ...] | None:
     known = _TEXTS.known("handlers", text)
     if known is not None:
         return known
+    # The grammar has handlers only at the end of a routine.
     match items(f"PROC x()\n{text}\nENDPROC"):
         case (s.Routine(body=(), handlers=found),):
             return found
@@ -69,6 +70,7 @@ def error_handlers(text: str) -> tuple[s.Handler, ...] | None:
 
 def expression(text: str) -> s.Expression:
     """Parse the expression in a text; raises Refused if it is not a RAPID expression."""
+    # The line feed ends a comment in the text, which would hide the `;`.
     read = statements(f"x:={text}\n;")
     if len(read) == 1 and isinstance(read[0], s.Assignment):
         return read[0].value
@@ -104,6 +106,7 @@ def declares(text: str) -> str:
 
 def of_node(node: s.Item | s.StatementNode | s.Handler, kind: TextKind) -> str:
     """The text that says a declaration, a statement or an error handler."""
+    # Remembering the node spares the parse when the text is lowered or examined.
     return _TEXTS.remember(kind, print_nodes((node,)), (node,))
 
 
@@ -146,6 +149,7 @@ def effect_of_text(text: str, kind: VendorTextKind) -> Effect:
 
 def _call_effect(done: EffectBuilder, node: s.ProcedureCall | s.FunctionCall) -> None:
     """Runs a routine; one of the user's may change what it is given."""
+    # The name of the routine is known only when the program runs.
     if not isinstance(node.name, str) or node.name.lower() in CALLING:
         raise UnknownEffect
     key, known = node.name.lower(), signature(node.name)
@@ -160,6 +164,7 @@ def _call_effect(done: EffectBuilder, node: s.ProcedureCall | s.FunctionCall) ->
         if key in NAMING:
             done.writes.update(_named_words(node.arguments))
     for argument, parameter in _paired(node.arguments, known):
+        # Arguments of unknown routines and parameters with a mode may be changed by the call.
         if parameter is None or parameter.mode:
             done.writes.update(_EFFECTS.names(argument))
 

@@ -44,8 +44,10 @@ _PLAIN_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 def gathered(nodes: Iterable[Any]) -> tuple[Any, ...]:
     """The nodes, with every stretch of at least FEWEST_IN_RUN plain rows as one node."""
     listed = list(nodes)
+    # Nothing precedes the first comment, so it trails no statement.
     if listed and isinstance(listed[0], s.CommentLine) and listed[0].trailing:
         listed[0] = replace(listed[0], trailing=False)
+    # A run has no place for a comment between its rows, so a row with one stays a separate node.
     commented = [isinstance(n, s.CommentLine) and n.trailing for n in (*listed[1:], None)]
     rows = (None if commented[at] else plain_row(node) for at, node in enumerate(listed))
     return tuple(alike.gather_runs(listed, rows, _run_of_rows, _run_node, FEWEST_IN_RUN))
@@ -133,10 +135,13 @@ def literal_number(node: s.Expression) -> float | int | None:
     text = node.text.lower()
     if text[:2] in _NUMBER_BASES:
         digits, base = text[2:], _NUMBER_BASES[text[:2]]
+        # `int` refuses very long decimal texts; those beyond the range of a float are infinite
+        # anyway.
         if base == _DECIMAL_BASE and math.isinf(float(digits)):
             return math.inf
         value = int(digits, base)
         return value if value <= sys.float_info.max else math.inf
+    # Up to 15 digits a whole number is exact as a float too.
     return int(text) if text.isdigit() and len(text) < 16 else float(text)
 
 
@@ -161,7 +166,9 @@ def _plain_move(node: s.ProcedureCall) -> MoveRow | None:
     arc = kind == CIRCULAR
     if len(values) != len(given) or len(values) != 4 + arc:
         return None
+    # Padded in front, so that a move without a circle point unpacks alike.
     via, to, speed, zone, tool = ["", *map(_plain_reference, values)][-5:]
+    # An arc has to name its targets: runs hold one written target a row.
     target = to or (None if arc else literal_target(values[0]))
     if target is None or not (speed and zone and tool) or (arc and not via):
         return None
@@ -218,12 +225,14 @@ def stated_axes(node: Any) -> frozenset[str]:
         case s.TargetRunNode(run=run) | s.MoveRunNode(run):
             if run.values is None:
                 return frozenset()
+            # 9E9 marks an axis that the target does not use.
             given = np.asarray(run.values)[:, FIRST_EXTERNAL_COLUMN:] < UNUSED
             return frozenset(EXTERNAL_AXES[column] for column in np.flatnonzero(given.any(axis=0)))
         case s.AggregateNode(items) if _is_target(node):
             last: Any = items[-1]
             numbers = map(literal_number, last.items)
             pairs = zip(EXTERNAL_AXES, numbers, strict=True)
+            # A computed place counts as stated.
             return frozenset(axis for axis, n in pairs if n is None or n < UNUSED)
     return frozenset()
 
@@ -246,6 +255,7 @@ def axes_to_ask(modules: Sequence[s.Module]) -> list[str]:
     if not used:
         return []
     found = [axis for axis in EXTERNAL_AXES if axis in used]
+    # Other languages count their additional axes from the first, without a gap.
     most = len(found) > _MOST_EXTERNAL_AXES or found != list(EXTERNAL_AXES[: len(found)])
     parts = (
         isinstance(node, s.Component) and node.name.lower() == EXTERNAL_COMPONENT

@@ -148,11 +148,13 @@ def moves_text(run: MoveRun, indent: str, newline: str) -> str:
     circular = run.kinds == CIRCULAR
     kinds = tuple(f"{indent}{kind} ".encode("ascii") for kind in PLAIN_MOVES)
     tails = tuple(
+        # `chr(92)` is the backslash, which an f-string expression cannot hold before Python 3.12.
         f",{m.speed},{m.zone},{m.tool}{chr(92) + 'WObj:=' + m.frame if m.frame else ''};{newline}"
         for m in run.motions.table
     )
     pieces: list[Piece] = [Chosen(run.kinds, kinds)]
     if circular.any():
+        # Only arcs have a via point, and a comma after it.
         pieces += [*run.vias.pieces(), Chosen(circular.astype(np.int64), (b"", b","))]
     pieces += run.names.pieces() if run.values is None else _target_pieces(run.values)
     pieces += [Chosen(run.motions.index, tuple(t.encode("ascii") for t in tails))]
@@ -161,6 +163,7 @@ def moves_text(run: MoveRun, indent: str, newline: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Node:
+    # Without the place of a node, a built tree equals the one that its text is read as.
     span: Span | None = field(default=None, compare=False, repr=False)
 
 

@@ -40,6 +40,7 @@ def called(node: s.Node) -> Called[s.Expression] | None:
             case s.Positional(value, None):
                 given.append(value)
             case s.Option(name, value):
+                # The first of two options with one name counts.
                 options.setdefault(name.lower(), value)
             case _:
                 return None
@@ -71,6 +72,7 @@ def arguments(call: Called[s.Expression]) -> tuple[s.Argument, ...]:
     given = [s.Positional(node) for node in call.given if node is not None]
     options = [s.Option(name, node) for name, node in call.options.items()]
     parts: tuple[Sequence[s.Argument], ...] = (given, options)
+    # Options that stand before the other arguments are printed there.
     first, second = reversed(parts) if call.leading else parts
     return (*first, *second)
 
@@ -112,6 +114,7 @@ def triggers_taken(node: s.Node) -> tuple[s.NameRef, ...]:
 ERRNO: Final = "errno"
 """The variable in lower case that holds the number of the error."""
 
+# Routines remember their nodes: most passes walk the same ones again.
 _WALK: Final = Walk(lambda kind: issubclass(kind, s.Node), held=s.Routine)
 nodes: Final = _WALK.nodes
 inside: Final = _WALK.inside
@@ -129,6 +132,7 @@ def source_parts(file: s.File) -> Iterator[Part]:
                     case s.TargetRunNode(span=Span() as span):
                         yield Part(span, count=len(node.run), lines=node.lines)
             for body in lists(item) if isinstance(item, s.Routine) else ():
+                # Setting up a trigger has no statement of its own in the pseudo-program.
                 yield from (Part(x.span) for x in body if x.span is not None and trigger_set_up(x))
             if isinstance(item, s.Routine):
                 for handler in item.handlers:

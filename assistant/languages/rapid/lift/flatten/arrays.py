@@ -47,6 +47,7 @@ def with_shared_arrays(modules: Sequence[s.Module], layouts: RecordLayouts) -> S
     every = list(nodes(tuple(modules)))
     taken = TakenNames(one.name for one in every if isinstance(one, _NAMING))
     taken.update(one.variable for one in every if isinstance(one, s.ForLoop))
+    # Shared by nested calls, an array would lose its values.
     again = reentrant_routines(call_graph(routines))
     one_of = {key: own[0] for key, own in routines.items() if len(own) == 1}
     made = []
@@ -148,11 +149,13 @@ def _with_shared_arrays_of(
     for node in routine.body:
         if not isinstance(node, s.Data) or not node.dimensions or node.name.lower() not in handed:
             continue
+        # A value that names local data cannot be computed outside the routine.
         if node.name.lower() in counted or names_in((node.value, node.dimensions)) & inner:
             continue
         name = identifier(f"{routine.name}_{node.name}", taken)
         sizes = [literal_number(size) for size in node.dimensions]
         filling: list[s.StatementNode] = []
+        # Each call begins with fresh values, which data of a module has only once.
         if node.storage == "VAR":
             alike = absent_value(layouts.base(node.type), layouts)
             if node.value is not None:
@@ -180,6 +183,7 @@ def _with_shared_arrays_of(
         if not (isinstance(node, s.Data) and node.name.lower() in names)
     )
     changed: s.Routine = rewrite(replace(routine, body=own), renamed, ())
+    # Declarations have to come first in a routine.
     at = next((k for k, n in enumerate(own) if not isinstance(n, s.Data | s.CommentLine)), len(own))
     return data, replace(changed, body=(*changed.body[:at], *first, *changed.body[at:]))
 
@@ -198,6 +202,7 @@ def _filled(
         return
     counters = [identifier(one, taken) for one in "ijk"[: len(sizes)]]
     inner = give([s.NameRef(one) for one in counters])
+    # From the inside out: the first index counts in the outermost loop.
     for counter, size in reversed(list(zip(counters, sizes, strict=True))):
         first, last = s.NumberLiteral("1"), s.NumberLiteral(str(size))
         inner = s.ForLoop(counter, first, last, None, (inner,), span=node.span)
@@ -295,15 +300,19 @@ def _counted_parameters(routines: dict[str, s.Routine]) -> frozenset[_ParameterK
         isinstance(node, s.ProcedureCall) and not isinstance(node.name, str)
         for node in nodes(tuple(routines.values()))
     )
+    # Only callers that were not read can give sizes that nobody knows.
     outer = [name for name in routines if name not in called and name != "main"]
     found = {(name, each) for name in outer for each in _unsized(routines[name])}
+    # A call by name may pass arrays anywhere, and a program with `main` has no unread callers.
     handed = [] if late or "main" in routines or not found else [*_passed_arrays(routines)]
     if not handed and (late or "main" in routines):
         return frozenset()
+    # Sizes are handed down to what those routines call.
     while more := {one.taken for one in handed if one.given in found} - found:
         found |= more
     asked = {(low, each) for low, one in routines.items() for each in _unsized(one)
              if any(_is_size(node, each) for node in nodes((one.body, one.handlers)))}  # fmt: skip
+    # And asked for on behalf of what needs them.
     while more := {one.given for one in handed if one.taken in asked} - asked:
         asked |= more
     return frozenset(found & asked)

@@ -83,6 +83,7 @@ def _with_cell_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
         return node
 
     def item(one: s.Item) -> s.Item:
+        # What handlers call has the error itself.
         if not isinstance(one, s.Routine) or one.name.lower() in handling:
             return one
         body = rewrite(one.body, visit, ())
@@ -126,6 +127,7 @@ def _cell_answer(
         return None
     if isinstance(node, s.FunctionCall):
         return value
+    # The instruction assigns to its last argument.
     *_, target = call.given
     if not isinstance(target, s.NameRef | s.Component | s.Element):
         return None
@@ -156,6 +158,7 @@ def with_own_task(
     if not named:
         return modules, told
     stated = _own_task_name(modules)
+    # Without the cell's word, a single name in the program is taken for its own task.
     mine = stated or (next(iter(named)) if len(named) == 1 else "")
     made = []
     for module, findings in zip(modules, told, strict=True):
@@ -238,6 +241,7 @@ def with_still_axes(
         if stated_axes(node).isdisjoint(still):
             return node
         if isinstance(node, s.TargetRunNode | s.MoveRunNode):
+            # The columns belong to the tree that was read.
             values = np.array(node.run.values, copy=True)
             values[:, columns] = UNUSED
             return replace(node, run=replace(node.run, values=values))  # type: ignore[arg-type]

@@ -81,6 +81,7 @@ class _ByteCalls:
                 )
             case "float4", None:
                 return (_call_at("pack_float", node, value, raw, at, order),)
+            # A byte may be packed as the character that it is the code of.
             case "ascii", None if self._is_number(value):
                 return (_call_at("put_byte", node, raw, at, value),)
             case "ascii", None:
@@ -122,6 +123,7 @@ class _ByteCalls:
             return None
         raw, first, into, at = call.given
         count = call.options.get("noofbytes")
+        # Without a number, the rest of the bytes is copied.
         if count is None:
             left = s.Infix("-", _length_of(raw), s.Group(_whole_list(first)[0]))
             count = s.Infix("+", left, s.NumberLiteral("1"))
@@ -131,6 +133,8 @@ class _ByteCalls:
         given, count = call.options, call.options.get("noofbytes")
         if len(call.given) != 1 or not set(given) <= {"rawdata", "data", "str", "noofbytes"}:
             return None
+        # The gateway on this socket takes bytes only, so the text goes through the bytes of the
+        # program.
         if (text := given.get("str")) is not None and id(node) in self.texts:
             own, first = self._own(), s.NumberLiteral("1")
             return (
@@ -163,6 +167,7 @@ class _ByteCalls:
             return None
         into = self._own() if raw is None else raw
         longest = _MOST_BYTES if text is None else _LONGEST_TEXT
+        # Without a number, the first bytes that arrive end the wait.
         least, most = (asked or s.NumberLiteral("1")), (asked or s.NumberLiteral(str(longest)))
         seconds = given.get("time") or s.NumberLiteral(_DEFAULT_TIMEOUT)
         made: list[s.StatementNode] = [
@@ -221,6 +226,7 @@ def _call_at(name: str, node: Any, *given: s.Expression | None) -> s.ProcedureCa
 
 def _byte_format(call: Called[s.Expression]) -> tuple[str, s.Expression | None]:
     """The option that says what bytes mean, with its value."""
+    # `\Network` gives the order of bytes; exactly one other option gives their meaning.
     found = [(name, value) for name, value in call.options.items() if name != "network"]
     return found[0] if len(found) == 1 else ("", None)
 
@@ -283,6 +289,7 @@ def _texts_on_byte_sockets(routines: Sequence[s.Routine]) -> Set[int]:
                     key = _socket_key(given, low, inner[low])
                     if key is not None:
                         same.join(key, (word, name))
+    # All joins are made by now, so every key has its final representative.
     found = {same.first(key) for key in bytes_of}
     return frozenset(id(node) for key, node in texts if same.first(key) in found)
 
@@ -384,6 +391,7 @@ class _RawBytes:
         self.records = _byte_components(items)
         inner = [d for r in self.routines for d in nodes(r.body) if isinstance(d, s.Data)]
         data = [item for item in items if isinstance(item, s.Data)]
+        # Names are unique in the program by now, so local and module data share one table.
         self.types = {d.name.lower(): d.type.lower() for d in (*data, *inner)}
         self.types |= {
             one.name.lower(): one.type.lower()
@@ -395,6 +403,7 @@ class _RawBytes:
         self.lists: set[str] = set()
         self.count = 0
         self.sound = True
+        # Numbers are given in the order of declaration: module data first.
         for one in (*data, *inner):
             self._counted(one)
         texts = _texts_on_byte_sockets(self.routines)
@@ -415,6 +424,7 @@ class _RawBytes:
         size = 1
         if one.dimensions:
             found = [self._extent(node) for node in one.dimensions]
+            # Only plain lists of known length can be numbered one after the other.
             if len(found) != 1 or found[0] is None or low != _BYTES_TYPE:
                 self.sound = False
                 return
@@ -442,6 +452,8 @@ class _RawBytes:
         main = [one for one in self.routines if one.name.lower() == "main"]
         if self.whole and len(main) != 1:
             return False
+        # A numbered buffer exists once: a recursive routine would overwrite the bytes of its
+        # caller.
         return all(self.types[name] == _BYTES_TYPE for name in self.lists) and not self._recurs()
 
     def _recurs(self) -> bool:
@@ -470,8 +482,10 @@ class _RawBytes:
 
     def modules(self) -> Sequence[s.Module]:
         made = [self._module(module) for module in self.all]
+        # One more row holds what lists of numbers and texts pass through.
         count = str(self.count + self.takes_others)
         size = tuple(map(s.NumberLiteral, (count, str(_ROWS), str(_IN_ROW))))
+        # Both arrays go before the routines that use them, in the first module alone.
         data = (
             s.Data("", "PERS", "num", _BYTES_PREFIX, size),
             s.Data("", "VAR", "num", _LENGTH_ARRAY, size[:1]),
@@ -511,6 +525,8 @@ class _RawBytes:
         """A routine whose own bytes are empty at its beginning, and have their numbers."""
         body: list[s.StatementNode] = []
         first: list[s.StatementNode] = []
+        # Data of modules cannot compute its initial value, so the program's start gives the
+        # numbers.
         if routine.name.lower() == "main":
             for one in self.whole:
                 first += self._numbered(one)
@@ -520,6 +536,8 @@ class _RawBytes:
                 declared = at + 1
                 numbers = self.numbers.get(id(node), {})
                 first += self._numbered(node) if () not in numbers else ()
+                # Local raw bytes are empty at every call; those of the last call may still be in
+                # the array.
                 for number in numbers.values():
                     extent = self._extent(node.dimensions[0]) if node.dimensions else 1
                     for each in range(number, number + (extent or 1)):
@@ -544,6 +562,7 @@ class _RawBytes:
             case s.ParameterNode(type=type) if type.lower() == _BYTES_TYPE:
                 return replace(node, mode="", type="num", dimensions=0)
             case s.Element(s.NameRef(name) as base, (index,)) if name.lower() in self.lists:
+                # The list is the number of its first element; the others follow it.
                 if isinstance(index, s.Whole):
                     return base
                 before = s.Group(s.Infix("-", s.Group(index), s.NumberLiteral("1")))
@@ -644,6 +663,7 @@ def _line_read(some: _Body) -> _LineRead | None:
             received = _received_byte(first)
         case _:
             return None
+    # Spans take no part in comparing nodes, so equal text means equal nodes.
     if received is None or first != again or (grown, one) != (into, into):
         return None
     socket, last = received
@@ -668,6 +688,7 @@ def _received_byte(call: s.ProcedureCall) -> tuple[s.Expression, s.Expression] |
             case _:
                 return None
     into, count = options.pop("str", None), options.pop("readnoofbytes", None)
+    # `lower/` writes WAIT_MAX; with a limit of time the loop ends otherwise than ReadStr does.
     endless = options.pop("time", None) == s.NameRef("WAIT_MAX")
     if socket is None or into is None or options or not endless or count != s.NumberLiteral("1"):
         return None
@@ -710,6 +731,7 @@ def with_emptied_files(
     """The modules of some files without such statements, and the findings of each."""
     nothing: list[list[Diagnostic]] = [[] for _ in modules]
     own = {i.name.lower() for m in modules for i in m.items if isinstance(i, s.Routine)}
+    # A routine of the program with such a name is not RAPID's.
     if {_REMOVE_INSTRUCTION, _IS_FILE} & own or not mentions(files, (_REMOVE_INSTRUCTION,)):
         return modules, nothing
     name = FreshNames(modules)("removed")
@@ -731,6 +753,7 @@ def _emptied(node: s.StatementNode, name: str) -> Iterator[s.StatementNode]:
             opened = (s.Positional(path), channel, s.Option("Write", None))
             yield s.ProcedureCall("Open", opened, span=node.span)
             yield s.ProcedureCall("Close", (channel,), span=node.span)
+        # Opening for writing creates a missing file, so the question is not needed.
         case s.IfThen((s.IfBranch(condition, body),), None) if _only_removes_existing(
             condition, _without_comments(body), name
         ):

@@ -89,6 +89,7 @@ class _ChoiceWriter:
         self.here = {
             one.data.name.lower(): one
             for one in self.chosen
+            # Data of a module is hidden by data or a parameter of the same name.
             if one.inside is routine or (one.inside is None and one.data.name.lower() not in own)
         }
         names = {x.name.lower() for x in nodes(routine) if isinstance(x, s.NameRef)}
@@ -104,6 +105,7 @@ class _ChoiceWriter:
 
     def statement(self, node: s.StatementNode) -> Iterator[s.StatementNode]:
         match node:
+            # The declaration of a local variable goes: its choice is data of the module.
             case s.Data() if any(node is one.data for one in self.here.values()):
                 return
             case s.ProcedureCall(str(), (s.Positional(source), s.Positional(s.NameRef(name)))) if (
@@ -126,6 +128,7 @@ class _ChoiceWriter:
             case s.CompactIf(condition, statement):
                 inner = self.body((statement,))
                 asked = self.value(condition)
+                # A compact IF holds one statement only.
                 if len(inner) == 1:
                     yield replace(node, condition=asked, statement=inner[0])
                 else:
@@ -133,6 +136,7 @@ class _ChoiceWriter:
             case s.WhileLoop(condition, body):
                 yield replace(node, condition=self.value(condition), body=self.body(body))
             case s.ForLoop(body=body):
+                # Without its body: the statements in it are made by `body`.
                 outer = self.value(replace(node, body=()))
                 yield replace(outer, body=self.body(body))
             case s.TestOf(subject, cases, otherwise):
@@ -149,12 +153,14 @@ class _ChoiceWriter:
         self, one: _ChosenSignal, source: s.Expression, node: s.ProcedureCall
     ) -> Iterator[s.StatementNode]:
         """`AliasIO` as the number of the signal that is chosen."""
+        # With a single signal nothing is chosen at run time.
         if not one.choice:
             return
         target = s.NameRef(one.choice)
         names = {name.lower(): at for at, name in enumerate(one.names, 1)}
         said = source.value if isinstance(source, s.StringLiteral) else ""
         said = source.name if isinstance(source, s.NameRef) else said
+        # The choice is known here, so that no comparison is needed.
         if said.lower() in names:
             number = s.NumberLiteral(str(names[said.lower()]))
             yield s.Assignment(target, number, span=node.span)
@@ -174,6 +180,7 @@ class _ChoiceWriter:
     def done(self, node: s.ProcedureCall) -> s.StatementNode:
         """An instruction, to whichever signal is chosen."""
         made: s.StatementNode = node
+        # Every further variable in the call nests one more TEST around it.
         for name, one in self.here.items():
             if not any(_is_named(part, name) for part in nodes(node)):
                 continue
@@ -192,6 +199,8 @@ class _ChoiceWriter:
 
         def visit(part: Any) -> Any:
             match part:
+                # `rewrite` goes from the inside out: the variable is a function call already, and
+                # reads its value itself.
                 case s.FunctionCall(str(word), (s.Positional(s.FunctionCall(inner, ())),)):
                     if word.lower() in _READ_FUNCTIONS and inner in functions:
                         read = s.FunctionCall(inner, ())
@@ -232,6 +241,7 @@ def _choice_items(one: _ChosenSignal) -> list[s.Item]:
         for at, name in enumerate(one.names, 1)
     )
     test = s.TestOf(s.NameRef(one.choice), cases, (_END_PROGRAM,))
+    # Every way through a function needs a value, also the one that ends the program.
     body = (test, s.ReturnFrom(s.NumberLiteral("0")))
     return [
         s.Data("", "VAR", "num", one.choice, span=one.data.span),
@@ -278,6 +288,7 @@ class _KnownTexts:
             scope = item if isinstance(item, s.Routine) else None
             for node in nodes(item):
                 self._look(node, scope)
+        # With two routines of a name, nothing tells which one a call gives its texts to.
         for name in twice:
             self.lost |= {key for key in self.given if key[0] == id(self.routines[name])}
 
@@ -319,8 +330,10 @@ class _KnownTexts:
             if routine is not None and mode == "" and value is not None:
                 key = id(routine), str(name).lower()
                 self.given.setdefault(key, []).append((scope, value))
+            # Whether the optional text is there is not known.
             elif isinstance(argument, s.Conditional):
                 self.lost.add((id(routine), argument.name.lower()))
+            # Any other routine may change the variable that it is given.
             elif word not in _READING_INSTRUCTIONS and (found := root(value)) is not None:
                 self.lost.add(self._key(found.name, scope))
                 if routine is not None:
@@ -342,6 +355,7 @@ class _KnownTexts:
                 return self._of(inner, scope, asked)
             case s.Infix("+", left, right):
                 first, second = self._of(left, scope, asked), self._of(right, scope, asked)
+                # Sums multiply, so the limit is asked before they are formed.
                 if first is None or second is None or len(first) * len(second) > _MOST_TEXTS:
                     return None
                 return frozenset(a + b for a in first for b in second)
@@ -353,6 +367,7 @@ class _KnownTexts:
         self, name: str, scope: _TextScope, asked: frozenset[tuple[int, str]]
     ) -> frozenset[str] | None:
         key = self._key(name, scope)
+        # A text that is made from itself, as in a loop, has no end of values.
         if key in self.lost or key in asked:
             return None
         if key not in self.given and key not in self.parameters:
@@ -458,6 +473,7 @@ class _SignalVariables:
     def found(self) -> list[_ChosenSignal]:
         declared = {i.name.lower() for i in self.items if isinstance(i, s.Data)}
         self.declared = declared
+        # A name that nothing declares may be a signal of the controller's configuration.
         signals = {n for n in self._names() if n.lower() not in declared}
         for item in self.items:
             if isinstance(item, s.Routine):
@@ -468,6 +484,7 @@ class _SignalVariables:
             one = self.variables.get(key)
             if one is None or not names or len(names) > _MOST_TEXTS:
                 continue
+            # One spelling for each signal, whatever the letter case of the texts.
             spelled = {name.lower(): name for name in sorted(names, reverse=True)}
             one.names = tuple(sorted(spelled.values(), key=str.lower))
             if self._is_only_used_well(one):
@@ -492,6 +509,7 @@ class _SignalVariables:
                     if _chooses(node) and (one := self.variable(name, inside)) is not None:
                         names = self._sources(source, body[:at], inside, signals)
                         known = self.sources.setdefault(one.key, set())
+                        # One unknown source makes the variable unknown for good.
                         both = None if names is None or known is None else known | names
                         self.sources[one.key] = both
 
@@ -506,14 +524,17 @@ class _SignalVariables:
         if isinstance(source, s.NameRef):
             low = source.name.lower()
             own = self.texts.own.get(id(inside), ())
+            # An undeclared name is the signal itself.
             if low not in own and low not in self.declared:
                 return {source.name}
+            # Aliases of aliases are not followed.
             if self.variable(low, inside) is not None:
                 return None
             source = _assigned_before(low, before) or source
         texts = self.texts.of(source, inside)
         if texts is not None:
             return set(texts)
+        # Only the beginning of the text is known: every signal with that beginning may be meant.
         start = self._start(source, inside)
         like = {
             name for name in signals if len(start) >= _LEAST_CHOICES and _starts_with(name, start)
@@ -529,6 +550,7 @@ class _SignalVariables:
 
     def _is_only_used_well(self, one: _ChosenSignal) -> bool:
         """True if a choice can replace every use of a variable."""
+        # A single signal replaces the name anywhere.
         if len(one.names) == 1:
             return True
         for item in self.items if one.inside is None else (one.inside,):
@@ -554,6 +576,7 @@ def _assigned_before(name: str, before: Sequence[s.StatementNode]) -> s.Expressi
             case s.Assignment(s.NameRef(target), value):
                 if target.lower() == name:
                     return value
+            # Other choices between the assignment and this one do not change the text.
             case s.ProcedureCall() if _chooses(node):
                 continue
             case s.CommentLine():
@@ -570,6 +593,7 @@ def _is_supported(node: s.StatementNode, name: str) -> bool:
     if isinstance(node, s.ProcedureCall | s.Data):
         return True
     shallow = _own_expressions(node)
+    # Every mention must be a supported one: any other use would need the signal itself.
     plain = sum(_is_named(part, name) for part in nodes(shallow))
     return plain == sum(_is_value_read(part, name) for part in nodes(shallow)) + _bare_uses(
         shallow, name

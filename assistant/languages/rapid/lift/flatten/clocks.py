@@ -65,11 +65,14 @@ class _ClockArray:
                 s.ProcedureCall("ClkStart", clock),
                 s.Assignment(going, s.BoolLiteral(True)),
             )
+            # The shared clock starts with the first start of any clock and is never stopped.
             yield s.IfThen((s.IfBranch(s.Prefix("NOT", going), started),))
             now = function_call("ClkRead", s.NameRef(self.shared))
             begun = s.Assignment(self.of("since", at), now), s.Assignment(self.of("runs", at), ONE)
+            # Starting a clock that runs must not lose the seconds that it has counted.
             yield s.IfThen((s.IfBranch(s.Infix("=", self.of("runs", at), _ZERO), begun),))
         else:
+            # ClkReset clears the seconds; both leave the clock stopped.
             left = self.now(at) if word == "clkstop" else _ZERO
             yield s.Assignment(self.of("ran", at), left)
             yield s.Assignment(self.of("runs", at), _ZERO)
@@ -134,6 +137,7 @@ def _with_reads_before(modules: Sequence[s.Module]) -> list[s.Module]:
             if not isinstance(part, s.FunctionCall) or str(part.name).lower() != _READ_FUNCTION:
                 return part
             reads.append(part)
+            # Statements share their variables: each is read at once by the statement after it.
             if len(held) < len(reads):
                 held.append(name("clocked"))
             return s.NameRef(held[len(reads) - 1])
@@ -215,9 +219,11 @@ def _supported_arrays(modules: Sequence[s.Module], names: Sequence[str]) -> set[
             named[node.name.lower()] += 1
         elif (asked := _clock_in(node)) is not None:
             _, array, at = asked
+            # The index is written three times, so it must not call anything.
             meant[array] += not any(isinstance(one, s.FunctionCall) for one in nodes(at))
     inner = {name.lower() for name in inner_names(routines)}
     once = {name for name, count in Counter(names).items() if count == 1}
+    # Every mention of the array has to be one of those calls.
     return {name for name in once - inner if named[name] == meant[name]}
 
 

@@ -80,6 +80,7 @@ class _Constants:
         self.layouts = RecordLayouts(modules)
         every = list(nodes(tuple(modules)))
         calls = (one for one in every if isinstance(one, s.ProcedureCall))
+        # These instructions may change any variable, so only constants are certain.
         by_text = any(str(one.name).lower() in _WRITES_BY_TEXT for one in calls)
         self._written = None if by_text else NameUses(modules, frozenset()).written
         items = [item for module in modules for item in module.items]
@@ -105,6 +106,7 @@ class _Constants:
         if isinstance(item, s.Routine):
             own: dict[str, s.Data | None] = dict.fromkeys(map(str.lower, inner_names((item,))))
             counted = {one.variable.lower() for one in nodes(item) if isinstance(one, s.ForLoop)}
+            # A loop variable hides data of its name, which is then not known here.
             for node in item.body:
                 if isinstance(node, s.Data) and node.name.lower() not in counted:
                     own[node.name.lower()] = node
@@ -133,6 +135,8 @@ class _Constants:
     def _extent(self, size: s.Expression) -> s.Expression:
         value = None if literal_number(size) is not None else self.value(size)
         number = None if value is None else literal_number(value)
+        # An extent that is not a positive whole number stays as it is written, for the checks to
+        # report.
         whole = isinstance(number, float | int) and number == int(number) > 0
         return s.NumberLiteral(str(int(number or 0))) if whole else size
 
@@ -196,6 +200,7 @@ class _Constants:
         declared in terms of itself.
         """
         if low in self._own:
+            # None while the value is asked for: data that is declared by itself has no value.
             node, self._own[low] = self._own[low], None
             found = None if node is None else self._declared(node)
             self._own[low] = node
@@ -215,6 +220,7 @@ class _Constants:
                 return "robtarget", row_value(run, row)
         if low == PI:
             return "num", s.NumberLiteral(repr(math.pi))
+        # `vmax` is what the arm can, which differs between arms.
         known = predefined_value(low) if low != "vmax" else None
         return None if known is None else (predefined_type(low), known)
 
@@ -262,6 +268,7 @@ def _computed(operator: str, one: float, two: float) -> float:
 
 
 def _number_literal(number: float) -> s.Expression:
+    # Beyond 15 digits a float has no exact whole number to print.
     whole = number == int(number) and abs(number) < 1e15
     text = s.NumberLiteral(str(abs(int(number))) if whole else repr(abs(number)))
     return s.Prefix("-", text) if number < 0 else text
@@ -370,6 +377,7 @@ def with_constant_speeds(
     found = _single_valued(modules, layouts)
     if found and kept:
         whole = [node for node in nodes(tuple(modules)) if id(node) in kept]
+        # A statement that stays as text needs its data as variables.
         text = {one.name.lower() for one in nodes(tuple(whole)) if isinstance(one, s.NameRef)}
         found = {name: one for name, one in found.items() if name not in text}
     if not found:
@@ -408,6 +416,7 @@ def _single_valued(modules: Sequence[s.Module], layouts: RecordLayouts) -> Mappi
         match node:
             case s.NameRef(name):
                 said[name.lower()] += 1
+            # Any setting may be changed by its name as a text.
             case s.ProcedureCall(str(name)) if name.lower() in _WRITES_BY_TEXT:
                 return {}
             case s.MoveRunNode(run):
@@ -416,6 +425,7 @@ def _single_valued(modules: Sequence[s.Module], layouts: RecordLayouts) -> Mappi
                     _count_uses(every, pair)
                     said.update(pair)
             case s.ProcedureCall(str(name), given) if name.lower() in _MOVES - own:
+                # Such a move states its speed by an option, so its speeddata does not hold there.
                 if any(isinstance(a, s.Option) and a.name.lower() in _SPEED_OPTIONS for a in given):
                     continue
                 plain = [a.value for a in given if isinstance(a, s.Positional)]
@@ -431,6 +441,7 @@ def _single_valued(modules: Sequence[s.Module], layouts: RecordLayouts) -> Mappi
     steady = {
         name: one
         for name, one in every.items()
+        # Every mention must be an assignment or the argument of a move.
         if one.assigned and len(one.values) == 1 and said[name] == one.uses + one.assigned
         and _is_constant_value(next(iter(one.values.values())), layouts.base(one.node.type))
         and (one.node.value is None or printed(one.node.value).lower() in one.values)
@@ -448,6 +459,7 @@ def _count_uses(every: Mapping[str, _Setting], names: Sequence[str]) -> None:
 def _assignment_runs(body: Sequence[s.StatementNode]) -> Iterator[list[tuple[str, s.Expression]]]:
     """Assignments to whole data that follow one another: names in lower case and values."""
     run: list[tuple[str, s.Expression]] = []
+    # The last run ends with the list.
     for node in (*body, None):
         match node:
             case s.CommentLine():
@@ -477,6 +489,8 @@ def _holds_throughout(
     speeds = {
         name
         for name, other in steady.items()
+        # Such a speed and the zone are always assigned together, so whatever moves at it has the
+        # zone.
         if other.node.value is None and layouts.base(other.node.type) == "speeddata"
         and all(name in run for run in one.runs)
         and all(one.node.name.lower() in run for run in other.runs)
@@ -498,6 +512,7 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """The modules with the speeds of welds and numbers of spots where they are given to moves."""
     own = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
     every = list(nodes(tuple(modules)))
+    # A routine of the program may hide a process move.
     if not own.isdisjoint(PROCESS_MOVES) or not any(map(_is_process_move, every)):
         return modules
     steady = _constant_first_parts(modules, every)
@@ -507,6 +522,7 @@ def with_process_data(modules: Sequence[s.Module]) -> Sequence[s.Module]:
             return node
         known = PROCESS_MOVES[node.name.lower()]
         plain = [at for at, a in enumerate(node.arguments) if isinstance(a, s.Positional)]
+        # Without arguments between speed and zone, the data come in options of the guns alone.
         place = known.points + _ARGUMENTS_AFTER if known.given else len(plain)
         weld = known.kind == "arc"
         arguments = []
@@ -551,6 +567,7 @@ def _constant_first_parts(
         match node:
             case s.Assignment(target) if (found := root(target)) is not None:
                 changed.add(found.name.lower())
+            # Any other routine may change what it is given.
             case s.ProcedureCall() | s.FunctionCall() if not _is_process_move(node):
                 names = (n for n in nodes(node.arguments) if isinstance(n, s.NameRef))
                 changed.update(name.name.lower() for name in names)

@@ -81,6 +81,7 @@ def _only_computes(routine: s.Routine | None, divisors: Set[str]) -> bool:
 
 def _never_fails(value: s.Expression, divisors: Set[str]) -> bool:
     match value:
+        # Division by 0 is an error, which a left out call would no longer raise.
         case s.Infix("/", left, s.NameRef(name)):
             return name.lower() in divisors and _never_fails(left, divisors)
         case s.Infix("/", left, right):
@@ -110,9 +111,9 @@ class Datum:
 
 
 Names = Mapping[str, Datum]
+"""Data by lower-case name."""
 PI: Final = "pi"
 """A constant of the system, which a program may hide."""
-"""Data by lower-case name."""
 
 
 class FreshNames:
@@ -196,6 +197,7 @@ class ProgramData:
             row = int(index.row(name)[0])
             if row >= 0:
                 datum = Datum(run.names.name(row), "robtarget", value=row_value(run, row))
+                # Cached under its name, so that tables are searched once for each target.
                 return self.data.setdefault(name, datum)
         self._elsewhere.add(name)
         return None
@@ -224,6 +226,8 @@ class ProgramData:
             changing = type in SPEED_AND_ZONE and not steady
             apart = type not in SETTING_TYPES or changing or self._is_data(key, steady)
             named = key in self.uses.named and shared and not dimensions and type in self.steady
+            # A displacement moves every named work object; without one, only those that the program
+            # changes in parts.
             moves = named and ((type == FRAME and bool(self.displaced)) or not (apart or steady))
             apart = apart or moves
         parts = (self.layouts.parts(type) or ()) if apart else ()
@@ -245,6 +249,7 @@ class ProgramData:
         """True if data that is split is also used complete, by its name."""
         type = self.layouts.base(node.type)
         if type in SPEED_AND_ZONE and node.name.lower() in self.uses.written:
+            # Each move states the parts of a speed or zone that changes.
             return False
         return type in SETTING_TYPES and node.name.lower() in self.uses.named
 
@@ -331,6 +336,7 @@ class NameUses:
             value = argument.variable if isinstance(argument, s.Conditional) else argument.value
             if any(argument is one for one in apart):
                 self._add(self.read, value)
+            # A component is passed by its own variable, so the whole is not needed by name.
             elif not isinstance(value, s.Component):
                 self._add(self.named, value)
             if slots is None or _may_change(argument, slots, required, own is None):
@@ -376,6 +382,7 @@ def _may_change(
         key = argument.name.lower()
         named = (one for slot in slots if slot.optional for one in slot.alternatives)
         meant = tuple(one for one in named if one.name.lower() == key)
+    # A parameter that is not known may change what it gets.
     if not meant:
         return True
     held = (one.mode == "PERS" and one.type in READ_ONLY_TYPES and standard for one in meant)
@@ -404,6 +411,7 @@ def row_value(run: TargetRun, row: int) -> s.Expression:
 
 
 def _number_literal(value: float) -> s.Expression:
+    # 17 digits give every double back exactly.
     text = s.NumberLiteral("9E9" if value >= UNUSED else f"{abs(value):.17g}")
     return s.Prefix("-", text) if value < 0.0 else text
 
@@ -457,6 +465,7 @@ def predefined_value(name: str) -> s.Expression | None:
             return _literal(_LEAST_LOAD)
     speed, zone = SPEEDS.get(name), ZONES.get(name)
     if speed is not None:
+        # `vmax` has no finite number of its own.
         return _literal([min(speed.tcp, _VMAX_SPEED), 500, 5000, 1000])
     if zone is not None and zone.radius is not None:
         return _literal([False, zone.radius, *usual_sizes(zone.radius)])

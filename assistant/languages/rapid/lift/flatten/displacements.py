@@ -50,11 +50,13 @@ def with_displacements(
     every = list(nodes(tuple(modules)))
     own = {one.name.lower() for one in every if isinstance(one, s.Routine)}
     words = {key for one in every if isinstance(one, s.ProcedureCall) and (key := _call_word(one))}
+    # Routines of the program with such names are not RAPID's.
     if not (words - own) & _SETTING or own & {*_SETTING, _ENDING}:
         return modules, ""
     calls = [one for one in every if isinstance(one, Call) and _call_word(one) not in own]
     routines = [one for one in every if isinstance(one, s.Routine)]
     hidden = {name.lower() for name in inner_names(routines)}
+    # A frame that is a parameter or local data cannot be split into displaced parts.
     if not all(_has_module_frame(one, hidden) for one in calls):
         return modules, ""
     said = _DisplacementRewriting(fresh, own)
@@ -122,6 +124,7 @@ class _DisplacementRewriting:
     def _mounted(self, call: Call) -> Call:
         frame = option(call, _FRAME)
         if frame is None:
+            # It reads in the work object of the move before, which is displaced already.
             if _call_word(call) in _READS_IN_ACTIVE:
                 return call
             return replace(call, arguments=(*call.arguments, self._frame()))
@@ -163,6 +166,7 @@ class _DisplacementRewriting:
         else:
             frame = option(node, _FRAME) or s.Option("WObj", s.NameRef(_BASE))
             here = s.FunctionCall("CRobT", (s.Option("Tool", given[1]), frame))
+            # The position has to be read without the displacement that is about to be set.
             yield self._given(node, _zero_pose())
             yield s.Assignment(there, self._mounted(here), span=span)  # type: ignore[arg-type]
         if option(node, "rot") is not None:
@@ -171,6 +175,7 @@ class _DisplacementRewriting:
                 for part in ("trans", "rot"):
                     place, value = s.Component(pose, part), s.Component(target, part)
                     yield s.Assignment(place, value, span=span)
+            # The pose that takes the programmed place to the executed one.
             yield self._given(
                 node, function_call("PoseMult", at, function_call("PoseInv", planned))
             )
@@ -207,6 +212,7 @@ def with_arm_kinematics(modules: Sequence[s.Module], displaced: str) -> Sequence
         return node
 
     def item(one: s.Item) -> s.Item:
+        # The library's own functions contain the plain call that the others become.
         asks = isinstance(one, s.Routine) and one.name in ARM_FUNCTIONS.values()
         return one if asks else rewrite(one, change, ())
 

@@ -54,6 +54,7 @@ def with_bound_calls(
 
 
 def _is_late(node: Any) -> bool:
+    # A single literal stays a call by name for `choice_of_calls`; only sums are bound here.
     return isinstance(node, s.ProcedureCall) and isinstance(node.name, s.Infix)
 
 
@@ -64,6 +65,7 @@ def _bound_call(
         return node
     start, end = _known_end(node.name)
     before, colon, name = end.rpartition(":")
+    # Without the colon the end may be part of a longer name.
     if start and not colon:
         return node
     own = [
@@ -71,6 +73,7 @@ def _bound_call(
         for module, routine in owners.get(name.lower(), ())
         if accepts_call(routine, node) and (start or not colon or before.lower() == module)
     ]
+    # None or several: the choice is left to `choice_of_calls`.
     if len(own) != 1:
         return node
     if start and node.span is not None:
@@ -128,6 +131,7 @@ def choice_of_calls(
         case (s.ProcedureCall(name=name) as call,) if not isinstance(name, str):
             given = _plain_arguments(call, meaning)
             said = meaning.expression(name)
+            # The text is compared with several names, so it must be safe to compute more than once.
             if given is not None and is_repeatable(said) and not _names_module(said):
                 yield from _procedure_choice(
                     said, given, _matching_procedures(said, program, len(given))
@@ -196,6 +200,7 @@ def _choice_by_number(
                 and q.result is None
                 and q.name.lower().startswith(start.lower())
                 and (end := q.name[len(start) :]).isdecimal()
+                # `CallByVar` writes the number without leading zeros.
                 and str(int(end)) == end
             ]
             if cases and is_repeatable(number):
@@ -299,7 +304,9 @@ class _DataChoices:
             s.NameRef(name)
             for name, one in self.there
             if (self.layouts.base(one.type), len(one.dimensions)) == wanted
+            # Local data of that name would be assigned in place of the module's.
             and name.lower() not in own
+            # A constant cannot be written; its name raises the error.
             and not (writes and one.storage == "CONST")
             and _may_match(text, name)
         ]
@@ -337,6 +344,7 @@ def _may_match(text: s.Expression, name: str) -> bool:
     begin, end = _known_edge(text, 0), _known_edge(text, -1)
     if isinstance(text, s.StringLiteral):
         return text.value.lower() == low
+    # The known beginning and end must not overlap in the name.
     return low.startswith(begin) and low.endswith(end) and len(low) >= len(begin) + len(end)
 
 

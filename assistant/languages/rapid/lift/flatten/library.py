@@ -101,6 +101,8 @@ def library() -> tuple[s.Routine, ...]:
     modules = [module for text in texts for module in parse(text, runs=False).modules]
 
     def unplaced(node: Any) -> Any:
+        # Positions in the library are none of the user's source, so findings must not point to
+        # them.
         return replace(node, span=None) if isinstance(node, s.Node) and node.span else node
 
     items = (item for module in modules for item in module.items)
@@ -113,6 +115,7 @@ def with_library(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     if not modules or not any(map(_may_call_library, nodes(tuple(modules)))):
         return modules
     taken = {one.name.lower() for m in modules for one in m.items if isinstance(one, s.Routine)}
+    # A routine of the program with the name of a library routine would be called in its place.
     if not taken.isdisjoint(one.name.lower() for one in library()):
         return modules
     first, *others = modules
@@ -133,6 +136,7 @@ def without_uncalled(modules: Sequence[s.Module], read: Sequence[s.Module]) -> l
     others = [[i for i in m.items if id(i) not in set(map(id, there.values()))] for m in modules]
     pending: list[Any] = [tuple(items) for items in others]
     while pending:
+        # A library routine may call others of the library.
         found = set(_called_functions(pending.pop())) & there.keys() - wanted
         wanted |= found
         pending += [there[name] for name in found]
@@ -143,6 +147,7 @@ def without_uncalled(modules: Sequence[s.Module], read: Sequence[s.Module]) -> l
             case s.Routine(name=name):
                 return name.lower() not in gone
             case s.Data(name=name):
+                # Data for the results of such a function is named after it.
                 return not any(name.lower().startswith(f"{routine}_q") for routine in gone)
         return True
 
@@ -280,6 +285,7 @@ _DECIMALS: Final = range(1, 7)
 
 
 def _fixed_decimals(_: ExpressionTypes, given: _Arguments) -> s.Expression | None:
+    # Computed decimals may be any number, so the library decides as the program runs.
     places = literal_number(given[1]) if len(given) == 2 else 0
     if places is not None and places not in _DECIMALS:
         return None
@@ -291,6 +297,7 @@ def _distance(typed: ExpressionTypes, given: _Arguments) -> s.Expression | None:
     whole = [
         isinstance(one, s.Component) and typed.whole_turn(_orientation_beside(one)) for one in given
     ]
+    # Distances between targets have a row of their own in `tables.equivalents`.
     return None if all(both) and all(whole) else function_call("distance_between", *given)
 
 
@@ -337,6 +344,7 @@ def quaternion_angles(turn: Mapping[tuple[str, ...], s.Expression]) -> Sequence[
     """The angles about z, y and x of a quaternion."""
     parts = [turn[(name,)] for name in QUATERNION]
     numbers = [float(n) for n in map(literal_number, parts) if n is not None]
+    # A zero quaternion has no angles.
     if len(numbers) == len(parts) and any(numbers):
         angles = rotations.to_euler(rotations.canonical(numbers), "ZYX")
         return [_number_literal(round(float(angle), _ANGLE_DECIMALS)) for angle in angles]
@@ -405,6 +413,7 @@ def _num_function(node: s.FunctionCall, word: str, arguments: Sequence[s.Argumen
         case (s.Positional(value), *_) if word in _CONVERSIONS:
             return s.Group(value)
     plain = _RENAMED.get(word) or node.name[: -len(LONG)]
+    # These work on more bits than their namesakes of a byte.
     if (not word.endswith(LONG) and word not in _RENAMED) or word in _BIT_FUNCTIONS:
         return node
     return replace(node, name=plain) if signature(plain) is not None else node

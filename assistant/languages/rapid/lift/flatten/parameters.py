@@ -80,6 +80,7 @@ def with_required(
     for item in (item for module in modules for item in module.items):
         if isinstance(item, s.Routine):
             routines.setdefault(item.name.lower(), []).append(item)
+    # Calls are matched by name, so a second routine of the name rules both out.
     wanted = {
         key: own[0]
         for key, own in routines.items()
@@ -98,6 +99,7 @@ def with_required(
             _required_routine(item, made, wanted) if isinstance(item, s.Routine) else item
             for item in module.items
         ]
+        # Data for absent arguments belongs to no module in particular; the first one declares it.
         data = added if at == 0 else []
         same = not data and all(a is b for a, b in zip(items, module.items, strict=True))
         changed.append(module if same else replace(module, items=(*data, *items)))
@@ -151,15 +153,18 @@ def _required_parameters(
             if type == _SWITCH:
                 yield low, _Parameter(one)
                 continue
+            # Every call gives it, so no truth is needed.
             if asked.always(key, low):
                 yield low, _Parameter(one)
                 continue
             absent = absent_value(type, layouts)
             if absent is None or one.dimensions < 0:
                 continue
+            # No call gives it: the parameter goes, and its name becomes local data.
             if not asked.ever(key, low):
                 yield low, _Parameter(one, absent=absent, never=True)
                 continue
+            # By reference a call has to pass data, not a literal.
             if one.mode or one.dimensions:
                 held = name(f"{routine.name}_{one.name}_none")
                 sizes = (s.NumberLiteral("1"),) * one.dimensions
@@ -202,6 +207,7 @@ def _required_routine(
     changed = rewrite(routine, change, ())
     if own:
         groups = tuple(one for group in routine.parameters for one in _groups(group, own))
+        # Dead branches may still mention the parameter, which has to be declared somewhere.
         local = tuple(
             s.Data("", "VAR", one.node.type, one.node.name)
             for one in own.values()
@@ -263,6 +269,8 @@ def _arguments(
             place = next(places, None)
             if place is None:
                 return None
+            # Positions are all that is left of named arguments, as the order is that of the
+            # parameters.
             made.append(replace(place, name=None))
             continue
         for one in group.alternatives:
@@ -290,6 +298,7 @@ def _argument_values(
             pass
         case s.Conditional(_, s.NameRef(name)) if name.lower() in caller:
             there, value = _presence_parameter(caller[name.lower()]), s.NameRef(name)
+            # The caller has no such parameter any more.
             if caller[name.lower()].never:
                 value = known.absent
         case s.Conditional():
@@ -323,6 +332,7 @@ def without_unused_parameters(modules: Sequence[s.Module]) -> Sequence[s.Module]
     own = frozenset(i.name.lower() for m in modules for i in m.items if isinstance(i, s.Record))
     names = Counter(one.name.lower() for one in routines)
     unused = {id(one): _unused_places(one, own) for one in routines if names[one.name.lower()] == 1}
+    # A call by a computed name cannot be given fewer arguments: its routine is not known.
     if not any(unused.values()) or any(map(_is_late_bound, nodes(tuple(modules)))):
         return modules
     gone = {
@@ -454,11 +464,13 @@ def _error_readers(routines: Sequence[s.Routine], handling: frozenset[str]) -> f
     None where one of them is called by a name that is worked out, or from anywhere else.
     """
     bodies = {one.name.lower(): one for one in routines}
+    # The name of the new parameter must be free everywhere.
     if any(
         isinstance(n, s.NameRef) and n.name.lower() == _ERROR_PARAMETER
         for n in nodes(tuple(routines))
     ):
         return frozenset()
+    # A call by a computed name may reach a routine without handing the error over.
     if any(isinstance(n, s.ProcedureCall) and not isinstance(n.name, str)
            for n in nodes(tuple(routines))):  # fmt: skip
         return frozenset()
@@ -472,6 +484,7 @@ def _error_readers(routines: Sequence[s.Routine], handling: frozenset[str]) -> f
         if not more:
             break
         asking |= more
+    # A caller that is no handler has no error to hand over.
     outside = {
         name for one in routines if one.name.lower() not in asking for name in called_in(one.body)
     }

@@ -116,6 +116,7 @@ def flatten(files: Sequence[s.File]) -> FlatProgram | None:
 
     Speeds and zones in records stay whole first: most are constants then.
     """
+    # Whether a program changes speeds or zones shows only in the flat program, so it is made first.
     made = _flattened(files, frozenset())
     return (
         _flattened(files, SPEED_AND_ZONE)
@@ -126,6 +127,7 @@ def flatten(files: Sequence[s.File]) -> FlatProgram | None:
 
 def _flattened(files: Sequence[s.File], apart: frozenset[str]) -> FlatProgram | None:
     """apart: see `RecordLayouts`."""
+    # Every later pass looks data up by its name alone.
     there = with_unique_data_names([module for file in files for module in file.modules])
     sized, of_sizes = with_counts(with_passed_errors(there))
     written, of_task = with_own_task(with_module_settings(with_constant_values(sized)))
@@ -137,9 +139,11 @@ def _flattened(files: Sequence[s.File], apart: frozenset[str]) -> FlatProgram | 
     standing, of_units = with_fixed_units(still)
     chosen = with_chosen_signals(standing)
     read, of_names = with_named_data(with_cell_states(_with_traps(chosen.modules)))
+    # The library is added after the passes that call it, and cut down to what is called at the end.
     whole = with_library(with_raw_bytes(read))
     layouts = RecordLayouts(whole, apart)
     uncalled: list[tuple[int, Diagnostic]] = []
+    # Copies come before `with_required`: they decide which optional tools and frames are there.
     copied = with_copies(with_shared_arrays(whole, layouts), layouts, uncalled)
     copied = with_constant_speeds(copied, layouts, ())
     name = FreshNames(copied)
@@ -163,6 +167,8 @@ def _flattened(files: Sequence[s.File], apart: frozenset[str]) -> FlatProgram | 
         of_units,
         of_names,
     )
+    # The lists of `program` collect findings while a module is made, and are emptied for the next
+    # one.
     for at, module in enumerate(modules):
         made.append(_flat_module(program, module, kept))
         outside.append(tuple(program.outside))
@@ -175,6 +181,7 @@ def _flattened(files: Sequence[s.File], apart: frozenset[str]) -> FlatProgram | 
     if whole is not read:
         made = without_uncalled(made, read)
     made = with_constant_speeds(made, layouts, kept)
+    # Passes return the same object where they change nothing.
     if all(one is before for one, before in zip(made, there, strict=True)):
         return None
     left, unread = without_unread_data(made, program)
@@ -203,6 +210,7 @@ def _flat_module(program: ProgramData, module: s.Module, kept: dict[int, str]) -
     items: list[s.Item] = []
     for item in module.items:
         made = _flat_item(program, item, kept)
+        # The data of the result must not come between a routine and the comments above it.
         if len(made) > 1 and isinstance(item, s.Routine):  # data of its result, and itself
             above = _start_of_notes(items)
             items[above:above] = made[:-1]
@@ -218,6 +226,7 @@ def _start_of_notes(items: Sequence[s.Item]) -> int:
     index after them, as they may be a heading.
     """
     notes = takewhile(lambda one: isinstance(one, s.CommentLine) and not one.trailing, items[::-1])
+    # 0 means that comments are all there is above: they are a heading.
     return len(items) - sum(1 for _ in notes) or len(items)
 
 
@@ -238,6 +247,8 @@ def _flat_item(program: ProgramData, item: s.Item, kept: dict[int, str]) -> Sequ
             whole = RoutineBody(program, item, kept).whole()
             result = program.result(item)
             if result:
+                # A function cannot return several values: its caller reads them from data of the
+                # module.
                 parts = program.layouts.parts(item.type) or ()
                 data = (s.Data("", "VAR", one.type, result[one.path]) for one in parts)
                 return (*data, replace(whole, kind="PROC", type=""))

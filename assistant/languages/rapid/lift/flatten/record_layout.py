@@ -65,16 +65,19 @@ class RecordLayouts:
                     declared.setdefault(name.lower(), []).append(Type(name, "ALIAS", of))
                 case s.Record(_, name, components):
                     known = {inner: type for type, inner in components}
+                    # A component that occurs twice has no single type.
                     whole = len(known) == len(components)
                     found = Type(name, "RECORD", components=known if whole else None)
                     declared.setdefault(name.lower(), []).append(found)
         for name, types in declared.items():
+            # Modules may each have a type of that name; only equal ones have known parts.
             said = {(one.kind, one.of.lower(), *(one.components or {}).items()) for one in types}
             self._types[name] = types[0] if len(said) == 1 else Type(name, "OTHER")
 
     def base(self, type: str) -> str:
         """The type itself in lower case, of an alias what it stands for."""
         low = type.lower()
+        # Aliases of a circle would never end.
         for _ in range(MOST_ALIASES):
             found = self._types.get(low)
             if found is None or not found.of:
@@ -116,7 +119,9 @@ class RecordLayouts:
         for name, of in self.components(base):
             kind = self.base(of)
             inner = self.parts(kind)
+            # A type whose inside nobody knows is one value.
             unknown = inner is None and kind in self._types and not self.components(kind)
+            # A component that is passed by its name has to stay one value.
             named = kind in self._whole and name.lower() in self._named
             if unknown or named or self.is_whole(kind):
                 listed.append(Part((name.lower(),), name, kind))
@@ -194,6 +199,7 @@ def component_parameters(routines: RoutineTable, layouts: RecordLayouts) -> froz
                     if layouts.base(one.type) in SETTING_TYPES - SPEED_AND_ZONE:
                         found[key, one.name.lower()] = one
     handed = {key: set(_receiving_parameters(routines, key[0], key[1])) for key in found}
+    # Removing one parameter may rule out those that are passed to it.
     while wrong := [place for place in found if not handed[place] <= found.keys()]:
         for place in wrong:
             del found[place]
@@ -217,6 +223,7 @@ def _receiving_parameters(
                 known += _is_named(inner, name)
             case s.Assignment(one, two) | s.Infix(_, one, two):
                 known += _is_named(one, name) + _is_named(two, name)
+            # A move needs the name of its tool and frame.
             case s.MoveRunNode(run):
                 named = {n.lower() for m in run.motions.table for n in (m.tool, m.frame)}
                 if name in named:
@@ -225,6 +232,7 @@ def _receiving_parameters(
                 for to in _argument_parameters(routines.get(called.lower()), arguments, name):
                     known += 1
                     yield to
+    # Any mention beside the counted ones may take the tool or work object by its name.
     if said != known:
         yield _ANYWHERE
 
@@ -282,6 +290,8 @@ def steady_types(modules: Sequence[s.Module], layouts: RecordLayouts) -> frozens
                 found -= set(_unsteady(items))
             case s.Assignment(s.Component(_, name), value):
                 for type in tuple(found):
+                    # A component that carries it may be assigned only the value that all of them
+                    # have.
                     sure = {**_STATIONARY[type], **_NO_UNIT}.get(name.lower())
                     if sure is not None and literal_values(value) != sure:
                         found.discard(type)
@@ -302,6 +312,7 @@ def _is_steady(type: str, value: Any) -> bool:
 def _unsteady(items: Sequence[Any]) -> Iterator[str]:
     """The type that values in brackets are of, if they say that something else moves it."""
     match items:
+        # Without a type the shape tells: three values are a tool, five a work object.
         case (s.BoolLiteral(held), s.AggregateNode(), s.AggregateNode()):
             if not held:
                 yield TOOL
@@ -342,6 +353,7 @@ def changed_frame(
     frame = frame_of(literal_values(node.value)) if steady and displaced and type == FRAME else None
     if frame is not None:
         poses = zip(parts, (frame.user, frame.object), strict=True)
+        # A product with identity would only cost time in every update.
         parts = tuple(part for part, pose in poses if pose != IDENTITY)
     behind = (displaced,) if displaced and type == FRAME else ()
     return ChangedFrame(node.name, (*(names[part,] for part in parts), *behind))
@@ -398,7 +410,10 @@ class _FrameUpdates:
         for at, node in enumerate(body):
             made.append(self.inside(node))
             following = body[at + 1] if at + 1 < len(body) else None
+            # In a row of assignments, the last one that changes the whole updates it.
             later = self.changed(following) if isinstance(following, s.Assignment) else {}
+            # A call may use the whole while it changes parts of others, so each call is followed by
+            # its update.
             alone = not isinstance(node, s.Assignment)
             made += (one.set(node) for one in self.changed(node) if alone or one not in later)
         return tuple(made)
@@ -421,6 +436,7 @@ class _FrameUpdates:
         """True if a routine may change its arguments."""
         name = call.name.lower() if isinstance(call.name, str) else ""
         known = signature(name)
+        # An unknown routine may change everything that it is given.
         if name in self.own or known is None:
             return True
         return any(one.mode for slot in known.slots for one in slot.alternatives)
@@ -435,6 +451,7 @@ class _FrameUpdates:
                 chosen = tuple(replace(one, body=self.body(one.body)) for one in cases)
                 other = None if otherwise is None else self.body(otherwise)
                 return replace(node, cases=chosen, otherwise=other)
+            # The update is a second statement, which a compact IF cannot hold.
             case s.CompactIf(condition, statement) if self.changed(statement):
                 return s.IfThen((s.IfBranch(condition, self.body((statement,))),), span=node.span)
             case s.ForLoop() | s.WhileLoop():

@@ -107,6 +107,8 @@ def _element_assignments(
             rows = list(_array_cells(value, kind[1]))
             if len(rows) <= _MOST_ELEMENTS:
                 if name.lower() in names_in(value):
+                    # An element may be overwritten before a later value reads it, so all values are
+                    # computed first.
                     held = [(index, variable("new", kind[0])) for index, _ in rows]
                     for (_, place), (_, cell) in zip(held, rows, strict=True):
                         yield replace(node, target=place, value=cell)
@@ -177,6 +179,7 @@ def _quaternion_assignment(
         return None
     if values.whole_turn(turns[0]) is None:
         return None
+    # A part that reads the quaternion would see the old one, where single assignments see the new.
     if any(names_in(turns[0]) & names_in(value) for value in parts.values()):
         return None
     aggregate = s.AggregateNode(tuple(parts[name] for name in QUATERNION))
@@ -293,11 +296,13 @@ class RoutineBody:
         )
 
     def _statement(self, node: s.StatementNode) -> list[s.StatementNode]:
+        # Statements may be inside others: each collects what has to run before it apart.
         before, self.before = self.before, []
         around, self.program.at = self.program.at, node.span
         try:
             made = list(self._said(node))
             return [_at_span(one, node) for one in self.before] + made
+        # Kept as a vendor statement; its reason becomes the finding.
         except NotExpressible as unsaid:
             self.kept[id(node)] = unsaid.why
             return [node]
@@ -311,6 +316,7 @@ class RoutineBody:
                 yield from flat_declarations(node, self.names[node.name.lower()], self.values)
             case s.Assignment(target, value):
                 yield from self._assigned(node, target, value)
+            # The library's form is flattened once more, as its arguments may be records.
             case s.ProcedureCall(str()) if (own := library_call(self.values, node)) is not node:
                 yield from self._said(own)
             case s.ProcedureCall(str(name)) if raised := _raise_statements(
@@ -347,6 +353,7 @@ class RoutineBody:
             case s.ForLoop(variable, first, last, step, body):
                 low, high = self._asked(first), self._asked(last)
                 by = None if step is None else self._asked(step)
+                # The loop variable hides data of its name inside the loop only.
                 key = variable.lower()
                 hidden = self.names.get(key)
                 self.names[key] = Datum(variable, "num")
@@ -363,6 +370,8 @@ class RoutineBody:
                 chosen = tuple(
                     replace(
                         case,
+                        # Values of a CASE are compared one after the other, with no statement
+                        # between them.
                         values=tuple(self._asked(one, again=True) for one in case.values),
                         body=self.block(case.body),
                     )
@@ -379,9 +388,11 @@ class RoutineBody:
         again: the block evaluates it where no statement can run first.
         """
         held = self.before
+        # What is evaluated repeatedly cannot be prepared by statements before the block.
         self.before = None if again else held
         try:
             return self.values.plain(condition)
+        # The condition stays; the blocks in it are flattened all the same.
         except NotExpressible:
             return condition
         finally:
@@ -398,6 +409,7 @@ class RoutineBody:
             if not is_written_out(value):
                 yield from self._put_together(node, target, kind[0], value)
                 return
+        # RAPID stops the program at this assignment.
         if self._never_fits(node):
             yield s.Word("EXIT", span=node.span)
             return
@@ -407,6 +419,7 @@ class RoutineBody:
             variable = self.values.plain(target)
             self.direct = value
             said = self.values.given(value, type)
+            # The assigned component is not there, but computing its value may call a routine.
             if variable is NO_AXIS:
                 yield from self._still_called(said, node)
                 return
@@ -418,10 +431,13 @@ class RoutineBody:
             for part, given in made:
                 yield from self._assigned(replace(node, target=part), part, given)
             return
+        # Whole components of data that is not split can be assigned as they are.
         if kind[0] != "extjoint" and self._both_stay(target) and self._both_stay(value):
             yield node
             return
         places = self.values.spread(target, kind)
+        # The value is read only by the assignments that follow at once, so that a result needs no
+        # copy.
         self.alone = value
         yield from self._copied(node, places, self.values.spread(value, kind), kind)
 
@@ -482,6 +498,7 @@ class RoutineBody:
             self.names[place.name.lower()] = Datum(place.name, type)  # a part with a name now
         value = self._without_axes(type, value)
         own = names_in(place)
+        # Parts that are assigned first must not change what the later ones read.
         if own & names_in(value):
             place = self._variable("new", type)
         for part, given in assembled_parts(type, place, value):
@@ -527,6 +544,7 @@ class RoutineBody:
         for path in later:
             clashes |= not changed.isdisjoint(asked[path] | _index_names(places[path]))
             changed |= _assigned_names(places[path])
+        # Held copies are single variables, which no array fits into.
         if clashes and kind[1]:
             raise NotExpressible("it reads parts of what it assigns")
         if not clashes:
@@ -546,6 +564,7 @@ class RoutineBody:
         effects.
         """
         own = {n.name.lower() for n in nodes(value) if isinstance(n, s.FunctionCall)}
+        # A routine that only computes has no effect and can be left out.
         if not all(map(self.program.only_works_out, own & self.program.own)):
             yield s.Assignment(self._variable("unused", "num"), value, span=node.span)
 
@@ -582,6 +601,8 @@ class RoutineBody:
         self.before.append(s.ProcedureCall(call.name, arguments))
         types = {one.path: one.type for one in self.program.layouts.parts(routine.type) or ()}
         made: dict[ComponentPath, s.Expression] = {}
+        # A second call of the function would overwrite its results, but here they are read before
+        # it.
         if self.alone is call:
             return {path: s.NameRef(name) for path, name in result.items()}
         for path, name in result.items():
@@ -610,6 +631,7 @@ class RoutineBody:
         """Return a read of the arm of the same task, after a check of a computed task name."""
         own = self.program.data_of(OWN_TASK)
         name = worked_out_task(call)
+        # Without the cell's task name, or where no check can run before, the call stays as it is.
         if own is None or name is None or self.before is None:
             return call
         other = s.Infix("<>", name, s.NameRef(own.name))

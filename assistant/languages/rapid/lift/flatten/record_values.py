@@ -91,6 +91,7 @@ class Kinds:
                 of = self.kind(value)
                 inner = None if of is None else self.layouts.component(of[0], name)
                 return None if inner is None else (inner, 0)
+            # Open indices (`*`) leave dimensions.
             case s.Element(value, indices):
                 of = self.kind(value)
                 left = sum(isinstance(index, s.Whole) for index in indices)
@@ -103,10 +104,13 @@ class Kinds:
                 own = self.program.routines.get(name.lower())
                 if own is not None:
                     return self.layouts.base(own.type), 0
+                # A routine of the program hides the controller's.
                 known = None if name.lower() in self.program.own else signature(name)
                 return (known.result, 0) if known is not None and known.result else None
+            # `*` of orientations is their product, not a scaling.
             case s.Infix("*", left, right) if (_ORIENT, 0) in (self.kind(left), self.kind(right)):
                 return _ORIENT, 0
+            # A vector times a number, or two vectors, is a vector again (the cross product).
             case s.Infix("+" | "-" | "*" | "/", left, right):
                 return (_POS, 0) if (_POS, 0) in (self._side(left), self._side(right)) else None
             case s.Prefix("-" | "+", operand):
@@ -170,6 +174,7 @@ def _compared_records(
         ]
         return s.Group(reduce(lambda one, two: s.Infix(_CONJUNCTIONS[operator], one, two), each))
     type, program = kind[0], values.program
+    # Other controllers hold a pose with other digits than the written numbers, so equality is near.
     for place, written in ((left, right), (right, left)):
         match written:
             case s.AggregateNode((s.AggregateNode(where), s.AggregateNode(turn))) if (
@@ -181,6 +186,7 @@ def _compared_records(
                     return _near_pose(values, operator, whole, where, turn)
     sides = [values.plain(left), values.plain(right)]
     named = [one for one in sides if isinstance(one, s.NameRef | s.Component | s.Element)]
+    # Parts can be named only of data; with external axes the parts do not say everything.
     if len(named) < len(sides) or (type != "pose" and program.has_axes):
         return s.Infix(operator, *sides)
     if type == "robtarget":
@@ -253,11 +259,13 @@ def assembled_parts(
         yield from _joint_parts(place, items)
         return
     outer = [items[name] for name in ("robconf", "extax") if name in items]
+    # Configuration and axes cannot be assigned apart: the first assignment has to bring both.
     match outer:
         case [s.Component(one, "robconf"), s.Component(two, "extax")] if one == two:
             yield place, one
         case [s.Component(one, "robconf"), outside] if outside == NO_EXTERNAL_AXES:
             yield place, one
+        # The configuration is literal, so the target starts as one that is written out.
         case [conf, s.NameRef() | s.Component() as outside] if is_written_out(conf):
             first = (_number_aggregate(_DEFAULT_PARTS[name]) for name in ("trans", ORIENTATION))
             yield place, s.AggregateNode((*first, conf, NO_EXTERNAL_AXES))
@@ -298,6 +306,8 @@ def with_configuration(
 
     held: a variable for a target.
     """
+    # The other target brings its configuration along; position and orientation are set back after
+    # it.
     if isinstance(value, s.Component):
         yield held, value.value
     else:
@@ -328,9 +338,9 @@ def _number_aggregate(values: tuple[int, ...]) -> s.AggregateNode:
 
 
 POSITION_FUNCTION: Final = "cpos"
+"""The function that gives a position alone."""
 _TASK_LIST_TYPE: Final = "tasks"
 """The type of lists of tasks, which stay as they are."""
-"""The function that gives a position alone."""
 _TEXT_FUNCTION: Final = "valtostr"
 _QUOTE: Final = s.FunctionCall("ByteToStr", (s.Positional(s.NumberLiteral("34")), s.Option("Char")))
 """Quotation mark before and after a text that ValToStr writes."""
@@ -344,6 +354,7 @@ AggregateVariable = Callable[[str, s.AggregateNode], s.Expression]
 
 CallVariable = Callable[[str, s.FunctionCall], s.Expression]
 """A variable of a type with what a function gives that is called before."""
+# Each becomes a statement, so its answer is held in a variable before the statement that uses it.
 _ASKING_FUNCTIONS: Final = {
     "uinumentry": "num", "uidnumentry": "num", "uimessagebox": "num",
     "readstr": "string", "readnum": "num",
@@ -390,6 +401,8 @@ class Values(Kinds):
         """Return the flat form of an expression that is not a record; raises NotExpressible."""
         node = library_call(self, node)
         match node:
+            # The pseudo-program has angles where RAPID has a quaternion, so a part of it is
+            # computed.
             case s.Component(turn, name) if name.lower() in QUATERNION and (
                 place := self.whole_turn(turn)
             ):
@@ -403,6 +416,7 @@ class Values(Kinds):
             case s.Prefix(_, operand):
                 return replace(node, operand=self.plain(operand))
             case s.Infix(operator, left, right):
+                # Records compare part by part.
                 if operator in _CONJUNCTIONS:
                     kind = self.kind(left) or self.kind(right)
                     if kind is not None and (self.is_record(kind) or kind[0] in _COMPARED_TYPES):
@@ -424,6 +438,7 @@ class Values(Kinds):
                 self.program.remarks.append(found)
                 return known
             case s.FunctionCall(name, arguments):
+                # Arrays have a fixed extent, so the question has a constant answer.
                 size = self._size(node)
                 if size is not None:
                     return size
@@ -442,6 +457,7 @@ class Values(Kinds):
                 if kind is not None and kind[0] in WHOLE_TYPES and not kind[1]:
                     try:
                         return self._variable(value)  # type: ignore[no-any-return]
+                    # Inside a split record: the orientation is a part of its own there.
                     except NotExpressible:
                         return None
         return None
@@ -511,6 +527,8 @@ class Values(Kinds):
             return tuple(self._handed(own, arguments))
         strange = not isinstance(name, str) or name.lower() in self.program.own
         known = None if strange else signature(name)
+        # An instruction without a parameter that it changes takes values, so a record may be put
+        # together in brackets.
         reading = known is not None and not any(
             one.mode for slot in known.slots for one in slot.alternatives
         )
@@ -519,6 +537,7 @@ class Values(Kinds):
         for argument in arguments:
             type = next(types, "") if isinstance(argument, s.Positional) else ""
             match argument:
+                # Its name has to stay: the instruction mounts it, or means the list itself.
                 case s.Positional(value) | s.Option(_, value) if (
                     type == _TASK_LIST_TYPE or self._mounted(value)
                 ):
@@ -527,6 +546,7 @@ class Values(Kinds):
                     not is_written_out(value)
                 ):
                     made.append(replace(argument, value=self.built(type, value)))
+                # Moves may state a speed or zone by its parts.
                 case s.Positional(value) if type in SPEED_AND_ZONE:
                     made.append(replace(argument, value=self.given(value, type)))
                 case s.Positional(value) | s.Option(_, value) if value is not None:
@@ -615,10 +635,12 @@ class Values(Kinds):
         if base is None:
             return node
         datum = self.find(base.name)
+        # Predefined data is not in the program: its component is its constant value.
         if datum is None and path and not index:
             return predefined_component(self.layouts, base.name, path) or self._indexed(node)
         if datum is None or not datum.names or (not path and datum.value is not None):
             return self._inside(self._indexed(node))
+        # The shortest path with a name wins: the rest are components of that variable.
         for length in range(1, len(path) + 1):
             name = datum.names.get(tuple(one.lower() for one in path[:length]))
             if name is not None:
@@ -647,6 +669,8 @@ class Values(Kinds):
                 case s.Component(value, name) if not index:
                     path.append(name)
                     node = value
+                # One set of indices at most, on the outermost data; arrays inside records have no
+                # flat form.
                 case s.Element(value, indices) if not index:
                     index = tuple(i if isinstance(i, s.Whole) else self.plain(i) for i in indices)
                     node = value
@@ -657,7 +681,7 @@ class Values(Kinds):
     # ---------------------------------------------------------------------------- spread
 
     def spread(self, node: Any, kind: Kind) -> RecordValue:
-        """The parts of a record, or of an array of records; raises Unsaid."""
+        """The parts of a record, or of an array of records; raises NotExpressible."""
         type, dimensions = kind
         parts = self.layouts.parts(type)
         if parts is None:
@@ -759,6 +783,7 @@ class Values(Kinds):
                 by = grouped(self.plain(right))
                 first = in_brackets(self.spread(left, (_POS, 0)))
                 return {way: s.Infix(operator, one, by) for way, one in first.items()}
+            # A number divided by a vector is no value.
             if operator == "*":
                 by = grouped(self.plain(left))
                 second = in_brackets(self.spread(right, (_POS, 0)))

@@ -84,6 +84,7 @@ class _ChangedData:
         self._known = routines
         self._own: dict[int, frozenset[str]] = {}
         self._calls: dict[str, set[str]] = {}
+        # A trap may run between any two statements.
         traps = [one for own in routines.values() for one in own if one.kind == "TRAP"]
         self._all = {**routines, _ANY_TRAP: traps}
 
@@ -99,6 +100,7 @@ class _ChangedData:
             seen.add(key)
             if key not in self._calls:
                 self._calls[key] = {name for one in self._all[key] for name in _called_names(one)}
+            # A name that is computed may be any routine.
             if "" in self._calls[key]:
                 return None
             found = found.union(*map(self.own, self._all[key]))
@@ -125,6 +127,8 @@ class _ChangedData:
         if known is None:
             found = signature(call.name) if isinstance(call.name, str) else None
             alternatives = () if found is None else (a for q in found.slots for a in q.alternatives)
+            # Unknown routines, and those that change any of their arguments, may change all of
+            # them.
             if found is None or any(a.mode and not _is_only_read(a) for a in alternatives):
                 for argument in call.arguments:
                     match argument:
@@ -143,6 +147,7 @@ class _ChangedData:
             for group in routine.parameters:
                 at = None if group.optional else next(places, None)
                 for one in group.alternatives:
+                    # A parameter by reference that the routine changes is the caller's data.
                     if isinstance(one, s.ParameterNode) and one.mode and one.name.lower() in own:
                         given = root(options.get(one.name.lower(), at))
                         changed |= set() if given is None else {given.name.lower()}
@@ -249,15 +254,18 @@ class _UnreadCallers:
     def of(self, routine: s.Routine, one: s.ParameterNode, optional: bool) -> s.NameRef | None:
         """Return the argument for a parameter; None if the parameter counts as omitted."""
         type = self._layouts.base(one.type)
+        # A device has no neutral value, so that an optional one counts as omitted.
         if optional and type not in _INITIAL_VALUES:
             return None
         key = type, one.name.lower()
         if key not in self._given:
             name = one.name
+            # Otherwise the data keeps the parameter's name, by which callers find it.
             if name.lower() in self._declared or any(name.lower() == n for _, n in self._given):
                 name = identifier(name, self._taken)
                 self._taken.add(name)
             self._given[key] = s.NameRef(name)
+            # Signals are named in the cell file, not declared.
             if type not in SIGNAL_TYPES:
                 start = _INITIAL_VALUES.get(type)
                 storage = "VAR" if start is None else "PERS"
@@ -301,6 +309,7 @@ class _Copies:
         self.routines = {
             name: _CallPattern.of(own[0], parameters)
             for name, own in found.items()
+            # Calls are matched by name, so a second routine of the name rules both out.
             if len(own) == 1 and (parameters := self._parameters(own[0]))
         }
         if not self.routines:
@@ -345,6 +354,7 @@ class _Copies:
             for one in group.alternatives:
                 if isinstance(one, s.Placeholder):
                     return ()
+                # A routine that may run again while it runs needs each array by value anew.
                 if self._is_named(one) or (one.dimensions > 0 and not again):
                     found.append(_CopiedParameter(one, -1 if group.optional else place))
             place += not group.optional
@@ -366,11 +376,13 @@ class _Copies:
             if isinstance(item, s.Routine) and item.name.lower() not in self.routines:
                 made[id(item)] = self._called(item)
         copies: dict[str, list[s.Routine]] = {name: [] for name in self.routines}
+        # Copies call others, whose calls become known only when the copy is made.
         while self._more(copies, made):
             pass
         names = {
             copies[name][0].name.lower(): one.node.name
             for name, one in self.routines.items()
+            # With one kind of call the copy takes the place and the name of the routine.
             if len(copies[name]) == 1 and id(one.node) not in made
         }
         whole = []
@@ -401,11 +413,13 @@ class _Copies:
         """
         before = sum(map(len, copies.values())) + len(made)
         for name, one in self.routines.items():
+            # `ways` is ordered: those behind the number of copies are still to be made.
             for new, given in list(one.ways.values())[len(copies[name]) :]:
                 copies[name].append(self._called(self._copy(one, new, given)))
         if sum(map(len, copies.values())) + len(made) == before:
             if self._free(copies, made):
                 return True
+            # Originals come last: only when no call is left does it show which of them stay.
             for one in self.routines.values():
                 if self._is_idle(one):
                     continue
@@ -440,6 +454,8 @@ class _Copies:
             if not (copies[name] or one.stays or id(one.node) in made or self._is_late(one))
             and (own := tuple(filter(self._is_free, one.parameters)))
         }
+        # Routines that others here call get their arguments through those, unless all call each
+        # other.
         called = {to for name in left for to in self.calls[name] if to != name}
         for name in [name for name in left if name not in called] or list(left)[:1]:
             one = self.routines[name] = _CallPattern.of(self.routines[name].node, left[name])
@@ -505,6 +521,7 @@ class _Copies:
         """
         plain = [a for a in node.arguments if isinstance(a, s.Positional)]
         required = sum(not group.optional for group in one.node.parameters)
+        # Named or missing arguments are not understood, so the call stays.
         if len(plain) != required or any(a.name is not None for a in plain):
             return None
         options: dict[str, s.Expression] = {}
@@ -513,6 +530,7 @@ class _Copies:
                 case s.Option(name, s.Node() as value):
                     options[name.lower()] = value
                 case s.Conditional(name):
+                    # Whether it is there is known only while the program runs.
                     if any(q.key == name.lower() for q in one.parameters):
                         return None
         given: list[s.Expression | None] = []
@@ -544,15 +562,20 @@ class _Copies:
             fits = literal and is_literal(value) and not one.runs
             return fits and q.key not in one.changed
         low = found.name.lower()
+        # A local name of the caller, or one that the routine hides, means something else in the
+        # copy.
         if low in own or low in one.hidden - {each.key for each in one.parameters}:
             return False
         if q.node.dimensions:
             array = self.arrays.get(low)
+            # Elements and components of arrays have no name of their own.
             return (
                 value is found and array is not None and q.node.dimensions == len(array.dimensions)
             )
+        # Moves in columns name their settings, so a row of a table cannot stand there.
         if value is not found and (one.runs or not is_table_row(value)):
             return False
+        # By value the copy may use the data itself only if nothing changes it meanwhile.
         return bool(q.node.mode) or (low not in self.written and q.key not in one.changed)
 
     # ------------------------------------------------------------------------------- copies
@@ -568,6 +591,7 @@ class _Copies:
                     first.append(s.Assignment(held, value, span=one.node.span))
         taken = {q.key for q in one.parameters}
         groups = tuple(g for g in one.node.parameters if not _is_any_of(g, taken))
+        # Presence first: afterwards the parameter's name stands for its argument.
         known: s.Routine = rewrite(one.node, lambda node: with_presence(node, values), ())
         made: s.Routine = rewrite(known, lambda node: substituted(node, values), ())
         handlers = tuple(replace(h, body=without_dead_branches(h.body)) for h in made.handlers)
@@ -583,6 +607,7 @@ class _Copies:
             return True
         others = zip(one.parameters, given, strict=True)
         return any(
+            # Another parameter may be the same array by reference.
             other.node.mode and other.key in changed and _is_name_of(gives, low)
             for other, gives in others
         )

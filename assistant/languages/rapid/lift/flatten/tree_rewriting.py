@@ -26,6 +26,7 @@ def rewritten(value: T, said: StatementRewriting) -> T:
 
     def body(statements: _Body) -> _Body:
         made = tuple(one for node in statements for one in said(node))
+        # Identity tells callers that nothing changed, so an equal tuple is not made anew.
         same = len(made) == len(statements)
         same = same and all(a is b for a, b in zip(made, statements, strict=True))
         return statements if same else made
@@ -68,6 +69,7 @@ def with_presence(node: Any, values: Mapping[str, s.Expression | None]) -> Any:
         case s.FunctionCall(word, (s.Positional(s.NameRef(name), None),)):
             if word.lower() == "present" and name.lower() in values:
                 return s.BoolLiteral(values[name.lower()] is not None)
+        # NOT of a known presence is known too, which lets its branch be removed.
         case s.Prefix("NOT", s.BoolLiteral(value)) | s.Prefix("NOT", s.Group(s.BoolLiteral(value))):
             return s.BoolLiteral(not value)
         case s.ProcedureCall(arguments=arguments) | s.FunctionCall(arguments=arguments):
@@ -103,6 +105,7 @@ def _live_statements(node: s.StatementNode) -> Iterator[s.StatementNode]:
                 match branch.condition:
                     case s.BoolLiteral(False):
                         continue
+                    # A branch that is always taken is the last one.
                     case s.BoolLiteral(True):
                         other = without_dead_branches(branch.body)
                         break
@@ -144,6 +147,7 @@ def with_first_statements(
     """A body with statements behind its declarations."""
     if not first:
         return body
+    # Declarations have to come first in a routine.
     at = next(
         (k for k, n in enumerate(body) if not isinstance(n, s.Data | s.CommentLine)), len(body)
     )

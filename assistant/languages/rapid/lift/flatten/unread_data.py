@@ -41,6 +41,7 @@ def without_unread_data(
     """The modules without the made variables that nothing reads, and those of each."""
     left = list(modules)
     gone: set[str] = set()
+    # Removing an assignment may leave the data that it read without a reader.
     for _ in range(_MOST_ROUNDS if program.made else 0):
         dead = _dead_variables(left, program) - gone
         if not dead:
@@ -71,15 +72,19 @@ def _dead_variables(modules: Sequence[s.Module], program: ProgramData) -> set[st
         match node:
             case s.NameRef(name):
                 named[name.lower()] += 1
+            # What is assigned to a parameter by reference is read by the caller.
             case s.ParameterNode(mode, _, name) if mode:
                 live.add(name.lower())
             case s.Assignment(target, value) if (found := root(target)) is not None:
                 key = found.name.lower()
+                # An assignment that calls a routine of the program has to stay, and all that it
+                # reads with it.
                 if key in program.made and not _calls_own_routine((target, value), program):
                     for part in nodes((target, value)):
                         if isinstance(part, s.NameRef):
                             inside[part.name.lower()] += 1
                             needs.setdefault(key, set()).add(part.name.lower())
+    # Whatever is named outside of such assignments is read.
     live |= {name for name, count in named.items() if count > inside[name]}
     pending = list(live)
     while pending:
@@ -125,6 +130,7 @@ def _dropped_parameters(
             if len(values) != counts[key] or len(values) != len(node.arguments):
                 del found[key]
                 continue
+            # An argument that calls a routine has an effect and stays.
             busy = {at for at, value in enumerate(values) if _calls_own_routine(value, program)}
             found[key] = found[key] - busy
     return found

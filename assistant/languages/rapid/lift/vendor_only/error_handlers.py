@@ -44,6 +44,7 @@ def handles(handler: s.Handler | None, error: str) -> bool:
     if handler is None:
         return False
     listed = {one.name.lower() for one in handler.numbers if isinstance(one, s.NameRef)}
+    # A handler without a list is for every error.
     return not handler.numbers or error in listed or _ANY_ERROR in listed
 
 
@@ -87,6 +88,7 @@ def reduced_handler(
     body = tuple(_with_error_name(node, error) for node in body)
     body = _with_own_lines(map_spans(body, lambda _: span))
     nodes = [*walk(body)]
+    # The statements are repeated at each place, where labels would clash.
     if len(nodes) > _MOST_STATEMENTS or any(isinstance(one, p.Label | p.Goto) for one in nodes):
         return None
     return None if any(map(_asks_error, nodes)) else body
@@ -99,6 +101,8 @@ def _with_own_lines(body: Body) -> Body:
         node = map_bodies(node, _with_own_lines)
         if isinstance(node, p.Message | p.Comment) and node.span is not None:
             begin = node.span.start
+            # One position less, so that the printer does not take it for a comment at the end of a
+            # line of that span.
             node = replace(node, span=Span(begin, max(begin, node.span.end - 1)))
         made.append(node)
     return tuple(made)
@@ -173,6 +177,7 @@ def _taken_branches(
     """An `if` without the branches that are never taken, or what is always done of it."""
     kept: list[p.Branch] = []
     for branch in branches:
+        # A condition that always holds makes its branch the last one.
         if branch.condition == e.Truth(True):
             otherwise = branch.body
             break
@@ -189,6 +194,7 @@ def _taken_case(
 ) -> Iterator[p.Statement]:
     """The body that an error selects; the question itself where that is not by a name."""
     for case in cases:
+        # A case by a number cannot be compared with the name of the error.
         if not all(isinstance(value, e.Name) for value in case.values):
             yield node
             return

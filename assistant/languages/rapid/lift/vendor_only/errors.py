@@ -96,16 +96,20 @@ class _RaisedErrors:
 
     def _settle(self) -> None:
         """Finds what each procedure leaves to those that call it."""
+        # A change for one procedure concerns its callers, which are visited again until nothing
+        # changes.
         pending = dict.fromkeys(reversed(self.known))
         while pending:
             key, _ = pending.popitem()
             one = self.known[key].procedure
+            # A function cannot return without a value, and nothing calls the entry.
             if one.result is not None or key == self.entry:
                 continue
             found = frozenset(
                 after
                 for error in self.raised(key)
                 for after in self._after(key, error)
+                # An error that no caller handles stops the program where it occurs.
                 if after == _EXIT_CYCLE or key in self._taken_above(after)
             )
             if found != self.leaves[key]:
@@ -146,12 +150,15 @@ class _RaisedErrors:
                 for name in self.called[pending.pop()] & self.known.keys():
                     if name not in found:
                         found.add(name)
+                        # A handler on the way takes the error, so it goes no further down from
+                        # there.
                         if not h.handles(self.known[name].handler, error):
                             pending.append(name)
             self.above[error] = found
         return self.above[error]
 
     def number(self, error: str) -> e.Number:
+        # The end of the cycle has -1, so the other errors count from 1.
         return e.Number(self.numbers.setdefault(error, len(self.numbers)))
 
     def label(self, what: str) -> str:
@@ -171,6 +178,7 @@ _OTHER_HANDLERS: Final = {
 def _limited_wait(node: p.Statement) -> p.WaitSignal | p.WaitUntil | None:
     """A wait with a longest time."""
     if isinstance(node, p.WaitSignal | p.WaitUntil) and node.timeout is not None:
+        # The condition is asked once more when the time is over.
         return node if is_repeatable(wait_condition(node)) else None
     return None
 
@@ -215,6 +223,7 @@ class _ErrorLowering:
         for node in body:
             node = map_bodies(node, self.body)
             parts = tuple(self.statement(node))
+            # What is made for a statement belongs to its source line.
             made += (x if x.span else replace(x, span=node.span) for x in parts)
         return tuple(made)
 
@@ -230,6 +239,7 @@ class _ErrorLowering:
             if self._is_taken(name):
                 yield from self.tried((), None, name, None)
             else:
+                # Without a handler a raised error stops the program, as in RAPID.
                 with errors.findings.at(node.span):
                     errors.findings.append(rules.STOPS(name=name))
                 yield _STOP
@@ -293,6 +303,7 @@ class _ErrorLowering:
     def called(self, node: p.Call, left: list[str]) -> Iterator[p.Statement]:
         """A call, and what becomes of the errors that it leaves."""
         error = self.errors.error
+        # The end of the cycle passes through every caller; only the entry clears it.
         if left == [_EXIT_CYCLE]:
             yield node
             back: Body = (p.Return(),)
@@ -326,8 +337,10 @@ class _ErrorLowering:
                 )
                 for one in left
             )
+            # Equal treatments need no question which error it was.
             alike = all(one.body == branches[0].body for one in branches)
             cared = branches[0].body if alike else (p.If(branches),)
+        # Only labels that are jumped to are written.
         jumps = {node.label for node in walk(cared) if isinstance(node, p.Goto)}
         if again in jumps or self.tries in records(cared):
             yield p.Assign(self.tries, _ZERO)
@@ -352,8 +365,10 @@ class _ErrorLowering:
         if body is not None and error in (stopped_moves.SIGNAL_EARLY, stopped_moves.SIGNAL_MISSED):
             body = stopped_moves.without_path_recovery(body)
         if body is None:
+            # The called procedure has set the number of the error already.
             return tuple(self.leave(error))[-1:] if called else tuple(self.leave(error))
         body = tuple(map_expressions(node, self.left_to_try) for node in body)
+        # A handler that reaches its end stops the program.
         if not _always_exits(body):
             body = (*body, _STOP)
         return (*clear, *self.settled(body, error, again, behind, tail=True))
@@ -384,6 +399,7 @@ class _ErrorLowering:
                 case "RETRY", _:
                     made += self.again(again)
                 case "TRYNEXT", _:
+                    # The label follows anyway.
                     made += () if last else (p.Goto(behind),)
                 case "RESETRETRYCOUNT", _:
                     self.own[self.tries.name] = Variable("number")
@@ -398,6 +414,8 @@ class _ErrorLowering:
                         error=error,
                         again=again,
                         behind=behind,
+                        # Only branches of an IF at the end lead straight to the label; a loop body
+                        # does not.
                         tail=last and isinstance(node, p.If),
                     )
                     made.append(map_bodies(node, inner))
@@ -459,8 +477,10 @@ def _with_error_tests(errors: _RaisedErrors) -> Program:
     program = replace(errors.program, procedures=procedures, signals=signals)
     program = with_interrupt_errors(program, errors.error)
     procedures = program.procedures
+    # No error is handed on, so no number is needed.
     if not any(record == errors.error for record in records(procedures)):
         return program
+    # A run may follow one that stopped with an error.
     first: Body = (p.Assign(errors.error, _ZERO),)
     procedures = tuple(
         replace(q, body=first + q.body) if q.name.lower() == errors.entry else q for q in procedures

@@ -82,6 +82,7 @@ _InstructionLowering = Callable[[VendorLowering, Called[s.Expression], p.Opaque]
 def lowered_instruction(telling: VendorLowering, node: p.Opaque) -> Sequence[p.Statement]:
     """Lower an instruction for another language: the statement itself if it has no equivalent."""
     call = instruction_of(node)
+    # Calls by a text are choices, with nothing to look up in the tables.
     if call is None or word_of(call) == "callbyvar":
         said = [*choice_of_calls(node, telling.program, telling.meaning)]
         return [replace(one, span=node.span) for one in said] or (node,)
@@ -90,14 +91,17 @@ def lowered_instruction(telling: VendorLowering, node: p.Opaque) -> Sequence[p.S
         for one in call.arguments
         if isinstance(one, s.Option) and one.name.lower() in OMITTED_OPTIONS.get(word_of(call), {})
     }
+    # With displaced external axes the option has an effect.
     if telling.displaced:
         losses.pop("noeoffs", None)
     plain = without_options(call, losses)
     known, tell = called(plain), _LOWERINGS.get(word_of(call))
     with telling.findings.at(node.span):
+        # A plain statement may be all that is left without the lost options.
         said = [*lifted_call(plain, node, telling.meaning)] if losses else []
         if not said and tell is not None and known is not None:
             said = [replace(one, span=node.span) for one in tell(telling, known, node)]
+        # Losses are reported only if the statement is translated.
         for option, (loss, cure) in losses.items() if said else ():
             if loss:
                 telling.lost(f"\\{_option_name(call, option)}", loss, cure)
@@ -127,11 +131,13 @@ def _move_with_stated_motion(
     motion = move.motion
     if speed is not None:
         known = declared_value(motion.speed, telling.program.speeds)
+        # The other parts of a computed speed are not known.
         if not isinstance(known, Speed) or speed <= 0:
             return
         motion = replace(motion, speed=replace(known, tcp=speed))
     if size is not None:
         blend = declared_value(motion.blend, telling.program.blends)
+        # A stop point has no size to replace.
         if not isinstance(blend, Blend) or blend.fine or size <= 0:
             return
         motion = replace(motion, blend=Blend(size))
@@ -179,6 +185,7 @@ def _move_then(
     telling: VendorLowering, call: Called[s.Expression], node: p.Opaque, then: p.Statement | None
 ) -> _Replacement:
     """A plain move, and what is done at its end."""
+    # The first five letters are the plain move.
     move = lift_call(replace(call, word=_PLAIN_MOVES[call.word.lower()[:5]]), telling.meaning)
     if then is None or not isinstance(move, p.MoveStatement):
         return
@@ -286,6 +293,7 @@ def _synchronised_moves(
     independently.
     """
     given = call.given
+    # SyncMoveOff names no list of tasks: only one can be meant.
     if len(given) == 1 and len(lists := synchronised_lists(telling.program)) == 1:
         given = (*given, s.NameRef(*lists))
     said = [*_meet_tasks(telling, replace(call, given=given), node)]

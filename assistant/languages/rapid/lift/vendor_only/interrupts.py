@@ -115,6 +115,7 @@ def _interrupt_instruction(node: p.Statement) -> tuple[str, str, Call | s.Connec
     word = found.word.lower()
     if word in _GLOBAL_INSTRUCTIONS and not found.given:
         return word, "", found
+    # The interrupt is the last argument of each.
     if (word in _SINGLE_INSTRUCTIONS or word in _ORDERS) and found.given:
         last = found.given[-1]
         name = None if last is None else _interrupt_name(last)
@@ -164,11 +165,14 @@ class _InterruptLowering:
                 case word, name, Called() as call if word in _ORDERS:
                     assert isinstance(node, p.Opaque)
                     orders = self.orders.setdefault(name.lower(), {})
+                    # Equal orders in several places are one interrupt.
                     orders.setdefault(node.text.lower(), (name, call))
 
     def _make(self, key: str, orders: list[tuple[str, Call]]) -> None:
         """The interrupts that one variable stands for, one for each way in which it is ordered."""
         traps = list(self.traps.get(key, ()))
+        # A variable that is connected to several routines would need to know which one is
+        # connected.
         if len(traps) != 1 or not self._can_answer(traps[0]):
             self.kept.add(key)
             return
@@ -225,6 +229,7 @@ class _InterruptLowering:
                 return None
         self.meaning.used.append((signal, _SIGNAL_ORDERS[call.word.lower()]))
         watch = self.changing(e.Name(signal), f"{name}_seen")
+        # Any change counts.
         if level == _EDGE_LEVEL:
             return watch
         (note,) = watch.noted
@@ -255,6 +260,7 @@ class _InterruptLowering:
         self.taken.add(clock)
         start: Body = (p.StartTimer(clock),)
         begin = start
+        # The time is fixed when the timer is ordered, so a computed one is stored.
         if not isinstance(seconds, e.Number):
             after = self.variable(f"{name}_seconds")
             begin = (p.Assign(after, seconds), *start)
@@ -266,6 +272,7 @@ class _InterruptLowering:
     def said(self) -> Program:
         program = with_vendor_statements_replaced(self.program, self.statement)
         procedures = [*program.procedures, *self.procedures]
+        # The variable of an interrupt goes, unless something else reads it.
         left = {name.lower() for name in names_in(tuple(procedures))}
         told = {
             name: one
@@ -302,6 +309,7 @@ class _InterruptLowering:
             at = list(self.orders[key]).index(node.text.lower())
             said += self._on(made[at])
         elif word == "iwatch":
+            # IWatch does not say which of several orders goes on.
             if len(made) != 1:
                 return (node,)
             said += self._on(made[0])
@@ -321,6 +329,7 @@ class _InterruptLowering:
             self.taken.add(name)
             inner: Body = (p.Call(made.trap),)
             if made.single:
+                # Switched off first: the trap routine may order it again.
                 inner = (p.SwitchInterrupt(made.name, "off"), *inner)
             counts = made.watch.counts
             then = inner if counts is None else (p.If((p.Branch(counts, inner),)),)
@@ -381,6 +390,7 @@ def with_interrupt_errors(program: Program, error: e.Name) -> Program:
     if not used:
         return program
     before = e.Name(f"{error.name}_before")
+    # The interrupt may come between an error and its handler.
     first: Body = (p.Assign(before, error), p.Assign(error, e.Number(0)))
     last: Body = (p.Assign(error, before),)
     procedures = (

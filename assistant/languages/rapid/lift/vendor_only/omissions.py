@@ -261,6 +261,7 @@ def _without_names(table: Mapping[str, T], names: Set[str]) -> dict[str, T]:
 
 def _is_out_of_reach(tool: Tool) -> bool:
     """True if the tip of a tool is at an impossible distance, as after a failed calibration."""
+    # Written as a negation, so that NaN counts as out of reach.
     return not all(abs(value) < _FARTHEST_TIP for value in tool.tip.position)
 
 
@@ -269,6 +270,7 @@ def _has_too_many_axes(value: Target | JointTarget | e.Expression | None) -> boo
         case e.TargetValue(target) | e.JointValue(target):
             return _has_too_many_axes(target)
         case Target() | JointTarget():
+            # An axis without a position is NaN, which differs from itself.
             return any(place == place for place in value.external[_MOST_EXTERNAL_AXES:])
     return False
 
@@ -320,4 +322,5 @@ def _names_in_record(value: Any) -> Iterator[str]:
 def _is_used(said: Counter[str], item: s.Data, declaration: Declaration | p.Opaque) -> bool:
     """True if anything but its declaration names some data."""
     low = item.name.lower()
+    # The declaration itself is one of the mentions, if its text counts among those.
     return said[low] > (low in effect_of(declaration).names)

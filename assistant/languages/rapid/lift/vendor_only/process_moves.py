@@ -56,6 +56,7 @@ def spot_programs(program: Program) -> Mapping[str, float]:
     named: Counter[str] = Counter()
     for one in others:
         named.update(effect_of(one).names | effect_of(one).writes)
+    # The declaration itself is one mention.
     steady = ((name, number) for name, number in found.items() if named[name] <= 1)
     return {name: number for name, number in steady if number is not None}
 
@@ -69,6 +70,7 @@ def bead_numbers(program: Program) -> Mapping[str, int]:
 def _declared_data(program: Program, type: str) -> Iterator[tuple[str, s.Data]]:
     """Declared data of a type, by lower-case name."""
     for declaration in program.declarations:
+        # Looking for the word first spares the parse of most texts.
         if type in declaration.text.lower():
             match verbatim.understood(verbatim.items, declaration.text):
                 case (s.Data(name=str(name), dimensions=()) as data,) if data.type.lower() == type:
@@ -97,6 +99,7 @@ def _plain_move(
     more: options for its process.
     """
     between = known.points + 1
+    # Spot welds state no zone: they always stop.
     zone = known.kind != "spot"
     if len(call.given) != between + known.given + zone + 1:
         return None
@@ -118,6 +121,7 @@ def weld_move(
     if len(call.given) != speed + 5:
         return
     weld = call.given[speed + 2]
+    # ArcLStart moves at the speed of the move, the others at that of the weld.
     if known.part != "start" and isinstance(weld, s.AggregateNode) and weld.items:
         given = [*call.given]
         given[speed] = s.AggregateNode((weld.items[0], *_DEFAULT_RATES))
@@ -133,6 +137,7 @@ def weld_move(
     if known.part == "middle":
         yield move
     else:
+        # The arc is lit and put out where the arm stands.
         yield stopped(move)
         yield p.SetSignal(table.ARC_OUTPUT, e.Number(int(known.part == "start")))
 
@@ -152,6 +157,7 @@ def spot_move(
     meaning.used += vendor_effects.process_signals(call)
     yield stopped(move)
     for gun, number in zip(guns, numbers, strict=True):
+        # The number has to be there when the gun starts.
         yield p.SetSignal(gun.name + table.PROGRAM_SUFFIX, number)
     wide = vendor_effects.retracting(call)
     starts = tuple(gun.name + table.START_SUFFIX for gun in guns)
@@ -192,6 +198,7 @@ def bead_move(
     if "off" in call.options:
         yield p.SetSignal(table.DISPENSE_OUTPUT, e.Number(0))
     else:
+        # The number has to be there when the gun opens.
         yield p.SetSignal(table.BEAD_OUTPUT, e.Number(number))
     if "on" in call.options:
         yield p.SetSignal(table.DISPENSE_OUTPUT, e.Number(1))

@@ -40,6 +40,7 @@ def switched_outputs(program: Program) -> frozenset[str]:
     for record in records((program.procedures, program.declarations)):
         match record:
             case p.SetSignal(name, value, pulse) | p.Trigger(name, value, pulse=pulse):
+                # A pulse ends by itself, so the output is off again for the next one.
                 if pulse is None and value not in OFF_VALUES:
                     found.add(name.lower())
             case p.Opaque() as kept if not kept.text.lower().startswith("pulsedo"):
@@ -107,6 +108,7 @@ def _digital_output(call: Called[s.Expression], meaning: NameResolver) -> str | 
     """The name of the output that a call is about, which is digital then."""
     match call.given:
         case (s.NameRef() as node, *_):
+            # Reading it as SetDO notes the kind of the signal, and refuses what is no signal.
             said = lift_call(Called("SetDO", (node, s.NumberLiteral("1"))), meaning)
             return said.signal if isinstance(said, p.SetSignal) else None
     return None
@@ -139,6 +141,7 @@ def with_aliases(program: Program) -> Program:
     names = {
         alias: source
         for alias, source in meant.items()
+        # A name that is given twice may mean another signal in each place.
         if given[alias] == 1
         and alias in declared
         and alias not in inside
@@ -176,6 +179,7 @@ def _declared_signals(kept: Declaration | p.Opaque) -> list[tuple[str, Signal]]:
 def _is_named_in_text(program: Program, alias: str) -> bool:
     """True if a vendor statement or declaration that remains names the alias."""
     word = re.compile(rf"\b{re.escape(alias)}\b", re.IGNORECASE)
+    # Text cannot be renamed, so any mention in it keeps the alias.
     for record in records((program.procedures, program.declarations)):
         if isinstance(record, p.Opaque | e.Verbatim | Declaration) and word.search(record.text):
             of_alias = isinstance(record, p.Opaque) and _alias_of(record) is not None
@@ -209,6 +213,7 @@ def _with_signal_names(
     signals = {n: x for n, x in program.signals.items() if n.lower() not in names}
     there = {n.lower() for n in signals}
     for alias, source in names.items():
+        # Two aliases may mean one signal.
         if source.lower() not in there:
             there.add(source.lower())
             signals[source] = declared[alias]

@@ -63,6 +63,7 @@ def with_speed_limit(program: Program) -> tuple[Program, str]:
     if not given:
         return program, ""
     numbers = [e.plain_number(NameResolver().known(most) or most) for _, most in given]
+    # A computed limit may be any; a fixed one that no move reaches needs no variable.
     if None not in numbers and _is_within_limit(program, min(n for n in numbers if n is not None)):
         return program, ""
     taken = TakenNames(declared(program))
@@ -106,6 +107,8 @@ def _vel_set_values(node: p.Opaque) -> tuple[e.Expression, e.Expression] | None:
 def _speed_before_override(share: e.Expression, most: e.Expression) -> e.Expression:
     """The speed that a move may state, which is then slowed down to a share."""
     part, cap = e.plain_number(share), e.plain_number(most)
+    # The override slows a move after its stated speed was cut, so the limit counts before the
+    # override.
     if part == 100:
         return most
     if part and cap is not None:
@@ -119,6 +122,7 @@ def _is_within_limit(program: Program, limit: float) -> bool:
     paths = [one.path for one in program.statements() if isinstance(one, p.Follow)]
     stated = [*(one.speed for one in motions), *(x for path in paths for x in path.speeds)]
     known = [declared_value(one, program.speeds) for one in stated]
+    # A move that stays as text may state any speed.
     kept = any(isinstance(one, p.Opaque) and _is_path_or_move(one) for one in program.statements())
     return not kept and all(isinstance(one, Speed) and one.tcp <= limit for one in known)
 
@@ -135,6 +139,7 @@ def with_limited_speeds(program: Program, name: str) -> Program:
     possible = PossibleValues(program)
     procedures = [_SpeedLimiter(program, possible, name, q).done() for q in program.procedures]
     program = replace(program, procedures=tuple(procedures))
+    # A limit that no speed needs goes again, with its assignments.
     if any(one == e.Name(name) for one in _read_names(program, name)):
         return program
     kept = {key: one for key, one in program.variables.items() if key != name}
@@ -201,11 +206,13 @@ class _SpeedLimiter:
         if isinstance(known, ComputedSpeed):
             stated = known.tcp if known.tcp is not None else e.Name(self.name)
             return replace(known, tcp=_minimum(stated, e.Name(self.name)))
+        # No possible limit is lower, so the speed stays as it is.
         if limits and all(one >= known.tcp for one in limits):
             return speed
         if limits is not None and len(limits) == 1:
             return replace(known, tcp=min(known.tcp, *limits))
         tcp: e.Expression = e.Name(self.name)
+        # An unlimited speed has no number to compare with the limit.
         if known.tcp != float("inf"):
             tcp = _minimum(e.number_of(known.tcp), tcp)
         return ComputedSpeed(
@@ -311,6 +318,7 @@ def _is_end_known(node: p.Statement, meaning: NameResolver, program: Program) ->
         case p.Move(motion=motion) | p.MoveCircular(motion=motion):
             return _is_stop_point(motion, program)
         case p.Follow(path):
+            # Only where a path ends matters for the move after it.
             last = path.blends[path.blend[-1]]
             known = declared_value(last, program.blends)
             return isinstance(known, Blend) and known.fine
@@ -370,10 +378,12 @@ class _TimedMoveLowering:
         if self.stands:
             yield map_bodies(node, self.body)
             return
+        # The arm stops anywhere on its path, so where it stands is not known.
         if isinstance(node, p.Opaque) and node.text.lower().startswith(_CLEAR_PATH):
             yield p.Assign(self.known, e.Truth(False))
         yield map_bodies(node, self.body)
         match node:
+            # In a corner the arm does not reach the target, but leads on from it.
             case p.MoveJoints(target) if not _is_stop_point(node.motion, self.program):
                 yield p.Assign(self.begin, target)
                 yield p.Assign(self.known, e.Truth(True))
@@ -391,6 +401,8 @@ class _TimedMoveLowering:
             yield here
         else:
             asked = e.Unary("not", self.known)
+            # In a corner the arm is still under way, so the joints that the move before leads to
+            # count.
             yield p.If((p.Branch(asked, (here, p.Assign(self.known, e.Truth(True)))),))
         yield p.Assign(self.end, move.target)
         way = e.Apply(self.function, (self.begin, self.end))
@@ -401,6 +413,7 @@ class _TimedMoveLowering:
             else e.Apply("max", (timed.seconds, e.number_of(_SHORTEST_TIME)))
         )
         share = e.Binary("/", e.Binary("*", e.Number(100), way), seconds)
+        # Controllers take whole percents from 1 to 100.
         least = e.Apply("max", (e.Number(1), share))
         yield p.Assign(self.percent, e.Apply("min", (e.Number(100), least)))
         speed = ComputedSpeed(None, joint=self.percent)

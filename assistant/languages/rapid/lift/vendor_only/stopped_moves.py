@@ -55,6 +55,7 @@ _IS_FOUND: Final = e.Binary("=", e.Apply("broken_off"), e.Number(1))
 
 def is_search(node: p.Statement) -> bool:
     """True if a statement is a search in vendor text."""
+    # Looking at the first letters spares the parse of most texts.
     if not isinstance(node, p.Opaque) or node.text[:6].lower() != "search":
         return False
     call = instruction_of(node)
@@ -96,6 +97,7 @@ class Search:
         match self.flank:
             case "":
                 act: Body = (self.until(True), missed)
+                # RAPID raises an error if the signal is active before the search begins.
                 yield p.If((p.Branch(self.active(True), fails(SIGNAL_EARLY)),), act)
                 return
             case "highlevel" | "lowlevel" as level:
@@ -105,6 +107,8 @@ class Search:
                 yield p.Assign(before, self.value)
                 yield replace(self.move, until=e.Binary("<>", self.value, before))
             case flank:
+                # A flank needs the other level first; if that holds, the first move ends where it
+                # begins.
                 yield self.until(flank == "negflank")
                 yield p.If((p.Branch(_IS_FOUND, (self.until(flank == "posflank"),)),))
         yield missed
@@ -127,6 +131,7 @@ def search_of(node: p.Statement, program: Program, meaning: NameResolver) -> Sea
     if found is None or found.word.lower() not in _SEARCH_MOVES or len(given) < len(found.given):
         return None
     options = dict(found.options)
+    # A stop option is a mere switch.
     stops = [options.pop(one, None) is None for one in _STOP_OPTIONS if one in options]
     flanks = [one for one in _FLANK_OPTIONS if one in options]
     for one in flanks:
@@ -135,6 +140,7 @@ def search_of(node: p.Statement, program: Program, meaning: NameResolver) -> Sea
         case (s.NameRef(name) as asked, place, *targets, speed, tool) if (
             len(stops) == 1 and len(flanks) <= 1 and targets
         ):
+            # The search stops at its end, and `_FINE` states that for the plain move.
             ends: list[s.Expression] = [*targets, speed, _FINE, tool]
             way: Called[s.Expression] = Called(_SEARCH_MOVES[found.word.lower()], ends, options)
             move, kept = lift_call(way, meaning), meaning.expression(place)
@@ -153,6 +159,7 @@ def _activity_of(
     """Return a function for the condition that a signal or persistent bool is active, or that it is
     not.
     """
+    # A persistent bool; anything else is a signal of the configuration.
     if any(name.lower() == one.lower() for one in program.variables):
         return lambda active: value if active else e.Unary("not", value)
     meaning.used.append((name, Signal("digital", "input")))
@@ -178,6 +185,7 @@ def with_held_moves(program: Program, findings: Findings) -> Program:
                 with findings.at(node.span):
                     findings.append(rules.LEFT_OUT(what="StopMove", loss=loss, cure=cure))
             else:
+                # What follows a loop need not run after its body, which may run again first.
                 inside = () if isinstance(node, p.While | p.For) else behind
                 made.append(map_bodies(node, partial(body, after=inside)))
         return tuple(made)
@@ -241,6 +249,7 @@ def _is_released(behind: Body) -> bool:
         if _instruction_word(node) == _START_MOVE:
             return True
         if any(map(_continues_unmoved, walk((node,)))):
+            # The arm would move, or control would leave these statements, while moves are held.
             return False
     return False
 

@@ -39,6 +39,7 @@ def flagged_wait(
         return
     over = meaning.expression(flag)
     if isinstance(over, e.Name | e.Index) and _is_free_of_effects(wait_condition(wait), program):
+        # The flag is assigned in the loop, so the condition must not ask for it.
         if over not in records(wait_condition(wait)):
             yield from wait_until_over(wait, over)
 
@@ -54,6 +55,7 @@ def _is_free_of_effects(asked: e.Expression, program: Program) -> bool:
     known = {q.name.lower(): q for q in program.procedures}
     parts = [*records(asked)]
     pending = [x.function.lower() for x in parts if isinstance(x, e.Apply)]
+    # Text of RAPID may do anything, and what takes data from a channel takes it once.
     if any(isinstance(x, e.Verbatim) for x in parts) or set(pending) & set(e.TAKING):
         return False
     seen = set[str]()
@@ -133,6 +135,7 @@ def task_lists(program: Program) -> Mapping[str, e.Expression]:
                             map(_is_task_row, rows)
                         ):
                             counts.setdefault(name.lower(), set()).add(sum(map(_names_task, rows)))
+    # A list with different numbers of tasks has no fixed count.
     known = {name: e.Number(*found) for name, found in counts.items() if len(found) == 1}
     return {**{name: one for name, one in stated.items() if name not in counts}, **known}
 
@@ -200,6 +203,8 @@ def task_sync(
                 yield p.Opaque(
                     verbatim.LANGUAGE, text, effect=verbatim.effect_of_text(text, "statement")
                 )
+            # Computed before this program arrives: the next multiple of the count is the meeting at
+            # hand.
             met = e.Apply("trunc", (e.Binary("/", here, count),))
             yield p.Assign(due, e.Binary("*", e.Binary("+", met, _ONE), count))
             yield p.Assign(here, e.Binary("+", here, _ONE))
