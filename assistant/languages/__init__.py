@@ -58,6 +58,7 @@ def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:
     """
     suffix = FilePath(path).suffix.lower()
     spoken = [get(name) for name in names()]
+    # A binary mark identifies the language even if the suffix is another's.
     foreign = [one for one in spoken if one.begins and data.startswith(one.begins)]
     told = [one for one in foreign or spoken if suffix in one.suffixes]
     if not told and (foreign or (suffix in UNTOLD and b"\0" not in data)):

@@ -56,8 +56,11 @@ class _Targets:
         self.known: dict[str, str] = {}
 
     def __call__(self, node: p.Statement) -> Taken:
+        # Written out poses are worked out here, so that only values of the running program need
+        # variables.
         node = map_head(node, _folded)
         made = Taken(node)
+        # Places are counted anew for each statement, so that statements share their variables.
         used = 0
         elsewhere = _read_elsewhere(node)
         along = _along(node)
@@ -90,6 +93,7 @@ class _Targets:
             return value
 
         match node:
+            # The assignment is the very form that poses are put in.
             case p.Assign(e.Name() | e.Index(), e.PoseValue()):
                 return made
             case p.Assign(place, value) if (parts := _parts(value)) is not None:
@@ -97,9 +101,11 @@ class _Targets:
                 plain = not elsewhere and not _inner(value)
                 fits = isinstance(place, e.Name) or place == base
                 own = base == place and not added
+                # The target itself can hold the parts, without a variable in between.
                 if plain and fits and _in_order(place, components, keeps=own):
                     made.after += _put_together(place, *parts)
                     if made.after:
+                        # The first of several takes the place of the statement itself.
                         made.statement = made.after.pop(0)
                         return made
             case p.Assign(e.Member(place, field), value) if field.lower() == WHOLE:
@@ -109,6 +115,8 @@ class _Targets:
                     made.statement = made.after.pop(0)
                     return made
                 if axes is not None:
+                    # A part needs the old value of an earlier one, so the new value is put together
+                    # in a copy.
                     copy = self.place("at", 1)
                     made.before += (p.Assign(copy, place), *_assigned(copy, axes))
                     made.statement = replace(node, target=place, value=copy)
@@ -116,6 +124,8 @@ class _Targets:
         if along is None:
             made.statement = map_head(node, visit)
             return made
+        # Both parts are visited as one value, and the move is put together again with what was made
+        # of them.
         move = map_head(replace(along[0], target=e.Aggregate(along[1:])), visit)
         place, distance = move.target.items
         still = e.Number(0)
@@ -150,6 +160,7 @@ def _read_elsewhere(node: p.Statement) -> set[e.Expression]:
     if isinstance(node, p.MoveStatement):
         own = node.motion.tool.lower(), node.motion.frame.lower()
         return {r for r in found if (r.tool.lower(), r.frame.lower()) != own}
+    # A single reading can be done in the tool and frame that it states; several may differ.
     return set(found) if len(found) > 1 else set()
 
 
@@ -179,9 +190,11 @@ def _shift(value: e.Expression) -> tuple[e.Expression, tuple[_Moved, ...]] | Non
     computed = {a: v for a, v in zip(AXES, (x, y, z), strict=True) if e.plain_number(v) is None}
     given = (*turns, *(e.Number(0),) * 3)[:3]
     angles = [e.plain_number(v) for v in given]
+    # Turns of unknown angles do not commute, so each becomes a shift of its own.
     if None in angles:
         return base, tuple(_one_by_one((x, y, z), computed, given))
     known = [n or 0.0 for n in angles]
+    # A shift with a turn about one axis has a form of its own.
     if not computed and sum(a != 0.0 for a in known) <= 1:
         return None
     turn = rotations.from_euler(np.array(known), "XYZ")
@@ -228,6 +241,8 @@ def _parts(value: e.Expression) -> _Parts | None:
                 return None
             known = [n for n in numbers if n is not None]
             beyond = [n for n in outside if n is not None]
+            # Orientation and configuration have to be known, and a zero quaternion is no
+            # orientation.
             if len(known) != 8 or len(beyond) != 6 or not any(known[:4]):
                 return None
             whole = target([*(e.plain_number(v) or 0.0 for v in place), *known, *beyond])
@@ -249,6 +264,8 @@ def _in_order(place: e.Expression, parts: Mapping[str, e.Expression], keeps: boo
     if not keeps:
         return not any(r == place for r in records(tuple(parts.values())))
     gone: set[e.Expression] = set()
+    # Components are set one after the other: each may read its own old value, but none that was set
+    # before.
     for name, value in parts.items():
         own = {r for r in records(value) if isinstance(r, e.Member) and r.value == place}
         others = map_expressions(value, lambda x: e.Number(0) if x in own else x)  # noqa: B023
@@ -277,6 +294,7 @@ def _sum(component: e.Expression, value: e.Expression) -> e.Expression:
     match value:
         case e.Unary("-", operand):
             return e.Binary("-", component, operand)
+        # `x - 5` in place of `x + -5`, which not every language can write.
         case e.Number(number) if number < 0:
             return e.Binary("-", component, e.Number(-number))
     return e.Binary("+", component, value)

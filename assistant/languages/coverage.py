@@ -106,6 +106,7 @@ def _name(language: Language[Any], statement: p.Statement, text: str) -> str:
     if isinstance(statement, p.Opaque):
         return _kept(language, statement.text)
     span = statement.span
+    # A step number may stand before the first word.
     word = _WORD.match(text, span.start, span.end) if span is not None else None
     return word[1] if word else type(statement).__name__
 

@@ -66,6 +66,7 @@ class Grammar:
         found: dict[str, tuple[str, ...]] = {}
         for name, terminal in self.terminals.items():
             pattern = terminal.pattern.removesuffix(r"\b")
+            # Several spellings of one word are a group in the grammar.
             if pattern.startswith("(?:"):
                 pattern = pattern[3:-1]
             if _WORDS.fullmatch(pattern):
@@ -89,8 +90,10 @@ def load(name: str, starts: tuple[str, ...]) -> Grammar:
     text = read_grammar(name)
     place = kept_place(name, ".lalr")
     if place is not None:
+        # A damaged or foreign file is the same as none: the tables are worked out again.
         with suppress(OSError, ValueError, TypeError, LookupError):
             kept = json.loads(place.read_bytes())
+            # The whole grammar is the key, so that no change of it can go unnoticed.
             if kept["of"] == [_CACHE_FORMAT, text, *starts]:
                 return _unpacked(kept)
     packed = _packed(_treeless(text, starts), starts)
@@ -124,12 +127,14 @@ def acceptor(name: str, starts: tuple[str, ...]) -> Lark:
     from lark.lexer import TerminalDef
 
     text = read_grammar(name)
+    # What lark stores depends on its version.
     of = [_CACHE_FORMAT, package.__version__, text, *starts]
     place = kept_place(name, ".lark")
     if place is not None:
         with suppress(OSError, EOFError, ValueError, TypeError, LookupError, AttributeError):
             kept = marshal.loads(place.read_bytes())  # noqa: S302  # beside bytecode, which it is
             if kept["of"] == of:
+                # A class cannot be stored, so it is put back here.
                 kept["data"]["options"]["tree_class"] = _no_tree
                 return package.Lark.load(kept)
     made = _treeless(text, starts)
@@ -164,6 +169,8 @@ def _no_tree(*_: Any) -> _Nothing:
 
 def _keep(place: Path, data: bytes) -> None:
     """Writes a file as a whole or not at all; where it cannot be written, nothing is kept."""
+    # Written beside and renamed: another process never sees half a file. The process number keeps
+    # two writers apart.
     written = place.with_suffix(f".{os.getpid()}")
     with suppress(OSError):
         written.write_bytes(data)
@@ -179,6 +186,7 @@ def _packed(grammar: Lark, starts: tuple[str, ...]) -> dict[str, Any]:
     from lark.lexer import PatternStr
 
     confs = {s: grammar.parse_interactive("", start=s).parser_state.parse_conf for s in starts}
+    # All start rules share one table of states.
     states = confs[starts[0]].states
     symbols: dict[str, int] = {END: 0}
     rules: dict[Any, int] = {}
@@ -191,11 +199,13 @@ def _packed(grammar: Lark, starts: tuple[str, ...]) -> dict[str, Any]:
             else:
                 target = len(states) + rules.setdefault(target, len(rules))
             rows[int(state)] += (symbols.setdefault(str(symbol), len(symbols)), target)
+    # lark ends at a state; here END leads to itself, so that the driver needs no special case.
     for conf in confs.values():
         last = int(conf.end_state)
         rows[last] += (symbols[END], last)
     tried = sorted(
         grammar.terminals,
+        # The order in which lark's own lexer tries terminals.
         key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name),
     )
     return {
@@ -244,6 +254,8 @@ def terminals_pattern(
     """
     known = {name: grammar.terminals[name].regexp for name in grammar.order}
     first = {name: known[name] for name in frequent}
+    # A name that is in several tables keeps its first place and gets its last pattern, which is the
+    # same.
     rows = {**first, **(before or {}), **known, **(behind or {})}
     listed = (f"(?P<{name}>{regexp})" for name, regexp in rows.items() if name not in without)
     return re.compile("|".join(listed), re.MULTILINE)
@@ -271,6 +283,7 @@ class WordScanner:
         ignored, noted = self.ignored, self.noted
         for match in self.scanner.finditer(text):
             type = match.lastgroup or ""
+            # A note is a word only where the grammar has room for one.
             if type in ignored or (type in noted and type not in rows[states[-1]]):
                 continue
             yield type, match[0], match.start(), match.end()
@@ -284,6 +297,7 @@ class WordScanner:
             at = match.end()
             if type in self.ignored or (type in self.noted and type not in row):
                 continue
+            # As in a contextual lexer: among the terminals that fit, another may match here.
             if type not in row and (fits := self._only(row).match(text, match.start())):
                 match, type, at = fits, fits.lastgroup or "", fits.end()
             yield type, match[0], match.start(), at
@@ -294,6 +308,8 @@ class WordScanner:
         wanted = frozenset(terminals)
         if wanted not in self.made:
             others = frozenset(self.grammar.order) - wanted
+            # `(?!)` never matches; without it the pattern of no terminals would match the empty
+            # text.
             self.made[wanted] = terminals_pattern(
                 self.grammar, without=others, behind={"NOTHING": r"(?!)"}
             )

@@ -53,6 +53,7 @@ class Stack:
 
     def kept(self) -> Kept:
         """Return the state that `go_back` needs to return to this position."""
+        # Lists grow in place, so their length is all that has to be remembered.
         values = tuple((v, len(v) if isinstance(v, list) else 0) for v in self.values)
         return Kept(tuple(self.states), values, tuple(self.begins), tuple(self.ends))
 
@@ -99,6 +100,7 @@ class Tables:
         nodes: as of `Reduction.reduce`. most: values that may wait on the stack. careful: leaves
         the stack as it is before a word that does not fit; else rules are done that it completes.
         """
+        # Local names: this loop runs once for each word of a program.
         states, values, begins, ends = stack.states, stack.values, stack.begins, stack.ends
         settle = self.settle
         word = None
@@ -137,7 +139,9 @@ class Tables:
         """
         rows = self.rows
         action = rows[states[-1]].get(terminal)
+        # Faster than `isinstance`, and no subclass exists.
         while action.__class__ is Reduction:
+            # A chain of rules that hand one value on is one step.
             if action.passes:
                 states[-1], action = self.passing[states[-2], states[-1], terminal]
                 continue
@@ -155,6 +159,7 @@ class Tables:
             if isinstance(action, int):
                 states.append(action)
                 return True
+            # A slice of the last 0 states would delete them all.
             if action.size:
                 del states[-action.size :]
             states.append(self.rows[states[-1]][action.origin])
@@ -232,6 +237,8 @@ class Reduction:
         for row, symbol in enumerate(rule.expansion):
             nones += gaps[row]
             if not (symbol.is_term and getattr(symbol, "filter_out", False)):
+                # Rules whose names begin with `_` have no node: their children belong to the rule
+                # around them.
                 spread = not symbol.is_term and symbol.name.startswith("_")
                 children.append((row, spread, nones))
                 nones = 0
@@ -271,6 +278,7 @@ class Reduction:
         nodes: has a method `(span, children)` for each rule that is a node.
         """
         size = self.size
+        # A value without text has no place; the span is that of the first and last value with one.
         begin = end = NOWHERE
         taken: list[Any] = []
         if size:

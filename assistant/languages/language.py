@@ -94,6 +94,7 @@ def budgeted(methods: dict[str, Any]) -> dict[str, Callable[..., Any]]:
     return {
         name: _with_budget(methods[name], stage, measure)
         for name, (stage, measure) in _BUDGETED.items()
+        # An abstract method has no work to bound; its implementations are wrapped themselves.
         if name in methods and not getattr(methods[name], "__isabstractmethod__", False)
     }
 
@@ -159,6 +160,7 @@ class Language(abc.ABC, Generic[T]):
     def __init_subclass__(cls) -> None:
         """Run each method that takes time or memory within a budget, in every language."""
         super().__init_subclass__()
+        # Each class wraps only what it defines itself, so an inherited stage is not wrapped twice.
         for name, method in budgeted({**vars(cls)}).items():
             setattr(cls, name, method)
 
@@ -197,6 +199,7 @@ class Language(abc.ABC, Generic[T]):
 
     def with_sampling(self, sampling: Sampling) -> Self:
         """Return the language with proofs that parse samples of a long text with lark, or all."""
+        # Languages are shared by name, so a setting goes into a copy.
         made = copy(self)
         made.sampling = sampling
         return made
@@ -452,15 +455,20 @@ class Language(abc.ABC, Generic[T]):
         their layout.
         """
         origin = program.origin
+        # Only a program of one tree has a text to merge changes into.
         if origin is None or origin.language != self.name or len(origin.trees) != 1:
             return self._built(program, robot)
         (tree,) = origin.trees
+        # Another robot reads the same text as other targets, so the comparison needs its own
+        # lifting.
         known = robot is origin.robot
         lifted = origin.lifted if known else self.lift_trees((tree,), robot)
+        # Nothing changed: the tree, with its layout, is the answer.
         if program == lifted:
             unchanged: T = tree
             return unchanged
         lifted = replace(lifted, origin=origin)
+        # Both are built the same way, so that their differences are those of the programs alone.
         before, after = self._built(lifted, robot), self._built(program, robot)
         return self.merge(tree, before, after, program, robot)
 

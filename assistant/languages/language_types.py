@@ -260,6 +260,7 @@ _WORD: Final = r"[^\W\d]\w*"
 
 def words_of(text: str, mark: str) -> frozenset[str]:
     """Names in a text, in lower case, but for those in comments and in strings ("…")."""
+    # Strings and comments match first, so that no name is found inside them.
     apart = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|{re.escape(mark)}{source_text.REST}|({_WORD})'
     found = re.finditer(apart, source_text.with_line_feeds(text))
     return frozenset(match[1].lower() for match in found if match[1])

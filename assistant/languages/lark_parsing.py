@@ -70,6 +70,7 @@ def parse(
     in_samples = sampling == "samples" and total > WHOLE
     sources = [(tree.source, list(language.runs(tree)) if in_samples else []) for tree in given]
     refused: list[Diagnostic] = []
+    # Samples are spread over the runs of all files together, so the bound holds for the program.
     spacing = Spacing.of([run for _, runs in sources for run in runs])
     for source, runs in sources:
         left_out = between_samples(runs, spacing)
@@ -78,6 +79,7 @@ def parse(
             wrong = _refused(parser, with_line_feeds(source.text), left_out)
         if wrong is not None:
             at, reason = wrong
+            # An empty file has no character to point to.
             end = min(at + 1, len(source.text))
             span = Span(min(at, end), end)
             refused.append(source.finding(refusal, span, language=language.title, reason=reason))
@@ -101,6 +103,7 @@ class Spacing:
     def of(runs: Sequence[Rows]) -> Spacing:
         """Up to SAMPLED rows at the ends of all these runs, and as many between them."""
         window = max(1, min(WINDOW, SAMPLED // (2 * max(len(runs), 1))))
+        # The stride is at least two windows, or the samples would join.
         return Spacing(window, max(2 * window, -(-sum(map(len, runs)) * window // SAMPLED)))
 
 
@@ -114,6 +117,7 @@ def between_samples(runs: Sequence[Rows], spacing: Spacing) -> list[tuple[int, i
     pieces: list[tuple[int, int, int]] = []
     for run in runs:
         last = len(run) - window
+        # The last sample ends with the last row, wherever the stride leads.
         starts = np.append(np.arange(0, max(last - window, 0), stride), last)
         for first, following in zip(starts[:-1] + window, starts[1:], strict=True):
             if first < following:
@@ -138,6 +142,7 @@ def _refused(
         else:
             found = error.token if isinstance(error, UnexpectedToken) else short[at]
             reason = f"`{found}` is not expected there"
+        # The offset counts on by all pieces that were left out before it.
         return at + sum(shift for begin, shift in shifts if begin <= at), reason
     return None
 

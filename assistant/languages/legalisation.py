@@ -67,9 +67,12 @@ def adapted(
     program = legalise(Legalisation(program, can, findings), passes)
     trees: dict[str | None, T] = {}
     try:
+        # Building shows what the passes could not make expressible; the tree is kept for the
+        # caller.
         trees[None] = language.build(program, robot)
     except Refused as refused:
         findings += refused.findings
+    # Several passes may report the same fault.
     return Adapted(program, tuple(dict.fromkeys(findings)), trees)
 
 
@@ -91,6 +94,7 @@ def _over_the_back(
     Their A and B depend on axis 1, which no source says of this branch; straight down both
     branches show the same.
     """
+    # Kinematics are loaded for five-axis arms only.
     from assistant.robots.arms import closed_form
 
     tilt = closed_form.to_ab(positions, quaternions)[:, 1]
@@ -109,6 +113,7 @@ def _target_in_reach(
     (angle,) = miss = _orientation_error(positions, quaternions)
     if angle > _ORIENTATION_TOLERANCE:
         findings.append(can.unreachable(name=name, angle=float(angle), about=about))
+    # An orientation that is reached already keeps its digits.
     if angle <= _EQUAL_ORIENTATION:
         return target
     w, x, y, z = (float(v) for v in _reached_orientations(positions, quaternions, miss)[0])
@@ -204,6 +209,7 @@ class PartLegaliser:
         if self.can.quaternions:
             path = replace(path, quaternions=rotations.canonical(path.quaternions))
         if not np.isnan(path.external).all():
+            # Adding 0.0 turns -0.0 into 0.0, which is printed without a sign.
             external = np.round(path.external, self.can.decimals) + 0.0
             external[external >= self.can.unused] = UNUSED_AXIS
             path = replace(path, external=external)
@@ -216,15 +222,18 @@ class PartLegaliser:
             if abs(joints[_AXIS_4]) > _NEGLIGIBLE:
                 what = f"axis 4 of `{name}` for an arm of five axes"
                 self.job.cannot(what, "teach it on this arm")
+            # Six-axis sources have axis 4 where a five-axis arm has none.
             joints = joints[:_AXIS_4] + joints[_AXIS_4 + 1 :]
         joints = can.own(joints)
         missing = max(0, can.joints - len(joints)) if can.padded else 0
+        # A joint that is not stated is NaN, which differs from itself.
         if missing or any(v != v for v in joints):
             told = "a joint that is not stated", "0 degrees", "state every joint"
             self.job.changed(*told, about)
             joints = tuple(0.0 if v != v else v for v in joints) + (0.0,) * missing
         used = tuple(v for v in target.external if v == v)
         uneven = can.external is not None and (
+            # Axes have to be used from the first on, without a gap.
             used != target.external[: len(used)] or len(used) > can.external
         )
         if len(joints) != can.joints or uneven:
@@ -234,6 +243,7 @@ class PartLegaliser:
                 cure=f"give {can.joints} joints and at most {most} external axes",
                 about=about,
             )
+        # Written as a negation, so that NaN is refused too.
         if not all(abs(v) < can.farthest for v in joints):
             what = f"the joint target `{name}`"
             self.job.findings.append(can.not_finite(what=what, about=about))
@@ -256,6 +266,7 @@ class PartLegaliser:
     def _wild(self, positions: Floats, quaternions: Floats) -> Truths:
         """True for poses (n,) with an invalid or too large number, or without an orientation."""
         numbers = np.concatenate([positions, quaternions], axis=1)
+        # Comparisons with NaN are false, so an invalid number is not tame.
         tame = (np.abs(numbers) < self.can.farthest).all(axis=1)
         squared = np.einsum("ij,ij->i", quaternions, quaternions)
         return np.asarray(~(tame & (squared > _LEAST_NORM**2)))
@@ -280,6 +291,7 @@ class PartLegaliser:
             beyond = f"external axes beyond the {_ORDINALS[most - 1]}, of `{name}`"
             self.job.cannot(beyond, "leave them out", about)
         used = used[:, :most]
+        # An axis that is used while the one before it is not.
         late = (used[:, 1:] & ~used[:, :-1]).any(axis=0)
         if len(used) == 1 and late.any():
             at = int(np.flatnonzero(late)[0])
@@ -296,6 +308,7 @@ class PartLegaliser:
             )
 
     def _rounded(self, values: Iterable[float]) -> tuple[float, ...]:
+        # Adding 0.0 turns -0.0 into 0.0, which is printed without a sign.
         return tuple(round(v, self.can.decimals) + 0.0 for v in values)
 
     # ----------------------------------------------------------------- tools and frames
@@ -304,6 +317,7 @@ class PartLegaliser:
         """With poses that can be written; of a language with loads each has one."""
         made, can = {}, self.can
         for name, tool in given.items():
+            # Every controller has the bare flange.
             if name.lower() == FLANGE and tool.tip == IDENTITY:
                 continue
             about = Declared(name, "tools")
@@ -359,6 +373,7 @@ def _accepted_load(job: Legalisation, can: Loads, name: str, load: Load | None) 
             f"the mass of tool `{name}`", f"{least.mass} kg", "state the tool's mass", about
         )
         load = replace(load, mass=least.mass)
+    # Controllers refuse a load whose centre of gravity is the flange itself.
     if not any(load.centre):
         job.changed(
             f"the centre of gravity of tool `{name}`, which is none",

@@ -129,6 +129,7 @@ def blocks_of(lines: Iterable[tuple[int, BlockWord]]) -> Blocks:
         if word is NO_WORD:
             found.around[at] = inner
             continue
+        # No block goes on across the begin or end of a routine.
         if word.bounds:
             inner = None
         if word.opens:
@@ -148,9 +149,11 @@ def blocks_of(lines: Iterable[tuple[int, BlockWord]]) -> Blocks:
                 inner = inner.around
             else:
                 found.wrong.append(_misfit(at, kind, inner))
+                # A missing inner end must not make every later word wrong.
                 _close_outer(inner, kind, at)
         if not word.opens:
             found.around[at] = inner
+    # From the inside out, so that the innermost block comes first among those that a word closes.
     for block in reversed(found.all):
         if block.last is not None:
             found.words.update(dict.fromkeys(block.words, block))
@@ -170,6 +173,7 @@ def _close_outer(inner: Block | None, kind: str, at: int) -> None:
     for block in chain[:meant]:
         block.crossed = at
     if meant:
+        # The blocks that stay open go on in what surrounds the closed one.
         chain[meant].last, chain[meant - 1].around = at, chain[meant].around
 
 
@@ -270,6 +274,7 @@ def graph_of(
         """Return the position that follows a line: at the end of a part, the end of its block."""
         place = following.get(at, EXIT)
         block = blocks.words.get(place)
+        # Running into a middle word means that the part is done: control goes on at the end.
         return place if block is None or place not in block.parts else block.words[-1]
 
     def found(targets: Iterable[T]) -> list[int]:
@@ -314,6 +319,7 @@ def _behind_word(at: int, block: Block, blocks: Blocks, on: Callable[[int], int]
         yield from (closed.first for closed in blocks.closing[at])
     elif at == block.first and block.form == "choice":
         yield from block.parts
+        # Without a part for all other values, the choice may run none.
         if block.certain.isdisjoint(block.parts):
             yield end
     else:

@@ -82,6 +82,7 @@ class ContextualLexer:
         if mark in self._longer and (longer := self._longest(mark, text, start, end, row)):
             return longer
         if kind == "MARK":
+            # Some marks mean something else directly after a word than after a blank.
             kind = self._joined.get(mark, "") if start == at else ""
             return (kind if kind in row else self._marks.get(mark, STRANGE), start, stop)
         if kind in self._instead:
@@ -92,6 +93,7 @@ class ContextualLexer:
 
     def _word(self, text: str, start: int, stop: int, end: int, row: Row) -> Found:
         word = text[start:stop].upper()
+        # Two words that belong together, such as `End Select`, are one terminal.
         if word in self._openings and (two := _SECOND.match(text, stop, end)):
             for type in self._keywords.get(f"{word} {two[1].upper()}", ()):
                 if type in row:
@@ -99,6 +101,7 @@ class ContextualLexer:
         for type in self._keywords.get(word, ()):
             if type in row:
                 return (type, start, stop)
+        # Not a name even where it does not fit, so that the finding is about the word.
         if word in self._firm:
             return (self._keywords[word][0], start, stop)
         if word in self._longer and (longer := self._longest(word, text, start, end, row)):
@@ -140,6 +143,7 @@ class LineGrammar:
         """
         tables = self.tables[start]
         stack = Stack(tables.first)
+        # Two more than are allowed: END, and the word that shows that there are too many.
         read = islice(self._words(text, at, end, stack, tables, words), self.most_words + 2)
         wrong = tables.drive(stack, read, nodes, most=self.most_values)
         return stack.values[0] if wrong is None else Stop(Lexeme(*wrong), start)

@@ -85,8 +85,10 @@ def row(node: type[Any], named: str | None = None, **given: object) -> Method:
     if changes:
         steps.append(partial(_changed, changes))
     others = {name: given.get(name, known[name].default) for name in known if name not in names}
+    # Only children in another order than the fields need to be put in order.
     if names != list(known)[: len(names)] or others.keys() & given.keys():
         values, order = tuple(others.values()), [[*names, *others].index(name) for name in known]
+        # Found when the table is made, not when the first text needs the row.
         if MISSING in values:
             raise TypeError(f"a field of {node.__name__} has no value")
         ordered = itemgetter(*order) if names else tuple
@@ -166,11 +168,13 @@ class Walk:
         while pending:
             item = pending.pop()
             kind = type(item)
+            # Reversed, as the stack gives the last one first.
             if kind is tuple:
                 pending.extend(item[::-1])
                 continue
             if kind is held:
                 yield item
+                # Gathered once; nodes are frozen, so that they stay the same.
                 if not item.known:
                     parts = reversed(self.inside(kind) or ())
                     item.known.extend(self.nodes(tuple(getattr(item, part) for part in parts)))

@@ -78,6 +78,7 @@ class Pattern:
     def has(self, options: Mapping[str, object]) -> bool:
         """True if the options, by lower-case name, fit the pattern, with or without a value."""
         for name, slot in self.known.items():
+            # A mere switch has to be there; an option is given with a value if its slot wants one.
             if (slot is None and name not in options) or (
                 name in options and (slot is None) != (options[name] is None)
             ):
@@ -111,6 +112,7 @@ class Reading(Generic[N]):
         options = {name.lower(): node for name, node in called.options.items()}
         if (options or pattern.known) and not pattern.has(options):
             return None
+        # Only slots at the end may be left out of the arguments.
         if not all(isinstance(part, Slot) and part.may_miss for part in missing):
             return None
         found: dict[str, Any] = {}
@@ -190,6 +192,7 @@ class Row:
         self.key: object = record
         self._defaults = {f.name: f.default for f in fields(record) if f.compare}
         named = {slot.name for slot in slots(self.pattern)}
+        # Fields that the pattern does not express must have the value that reading gives them.
         self._unsaid = tuple(name for name in self._defaults if name not in named)
         self._fills = any(isinstance(part, Name) for x in fixed.values() for part in records(x))
 
@@ -241,6 +244,7 @@ class MotionRow(Row):
 
     def __init__(self, text: str, record: type[Any], **fixed: object) -> None:
         super().__init__(text, record, **fixed)
+        # The parts of the motion have slots of their own.
         self._unsaid = tuple(name for name in self._unsaid if name != "motion")
         named = {slot.name for slot in slots(self.pattern)}
         self._usual = [(x.name, x.default) for x in fields(Motion) if x.name not in named]
@@ -338,6 +342,7 @@ def _pattern(word: str, parts: Sequence[tuple[str, Any]]) -> Pattern:
 def _parts(tokens: Iterator[re.Match[str]]) -> Iterator[tuple[str, Any]]:
     """Arguments up to the bracket that closes them, each with the name of its option."""
     option = ""
+    # An inner pattern takes tokens of the same iterator up to its bracket.
     for token in tokens:
         if token["closes"]:
             return

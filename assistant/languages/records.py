@@ -48,6 +48,7 @@ def shape(values: Values) -> str:
 
 def _letter(value: Values) -> str:
     match value:
+        # First, as a truth is an int in Python.
         case bool():
             return "b"
         case int() | float():
@@ -65,6 +66,7 @@ def tool_of(values: Values) -> Tool | None:
         return None
     held, tip, (mass, *rest) = values
     tip_pose = _pose(*tip)
+    # A mass below 0, such as -1, stands for a load that is not defined.
     load = None if mass < 0 else load_of(mass, *rest)
     return None if tip_pose is None else Tool(tip_pose, load, held)
 
@@ -83,6 +85,7 @@ def frame_of(values: Values) -> Frame | None:
         return None
     held, fixed, mechanism, user, object = values
     first, second = _pose(*user), _pose(*object)
+    # A work object that neither stands still nor has a unit moves with nothing.
     if first is None or second is None or not (fixed or mechanism):
         return None
     return Frame(first, second, held, "" if fixed else mechanism)
@@ -99,6 +102,7 @@ def aggregate(items: tuple[e.Expression, ...]) -> e.Expression:
             return e.Aggregate(items)
         values.append(numbers)
     match [len(part) for part in values]:
+        # A zero quaternion is a target without an orientation, which stays a list of values.
         case [3, 4, 4, 6] if any(values[1]):
             return e.TargetValue(target([v for part in values for v in part]))
         case [6, 6]:
@@ -111,6 +115,7 @@ def aggregate(items: tuple[e.Expression, ...]) -> e.Expression:
 def target(values: Sequence[float]) -> Target:
     """From the 17 numbers of a target whose quaternion is not zero."""
     configuration: Configuration | None = None
+    # Quadrants are whole numbers that fit a byte; other values state no configuration.
     if all(-127 <= v <= 127 and v == int(v) for v in values[7:11]):
         configuration = configuration_of(from_confdata([values[7:11]])[0])
     pose = _pose(values[:3], values[3:7])
@@ -121,6 +126,7 @@ def target(values: Sequence[float]) -> Target:
 def _pose(position: Sequence[float], quaternion: Sequence[float]) -> Pose | None:
     if not any(quaternion):
         return None
+    # Both signs of a quaternion are one orientation; one of them is kept, so that poses compare.
     return Pose.of(np.array(position, dtype=np.float64), rotations.canonical(quaternion))
 
 
@@ -171,6 +177,7 @@ class Decimals:
         """Numbers with so many decimals; raises Refused with `what` they are of."""
         if not np.isfinite(values).all():
             raise Refused(self.not_finite(what=what))
+        # Adding 0.0 turns -0.0 into 0.0, which is printed without a sign.
         return [float(v) + 0.0 for v in np.round(values, places)]
 
     def _pose(self, pose: Pose, what: str) -> list[list[float]]:
@@ -178,4 +185,5 @@ class Decimals:
         return [place, self.rounded(pose.quaternion, self.quaternion, what)]
 
     def _external(self, values: Sequence[float], what: str) -> list[float]:
+        # An axis without a position is NaN, which differs from itself.
         return self.rounded([_UNUSED if v != v else v for v in values], self.joint, what)

@@ -95,6 +95,7 @@ class Naming:
 
     def take(self, name: str) -> None:
         self.space.take(name)
+        # Longer digits cannot be the number of a row, and would not fit an integer of a column.
         if (row := _ROW.fullmatch(name.lower())) is not None and len(row[2]) < 16:
             self._numbered.setdefault(row[1], []).append(int(row[2]))
 
@@ -109,6 +110,7 @@ class Naming:
         own: set[str] = set()
         inner = self.inner[key] = {}
         for name in (*(q.name for q in procedure.parameters), *procedure.variables):
+            # The value kept its name, so that a local one may hide it as in the pseudo-program.
             if self.of["values"].get(name.lower(), "").lower() == name.lower():
                 inner[name.lower()] = name  # hides the value of that name, here as there
                 own.add(name.lower())
@@ -121,6 +123,7 @@ class Naming:
                 self._declare_own(labels, statement.name, own)
             elif isinstance(statement, For):
                 name = statement.variable.lower()
+                # A loop variable hides data of its name, so both need the same spelling.
                 hidden = next(
                     (t for t in (inner, *map(self.of.get, HIDDEN)) if t and name in t), None
                 )
@@ -134,6 +137,7 @@ class Naming:
             return
         short = known[name.lower()] = self.space.free(name, own)
         own.add(short.lower())
+        # A changed name must not be given to anything else; an unchanged one is free elsewhere.
         if short != name:
             self.take(short)
         self._note(short, name)
@@ -156,9 +160,11 @@ class Naming:
 
     def declare_rows(self, follow: Follow) -> None:
         count = len(follow.path)
+        # Room for `_` and the digits of the last row.
         room = self.space.longest - 1 - len(str(count))
         base = identifier(follow.path.name)[:room]
         stem, number = base, 2
+        # `stem_1` to `stem_n` must not be names of other data.
         while self._rows_taken(stem.lower(), count) or self._means(stem, follow.path.name):
             end = f"_p{number}"
             stem, number = base[: room - len(end)] + end, number + 1
@@ -206,6 +212,8 @@ class Scopes:
 
     def naming(self, program: Program) -> Naming:
         """Names of a whole program; raises Refused if a kept declaration cannot be read."""
+        # The same object, not an equal one: naming is asked for again and again while a program is
+        # built.
         if self._latest is None or self._latest[0]() is not program:
             self._latest = ref(program), self._named(program)
         return self._latest[1]
@@ -226,6 +234,7 @@ class Scopes:
 
     def _named(self, program: Program) -> Naming:
         names = Naming(Names(self.longest, self.reserved))
+        # Taken first: vendor declarations keep their names in any case.
         for name in (*self._rows, *self.kept(program)):
             names.take(name)
         for kind, table in (

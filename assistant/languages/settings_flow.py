@@ -35,6 +35,7 @@ class LineSet:
     def of(places: Iterable[int]) -> LineSet:
         marks = bytearray()
         for place in places:
+            # ELSEWHERE is -1, so lines are one bit further on.
             byte, bit = divmod(place - ELSEWHERE, 8)
             if byte >= len(marks):
                 marks.extend(bytes(byte + 1 - len(marks)))
@@ -44,6 +45,7 @@ class LineSet:
     def __or__(self, other: LineSet) -> LineSet:
         """Those of both; one of the two if it has them all, so that many lines share one set."""
         bits = self.bits | other.bits
+        # States share sets, so that equal ones are found by identity and take no more room.
         if bits == self.bits:
             return self
         return other if bits == other.bits else LineSet(bits)
@@ -56,6 +58,7 @@ class LineSet:
 
     def __iter__(self) -> Iterator[int]:
         """In their order."""
+        # Backwards, without the prefix `0b`: the lowest bit comes first.
         said = bin(self.bits)[:1:-1]
         at = said.find("1")
         while at >= 0:
@@ -249,6 +252,7 @@ class LineEffects:
 
 def joined_states(one: State | None, two: State) -> State:
     """Return the state that is certain where two branches join."""
+    # Most lines join equal states, which are found without comparing the settings.
     if one is None or one is two or one == two:
         return two
     return tuple(
@@ -264,6 +268,7 @@ def _agreed_value(one: Any, two: Any) -> Any:
     if not any(value is INHERITED or isinstance(value, OrInherited) for value in (one, two)):
         return UNKNOWN
     made = {value.value if isinstance(value, OrInherited) else value for value in (one, two)}
+    # Ways that agree but for the caller's value are that value, or the caller's.
     made.discard(INHERITED)
     return OrInherited(*made) if len(made) == 1 and UNKNOWN not in made else UNKNOWN
 
@@ -312,25 +317,31 @@ class Flow:
             for number, places in enumerate(lines.procedures)
         }
         known: list[State | None] | None = None
+        # The end of a procedure may depend on itself where it calls itself, so the rounds repeat
+        # until no end changes.
         while known != self.exits:  # what a procedure calls is run through before it
             known = list(self.exits)
             for number in postorder(called):
+                # Exits of callees have changed, so what was found with the old ones does not hold.
                 flows[number].found = {}
                 self._spread(number, flows[number])
                 end = flows[number].found.get(EXIT) if lines.procedures[number] else self.entry
                 if end is not None:
+                    # Joined, not replaced: states only grow, so the rounds end.
                     self.exits[number] = joined_states(self.exits[number], end)
         for number, flow in enumerate(flows):
             self._note(number, flow)
 
     def cut(self, cuts: frozenset[int]) -> Flow:
         """The same with procedures divided; the effect of a whole procedure stays known."""
+        # The exits of whole procedures are shared, as they do not depend on the cuts.
         made = copy(self)
         made.cuts, made.edges, made.before, made.parts = cuts, {}, {}, list(self.parts)
         numbered = list(enumerate(self.lines.procedures))
         made.divided = frozenset(k for k, places in numbered if not cuts.isdisjoint(places))
         for number, places in numbered:
             after = self.lines.after[number]
+            # Nothing passes a cut: what leads there is noted as an edge.
             inside = {at: [to for to in ways if to not in cuts] for at, ways in after.items()}
             flow = Dataflow(inside, made.after, joined_states)
             made._spread(number, flow)
@@ -363,6 +374,7 @@ class Flow:
         """Record that state; lines that cannot be reached have the state of the line above."""
         places, last = self.lines.procedures[number], self.entry
         for at in places:
+            # A line that no way leads to is read under the settings above it, as a reader would.
             if at not in flow.found:
                 flow.spread([(at, last)])
             state = flow.found[at]
@@ -401,6 +413,7 @@ class Flow:
         """Return the state after some steps. met: collects callees with the state at each call."""
         behind: State | None = state
         for step in steps:
+            # A call before it never returns.
             if behind is None:
                 break
             match step:
@@ -411,11 +424,15 @@ class Flow:
                     behind = tuple(_after_changes(held, names, but) for held in behind)
                 case MaySet(setting, by):
                     held = behind[setting]
+                    # Inherited values are known only where the caller is: any line may have made
+                    # them here.
                     held = self._by_any_line[setting] if held.is_inherited else held
                     made = held.met(Held(UNKNOWN, by - _ELSEWHERE, by), UNKNOWN)
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
                 case Calls(called, inside):
+                    # In an unknown order, each call may follow any of the others.
                     before = self._between(called, behind)
+                    # Names may denote other variables inside what is called.
                     inner = tuple(_after_changes(held, None) for held in before)
                     met += [(one, inner) for one in called if isinstance(one, int)]
                     left = [self._left_by(one, before, inside) for one in called]
@@ -427,6 +444,7 @@ class Flow:
     def _between(self, called: Sequence[int | frozenset[int]], state: State) -> State:
         """Return the possible state before each of several calls, made in any order."""
         known: State | None = None
+        # Each call may be repeated after the others until nothing is added.
         while len(called) > 1 and known != state:
             known = state
             made = _any_of([self._left_by(one, known) for one in called])
@@ -514,6 +532,7 @@ def with_interrupts(
         interrupted: Steps = tuple(MaySet(*one) for one in here.items())
         steps[at] = (*steps.get(at, ()), *interrupted)
     for at, called in may_call.items():
+        # The interrupt may come or not.
         answered: Steps = tuple(Either(((Calls((one,)),), ())) for one in called)
         steps[at] = (*steps.get(at, ()), *answered)
     return replace(lines, steps=steps)
@@ -555,11 +574,13 @@ class _ProgramGraph:
             return ()
         if self._come_to(interrupt.on, self.lines.lost):
             return self.all
+        # A call that leads to switching it on may return with the interrupt on.
         leading = reachable(interrupt.on, lambda at: self._before.get(at, ()))
         on = {
             at for at in self.all if at in interrupt.on or not leading.isdisjoint(self._callees(at))
         }
         starts = {to for at in on for to in self._after[at]} | self.lines.lost
+        # A line that may do both leaves it on.
         off = interrupt.off - interrupt.on
         return on | reachable(starts, lambda at: () if at in off else self._next(at))
 
@@ -632,6 +653,7 @@ class UnknownSettings:
                 f"the {name} is what the caller has set, or another program",
                 f"set {word} above the move",
             )
+        # One value alone cannot differ: the other way leaves what was set before.
         values += ["what was set before"] if len(values) == 1 else []
         return Reason(
             f"the {name} may be {' or '.join(values)} here, by {self._list(lines)}",

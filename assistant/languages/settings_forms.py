@@ -128,6 +128,7 @@ class CalledForms:
 
     @property
     def too_long(self) -> bool:
+        # A long program may double; a short one has room for its forms in any case.
         most = max(_MOST_LINES, 2 * len(self.flow.before))
         return bool(self.flow.cuts) and self._lines > most
 
@@ -161,6 +162,7 @@ class CalledForms:
                 form.goes.setdefault(at, {})[to] = self._pass(form, self._part_at[to], given)
                 if self._part_at[to] == form.part + 1 and self.flow.lines.runs_on(at):
                     below = joined_states(below, given)
+        # Only what runs on below needs to be written next; jumps find their label anywhere.
         if below is not None:
             form.falls = self._pass(form, form.part + 1, below)
 
@@ -189,6 +191,7 @@ class CalledForms:
         """
         count = sum(1 for one in known.values() if one.part == part)
         needs = self._needs[procedure, part]
+        # Settings that the part does not take from before do not make another form of it.
         key: Any = (part, *(held.value if k in needs else None for k, held in enumerate(state)))
         if known is self.forms[procedure] and procedure in self.single:
             key = part, UNKNOWN
@@ -201,6 +204,7 @@ class CalledForms:
             self._lines += len(places)
             self._pending.append(known[key])
             return known[key]
+        # A form that is reached again may get more lines that its settings come from.
         made = known[key]
         both = joined_states(made.state, state)
         if both != made.state:
@@ -223,6 +227,7 @@ class CalledForms:
                     passed += [(here, inherited, (callee, 0)) for callee in self._calls.get(at, ())]
                     for to, state in flow.edges.get(at, {}).items():
                         passed.append((here, _inherited(state), (number, self._part_at[to])))
+        # Needs pass on through calls and edges until nothing is added.
         while True:
             before = sum(map(len, needs.values()))
             for here, inherited, there in passed:
@@ -253,6 +258,7 @@ def divided_flow(flow: Flow, whole: frozenset[int]) -> Flow:
                 cuts |= more
         if cuts == made.cuts:
             return made
+        # Dividing may show new ways that differ, so labels are looked for again.
         made = flow.cut(frozenset(cuts)) if cuts else flow
 
 
@@ -271,6 +277,7 @@ def _division_labels(flow: Flow, number: int) -> set[int]:
     if number in flow.divided:
         parts = flow.parts[number]
         part = {at: k for k, inside in enumerate(parts) for at in inside}
+        # A way into the middle of another part needs a cut where it arrives.
         led = {to for at in places for to in after[at] if part.get(to, part[at]) != part[at]}
         found |= led.difference(inside[0] for inside in parts)
     return found - flow.cuts

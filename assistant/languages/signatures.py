@@ -112,6 +112,7 @@ class Call(Generic[N]):
         Only what has its place for sure: plain arguments if there are as many as there are to be.
         """
         required = self.routine.required
+        # With another number nothing tells which parameter a plain argument is for.
         counted = self.routine.open or len(self.plain) == len(required)
         places = iter(required if counted else ())
         for one in self.given:
@@ -144,6 +145,7 @@ class Call(Generic[N]):
                     yield Misfit.SWITCH_WITH_VALUE, one.node, fields
                 elif parameter.type not in ("", "switch") and one.value is None:
                     yield Misfit.NO_VALUE, one.node, fields
+                # Alternatives of one slot exclude each other.
                 before = taken.setdefault(id(slot), one)
                 if before is not one:
                     yield Misfit.EXCLUSIVE, one.node, {"one": before.name, "other": one.name}
@@ -162,6 +164,7 @@ class Call(Generic[N]):
 
     def _counted(self, suits: Callable[[Any, Slot], bool]) -> Iterator[Wrong[N]]:
         slots, given = self.routine.required, len(self.plain)
+        # With an open list or a hole, the count says nothing.
         if self.routine.open or any(one.hole for one in self.plain):
             return
         if given > len(slots):
@@ -173,6 +176,7 @@ class Call(Generic[N]):
         """The one parameter without which the types fit, else how many are missing."""
         slots, values = self.routine.required, [one.value for one in self.plain]
         gaps: Sequence[Slot] = slots
+        # Exactly one is missing: the one without which the types of the others fit.
         if len(slots) == len(values) + 1 and len(slots) > 1:
             gaps = [
                 gap
@@ -230,6 +234,7 @@ class NamedTypes(abc.ABC):
         return self._bases[low]
 
     def _base(self, low: str) -> str | None:
+        # Aliases of a circle would never end.
         for _ in range(MOST_ALIASES):
             found = self.find(low)
             if found is None or not found.of:

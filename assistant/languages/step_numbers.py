@@ -64,6 +64,7 @@ def with_ascending_steps(items: Sequence[T], step: int, last: int) -> Iterator[T
 
     step: between two of them, smaller where they would not fit otherwise. last: highest number.
     """
+    # Steps shrink where a long program would pass the last number.
     step = max(1, min(step, last // max(steps_in(items), 1)))
     number = step
     for item in items:
@@ -133,12 +134,14 @@ def renumbered(
     new = first + step * np.arange(len(old), dtype=np.int64)
     known = np.flatnonzero(old != UNNUMBERED)
     wanted = np.array(sorted(steps.named(items)), dtype=np.int64)
+    # -1 for a number that no line has.
     at = rows_of(old[known], wanted)
     there = new[known[at[at >= 0]]]
     places: dict[str | int, int] = dict(zip(wanted[at >= 0].tolist(), there.tolist(), strict=True))
 
     found: list[Diagnostic] = []
     falls = np.flatnonzero(np.diff(old[known], prepend=0) <= 0)
+    # One finding for a table, however many of its rows fall.
     owners, once = np.unique(np.searchsorted(ends, known[falls], "right"), return_index=True)
     for owner, fall in zip(owners.tolist(), falls[once].tolist(), strict=True):
         number, before = (int(old[known[k]]) for k in (fall, fall - 1))
@@ -166,6 +169,7 @@ def with_fitted_steps(items: Sequence[Any], step: int, steps: Steps) -> list[Any
     Jumps go with their lines. step: between lines behind all others. None if numbers end before
     the program does.
     """
+    # Without a single number the text has none, and gets none.
     if not any(steps_of(item).any() for item in items):
         return list(items)
     made: list[Any] = []
@@ -174,6 +178,7 @@ def with_fitted_steps(items: Sequence[Any], step: int, steps: Steps) -> list[Any
     for at, item in enumerate(items):
         old = steps_of(item)
         if len(old):
+            # Old numbers stay where they are high enough.
             new = np.maximum(old, last + 1 + np.arange(len(old)))
             item = with_steps(item, new)
             moved |= {a: b for a, b in zip(old.tolist(), new.tolist(), strict=True) if a != b and a}
@@ -189,6 +194,7 @@ def with_fitted_steps(items: Sequence[Any], step: int, steps: Steps) -> list[Any
 
 def _room(items: Sequence[Any], at: int, last: int, step: int, steps: Steps) -> int:
     """Return the increment from the number of the previous line to that of a new one."""
+    # Several new lines share the room up to the next number.
     count = 1
     for item in islice(items, at, None):
         following = steps_of(item)

@@ -103,6 +103,8 @@ class ParsedTexts:
 
     def remember(self, kind: str, text: str, nodes: tuple[Any, ...]) -> str:
         """The text, which says these nodes."""
+        # Emptied as a whole, which is simpler than dropping the oldest, and the texts at hand come
+        # back soon.
         if len(self._known) >= _MOST_REMEMBERED:
             self._known.clear()
         self._known[kind, text] = nodes
@@ -152,7 +154,7 @@ class UnknownEffect(Exception):
 
 
 Take = Callable[[EffectBuilder, Any], None]
-"""Puts into an effect what a node does; raises Untold."""
+"""Puts into an effect what a node does; raises UnknownEffect."""
 
 
 class Effects:
