@@ -42,7 +42,7 @@ demo: .venv/demo
 
 # Many tests wait for a server, a line or a clock: more workers than cores.
 test: .venv/test
-	$(BIN)/python -m pytest --numprocesses 3 --dist worksteal
+	$(BIN)/python -m pytest --numprocesses 4 --dist worksteal
 
 # Also the property tests of `make test`, with cases that are drawn anew.
 test-slow: .venv/test
