@@ -96,6 +96,7 @@ LIST = (
 def test_a_program_list_gives_its_modules(tmp_path: Path) -> None:
     data = LIST.encode("latin-1")
     assert RAPID.recognises(data)
+    assert RAPID.recognises(b"\xef\xbb\xbf" + data)
     tree = RAPID.parse(RAPID.decode(data))
     assert not tree.findings
     assert RAPID.called_files(tree) == listed(LIST) == ("one.mod", "a&b.mod")

@@ -62,8 +62,8 @@ def recognises(data: bytes) -> bool:
     """
     wide = _UTF16.get(data[:2])
     text = data[:_LOOKED_AT].decode(wide or "latin-1", errors="replace")
-    # A UTF-8 byte order mark, as Latin-1 shows it.
-    if _MODULE_BEGIN.search(text.removeprefix("\xef\xbb\xbf")):
+    text = text.removeprefix("\xef\xbb\xbf")  # a UTF-8 byte order mark, as Latin-1 shows it
+    if _MODULE_BEGIN.search(text):
         return True
     program = _LIST.match(text) is not None and re.search(r"<Program\b", text) is not None
     return program or bool(_controls(text))
