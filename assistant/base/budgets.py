@@ -129,8 +129,11 @@ class Watchdog:
         charges = self.entered()
         if charge not in charges:
             return
+        # `Reached` may have kept inner stages from leaving: their charges end with this one.
         inner = [one for one in charges[charges.index(charge) :] if one.thread == charge.thread]
         self._entered = [ref(one) for one in charges if one not in inner]
+        # Python delivers the exception later: one that is still pending must not hit the next
+        # stage.
         if any(one.reached for one in inner):
             _cancel(charge.thread)
 
@@ -150,6 +153,7 @@ class Watchdog:
         """Looks at each charge and returns how many there are."""
         charges = self.entered()
         if not charges:
+            # Charges may be collected without being left: the limit of the process ends with them.
             self._limit_data()
             return 0
         now, (resident, _) = time.monotonic(), memory_in_use()
@@ -181,11 +185,13 @@ class Watchdog:
             self._before = resource.getrlimit(resource.RLIMIT_DATA)
         soft, hard = self._before
         if charges:
+            # The process has one limit: the smallest room of each thread, and the largest of these.
             least: dict[int, float] = {}
             for one in charges:
                 room = one.data + one.bytes + _RESERVED_MARGIN
                 least[one.thread] = min(room, least.get(one.thread, room))
             wanted = int(max(least.values()))
+            # Never above the limit that the process had before.
             for known in (soft, hard):
                 wanted = wanted if known == resource.RLIM_INFINITY else min(wanted, known)
             resource.setrlimit(resource.RLIMIT_DATA, (wanted, hard))

@@ -222,6 +222,8 @@ class _Digits:
         text[:, 1 + before] = _POINT
         self._number(fraction, text[:, after])
         if self.strip:
+            # From the right: a zero counts only with another digit after it, the point only with
+            # any.
             tail = np.logical_or.accumulate(text[:, : 1 + before : -1] != _ZERO, axis=1)
             keep[:, after] = tail[:, ::-1]
             keep[:, 1 + before] = tail[:, -1]
@@ -239,6 +241,7 @@ class _Digits:
 _SEPARATORS: Final = bytes.maketrans(b"[](),;\r\n\t", b"         ")
 _NUMERIC: Final = b"0123456789+-.eE "
 _BLANK: Final = ord(" ")
+# 10^18 is the largest power of ten in 64 bits.
 _POWERS: Final = 10 ** np.arange(19, dtype=np.int64)
 _PART: Final = 1 << 18
 """Bytes read at a time, for the same reason as `CHUNK`."""
@@ -257,6 +260,7 @@ def read_numbers(data: bytes) -> NDArray[np.float64]:
         spaced = spaced.replace(b" 9E9 ", b" 9000000000 ").replace(b" 9E+09 ", b" 9000000000 ")
     parts, start = [], 0
     while start < len(spaced):
+        # A part ends at a blank, so that no number is cut.
         stop = spaced.find(b" ", min(start + _PART, len(spaced) - 1)) + 1
         part = spaced[start:stop]
         parts.append(_any_numbers(part) if (plain := _plain_numbers(part)) is None else plain)
@@ -279,6 +283,7 @@ def _plain_numbers(spaced: bytes) -> NDArray[np.float64] | None:
     starts, ends = np.flatnonzero(filled & ~before), np.flatnonzero(before & ~filled)
     if not len(starts):
         return np.empty(0)
+    # Digits are counted over the complete text: a number has those between its ends.
     so_far = np.cumsum(digit, dtype=np.int32)
     through = so_far[ends - 1]
     first = np.concatenate([[0], through[:-1]])
@@ -287,6 +292,7 @@ def _plain_numbers(spaced: bytes) -> NDArray[np.float64] | None:
     signs = np.flatnonzero((text == _MINUS) | (text == _PLUS))
     of_point = np.searchsorted(starts, points, side="right") - 1
     odd = len(points) + len(signs) + int(through[-1]) != int(np.count_nonzero(filled))
+    # A second point or a sign inside a number is left to the slow reader, which refuses it.
     if (
         odd
         or count.min() < 1
@@ -295,6 +301,7 @@ def _plain_numbers(spaced: bytes) -> NDArray[np.float64] | None:
         or before[signs].any()
     ):
         return None
+    # The power of ten of each digit: how many digits of its number follow.
     place = np.repeat(through, count) - 1 - np.arange(through[-1])
     whole = np.add.reduceat((text[digit] - _ZERO) * _POWERS[place], first)
     decimals = np.zeros(len(starts), dtype=np.int64)
@@ -304,6 +311,7 @@ def _plain_numbers(spaced: bytes) -> NDArray[np.float64] | None:
 
 
 def _any_numbers(spaced: bytes) -> NDArray[np.float64]:
+    # numpy only warns about text that it cannot read.
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)
         try:
@@ -318,10 +326,13 @@ Words = NDArray[np.uint64]
 WORD: Final = 8
 _MOST_DIGITS: Final = 15
 """A whole number of so many digits is an exact double, and so is the power of ten below it."""
+# Eight ASCII zeros: exclusive or with them turns digits into their values.
 _DIGITS: Final = np.uint64(0x3030303030303030)
+# A byte above 9 plus 0x76 sets the high bit of the byte.
 _OVER_NINE: Final = np.uint64(0x7676767676767676)
 _HIGH: Final = np.uint64(0x8080808080808080)
 _PAIRS: Final = np.uint64(0x000000FF000000FF)
+# Factors of the pairs of digits: the sum of the products is in the upper 32 bits.
 _FIRST: Final = np.uint64(100 + (1_000_000 << 32))
 _SECOND: Final = np.uint64(1 + (10_000 << 32))
 _ALL: Final = np.uint64(0xFFFFFFFFFFFFFFFF)
@@ -334,10 +345,12 @@ class Slots:
         margin = b" " * WORD
         padded = margin + data + margin
         self.bytes = np.frombuffer(padded, dtype=np.uint8)
+        # A word begins at every byte: they overlap, and nothing is copied.
         self._words: Words = np.ndarray((len(padded) - WORD + 1,), "<u8", padded, strides=(1,))
 
     def words(self, starts: Offsets, lengths: Offsets) -> Words:
         """The first eight bytes from each start, zero behind `lengths`."""
+        # numpy shifts 64 bits and more to 0, so lengths of 0 and less give an empty word.
         over = np.maximum(WORD - lengths, 0).astype(np.uint64) << np.uint64(3)
         return np.asarray(self._words[starts] & (_ALL >> over))
 
@@ -375,6 +388,7 @@ class Slots:
             return digit.astype(np.int64), digit < 10
         value, good = _eight(self._words[ends - WORD], count)
         if most > WORD:
+            # Two words back may be before the margin; no digit is taken from there.
             at = np.maximum(ends - 2 * WORD, 0)
             high, also = _eight(self._words[at], np.maximum(count - WORD, 0))
             value, good = value + high * _POWERS[WORD], good & also & (count <= 2 * WORD)
@@ -397,6 +411,7 @@ class Slots:
         if places.any():
             fraction, also = self.whole(ends, places)
             good &= also
+            # Slots with more digits are read by `_odd`; the table has no power for all of them.
             places = np.minimum(places, _MOST_DIGITS)
             values = (whole * _POWERS[places] + fraction) / _POWERS[places].astype(np.float64)
         else:
@@ -419,6 +434,7 @@ class Slots:
             left &= ~same
         if left.any():
             written = self.fields(starts[left], ends[left] - starts[left])
+            # Such texts repeat: each different one is parsed once.
             different, index = np.unique(written, return_inverse=True)
             values[left] = np.array([float(text) for text in different])[index]
         return values
@@ -426,6 +442,7 @@ class Slots:
 
 def _eight(words: Words, count: Offsets) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """The number that the last `count` bytes of each word spell, where they are all digits."""
+    # Little-endian: the bytes before the digits are the low ones, and are shifted out.
     over = np.maximum(WORD - count, 0).astype(np.uint64) << np.uint64(3)
     value = ((words ^ _DIGITS) >> over) << over
     good = ((value + _OVER_NINE) | value) & _HIGH == 0

@@ -55,6 +55,7 @@ def read_file(path: str | FilePath, most: int = FILE) -> bytes:
     check_regular(path)
     number = os.open(path, _OPEN_FLAGS)
     with os.fdopen(number, "rb", buffering=0) as file:
+        # Checked once more: the name may lead to another file since.
         found = os.fstat(file.fileno())
         _require_regular(found, path)
         limit = int(most * budget_factor())
@@ -83,8 +84,10 @@ def _read_all(file: BinaryIO, limit: int, path: str | FilePath, first: int) -> b
     parts: list[bytes] = []
     total, wanted = 0, first
     while True:
+        # One byte over the limit shows that there is more.
         part = file.read(min(wanted, limit + 1 - total))
         if part is None:
+            # A stream that does not block has nothing yet.
             raise OSError(errno.EAGAIN, os.strerror(errno.EAGAIN), str(path))
         if not part:
             return parts[0] if len(parts) == 1 else b"".join(parts)
@@ -123,6 +126,7 @@ def locked_folder(folder: FilePath) -> Iterator[bool]:
     out.
     """
     until = time.monotonic() + LOCK_TIMEOUT
+    # A blocking `flock` has no timeout, so the lock is polled.
     while (lock := take_lock(folder)) is None:
         if time.monotonic() > until:
             raise BlockingIOError(errno.EBUSY, "another process writes there", str(folder))
@@ -182,6 +186,8 @@ else:
         """Says that an open file is being written, until that is freed; raises OSError."""
         with suppress(OSError):
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        # The lock is of the open file, not of its number: a copy of the number holds it after
+        # closing.
         return os.dup(number)
 
     def is_unlocked(_file: FilePath) -> bool:
@@ -230,6 +236,7 @@ def write_whole(path: FilePath, data: bytes) -> None:
     lock = NO_LOCK
     try:
         with beside.open("xb") as file:
+            # While it is locked, no other process takes the file for a leftover.
             lock = lock_open_file(file.fileno())
             file.write(data)
             file.flush()
@@ -247,6 +254,7 @@ def add_line(path: FilePath, line: str) -> None:
     with path.open("a+b") as file:
         end = file.seek(0, os.SEEK_END)
         whole = True
+        # A line that was cut off must not swallow the new one.
         if end:
             file.seek(end - 1)
             whole = file.read(1) == b"\n"

@@ -96,6 +96,7 @@ def _mark_for_recovery(holding: FilePath) -> None:
 
 def _remove_holding_folder(holding: FilePath, lock: int = file_access.NO_LOCK) -> None:
     """Takes a hidden folder away, and frees its lock; the note goes first."""
+    # The notes go first: with a note and half of the files, the next run would put files back.
     with suppress(OSError):
         for note in (READY, _BACK):
             (holding / note).unlink(missing_ok=True)
@@ -112,6 +113,7 @@ def _is_under_way(holding: FilePath, locked: bool) -> bool:
     with suppress(OSError):
         if not locked:
             return time.time() - holding.stat().st_mtime < _STALE_AFTER
+        # The system frees the lock of a process that dies: a free lock marks a leftover.
         lock = file_access.take_lock(holding)
         if lock is not None:
             file_access.free_lock(lock)
@@ -154,17 +156,21 @@ def _put_files_back(
     Nothing is done if every new file had taken its place. rows: of each file whether an old one
     existed, and the digest of the new one.
     """
+    # A new file that is no longer in its folder has taken its place.
     replaced = [name for name in rows if not (holding / NEW / name).exists()]
     if len(replaced) == len(rows) and not (holding / _BACK).exists():
         return False, []
     changed: list[str] = []
     with defer_termination():
+        # A recovery that is killed is continued by the next run, not taken for a complete write.
         _mark_for_recovery(holding)
         for name in replaced:
             was_there, digest = rows[name]
             target, old = folder / name, holding / _OLD / name
             if was_there and (not old.exists() or _are_one(target, old)):
                 continue  # it is back already
+            # An old file is never a link (`_check_replaceable`); another digest means that it was
+            # written since.
             if old.is_symlink() or not _has_digest(target, digest):
                 changed += [name] if was_there else []
             elif was_there:
@@ -194,6 +200,7 @@ def _read_note(holding: FilePath) -> dict[str, tuple[bool, str]] | None:
         found = {str(name): (bool(row["old"]), str(row["new"])) for name, row in rows.items()}
     except (FileNotFoundError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
+    # A note is data from the disk: its names must not lead out of the folder.
     plain = all(FilePath(name).name == name and name not in ("", ".", "..") for name in found)
     return found if plain else None
 
@@ -316,9 +323,12 @@ def write_or_raise(files: Mapping[FilePath, bytes]) -> None:
             made += file_access.make_folders(folder)
             sets.append(_FileSet(folder, inside))
             sets[-1].begin()
+        # Every folder is prepared before any name changes: if one cannot be written, all stay as
+        # they are.
         for one in sets:
             one.prepare()
         with ExitStack() as here:
+            # All processes lock in the same order, so that no two wait for each other.
             for one in sorted(sets, key=lambda one: one.folder):
                 here.enter_context(file_access.locked_folder(one.folder))
             for one in sets:
@@ -364,6 +374,8 @@ def new_folder(target: FilePath) -> Iterator[FilePath]:
         new = place / target.name
         new.mkdir()
         yield new
+        # The disk has the content and the names inside before the folder appears under its own
+        # name.
         for one in (*(one for one in new.rglob("*") if one.is_dir()), new):
             file_access.sync_folder(one)
         with defer_termination():
@@ -433,6 +445,7 @@ class _FileSet:
             _recover_folder(self.folder, locked)
             with defer_termination():
                 self.holding = FilePath(tempfile.mkdtemp(prefix=_HOLDING, dir=self.folder))
+                # Held until the end: it shows other processes that this write is in progress.
                 lock = file_access.take_lock(self.holding)
                 self.lock = file_access.NO_LOCK if lock is None else lock
 
@@ -457,6 +470,7 @@ class _FileSet:
             name: {"old": name in kept, "new": hashlib.sha256(data).hexdigest()}
             for name, data in self.files.items()
         }
+        # First the old files, then the note, then the names of both: no note without its old files.
         file_access.sync_folder(old)
         file_access.write_new(self.inside(READY), json.dumps(rows).encode())
         file_access.sync_folder(self.inside(""))
@@ -465,6 +479,7 @@ class _FileSet:
     def place(self) -> None:
         for name in self.files:
             new = self.inside(NEW) / name
+            # The inode shows later whether the file in this place is still this one.
             self.placed[name] = new.stat().st_ino
             new.replace(self.folder / name)
         file_access.sync_folder(self.folder)
@@ -529,6 +544,7 @@ def _link_aside(target: FilePath, aside: FilePath) -> bool:
     except FileNotFoundError:
         return False
     except OSError:
+        # The file system has no hard links, or the file is on another one.
         file_access.write_new(aside, target.read_bytes())
         _copy_permissions(aside, target.stat())
     return True
@@ -538,6 +554,7 @@ def _copy_permissions(file: FilePath, facts: os.stat_result) -> None:
     """Gives a file the permissions of another and, where that is allowed, its owner."""
     own = file.stat()
     if (own.st_uid, own.st_gid) != (facts.st_uid, facts.st_gid) and hasattr(os, "chown"):
+        # Only an administrator may change the owner of a file.
         with suppress(PermissionError):
             os.chown(file, facts.st_uid, facts.st_gid)
     file.chmod(stat.S_IMODE(facts.st_mode))

@@ -34,6 +34,7 @@ def canonical(quaternions: ArrayLike) -> Floats:
     size = np.abs(q)
     q[size < DUST] = 0.0
     first = q[..., 0]
+    # w decides for nearly all rotations: the search along each row is left out.
     if not (size[..., 0] > NOTHING).all():
         at = (size > NOTHING).argmax(axis=-1)
         first = np.take_along_axis(q, at[..., None], axis=-1)[..., 0]
@@ -89,6 +90,7 @@ def rotate(quaternions: ArrayLike, vectors: ArrayLike) -> Floats:
 def angle_between(left: ArrayLike, right: ArrayLike) -> Floats:
     """Angle in degrees between two unit quaternion columns, exact for small angles."""
     w, x, y, z = _product(conjugate(left), right)
+    # The arc cosine of w would lose angles below 1e-6 degrees.
     sine = np.sqrt(x * x + y * y + z * z)
     return np.asarray(np.degrees(2.0 * np.arctan2(sine, np.abs(w))))
 
@@ -99,6 +101,7 @@ def turns(first: ArrayLike, last: ArrayLike) -> Floats:
     turn = np.where(turn[..., :1] < 0.0, -turn, turn)
     sine = norms(turn[..., 1:])[..., None]
     angle = 2.0 * np.arctan2(sine, turn[..., :1])
+    # The limit of angle / sine for small turns is 2.
     return np.asarray(turn[..., 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0))
 
 
@@ -110,8 +113,10 @@ def between(first: ArrayLike, last: ArrayLike, part: ArrayLike) -> Floats:
     a, b = np.asarray(first, dtype=np.float64), np.asarray(last, dtype=np.float64)
     b = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
     apart, near = norms(b - a), norms(b + a)
+    # From the lengths of two chords, as an arc cosine loses small angles.
     angle = (2.0 * np.arctan2(apart, near))[..., None]
     sine, t = np.sin(angle), np.asarray(part, dtype=np.float64)[..., None]
+    # Rotations that are nearly equal are interpolated linearly: the sines would give 0 / 0.
     alike = sine < 1e-9
     safe = np.where(alike, 1.0, sine)
     one = np.where(alike, 1.0 - t, np.sin((1.0 - t) * angle) / safe)

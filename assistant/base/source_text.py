@@ -106,6 +106,7 @@ _MISLEADS: Final = {
 U+FEFF, the byte order mark, may begin a text.
 """
 
+# Possessive quantifiers: no line is scanned twice.
 REST: Final = r"[^\r\n]*+(?:\r++(?!\n|\Z)[^\r\n]*+)*+"
 """Regular expression for the rest of a line, for texts whose lines end at line feeds."""
 
@@ -173,12 +174,14 @@ def odd_characters(text: str) -> Iterator[tuple[str, int]]:
     """
     if not any(one in text for one in _ODD_CHARACTERS) and _LONE_RETURN.search(text) is None:
         return  # nearly no text has one, and most are long
+    # A text may end with such a character: only one with text after it matters.
     end, last = line_end(text), len(text.rstrip(_BLANK))
     pattern, at = _MAY_BE_ODD[end], 0
     while (found := pattern.search(text, at)) is not None:
         begin = text.rfind(end, 0, found.start()) + 1
         at = text.find(end, found.start()) + 1 or len(text) + 1
         line = text[begin : at - 1]
+        # Blanks around the line do not count: a line end among them separates nothing.
         first, behind = begin + len(line) - len(line.lstrip()), begin + len(line.rstrip())
         told = set()
         for one in pattern.finditer(text, found.start(), at - 1):
@@ -186,6 +189,7 @@ def odd_characters(text: str) -> Iterator[tuple[str, int]]:
             if kind is LINE_ENDS:
                 matters = first <= one.start() < behind
             else:
+                # U+FEFF at the very start is the byte order mark.
                 matters = one.start() < last and (one[0] != "\ufeff" or one.start() > 0)
             if matters and id(kind) not in told:
                 told.add(id(kind))
@@ -208,6 +212,7 @@ def _is_of_nec(character: str) -> bool:
 
 
 def _encode_ibm(text: str, errors: str = "strict") -> tuple[bytes, int]:
+    # The capturing group has `split` return the characters of the pattern as parts, too.
     pattern, rows = _ibm_rows()
     parts = pattern.split(text)
     return b"".join(rows.get(part) or part.encode("cp932", errors) for part in parts), len(text)
@@ -474,6 +479,7 @@ def check_sent(data: bytes, path: str, *, by_line: bool = False) -> None:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
+        # An encrypted module begins beyond ASCII and letters; the controller has to judge it.
         if data[:1] >= b"\xf0":
             return
         # next line is a letter, or half of one, in the code pages of Windows
@@ -543,9 +549,11 @@ _LETTERS_OF_CODE_PAGE: Final = {
 def decode_code_page(data: bytes, path: str | None) -> SourceText:
     """The text of a file. What European programs hold is not taken for Japanese."""
     source = decode(data, path, CODE_PAGES_READ)
+    # cp932 decodes most Western texts as well, into rare letters instead of accented ones.
     if source.encoding in _JAPANESE_CODE_PAGES and not _is_japanese(source.text):
         others = [name for name in _WESTERN_CODE_PAGES if _round_trips(data, name)]
         source = decode(data, path, others or _JAPANESE_CODE_PAGES)
+    # cp1252 decodes the other Western code pages, too: only odd letters inside words show them.
     if source.encoding == "cp1252":
         for encoding, sign in _LETTERS_OF_CODE_PAGE.items():
             if sign.search(source.text) and _round_trips(data, encoding):
@@ -635,6 +643,7 @@ def in_ascii(text: str) -> str:
     """
     if text.isascii():
         return text
+    # Signs are replaced twice: NFKC dissolves some of them, and makes others from half-width forms.
     text = unicodedata.normalize("NFKC", "".join(_SIGNS.get(c, c) for c in text))
     spelled = _spelled(_kana("".join(_SIGNS.get(c, c) for c in text)), kept=_HAN)
     return spelled.encode("ascii", "backslashreplace").decode("ascii")
@@ -652,6 +661,7 @@ def plain_letters(text: str) -> str:
 def _spelled(text: str, kept: re.Pattern[str] = _NOTHING) -> str:
     letters = (c if kept.match(c) else _latin(c) for c in unicodedata.normalize("NFC", text))
     spelled = "".join(letters)
+    # `ß` is lower case even in a word of capitals.
     return spelled.upper() if text.replace("ß", "").isupper() else spelled
 
 
@@ -683,14 +693,17 @@ def _spoken(kana: str) -> str:
         if c == "ッ":
             double = True
         elif c == "ー":
+            # `ー` lengthens the vowel before it.
             said += said[-1:]
         elif c in _GLIDES:
+            # A small ya, yu or yo replaces the i before it: kya, but sha, cha, ja.
             stem = said[:-1] if said.endswith("i") else said
             said = stem + ("" if stem.endswith(("sh", "ch", "j")) else "y") + _GLIDES[c]
         elif c in _SMALL:
             said = said[:-1] + _SMALL[c] if said[-1:] in ("e", "i", "u") else said + _SMALL[c]
         else:
             syllable = _SYLLABLES.get(c, c)
+            # `ッ` doubles the consonant that follows; Hepburn writes tch for a doubled ch.
             said += (syllable[:1].replace("c", "t") if double else "") + syllable
             double = False
     return said

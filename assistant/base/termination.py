@@ -76,6 +76,7 @@ class Termination:
         try:
             yield
         finally:
+            # A `hold` inside the block stays in force.
             self._held = held or self._held
 
     def met(self, number: int, _frame: object) -> None:
@@ -155,4 +156,5 @@ def defer_termination() -> Iterator[None]:
     with signals_handled(lambda number, _: came.append(number)):
         yield
     if came:
+        # The handlers of before decide what the first signal does.
         signal.raise_signal(came[0])

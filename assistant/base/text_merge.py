@@ -23,6 +23,7 @@ StoredForm = Callable[[bytes], bytes]
 """The form in which a controller compares programs; see `Programs.stored`."""
 
 _ENCODINGS: Final = ("utf-8", "latin-1")
+"""Encodings to read programs in; latin-1 has a character for every byte, so none is refused."""
 _WORD: Final = re.compile(
     r'"[^"\r\n]*"|[A-Za-z_]\w*|\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|\S'
 )
@@ -72,6 +73,7 @@ def merged(base: bytes, own: bytes, other: bytes, form: StoredForm, mark: str = 
             ):
                 return None
             continue  # the same change was made here
+        # Local changes above shift the lines: the last one says by how much.
         moved = next((c.end - c.stop for c in reversed(ours) if c.stop <= change.first), 0)
         lines += mine.lines[at : change.first + moved] + theirs.lines[change.begin : change.end]
         at = change.stop + moved
@@ -91,6 +93,7 @@ def _in_order(own: bytes, other: bytes, form: StoredForm) -> bytes:
     lines = list(theirs.lines)
     for slot, taken in zip(slots, moved, strict=True):
         lines[slot] = theirs.lines[taken]
+    # A line without an end would be joined to the next one.
     if lines == theirs.lines or not all(map(_end, theirs.lines)):
         return other
     text = _bytes(lines, theirs.encoding)
@@ -170,12 +173,14 @@ def _carried(mine: _Text, theirs: _Text, mark: str) -> list[str]:
         elif step == "replace" and (
             text := _with_values("".join(block), theirs.lines[j1:j2], mark)
         ):
+            # The controller may break the lines elsewhere: the block is compared as one text.
             lines += ended_lines(text)
         elif i2 - i1 == j2 - j1:
             pairs = zip(block, theirs.lines[j1:j2], strict=True)
             lines += [_with_values(own, [new], mark) or _taken(new, end) for own, new in pairs]
         else:
             taken = zip(theirs.keys[j1:j2], theirs.lines[j1:j2], strict=True)
+            # A line that only moved keeps the local layout.
             lines += [spare.get(key) or _taken(line, end) for key, line in taken]
     return lines
 
@@ -197,6 +202,7 @@ def _with_values(own: str, other: Sequence[str], mark: str) -> str | None:
 
 def _words(text: str, mark: str) -> Iterator[tuple[str, int]]:
     """The words, each with where it begins; numbers with their signs. mark: of comments."""
+    # A sign at the very start is of a number, as after a bracket.
     before, behind, end = "[", 0, line_end(text)
     sign: int | None = None
     for found in _WORD.finditer(text):
@@ -250,9 +256,6 @@ def _line_form(word: str, digits: int | None = None) -> str | float:
 
 def _bytes(lines: Sequence[str], encoding: str) -> bytes:
     return "".join(lines).encode(encoding)
-
-
-"""To show a program in; differences are found on its bytes."""
 
 
 _ABSENT_FILE: Final = "/dev/null"

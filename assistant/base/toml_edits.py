@@ -50,6 +50,7 @@ def toml_item(value: Any) -> Item:
         case float() if value.is_integer() and abs(value) < _LARGEST_WHOLE:
             return tomlkit.item(int(value))
         case str():
+            # Raises ValueError for lone surrogates, which no TOML file can hold.
             value.encode()
             return tomlkit.string(value)
         case Sequence():
@@ -92,6 +93,7 @@ def toml_text(content: Mapping[str, Any]) -> str:
 
 def rounded(numbers: Sequence[float], digits: int) -> list[float]:
     """Numbers with at most so many decimals."""
+    # The sum turns -0.0 into 0.0.
     return [round(float(one), digits) + 0.0 for one in numbers]
 
 
@@ -111,6 +113,7 @@ def _plain(value: Any) -> Any:
 def _key(parts: Sequence[str]) -> Key:
     import tomlkit
 
+    # Raises ValueError for lone surrogates, which no TOML file can hold.
     for part in parts:
         part.encode()
     return tomlkit.key(parts[0] if len(parts) == 1 else list(parts))
@@ -171,6 +174,7 @@ def is_alike(one: Any, other: Any) -> bool:
 
 def _set(content: Any, path: KeyPath, value: Any) -> bool:
     """Set what a text is meant to hold; False where a key would belong to what is no table."""
+    # The value as it is read back, to compare with the text that is read again.
     meant = None if value is None else (toml_content(f"it = {toml_value(value)}") or {}).get("it")
     here = content
     for part in path[:-1]:
@@ -196,6 +200,7 @@ def _with_value(text: str, path: KeyPath, value: Any) -> str:
         if not pairs:
             continue
         names = path[len(section.path) :]
+        # A shorter key holds an inline table or array; longer ones are the dotted keys of a table.
         (key, span), spans = pairs[0], [one for _, one in pairs]
         if len(key) < len(path) or (key == path and value is not None):
             return _with_changed_pair(text, span, names, value)
@@ -210,9 +215,11 @@ def _with_changed_pair(text: str, span: Span, names: KeyPath, value: Any) -> str
     start, end = text.rfind("\n", 0, span.start) + 1, next_line(text, span.end)
     document = tomlkit.parse(text[start:end])
     table: Any = document
+    # Down to the innermost container that exists: the names that remain are new.
     while len(names) > 1 and (isinstance(table, list) or names[0] in table):
         key: Any = int(names[0]) if isinstance(table, list) else names[0]
         table, names = table[key], names[1:]
+    # Levels that are missing become inline tables.
     for name in reversed(names[1:] if value is not None else ()):
         value = {name: value}
     if value is None:
@@ -226,6 +233,7 @@ def _with_changed_pair(text: str, span: Span, names: KeyPath, value: Any) -> str
         table[names[0]] = toml_item(value)
         trivia = _only_value(document).trivia
         longer = len(document.as_string()) - len(before)
+        # Only a comment on the line of the value has a column to keep.
         if trivia.comment and "\n" not in before[: before.index(trivia.comment)]:
             trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
     return text[:start] + document.as_string() + text[end:]
@@ -241,6 +249,7 @@ def _only_value(table: Container) -> Item:
 
 def _with_lines(text: str, pairs: Sequence[Span], line: str | None) -> str:
     """With a line in place of the first of some pairs, without the others."""
+    # The last one first, so that the spans before it stay valid.
     for span in reversed(pairs):
         start, end = text.rfind("\n", 0, span.start) + 1, next_line(text, span.end)
         ending = text[start + len(text[start:end].rstrip("\r\n")) : end]
@@ -259,6 +268,7 @@ def _with_new_key(text: str, found: Mapping[KeyPath, Section], path: KeyPath, va
         line = _line(path[len(section.path) :], value)
         choice = _choice(text, section, path[-1]) if section.path == table else None
         if choice is not None:
+            # Without the first `#`, which makes the line a choice.
             about = _REMARK.search(choice[0][1:])
             line = f"{line:{COMMENT_COLUMN - 1}} #{about[1]}" if about else line
             return text[: choice.start()] + line + text[choice.end() :]
@@ -273,6 +283,7 @@ def _choice(text: str, section: Section, key: str) -> re.Match[str] | None:
     """The comment that has a key and a value for it."""
     choices = re.compile(rf"^# *{re.escape(toml_key(key))} *=[^\r\n]*", re.MULTILINE)
     for found in choices.finditer(text, section.start, section.stop):
+        # A line inside a multi-line value is no comment.
         if not any(span.start <= found.start() < span.end for _, span in section.pairs):
             return found
     return None

@@ -23,6 +23,7 @@ LONG_KEY: Final = error(
     "write a key of fewer parts",
 )
 
+# Possessive quantifiers: a long line without such a key is scanned once.
 _PART: Final = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _LONG_KEY_PATTERN: Final = re.compile(
     rf"(?:^|[{{,])[ \t]*+\[{{0,2}}+[ \t]*+{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_PARTS}}}",
@@ -63,10 +64,12 @@ KeyPath = tuple[str, ...]
 BLANK: Final = re.compile(r"[ \t]*")
 _SPACE: Final = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _KEY_PART: Final = re.compile(r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""")
+# Up to two quotes may precede the three that end a multi-line text.
 _QUOTED_TEXT: Final = re.compile(
     r'"""(?:[^\\]|\\.)*?"{3,5}|' + r"'''.*?'{3,5}|" + r"""\"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""",
     re.DOTALL,
 )
+# A blank may separate date and time.
 _BARE_VALUE: Final = re.compile(r"[^\s,\]}#]+(?: \d[^\s,\]}#]*)?")
 
 
@@ -114,6 +117,7 @@ class _KeyReader:
     """Reads keys and skips values; the text is known to be valid."""
 
     def __init__(self, text: str) -> None:
+        # Entries of arrays of tables so far.
         self.text, self.at = text, 0
         self.spans: dict[KeyPath, Span] = {}
         self.values: dict[KeyPath, Span] = {}

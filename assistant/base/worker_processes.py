@@ -58,6 +58,7 @@ class Worker:
 
         One request at a time.
         """
+        # Not in the `try`: an argument that cannot be pickled is no death of the process.
         request = pickle.dumps((function, argument))
         try:
             process = self._started()
@@ -92,6 +93,7 @@ class Worker:
     def _end(self) -> None:
         process, self._process = self._process, None
         if process is not None:
+            # Leaving the context of the process closes its pipes and reaps it.
             with contextlib.suppress(OSError), process:
                 process.kill()
 

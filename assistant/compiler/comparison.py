@@ -221,6 +221,7 @@ def _paired_rows(
         [text if by_numbers else _NUMBER_TEXT.sub("#", text) for text, _ in told]
         for told in (own, others)
     )
+    # With autojunk, statements that are frequent in long programs would not be matched.
     for what, a, b, c, d in SequenceMatcher(None, mine, theirs, autojunk=False).get_opcodes():
         if what == "equal":
             yield from zip(own[a:b], others[c:d], strict=True)
@@ -362,6 +363,7 @@ def _pose_name(word: str, pose: Pose) -> str:
 
 
 def _rounded_pose(pose: Pose) -> Pose:
+    # Adding 0.0 turns -0.0, which is printed with a sign, into 0.0.
     x, y, z = (round(value, 2) + 0.0 for value in pose.position)
     w, a, b, c = (round(value, 4) + 0.0 for value in _positive_quaternion(pose))
     return Pose((x, y, z), (w, a, b, c))

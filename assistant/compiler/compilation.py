@@ -442,11 +442,13 @@ def compile_program(
     findings = list(check(program))
     arm = arms.robot or known_robot(program.robot)
     unlike = tuple[Diagnostic, ...]()
+    # Constructs that only the source's language has are lowered for the target language.
     if source.origin is not None:
         said = language_of(source.origin.language).exported(program, target, arm)
         program, findings = traced("exported", said.program), [*findings, *said.findings]
         findings += (f for f in group_values(program) if f not in findings)  # of questions as well
         unlike = said.findings
+    # Joint values mean another pose on an arm other than the one that they were taught on.
     taught = teaching_arm(program, arms)
     if taught is not None or not arms.same:
         program, left = without_unused_joint_targets(program, target, taught, arms.robot)
@@ -462,14 +464,17 @@ def compile_program(
     if has_free_turns(program):
         program, changed = with_chosen_turns(program, arm, arms.scene)
         findings += changed
+        # The proofs compare with the chosen turns, so they belong to the source from here on.
         source = before = traced("with-turns", program)
     if has_travels(program):
         ways = with_planned_travels(program, arm, arms.scene, places)
         findings += ways.findings
+        # The planned travels are part of what is proven.
         source = before = program = traced("travelled", ways.program)
         if has_errors(ways.findings):
             compiled = Compiled(program, target.name, Proof(None), source, places)
             return replace(compiled, found=tuple(findings))
+    # A converted dialect keeps its trees as they are: they cannot be split into units.
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
         return _converted_dialect(conversion, findings, source, places, target, (arm, arms.scene))
@@ -501,6 +506,7 @@ def compile_program(
         program, changed = with_joint_speed(program, arms.joint_speed)
         findings += changed
     adapted = target.adapt(program, arm, most_targets=most_targets)
+    # A routine that is left out may have been the only caller of others: repeat until none is left.
     while source.origin is not None:
         rest = without_uncalled(program, (*unlike, *adapted.findings), target.name)
         if rest is None:
@@ -517,6 +523,7 @@ def compile_program(
     compiled = Compiled(program, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings), wanting=adapted.wanting)
+    # One file for the program itself (None), and one for each of its units.
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
     with within(PRINTING, None, program.size()):
         plain = {
@@ -532,6 +539,7 @@ def compile_program(
     proof = prove_read_back(
         target, program, files, arm, reduced=without_comments if framed else None
     )
+    # Without the templates the proof tells whether they or the translation are at fault.
     if framed and not proof.holds:
         unframed = prove_read_back(
             target, program, {name: data for (_, name), data in plain.items()}, arm
@@ -604,6 +612,7 @@ def _explained_proof(proof: Proof, program: Program) -> Iterator[Diagnostic]:
         for part in parts
     }
     texts = _vendor_texts(program)
+    # The most likely cause first: a vendor statement that moves, a vendor expression, any other.
     cause = (
         _first_vendor_statement(program, moving=True)
         or next(iter(kept.items()), None)

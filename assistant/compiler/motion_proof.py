@@ -72,6 +72,8 @@ class ProgramPair:
             some = pair[0] or pair[1]
             if some is None:  # data
                 continue
+            # Both signals of a pair get one number: the stated one, else that of either program,
+            # else a free one.
             stated = int(other) if other.isdecimal() else None
             numbers = [known[1].number for known in pair if known is not None]
             number = next((n for n in (stated, *numbers) if n is not None), free)
@@ -151,6 +153,7 @@ def _shared_data(pair: ProgramPair, trees: Sequence[Any]) -> tuple[dict[str, str
     for name in sorted(((first & second) | stated) - _by_reference(pair.first)):
         names = name, pair.others_name(name)
         spoken = [known.get(one, one) for known, one in zip(own, names, strict=True)]
+        # Data that one of the texts does not name cannot be compared.
         if all(re.search(rf"(?i)\b{s}\b", t) for s, t in zip(spoken, texts, strict=True)):
             for side, called in zip(found, spoken, strict=True):
                 side[called] = name
@@ -526,6 +529,7 @@ def prove_motion(
     if found.unknown is not None and first.robot is None and second.robot is None:
         for arm, one, two in _stand_in_sides(first, second):
             again = compared(one, two, outputs, rounding, budget, script)
+            # A stand-in arm on which every run fails proves nothing.
             if again.unknown is None and again.failing < again.runs:
                 found = again
                 findings.append(_RUN_ON_STAND_IN(title=arm.title))
@@ -545,6 +549,7 @@ def _rounding_of(
     counted = languages if terms.typed else languages[-1:]
     positions = [language.precision.position for language in counted]
     angles = [language.precision.angle for language in counted]
+    # Typed programs are rounded by hand: at most two decimals count.
     if terms.typed:
         positions, angles = [*positions, _TYPED_POSITION], [*angles, _TYPED_ANGLE]
     rounding = Rounding(max(positions), max(angles), max(positions))
@@ -602,6 +607,7 @@ def _proof_findings(
         unjudged = _RUN_UNJUDGED(name=names[stop.side], inputs=inputs, reason=reason)
         yield replace(unjudged, **_place_fields(stop.run.place))
     where = "that was tried" if found.stalling else "in the script"
+    # `_ending_findings` reports a program that only waits.
     for stop in [] if _only_waits(found) else found.stalled:
         yield _STALLED(name=names[0], where=where, **_place_fields(stop.run.place))
     for branches, name in zip(found.never, names, strict=True):

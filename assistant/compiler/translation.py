@@ -93,6 +93,7 @@ def _add_losses(program: Program, found: Mapping[Span, list[Diagnostic]]) -> Non
     wrong: set[Span | None] = {span for span, told in found.items() if has_errors(told)}
     if not wrong:
         return
+    # Inner parts first: calls are judged with them among the lost ones.
     for span, holder in _losses_inside(program, wrong).items():
         if span in found and span not in wrong:
             found[span].extend(f for f in found[holder] if f.severity is Severity.ERROR)
@@ -300,10 +301,12 @@ def translate(
     compiled = compile_program(program, places, target, arms, most_targets, style)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
+        # The draft is compiled even if it is not requested: it finds further faults of the source.
         with within(DRAFTING, None, program.size()):
             drawn, later = drafted(compiled, target, arms, most_targets, style)
         written = drawn if draft else compiled
     else:
+        # A run with stand-in values proves nothing.
         sought = None if loaded.wanting else proving
         written = compiled = proven_by_motion(compiled, arms, sought, entry)
     with within(REPORTING, None, program.size()):
@@ -452,6 +455,7 @@ def _report(
     lifted = {q.span for program in (compiled.source, plain) for q in program.procedures}
     for part in chain(_parts_of_source(compiled.source, places, lifted), also):
         known = parts.setdefault(part.span, part)
+        # A part is silent only if no reading of it is to be shown.
         known.silent = known.silent and part.silent
         for name in part.names:
             names.setdefault(name, known)
@@ -470,6 +474,7 @@ def _report(
             one, line = about.at(finding.span)
             if one is not None:
                 one.note(finding, line)
+    # First across, then down, then by calls: each step uses the findings of those before.
     _pass_on_findings(parts)
     _pass_down_findings(parts, [f for f in (*compiled.found, *later) if f.code == NOT_CALLED.code])
     _add_losses(compiled.source, {span: part.found for span, part in parts.items()})
@@ -477,6 +482,7 @@ def _report(
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)
     level = _levels(_advice_test(compiled))
+    # Values from a cell file have no line in the source: only lost ones are shown.
     shown = [
         part for part in shown if not _is_stated(places.of(part.span)) or level(part.found) == "not"
     ]
@@ -504,6 +510,7 @@ class _PartFinder:
             part, line = self.at(span)
             if part is not None:
                 return part, line
+            # No part has exactly this span: the smallest one that contains it counts.
             holding = [s for s in self._parts if s.start <= span.start and span.end <= s.end]
             inmost = min(holding, key=lambda s: s.end - s.start, default=None)
             return (self._parts[inmost] if inmost is not None else None), None

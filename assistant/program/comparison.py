@@ -129,6 +129,7 @@ class _Walk:
         """Any part of a program; records, tuples and tables are compared part by part."""
         if len(self.mismatches) >= _MOST_MISMATCHES:
             return
+        # The innermost statement with a span is where a mismatch is reported.
         around, self.span = self.span, getattr(expected, "span", None) or self.span
         self._value(expected, actual, steps)
         self.span = around
@@ -166,6 +167,7 @@ class _Walk:
             self._differ(steps, _short(expected), _short(actual))
 
     def _number(self, expected: float, actual: float, steps: _Steps) -> None:
+        # True equals 1 in Python, but not in a program.
         if isinstance(expected, bool) is not isinstance(actual, bool):
             self._differ(steps, _short(expected), _short(actual))
         elif math.isnan(expected) or math.isnan(actual):
@@ -240,6 +242,7 @@ class _Walk:
         self._rows(np.flatnonzero(~close.all(axis=1)), "external axes", steps)
         for column in ("speed", "blend", "tool", "frame"):
             table, other = getattr(mine, column + "s"), getattr(theirs, column + "s")
+            # Pairs of table entries instead of rows: few tables, many rows.
             paired = getattr(mine, column) * len(other) + getattr(theirs, column)
             for pair in np.flatnonzero(np.bincount(paired)):
                 first, second = divmod(int(pair), len(other))

@@ -161,6 +161,7 @@ def _turned(quaternion: Quaternion, vector: Vector) -> Vector:
 def _canonical(quaternion: Quaternion) -> Quaternion:
     q = np.array(quaternion, dtype=np.float64)
     length = math.sqrt(np.einsum("...i,...i->...", q, q))
+    # Zero and NaN go to the columns, which raise and warn as they do for others.
     if not length > 0.0:
         return Pose.of(np.zeros(3), rotations.canonical(quaternion)).quaternion
     w, x, y, z = (float(part) / length for part in quaternion)
@@ -344,9 +345,11 @@ def arc_middle_across(start: Floats, end: Floats, other: Floats) -> Floats | Non
     normal = np.cross(chord, aside)
     if np.linalg.norm(normal) <= _COLLINEAR_SINE * np.linalg.norm(chord) * np.linalg.norm(aside):
         return None
+    # The circumcentre from two edge vectors at the start.
     centre = start + (
         (aside @ aside) * np.cross(normal, chord) + (chord @ chord) * np.cross(aside, normal)
     ) / (2 * normal @ normal)
+    # Away from the other point, across the chord.
     away = chord * (aside @ chord) / (chord @ chord) - aside
     middle: Floats = centre + away * np.linalg.norm(start - centre) / np.linalg.norm(away)
     return middle
@@ -363,6 +366,7 @@ def arc_middle_around(start: Floats, end: Floats, centre: Floats, most: float) -
     between = one + two
     length = np.linalg.norm(between)
     turned = np.linalg.norm(np.cross(one, two)) > _COLLINEAR_SINE * radii[0] * radii[1]
+    # Start and end are in line with the centre: half a turn or none, without a middle.
     if abs(radii[0] - radii[1]) > most or not turned:
         return None
     middle: Floats = centre + between * (radii[0] + radii[1]) / 2 / length
@@ -372,6 +376,7 @@ def arc_middle_around(start: Floats, end: Floats, centre: Floats, most: float) -
 def target_between(first: Target, last: Target, middle: Floats) -> Target:
     """A point on the way between two targets: turned halfway, in the branch of the first."""
     one, two = np.array(first.pose.quaternion), np.array(last.pose.quaternion)
+    # The shorter turn: both signs of a quaternion are one orientation.
     turned = one + (two if one @ two >= 0 else -two)
     pose = Pose.of(middle, turned / np.linalg.norm(turned))
     return Target(pose, first.configuration, first.external)
@@ -409,10 +414,12 @@ def points_on_arc(places: Floats, count: int) -> Iterator[Floats]:
         yield from (start + share * chord for share in shares)
         return
     centre = start + (
+        # The circumcentre, from the start.
         (aside @ aside) * np.cross(chord, normal) + (chord @ chord) * np.cross(normal, aside)
     ) / (2 * size**2)
     right, last = start - centre, end - centre
     up = np.cross(normal / size, right)
+    # From 0 to a full turn: `up` points ahead at the start.
     whole = float(np.arctan2(last @ up, last @ right)) % (2 * np.pi)
     for share in shares:
         yield centre + np.cos(share * whole) * right + np.sin(share * whole) * up

@@ -187,6 +187,7 @@ class Path:
         }
         indices: dict[str, Any] = {}
         for label, (index, table) in column.items():
+            # Broadcast views cost no memory for columns that are the same in all rows.
             rows = np.broadcast_to(np.asarray(index, dtype=np.int32), (n,))
             if n and not (rows.min() >= 0 and rows.max() < len(table)):
                 raise ValueError(f"a {label} index has no row in its table of {len(table)}")
@@ -241,6 +242,7 @@ class Path:
     def differing_rows(self, other: Path, column: str) -> Rows:
         """Rows in which the table entries that `column` points to are not equal."""
         mine, theirs = getattr(self, column + "s"), getattr(other, column + "s")
+        # Few table entries are compared, then rows by their indices.
         equal = np.array([[a == b for b in theirs] for a in mine], dtype=bool)
         equal = equal.reshape(len(mine), len(theirs))
         if not len(self):
@@ -311,6 +313,7 @@ class ValueNames(Generic[T]):
         value = declared.get(name.lower())
         if value is None:
             return self.predefined.get(name.lower())
+        # A declared value of another meaning hides the predefined name.
         return value if self.name(value) == name.lower() else None
 
     def named(self, declared: Mapping[str, T]) -> dict[str, T]:

@@ -51,6 +51,7 @@ def _read_record_fields(kind: Any) -> RecordFields:
     names = tuple(name for name in said if not _holds_no_record(hints.get(name, Any)))
     if not names:
         return RecordFields((), lambda _: ())
+    # `attrgetter` of one name returns the value itself, not a tuple.
     several = attrgetter(*names)
     return RecordFields(names, several if len(names) > 1 else lambda record: (several(record),))
 
@@ -167,6 +168,7 @@ def map_expressions(node: T, change: Callable[[e.Expression], e.Expression]) -> 
 
 def map_head(statement: Any, change: Callable[[e.Expression], e.Expression]) -> Any:
     """The statement with its own expressions changed; the bodies that it holds stay as they are."""
+    # The bodies are taken out first, so that their expressions stay.
     held = iter(bodies(statement))
     return map_bodies(map_expressions(head(statement), change), lambda _: next(held))
 
@@ -191,6 +193,7 @@ def records(value: Any) -> Iterator[Any]:
                 yield item
                 pending += parts.of(item)
         elif issubclass(kind, tuple):
+            # Named tuples.
             pending += item
         elif _is_table(kind):
             pending += item.values()

@@ -104,6 +104,7 @@ class Merge:
         own = (name.removeprefix(owner), pose_key(self.base.program.targets[name].pose))
         others = [one for one in before if one != own]
         there = set(self.made.profiles[owner][1:])
+        # More than half of the other points of the contour are where they were.
         return 2 * sum(one in there for one in others) > len(others)
 
     def place_of(self, name: str) -> tuple[str | None, str]:
@@ -250,6 +251,7 @@ class Merge:
                         back[id(path)] = was
                         self._move_rows(path, was, changed)
             procedures.append(_with_paths(procedure, back))
+        # `rewrite` visits the very objects of the new program, so their identity finds them.
         by_id = {id(self.made.paths[name][which]): path for (name, which), path in changed.items()}
         return tuple(procedures), by_id
 
@@ -425,6 +427,7 @@ class _BodyMerge:
             for body, one in ((was.body, base), (here.body, base), (there.body, made))
         )
         name = there.name
+        # Parts can be compared one by one only if both have the same contours in the same order.
         if list(old) != list(edited):
             what = f"statements of `{name}`"
             if self._merge.is_dropped(name, what):
@@ -475,6 +478,7 @@ class _BodyMerge:
         result: list[Statement] = []
         at = shift = 0
         for first, stop, begin, end in ours:
+            # Changes of the source before this one shift its statements.
             shift = sum((d - c) - (b - a) for a, b, c, d in theirs if b <= first)
             result += there[at : first + shift]
             result += self._with_names(here[begin:end])
@@ -523,6 +527,7 @@ def _changes(old: Sequence[str], new: Sequence[str]) -> list[_BodyChange]:
 
 def _changes_touch(one: _BodyChange, other: _BodyChange) -> bool:
     """True if two changes are of the same statements, or insert next to them."""
+    # An insertion has no statements: it touches a change that begins or ends there.
     if one[0] == one[1] or other[0] == other[1]:
         return one[0] <= other[1] and other[0] <= one[1]
     return one[0] < other[1] and other[0] < one[1]
@@ -567,6 +572,7 @@ def _statement_keys(
 
 
 def _path_digest(path: Path, name: str) -> str:
+    # The sums turn -0.0 into 0.0: their bytes differ.
     columns = (path.kinds, path.positions + 0.0, path.quaternions + 0.0, path.configurations)
     data = b"".join(bytes(column.tobytes()) for column in columns) + path.external.tobytes()
     rows = [
@@ -604,6 +610,7 @@ def _value_text(value: Any, beside: Any = None) -> str:
 def _numbers_text(values: Any) -> str:
     """Numbers in brackets, without those at the end that are not used."""
     listed = [float(v) for v in values]
+    # Unused axes are NaN, the only number that differs from itself.
     while listed and listed[-1] != listed[-1]:
         listed.pop()
     return f"[{', '.join(f'{round(v, _SHOWN_DIGITS):g}' for v in listed)}]"

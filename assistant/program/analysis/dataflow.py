@@ -65,6 +65,7 @@ class Dataflow(Generic[N, V]):
     ) -> None:
         self.after, self.effect, self.join = after, effect, join
         self.found: dict[N, V] = {}
+        # Reverse postorder: a node mostly comes after all that lead to it.
         self._nodes = postorder(after)[::-1]
         self._rank = {node: rank for rank, node in enumerate(self._nodes)}
 
@@ -85,6 +86,7 @@ class Dataflow(Generic[N, V]):
                 waiting.add(rank)
                 heapq.heappush(queue, rank)
 
+        # A start is visited even if its value is known.
         for node, value in starts:
             put(node, value)
             await_turn(node)
@@ -136,6 +138,7 @@ class ControlFlowGraph:
 
     def _body(self, body: Body, after: int) -> int:
         """Return the node at the beginning of a body. after: the node that follows the body."""
+        # Backwards, as each part needs the node that follows it. Plain statements share one node.
         for steers, nodes in groupby(reversed(body), self._steers):
             if steers:
                 for node in nodes:
@@ -160,6 +163,7 @@ class ControlFlowGraph:
             case p.Return():
                 return self._node((node,), EXIT)
             case p.Stop(end=True):
+                # An end of the program: nothing follows.
                 return self._node((node,))
             case p.If(branches, otherwise):
                 other = self._body(otherwise, after)
@@ -171,6 +175,7 @@ class ControlFlowGraph:
                 bodies = [*(case.body for case in cases), otherwise]
                 return self._node((head(node),), *(self._body(body, after) for body in bodies))
             case p.While(condition, body):
+                # A loop without end is left only by jumps.
                 loop = self._node((condition,), *(() if _is_always_true(condition) else (after,)))
                 self.after[loop].append(self._body(body, loop))
                 return loop

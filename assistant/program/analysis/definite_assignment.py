@@ -75,8 +75,10 @@ class AssignmentAnalysis:
         A procedure that calls itself reads no more by that than it reads from its top.
         """
         key = procedure.name.lower()
+        # A direct recursion reads nothing more; the paths after it go on, unlike with None.
         if self._running and key == self._running[-1]:
             return Run(given=frozenset())
+        # Procedures that call each other: all names count as read.
         if key in self._running:
             read = set().union(*map(names_in_procedure, self.program.procedures))
             return Run(read, given=frozenset())

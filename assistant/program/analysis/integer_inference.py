@@ -68,10 +68,12 @@ class NumberFacts:
             for name in self._counted[owner]:  # one that is declared nowhere is the loop's own
                 if ("", name) not in self.found:
                     self.found.setdefault((owner, name), _ALL_KNOWN)
+        # Declared integers stay integers, whatever is assigned to them.
         self._integers = frozenset(self._typed())
         given = list(self._given())
         for key in self._left_alone({key for key, _ in given}):
             self._give(key, _NOTHING_KNOWN)
+        # Facts are only ever lost: the loop ends.
         while True:
             before = dict(self.found)
             for key, value in given:
@@ -139,6 +141,7 @@ class NumberFacts:
                             yield self._key(name, owner), _NOTHING_KNOWN
                     elif isinstance(part, e.Verbatim):
                         texts.append(part.text)
+        # A word in vendor text may assign a variable of that name.
         told = {word.lower() for text in texts for word in _WORD.findall(text)}
         yield from ((key, _NOTHING_KNOWN) for key in list(self.found) if key[1] in told)
 
@@ -161,6 +164,7 @@ class NumberFacts:
 
     def _key(self, name: str, owner: str) -> Key:
         inner = owner, name.lower()
+        # A name that the procedure does not declare is the program's.
         return inner if inner in self.found else ("", name.lower())
 
     def _of(self, x: e.Expression, owner: str) -> NumberFact:
@@ -226,6 +230,7 @@ def _initial_fact(variable: Variable) -> NumberFact:
     if variable.storage == "persistent" or variable.type not in ("number", "integer"):
         return NumberFact(whole, positive=False)
     values = [part.value for part in records(variable.initial) if isinstance(part, e.Number)]
+    # Any other part of a first value is unknown.
     others = [part for part in records(variable.initial) if not isinstance(part, _PLAIN)]
     if others:
         return NumberFact(whole, positive=False)

@@ -56,6 +56,7 @@ def with_one_name(program: Program) -> Program:
     used = used_signal_names(program)
     gone: set[str] = set()
     for names in shared:
+        # Names that nothing uses are dropped; if all are unused, the first stays.
         left = [name for name in names if name.lower() in used] or names[:1]
         gone.update(name for name in names if name not in left)
     signals = {name: one for name, one in program.signals.items() if name not in gone}
@@ -198,10 +199,12 @@ class _OpenTogether:
         self.procedures = {q.name.lower(): q for q in self.program.procedures}
         called = {name for _, calls in map(self.of, self.program.statements()) for name in calls}
         self.ways = {name: _ChannelEffect(_NONE) for name in self.procedures}
+        # Effects depend on callees: from nothing open upwards until none changes.
         while self.more_ways():
             pass
         entry = (self.program.entry or "").lower()
         alone = {name for name in self.procedures if name == entry or name not in called}
+        # Channels that a cycle leaves open are open when the next one begins.
         between = _NONE.union(*(self.ways[name].opened for name in alone))
         self.begins = {name: between if name in alone else _NONE for name in self.procedures}
         for name in self.interrupting():
@@ -241,6 +244,7 @@ class _OpenTogether:
     def through(self, procedure: Procedure, before: _OpenChannels) -> _OpenChannels:
         """Return the channels that may be open after a procedure."""
         self.left = _NONE
+        # Jumps may lead anywhere in the body: every channel of it may be open from the start.
         if any(isinstance(one, p.Goto) for one in walk(procedure.body)):
             before |= frozenset(
                 one.channel.lower() for one in walk(procedure.body) if isinstance(one, p.Attach)
@@ -270,6 +274,7 @@ class _OpenTogether:
                     self.body(b, at) for b in (*(x.body for x in cases), otherwise)
                 )
             case p.While(body=body) | p.For(body=body):
+                # A loop may begin with what its own body leaves open.
                 while not (behind := self.body(body, at) or _NONE) <= at:
                     at |= behind
                     at = self.step(node, at)

@@ -101,13 +101,17 @@ class MotionStates:
         while pending:
             name = self.owner = next(iter(pending))
             del pending[name]
+            # A procedure starts with a placeholder for the state at its call.
             known, self.jumped = self.after.get(name), False
             self.leave(self.body(self.procedures[name].body, _CALLED))
+            # Callers depend on what their callees leave: they are looked at again.
             if self.after[name] != known:
                 pending.update(dict.fromkeys(self.calls.get(name, ())))
+            # A jump back brings a state to a label that is passed already.
             if self.jumped:
                 pending[name] = None
         self.entered = self._entered((program.entry or "").lower())
+        # Corners before the call are those of all callers.
         for name in self.cut_before:
             self.cut |= (self.entered[name] or _ANY)[CORNER]
 
@@ -168,6 +172,7 @@ class MotionStates:
 
     def statement(self, node: p.Statement, state: MotionState) -> MotionState:
         if not isinstance(node, p.Label) and state is None:
+            # Code after a jump is reached only by a label in it.
             for inner in bodies(node):  # no way leads there but by a label in it
                 self.body(inner, None)
             return None
@@ -215,6 +220,7 @@ class MotionStates:
         return state
 
     def loop(self, node: p.While | p.For, body: Body, state: MotionState) -> MotionState:
+        # Until the state at the start of the loop no longer grows.
         while True:
             begun = self.read(node, head(node), state)
             again = _merged_states(state, self.body(body, begun))
@@ -236,6 +242,7 @@ class MotionStates:
                 case e.Apply(name) if name.lower() in self.procedures:
                     state = self.called(name, state)
         if asked:
+            # The text may be read before or after the calls in its statement.
             between = _merged_states(begun, state)
             self.before[id(node)] = _merged_states(self.before.get(id(node)), between)
         return state
@@ -247,6 +254,7 @@ class MotionStates:
 
     def moved(self, tool: str, frame: str, corner: str, state: MotionState) -> MotionState:
         lines = (state or _ANY)[LINES]
+        # A move leaves the corner of the move before it.
         self.lost(state)
         for name in (tool, frame):
             self.spelled.setdefault(name.lower(), name)

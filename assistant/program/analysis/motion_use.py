@@ -82,6 +82,7 @@ def straight_lengths(program: Program) -> dict[int, float]:
     """
     targets = {name.lower(): target for name, target in program.targets.items()}
     found: dict[int, float] = {}
+    # A procedure's own variables hide targets of the same name.
     for procedure in program.procedures:
         known = {k: t for k, t in targets.items() if k not in _own_names(procedure)}
         _measure_body(procedure.body, known, found)
@@ -109,6 +110,7 @@ def _measure_body(
 def _position_after(
     node: p.Statement, here: _KnownPosition, targets: Mapping[str, Target]
 ) -> _KnownPosition:
+    # A search move ends wherever its condition holds.
     if isinstance(node, p.MoveStatement) and node.until is not None:
         return None
     match node:
@@ -123,6 +125,7 @@ def _position_after(
             x, y, z = path.positions[-1].tolist()
             tool, frame = path.tools[path.tool[-1]], path.frames[path.frame[-1]]
             return (x, y, z), tool.lower(), frame.lower()
+    # Statements that do not move leave the robot where it is.
     return here if p.trait(node) in ("sets", "says", "waits") else None
 
 
@@ -183,6 +186,7 @@ class _SettingAlongPaths:
         """
         key = procedure.name.lower(), values
         if key not in self._known:
+            # A procedure that calls itself changes nothing further.
             self._known[key] = values  # for one that calls itself
             graph = ControlFlowGraph(procedure.body)
 

@@ -109,7 +109,9 @@ class PossibleValues:
                     for owner, value in self._given[place]
                     for other in self._asked(value, owner)
                 ]
+        # From no values upwards: what depends on itself needs a start.
         self._found |= dict.fromkeys(mine, _NONE)
+        # Values only grow, and at most to `MOST_VALUES`, so this ends.
         while True:
             known = {place: self._found[place] for place in mine}
             for place in mine:
@@ -157,6 +159,7 @@ class PossibleValues:
     def _begins(self, place: _Place, initial: e.Expression | None, storage: str) -> None:
         """Add the values in the file to those that the variable may have."""
         self._given.setdefault(place, [])
+        # A persistent variable without a value has whatever the controller holds.
         if initial is None and storage == "persistent":
             self._any.add(place)
         for value in _array_elements(initial):
@@ -169,6 +172,7 @@ class PossibleValues:
         for record in records(procedure.body):
             match record:
                 case p.Assign(e.Member() as target):
+                    # Components are not followed.
                     self._any.add(self._place(base_variable(target), owner))
                 case p.Assign(target, value):
                     if not isinstance(target, e.Name):
@@ -177,6 +181,7 @@ class PossibleValues:
                 case p.For(name, e.Number(first), e.Number(last), _, e.Number(step)) if step:
                     place = self._place(name.lower(), owner)
                     self._counted.add(place)
+                    # After the loop its variable is one step past the end.
                     count = int((last - first) / step) + 2  # the one behind the last, too
                     if count > MOST_VALUES:
                         self._any.add(place)
@@ -200,6 +205,7 @@ class PossibleValues:
                 continue
             place = callee.name.lower(), parameter.name.lower()
             self._give(place, owner, value)
+            # An `inout` parameter hands its values back.
             if parameter.mode == "inout" and (name := base_variable(value)):
                 self._give(self._place(name, owner), place[0], e.Name(parameter.name))
 
@@ -254,6 +260,7 @@ def numbers_at(
 ) -> Numbers:
     """Return the possible values of an expression at a statement of a procedure."""
     found = possible.of(value, procedure)
+    # Other procedures may be entered with any values.
     if found is not None or not possible.is_entry_alone(procedure):
         return found
     names = sorted(possible.followed(value, procedure))
@@ -291,6 +298,7 @@ class _ValuesAlongPaths:
         self, possible: PossibleValues, procedure: Procedure, names: list[str], again: bool = False
     ) -> None:
         self.possible, self.procedure, self.names = possible, procedure, names
+        # Conditions become statements, so that each branch knows what has been decided.
         self.graph = ControlFlowGraph(_with_assumptions(procedure.body))
         flow: Dataflow[int, State] = Dataflow(self.graph.after, self.behind, _merged_values)
         begun = (
@@ -298,6 +306,7 @@ class _ValuesAlongPaths:
             for name in names
         )
         flow.spread([(self.graph.start, tuple(begun))])
+        # Only conditions with the variable on the left are used.
         self.found = flow.found
 
     def at(self, value: e.Expression, statement: p.Statement) -> Numbers:
@@ -360,6 +369,7 @@ def _with_assumptions(body: Body) -> Body:
             case p.If(branches, otherwise):
                 changed, before = [], list[Any]()
                 for branch in branches:
+                    # A branch is entered only if all conditions before it failed.
                     inside = (*before, _Assumed(branch.condition, True))
                     changed.append(replace(branch, body=(*inside, *_with_assumptions(branch.body))))
                     before.append(_Assumed(branch.condition, False))
@@ -367,6 +377,7 @@ def _with_assumptions(body: Body) -> Body:
                 made.append(replace(node, branches=tuple(changed), otherwise=rest))
             case p.While(condition, inner):
                 inside = (_Assumed(condition, True), *_with_assumptions(inner))
+                # A `while` is left only when its condition fails.
                 made += [replace(node, body=inside), _Assumed(condition, False)]
             case _:
                 made.append(map_bodies(node, _with_assumptions))

@@ -90,6 +90,7 @@ def texts_in(value: Any) -> set[str]:
     """Every name that statements refer to, in lower case, and every other text in them."""
     found: set[str] = set()
     for record in records(value):
+        # Paths hold names in tables that `records` does not enter.
         if isinstance(record, p.Follow):
             found.update(n.lower() for n in (*record.path.tools, *record.path.frames))
         for part in type(record).__dataclass_fields__:
@@ -118,6 +119,7 @@ def along_calls(program: Program, own: Mapping[str, frozenset[str]]) -> dict[str
     for key, callees in calls.items():
         for callee in callees:
             callers[callee].append(key)
+    # Callees first, so that most procedures are final at the first look; cycles come again.
     pending = dict.fromkeys(callees_first(calls))
     while pending:
         key = next(iter(pending))
@@ -201,17 +203,20 @@ def read_before(
                 callee = functions[function.lower()]
                 mark = len(pending)
                 yield from given(callee, arguments)
+                # Arguments move out with the call, and are read before it either way.
                 del pending[mark:]
                 names = alters[function.lower()] | set(
                     map(base_variable, handed_over(callee, arguments))
                 )
                 yield from ((x, function) for x in pending if x.lower() in names)
             case e.Index(inner, indices):
+                # Indices are read before the element.
                 yield from walk(indices)
                 yield from walk(inner, read)
             case e.Member(inner):
                 yield from walk(inner, read)
             case p.Assign(target, assigned):
+                # The target is written, not read; its indices are read.
                 yield from walk(target, read=False)
                 yield from walk(assigned)
             case tuple():
@@ -263,6 +268,7 @@ def unordered(program: Program, cannot_say: Rule) -> Iterator[Diagnostic]:
         if not isinstance(node, p.Assign):
             continue
         (read, changed), (other, also) = touched(indices_of(node.target)), touched(node.value)
+        # Either order gives the same result unless one side changes what the other uses.
         if (changed and also) or changed & other or also & read:
             yield cannot_say(
                 what="whether the indices or the value of an assignment are worked out first",
@@ -341,6 +347,7 @@ def recursive_names(calls: Mapping[str, Collection[str]]) -> frozenset[str]:
     for root in calls:
         pending: list[tuple[str, Iterator[str]]] = []
         new: str | None = None if root in order else root
+        # A stack instead of recursion: programs may call deeply.
         while new is not None or pending:
             if new is not None:
                 order[new] = first[new] = len(order)
@@ -360,10 +367,12 @@ def recursive_names(calls: Mapping[str, Collection[str]]) -> frozenset[str]:
             if pending:
                 above = pending[-1][0]
                 first[above] = min(first[above], first[name])
+            # The component is complete: all names above this one on the stack belong to it.
             if first[name] == order[name]:
                 whole = [open_names.popitem()[0]]
                 while whole[-1] != name:
                     whole.append(open_names.popitem()[0])
+                # A single name is recursive only if it calls itself.
                 if len(whole) > 1 or name in calls[name]:
                     found.update(whole)
     return frozenset(found)

@@ -47,6 +47,7 @@ def opposite(value: e.Expression) -> e.Expression:
             return e.Binary(_OPPOSITE[operator], left, right)
         case e.Number(number):
             return e.Number(int(number == 0))
+    # Anything else holds if it is not 0.
     return e.Binary("=", value, e.Number(0))
 
 
@@ -56,6 +57,7 @@ def floor(x: e.Expression) -> e.Expression:
 
     The remainder of a number after truncation is greater than -1 and less than 1.
     """
+    # The remainder is above -1: 1 added makes it positive, so truncation rounds down.
     whole = e.Apply("trunc", (x,))
     rest = e.Binary("+", e.Binary("-", x, whole), e.Number(1))
     return e.Binary("-", e.Binary("+", whole, e.Apply("trunc", (rest,))), e.Number(1))
@@ -86,6 +88,7 @@ def with_shift_parts(x: e.Apply, parts: int | None = None) -> e.Apply:
     """A moved target with so many parts of what it is moved by, or with none of 0 at the end."""
     given, none = x.arguments, e.Number(0)
     if parts is not None:
+        # The first argument is the target.
         return e.Apply(x.function, given + (none,) * (1 + parts - len(given)))
     while len(given) > 4 and given[-1] in (none, e.Number(0.0)):
         given = given[:-1]

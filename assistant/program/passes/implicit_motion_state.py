@@ -107,6 +107,7 @@ class _Active:
     def program(self) -> tuple[Program, list[Span | None]]:
         whole = self.whole
         procedures = tuple(replace(q, body=self.named(q, q.body)) for q in whole.procedures)
+        # Only if some text needs them do moves store their tool and frame.
         if self.used:
             procedures = tuple(replace(q, body=self.noting(q.body)) for q in procedures)
         tool, frame = self.names
@@ -145,6 +146,7 @@ class _Active:
         if len(names) > 1:
             return self.names[part]
         (only,) = names
+        # Before the first move the flange and the base are active.
         return _DEFAULTS[part] if only == START else self.ways.spelled.get(only)
 
     # ------------------------------------------------------------------------------- noting
@@ -156,6 +158,7 @@ class _Active:
         known: Mounting | None = None
         for node in body:
             mounting = _mounting_after(node)
+            # Stored as late as possible: several moves in a row store once.
             if (
                 last is not None
                 and (mounting is None or self.asks(node))
@@ -165,6 +168,7 @@ class _Active:
             if mounting is not None:
                 last = len(made), mounting
             elif bodies(node) or self.calls(node) or isinstance(node, p.Label):
+                # Other paths may lead here with another tool or frame.
                 known = None
             made.append(map_bodies(node, self.noting))
         if last is not None:
@@ -260,8 +264,10 @@ def with_stops(
         if waits(node)
     }
     known = (one for one in corners.values() if UNKNOWN not in one)
+    # Corners with a wait after them that other paths cut through: these stop on all paths.
     early = frozenset().union(*known).intersection(ways.cut) - {STOP}
     standing = {STOP, UNKNOWN} if any(map(moves, program.statements())) else {STOP}
+    # The moves that become stops: those before waits alone, and the ones that other paths cut.
     stopping = frozenset().union(*corners.values()) - ways.cut - {UNKNOWN, STOP} | early
 
     def said(body: Body) -> Body:
@@ -314,6 +320,7 @@ def with_open_lines(program: Program, kept: StepsOfText) -> Program:
             open_uses.update(name.lower() for name in names_in(node))
     targets = {
         name: replace(target, configuration=None)
+        # Only targets that no other statement uses may lose their configuration.
         if 0 < uses[name.lower()] == open_uses[name.lower()]
         else target
         for name, target in program.targets.items()

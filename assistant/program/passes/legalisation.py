@@ -434,6 +434,7 @@ class Rewording:
     def body(self, body: Body) -> Body:
         made: list[p.Statement] = []
         for node in body:
+            # Findings of the statement, and new statements, get the span of the original one.
             with self.job.findings.at(node.span):
                 parts = self.statement(node)
                 made += (x if x.span else replace(x, span=node.span) for x in parts)
@@ -464,6 +465,7 @@ def leaving_out(told: Rule, changes: Mapping[type, tuple[str, Change]]) -> Pass:
         def plain(part: Any) -> Any:
             what, change = changes.get(type(part), ("", lambda same: same))
             made = change(part)
+            # A type without words changes nothing in meaning: nothing is reported.
             if what and made != part:
                 job.findings.append(told(what=what))
             return made

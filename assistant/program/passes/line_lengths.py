@@ -81,6 +81,7 @@ def procedures_too_long(program: Program, widths: LineWidths) -> frozenset[str]:
                     key = name.lower()
                     if key in known and key not in found and widths.call(arguments) > widths.most:
                         found.add(key)
+    # As variables, parameters would exist once for all calls of a recursive procedure.
     if found:
         found -= {q.name.lower() for q in recursive_procedures(program)}
     return frozenset(name for name in found if _has_free_parameters(known[name]))
@@ -171,6 +172,7 @@ class _SumSplitter:
     def added(self, value: e.Expression) -> list[e.Expression]:
         """Return the terms of a sum, from left to right; for texts also those in brackets."""
         parts = list(_summands(value))
+        # Texts may be added in any grouping; sums of numbers would round otherwise.
         while any(map(self.is_text, parts)) and any(map(_is_sum, parts)):
             parts = [inner for part in parts for inner in _summands(part)]
         return parts
@@ -178,9 +180,11 @@ class _SumSplitter:
     def assigned(
         self, node: p.Assign, target: e.Expression, parts: Sequence[e.Expression]
     ) -> Iterator[p.Statement]:
+        # The target appears twice in each line after the first.
         groups = [*self.groups(parts, self.widths.of(target) * 2)]
         later = [record for group in groups[1:] for part in group for record in records(part)]
         into = target if isinstance(target, e.Name) else None
+        # The target is read by a later part: its value must not change before the end.
         if into is None or any(self.touches(record, into) for record in later):
             into = self.kept(parts)
         if len(groups) < 2 or into is None:

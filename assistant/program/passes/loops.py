@@ -65,6 +65,8 @@ def counted(
     the fields name and why), or that this is not possible (`refused`).
     """
     found: Found = {}
+    # A `while` uses its variable outside of loops, which may affect other loops: repeated until
+    # none changes.
     while True:
         uses = _Uses(program)
         rewriter = _Whiles(program, uses, found, refused, changed)
@@ -80,6 +82,7 @@ def with_hiding_loops_renamed(program: Program) -> Program:
         return program
     uses = _Uses(program)
     names = (*_globals(program), *(q.name for q in program.procedures))
+    # A new name must hide nothing that any procedure uses.
     taken = TakenNames(n.lower() for n in names)
     for procedure in program.procedures:
         taken.update(_own(procedure), uses.of[id(procedure)].touched)
@@ -101,6 +104,7 @@ def with_hiding_loops_renamed(program: Program) -> Program:
 
 def _renamed(body: Body, old: str, new: str) -> Body:
     """The body with another name for a variable, but for loops inside that hide it."""
+    # Quoted text stays; a name after a dot is a component.
     word = re.compile(rf'"[^"]*"|(?<![\\.\w]){re.escape(old)}(?!\w)', re.IGNORECASE)
 
     def other(text: str) -> str:
@@ -146,6 +150,7 @@ class _Use:
             if isinstance(x, p.Follow):
                 continue
             used: Any = head(x)
+            # Assigning a variable is no use of its value.
             if isinstance(x, p.Assign) and isinstance(x.target, e.Name):
                 self.touched.add(x.target.name.lower())
                 used = x.value
@@ -185,10 +190,12 @@ class _Uses:
         own = next((q for q in procedure.parameters if q.name.lower() == name), None)
         if own is not None:
             return "is handed back to the caller" if own.mode == "inout" else ""
+        # An own variable, or one that no table declares, is invisible elsewhere.
         if name in _own(procedure) or name not in self.known:
             return ""
         others = [q for q in self.program.procedures if name not in _own(q)]
         called = self.reached(_Use.of(x.body).called)
+        # Other procedures read the variable, or may change it while the loop calls them.
         if (
             name in self.declared
             or any(name in self.of[id(q)].read for q in others)
@@ -308,6 +315,7 @@ class _Whiles:
 
     def as_while(self, x: p.For, procedure: Procedure) -> list[p.Statement] | None:
         """Return the same loop as a `while` with a variable, None if that cannot be expressed."""
+        # Without a constant step the direction of the comparison is unknown.
         if not isinstance(x.step, e.Number) or not x.step.value:
             return None
         if not _countable(x.variable, procedure, self.program):
@@ -316,6 +324,7 @@ class _Whiles:
         name, step = e.Name(x.variable), x.step.value
         made: list[p.Statement] = []
         last = x.last
+        # A `while` computes its bound in each round, a `for` once.
         if not self.steady(last, procedure, x.body, assigned):
             if any(isinstance(one, e.Verbatim) for one in records(last)):
                 return None
@@ -347,6 +356,7 @@ class _Whiles:
                 variable = _variable(name, procedure, self.program)
                 if variable is None:
                     return False
+                # A call may change what is not the procedure's own.
                 alone = name.lower() in _own(procedure) or variable.storage == "constant"
                 return alone or not _Use.of(body).called
         return False
@@ -445,6 +455,7 @@ class _LoopBounds:
     def _settled(self, node: p.For) -> Iterator[p.Statement]:
         match node.first, node.last:
             case e.Number(low), e.Number(high) if node.step is None:
+                # Numbers alone decide the direction here.
                 yield replace(node, step=p.ONE if low <= high else _BACKWARDS)
                 return
         changed = self._changed(node)
@@ -457,6 +468,7 @@ class _LoopBounds:
             first = yield from self._kept(node, "first", first)
         if not self._stays(last, changed):
             last = yield from self._kept(node, "last", last)
+        # The direction is decided while the program runs.
         if step is None:
             step = yield from self._kept(node, "by", p.ONE)
             backwards = p.Branch(e.Binary(">", first, last), (p.Assign(step, _BACKWARDS),))
@@ -489,6 +501,7 @@ class _LoopBounds:
         """Names that may be assigned to while a loop runs."""
         changed = set(self._written((node,)))
         for record in records(node.body):
+            # A call may assign anything but the procedure's own variables.
             match record:
                 case p.Call() | p.Opaque() | e.Verbatim():
                     return changed | (self.written - self.own)

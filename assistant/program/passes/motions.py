@@ -141,15 +141,18 @@ class ByValue:
     def computed(self, speed: ComputedSpeed, joint_move: bool) -> ComputedSpeed:
         """The same of a speed that is worked out."""
         usual = ComputedSpeed(None)
+        # Parts of other axes have no words in the language: reported, then dropped.
         parts = [x for name, x in _OF_AXES.items() if getattr(speed, name) != getattr(usual, name)]
         self.job.findings.extend(self.can.speed_part(part=part) for part in parts)
         if not joint_move:
             return ComputedSpeed(speed.tcp)
+        # A percent that is stated counts before one that is worked out.
         if speed.joint is not None or speed.tcp is None:
             return ComputedSpeed(None, joint=speed.joint or e.Number(100))
         self.job.findings.append(self.can.computed_percent(tcp=self.can.fastest))
         fastest = e.number_of(self.can.fastest)
         share = e.Binary("/", e.Binary("*", speed.tcp, e.Number(100)), fastest)
+        # From 1 to 100 percent, as `joint_percent` gives.
         most = e.Apply("min", (e.Number(100), e.Apply("floor", (share,))))
         return ComputedSpeed(None, joint=e.Apply("max", (e.Number(1), most)))
 
@@ -170,6 +173,7 @@ class ByValue:
                 index, partial(reported_at_lines, self.job.findings, line, index, value)
             )
 
+        # A speed means another percent for joint moves, so both make one entry.
         pairs = path.speed.astype(np.int64) * 2 + (path.kinds == Kind.JOINT)
         speeds, speed = table(pairs, lambda i: self.speed(path.speeds[i // 2], bool(i % 2)))
         blends, blend = table(path.blend, lambda i: self.blend(path.blends[i]))
@@ -184,6 +188,7 @@ class ByValue:
         """The speed by value, with its percentage for joint moves only."""
         known = self._meant(speed, self.program.speeds, "the speed")
         if known is None:
+            # A joint move at a speed nobody knows is made as slowly as possible.
             return Speed(math.inf, joint=1.0) if joint_move else Speed(100.0)
         known, parts = _without_axes(known)
         self.job.findings.extend(self.can.speed_part(part=part) for part in parts)
@@ -203,6 +208,7 @@ class ByValue:
         if known.details is not None:
             self.job.findings.append(self.can.blend_part())
             known = replace(known, details=None)
+        # An exit without a radius, or equal to it, states nothing.
         open_ = known.radius is None or math.isinf(known.radius)
         return replace(known, exit=None) if open_ or known.exit == known.radius else known
 
@@ -256,6 +262,7 @@ class CornerSizes:
         rows = np.flatnonzero(open_[path.blend]) if open_.any() else ()
         if not len(rows):
             return path
+        # Each pair of corner and speed gives one size.
         pairs, at = np.unique(
             np.stack([path.blend[rows], path.speed[rows]], axis=1), axis=0, return_inverse=True
         )
@@ -263,6 +270,7 @@ class CornerSizes:
         blend = path.blend.copy()
         blend[rows] = len(path.blends) + at.reshape(-1)
         kept = (more[0] if o else b for o, b in zip(open_, path.blends, strict=True))
+        # Entries that no row uses any more need a value that can be written.
         return replace(path, blend=blend, blends=(*kept, *more))
 
 
@@ -273,6 +281,7 @@ def one_acceleration(r: Rewording, node: p.SetAcceleration) -> Iterator[p.Statem
         yield node
         return
     value = one
+    # Only numbers can be compared here.
     if isinstance(one, e.Number) and isinstance(two, e.Number):
         least = max(min(one.value, two.value), can.least)
         if (least, least) != (one.value, two.value):

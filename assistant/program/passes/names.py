@@ -60,10 +60,12 @@ class Names:
         key = base.lower()
         if key not in self.taken and key not in besides:
             return base
+        # From the last number on: a search from 2 takes quadratic time for many like names.
         number = self._numbers.get(key, 2)
         while self._numbered(base, number).lower() in self.taken:
             number += 1
         self._numbers[key] = number
+        # `besides` differs from call to call: its numbers are not remembered.
         while (name := self._numbered(base, number)).lower() in self.taken or (
             name.lower() in besides
         ):
@@ -72,6 +74,7 @@ class Names:
 
     def _numbered(self, base: str, number: int) -> str:
         end = f"_{number}"
+        # The number has to fit within the longest name.
         return base[: self.longest - len(end)] + end
 
 
@@ -100,6 +103,7 @@ def with_legal_names(job: Legalisation) -> Program:
     given = [FLANGE, BASE, *(q.name for q in program.procedures)]
     given += [name for table in _TABLES for name in getattr(program, table)]
     given += [name for name in (program.name, program.entry) if name]
+    # Legal names go first, so that no other name takes them.
     kept = [name for name in given if names.free(name) == name]
     for name in (*kept, *given):
         if name.lower() not in legal:

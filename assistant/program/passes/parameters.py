@@ -53,6 +53,7 @@ def _refuse_kept_texts(job: Legalisation, procedure: Procedure) -> None:
     own = {parameter.name.lower(): parameter.name for parameter in procedure.parameters}
     for node in walk(procedure.body):
         for part in records(head(node)) if own else ():
+            # Vendor text whose effect is unknown may name anything in it.
             if isinstance(part, p.Opaque | e.Verbatim):
                 effect = unknown_effect(part.text) if part.effect is None else part.effect
                 for name in sorted(effect.names & own.keys()):
@@ -183,6 +184,7 @@ class _Forms:
         waiting = [q for key, q in self._by_name() if key not in self.called]
         rest = [q for key, q in self._by_name() if key in self.called]
         forms = [_Form(q, q.name) for q in waiting]
+        # A form may need further forms: until no new one is made.
         done = 0
         while True:
             for form in forms:
@@ -190,6 +192,7 @@ class _Forms:
             forms = [*self.made.values()][done:]
             done += len(forms)
             if not forms:
+                # Procedures that nothing calls are written as well.
                 uncalled = [q for q in rest if not written[q.name.lower()]]
                 if not uncalled:
                     break
@@ -241,6 +244,7 @@ class _Forms:
 
         places: of each parameter, None for one that is a copy; none at all if all are copies.
         """
+        # Copies need no form of their own.
         key = procedure.name.lower(), places if any(places) else ()
         if key not in self.made and len(self.made) >= _MOST_COPIES:
             key = key[0], ()
@@ -252,6 +256,7 @@ class _Forms:
                     about=Declared(procedure.name, "procedures"),
                 )
         if key not in self.made:
+            # The first form keeps the name of the procedure.
             again = any(made.procedure is procedure for made in self.made.values())
             name = identifier(procedure.name, self.titles) if again else procedure.name
             self.titles.add(name)
@@ -353,6 +358,8 @@ class _Calls:
             made.before += (*before, call, *after)
             result = e.Name(self.forms.result(callee))
             again = functions - Counter([key])
+            # No other call in the statement runs this function again: its result stays in the
+            # variable.
             if not any(key in self.forms.reaches[other] for other in again):
                 return result
             number += 1
@@ -387,6 +394,7 @@ class _Calls:
         back: list[p.Statement] = []
         places: list[e.Expression | None] = []
         arrays: list[e.Expression] = []
+        # Everything that the call may change: an index that names it is stored before.
         changing = self.forms.alters[callee.name.lower()] | {*handed, *self.forms.unsteady}
         for q, value in zip(callee.parameters, arguments, strict=False):
             if self.forms.stays(q):
@@ -394,6 +402,7 @@ class _Calls:
                 places.append(None)
                 continue
             name = base_variable(value) if q.mode == "inout" else ""
+            # The variable is reachable by two names during the call: a copy would miss changes.
             itself = handed.count(name) > 1 or (name in mentions and name not in self.own)
             if name:
                 stem = callee.name, q.name
@@ -402,6 +411,7 @@ class _Calls:
             places.append(value if itself else None)
             if not itself:
                 variable = e.Name(self.forms.parameter(callee, q))
+                # Copied in before the call, and back after it if the parameter is `inout`.
                 copies.append(p.Assign(variable, value))
                 if name:
                     back.append(p.Assign(value, variable))

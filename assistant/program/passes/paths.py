@@ -41,6 +41,7 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
     uses: Counter[str] = Counter()
     for procedure in program.procedures:
         uses.update(n.lower() for n in names_in(procedure))
+    # A name that is used once is used by its move alone.
     for declaration in program.declarations:
         uses.update(effect_of(declaration).names)
     once = {n.lower(): (n, t) for n, t in program.targets.items() if uses[n.lower()] == 1}
@@ -69,7 +70,9 @@ class _Gatherer:
                 held.append(statement)
                 count = piece[2]
                 continue
+            # The row does not continue the path: what is held so far becomes one.
             out += self.joined(held, count)
+            # Only the first row of a path begins one.
             if piece is not None and piece[1] == 1:
                 held, stem, count = [statement], piece[0], piece[2]
             else:
@@ -91,6 +94,7 @@ class _Gatherer:
             case p.Move(motion=motion) | p.MoveCircular(motion=motion) if (
                 p.COMPUTED in motion.fixed
             ):
+                # Rows have no speeds that the program computes.
                 return None
             case p.Move(_, e.Name(name), triggers=(), until=None):
                 row = self.row(name)
@@ -108,6 +112,7 @@ class _Gatherer:
         return match[1], int(match[2])
 
     def joined(self, held: list[p.Statement], count: int) -> list[p.Statement]:
+        # One row is a move; a path alone is one already.
         if count < 2 or (len(held) == 1 and isinstance(held[0], p.Follow)):
             return held
         span = span_over(held[0].span, held[-1].span)
@@ -169,6 +174,7 @@ def _joined_paths(name: str, paths: list[Path]) -> Path:
         parts = []
         for path in paths:
             entries = getattr(path, column + "s")
+            # Equal entries of several tables become one.
             index = np.array([rows.setdefault(v, len(rows)) for v in entries], dtype=np.int32)
             parts.append(index[getattr(path, column)])
         columns[column] = np.concatenate(parts)
@@ -274,6 +280,7 @@ def reported_at_lines(
     with findings.at(before):
         made = value(entry)
     found = findings[known:]
+    # The finding is repeated for each line that has the entry.
     for row in rows[1:].tolist() if found else ():
         span = line(row)
         if span != before:  # the two rows of an arc have one line
@@ -323,6 +330,7 @@ class _Splitter:
         self.taken.update(program.targets, program.variables, program.signals, program.tools)
         self.count: dict[str | None, int] = {None: len(program.targets)}
         for q in program.procedures:
+            # Longer paths move to units in any case, and do not count.
             kept = sum(size for size in _path_sizes(q) if size <= self.most)
             self.count[q.unit] = self.count.get(q.unit, 0) + kept
 
@@ -389,8 +397,10 @@ def _unit_ranges(path: Path, units: Units, most: int) -> list[tuple[int, int]]:
     while start < n:
         room = min(int(total[start]) + most_steps, int(total[-1]))
         stop = int(np.searchsorted(total, room, side="right")) - 1
+        # At least two rows, so that an arc fits.
         stop = min(n, start + most, max(stop, start + 2))
         if stop < n:
+            # A short rest would be a unit of its own: the cut moves back.
             stop -= units.least if n - stop < units.least else 0
             stop = _good_cut(path, start, stop, units.straight)
         pieces.append((start, stop))
@@ -403,17 +413,20 @@ def _good_cut(path: Path, start: int, stop: int, straight: bool) -> int:
 
     straight: it begins with a straight move where one is near, so that no arc starts unknown.
     """
+    # At most a quarter of the piece is given up for a straight start.
     least = max(start + 1, stop - (stop - start) // 4)
     kinds = path.kinds[least : stop + 1]
     straights = np.flatnonzero((kinds != Kind.VIA) & (kinds != Kind.END))
     if straight and len(straights):
         return least + int(straights[-1])
+    # An END must not begin a piece: its VIA would be in the one before.
     whole = np.flatnonzero(path.kinds[start + 1 : stop + 1] != Kind.END)
     return start + 1 + int(whole[-1]) if len(whole) else stop
 
 
 def _row_steps(path: Path, units: Units) -> Ints:
     """Steps that each row takes at most: its move, and its settings where they change."""
+    # The two rows of an arc are one move.
     costs = (path.kinds != Kind.VIA).astype(np.int64)
     costs[:1] += units.first
     for column, lines in units.steps.items():

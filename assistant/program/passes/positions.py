@@ -91,6 +91,7 @@ def with_named_positions(procedure: Procedure, taken: set[str]) -> Procedure:
 
     def take(node: p.Statement) -> Taken:
         made, places = Taken(node), dict[e.Expression, e.Name]()
+        # An interrupt asks its condition later, when the variable is out of date.
         if isinstance(node, p.Interrupt):  # its condition is asked later, and elsewhere
             return made
 
@@ -155,6 +156,7 @@ def _continues_group(group: list[p.Assign], node: p.Statement) -> bool:
     """True if a statement sets another angle of the same position."""
     if not _sets_angle(node) or _position_set(node) != _position_set(group[0]):
         return False
+    # A call in the place or in a value could change the position between two angles.
     return is_repeatable(_position_set(node)) and all(is_repeatable(one.value) for one in group)
 
 
@@ -162,6 +164,7 @@ def _one_assignment(group: list[p.Assign], job: Legalisation) -> Iterator[p.Stat
     if not group:
         return
     place = _position_set(group[0])
+    # Angles that are not set are read from the position itself.
     known: dict[str, e.Expression] = {name: e.Member(place, name) for name in e.ANGLES}
     for node in group:
         match node.target:
@@ -169,6 +172,7 @@ def _one_assignment(group: list[p.Assign], job: Legalisation) -> Iterator[p.Stat
                 known[field.lower()] = _value_with_angles(node.value, place, known)
     about_y = e.plain_number(known["about_y"])
     same = known["about_y"] == e.Member(place, "about_y")
+    # All three angles, or an angle about y within 90 degrees, are read back as they are set.
     whole = all(known[name] != e.Member(place, name) for name in e.ANGLES)
     if not (whole or same or (about_y is not None and abs(about_y) <= _STEEPEST)):
         with job.findings.at(group[0].span):
@@ -219,6 +223,7 @@ def with_read_angles(program: Program) -> Program:
                     again: e.Expression = e.Apply("relative", (place, *(e.Number(0),) * 3))
                     if base_variable(place) in poses:
                         again = e.Binary("@", place, e.PoseValue(Pose()))
+                    # A shift by nothing has the controller work out the angles anew.
                     yield p.Assign(place, again, span=node.span)
                 else:
                     said = map(e.number_of, _read_back([n or 0.0 for n in numbers]))
@@ -262,6 +267,7 @@ def _copies(given: Sequence[e.Expression]) -> bool:
 
 def _read_back(angles: Sequence[float]) -> list[float]:
     """Angles about x, y and z as they are read from the orientation that they make."""
+    # Angles are given about x, y, z and composed as Rz·Ry·Rx.
     turn = rotations.from_euler(np.array(angles[::-1]), "ZYX")
     return [
         round(float(angle), _ANGLE_DECIMALS) + 0.0
@@ -291,6 +297,7 @@ def in_base(job: Legalisation) -> Program:
                 return e.TargetValue(moved(target, frames[frame]))
             case e.Name(name=name):
                 key = next((n for n in targets if n.lower() == name.lower()), None)
+                # One target in two frames would have two positions in the base.
                 if key is not None and used.setdefault(key, frame) == frame:
                     return value
         job.cannot(
@@ -309,6 +316,7 @@ def in_base(job: Legalisation) -> Program:
     def move(node: p.MoveStatement) -> p.Statement:
         frame = node.motion.frame.lower()
         if frame == BASE or frame not in frames:
+            # A move in the base claims its target for the base.
             if isinstance(node, p.Move) and isinstance(node.target, e.Name):
                 used.setdefault(node.target.name, BASE)
             return node
@@ -402,6 +410,7 @@ def with_table_rows(
         return names[key]
 
     changed = with_vendor_statements_replaced(program, lambda node: (said(node, named),))
+    # Any other use of the tables would miss rows that are taken out of them.
     if not tables.keys().isdisjoint(name.lower() for name in names_in(changed.procedures)):
         return program
     rows = {name: tables[table][1][place - 1] for (table, place), name in names.items()}

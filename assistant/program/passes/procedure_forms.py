@@ -62,6 +62,7 @@ def _with_fresh(procedure: Procedure, read: set[str]) -> Procedure:
     first: list[p.Statement] = []
     variables = dict(procedure.variables)
     for name, variable in procedure.variables.items():
+        # Persistent and constant data keep their values between calls.
         if variable.storage != "variable":
             continue
         value = variable.initial
@@ -74,6 +75,7 @@ def _with_fresh(procedure: Procedure, read: set[str]) -> Procedure:
             first.append(p.Assign(e.Name(name), value, span=variable.span))
     if not first and variables == procedure.variables:
         return procedure
+    # Comments above the procedure stay above it.
     notes, body = notes_and_body(procedure.body)
     return replace(procedure, variables=variables, body=(*notes, *first, *body))
 
@@ -164,6 +166,7 @@ def recursive_procedures(program: Program) -> Iterator[Procedure]:
     again = recursive_names({q.name.lower(): set(called(q)) for q in program.procedures})
     for procedure in program.procedures:
         if procedure.name.lower() not in again:
+            # Loop counters without a declaration are variables of the procedure.
             continue
         loops = (loop.variable.lower() for loop in records_in_body(procedure, p.For))
         if has_form(procedure) or procedure.variables or any(x not in shared for x in loops):
@@ -214,6 +217,7 @@ def without_equal_procedures(
 
     origin: of each procedure that is a form of some code, by name, which code that is.
     """
+    # Exchanging calls may make further procedures equal.
     while True:
         exchanged: dict[str, str] = {}
         kept: dict[int, list[Procedure]] = {}
@@ -281,6 +285,7 @@ def with_interrupts_first(job: Legalisation) -> Program:
 
     procedures = [replace(q, body=without(q.body)) for q in program.procedures]
     at = next(i for i, q in enumerate(program.procedures) if q is entry)
+    # Definitions have no effect until they are switched on, so the top is early enough.
     procedures[at] = replace(procedures[at], body=(*first.values(), *procedures[at].body))
     return replace(program, procedures=tuple(procedures))
 
@@ -310,6 +315,7 @@ def _shared_interrupts(job: Legalisation) -> Iterator[tuple[p.Interrupt, str]]:
         return
     calls = {q.name.lower(): _direct_calls(q) for q in program.procedures}
     outside = _reached_procedures({(program.entry or "").lower()}, calls)
+    # Timers exist once: a wait with a limit inside another one would restart it.
     waits = any(map(_waits_with_limit, map(program.procedure, outside)))
     for node in interrupts(program):
         for name in sorted(_reached_procedures({node.call.procedure.lower()}, calls)):

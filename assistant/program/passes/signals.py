@@ -188,6 +188,7 @@ def wait_until(r: Rewording, node: p.WaitUntil) -> Iterator[p.Statement]:
     """One for bits of a signal and a number is a wait for the signal."""
     match node.condition:
         case e.Binary("=", e.Name(name)) if _is_analog(r, name):
+            # An analog signal has no bits to wait for.
             yield node
         case e.Binary("=", e.Name(name), e.Number() as value) if r.spelling.signal(name):
             check_fit(r, name, value)
@@ -253,13 +254,16 @@ def _waiting(job: Legalisation, can: Outputs, row: list[p.Statement]) -> Iterato
     most = can.most_pulses or len(pulses)
     values = [one.value for one in pulses]
     names = {one.signal.lower() for one in pulses}
+    # A pulse that begins anew, or an unknown value, has no sure end to wait for.
     if len(pulses) <= most or len(names) < len(pulses) or not all(map(_is_plain, values)):
         yield from row
         return
+    # Each pulse over the limit waits for the one that began that many before.
     later = {id(one): before for before, one in zip(pulses, pulses[most:], strict=False)}
     for node in row:
         before = later.get(id(node))
         if before is not None and isinstance(node, p.SetSignal):
+            # A pulse ends by going back to the opposite value.
             ended = e.Number(int(before.value == e.Number(0)))
             yield p.WaitSignal(before.signal, ended, span=node.span)
             if can.waiting is not None:

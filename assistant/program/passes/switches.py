@@ -49,6 +49,7 @@ def with_single_reads(job: Legalisation) -> Program:
             stays = stays and (can.nested or not depth)
             made: p.Statement = map_bodies(node, lambda inner: body(inner, depth + stays))
             if isinstance(made, p.Switch) and not stays:
+                # One comparison reads the value once anyway.
                 several = sum(len(case.values) for case in made.cases) > 1
                 if several and not is_steady(made.subject, changing):
                     name = identifier(SELECTED, taken)
@@ -118,6 +119,7 @@ def chosen(
 
     It is a `switch` if all of them are single values, else an `if` that computes the value anew.
     """
+    # Single values can be the cases of a `switch`.
     if all(len(one) == 1 and one[0][0] == "=" for tests, _ in cases for one in tests):
         made = (p.Case(tuple(one[0][1] for one in tests), body) for tests, body in cases)
         return p.Switch(value, tuple(made), otherwise)
@@ -178,6 +180,7 @@ def with_floors_read_once(job: Legalisation) -> Program:
                 node = map_head(node, once)
             elif isinstance(node, p.If):
                 first, *others = node.branches
+                # Only the first condition of an `if` is always computed.
                 first = replace(first, condition=map_expressions(first.condition, once))
                 node = replace(node, branches=(first, *others))
             yield from read

@@ -131,6 +131,7 @@ class _SetUpsAlongPaths:
         self.chosen = chosen
         self.library = library
         self.procedures = {q.name.lower() for q in program.procedures}
+        # Procedures of this program, and what vendor declarations define, have known effects.
         written = (effect_of(d).writes for d in program.declarations)
         self.known = self.procedures.union(*written)
         own = {q.name.lower(): frozenset(self._set_up(q)) for q in program.procedures}
@@ -142,6 +143,8 @@ class _SetUpsAlongPaths:
             if isinstance(one, TriggerSetUp):
                 self.setups.setdefault(one.name, []).append((node, one))
         found = ((name, [one for _, one in every]) for name, every in self.setups.items())
+        # Set up by one statement with constant numbers: the data are the same wherever they are
+        # used.
         self.single = {name: x[0] for name, x in found if len(x) == 1 and x[0].fixed}
         for procedure in program.procedures:
             self._follow(procedure)
@@ -171,6 +174,7 @@ class _SetUpsAlongPaths:
             for part in parts:
                 one = self.told.get(id(part))
                 if isinstance(one, TriggeredMove):
+                    # Calls in the arguments of the move run before it takes its data.
                     self.takings.append((part, one, self._left(part, state)))
                 state = self._ran(part, state)
 
@@ -184,11 +188,13 @@ class _SetUpsAlongPaths:
             return {**state, one.name: one}
         if isinstance(part, _STILL):
             return state
+        # A set-up with computed numbers holds only until its variables may change.
         return {name: setup for name, setup in state.items() if setup.fixed}
 
     def _left(self, part: Any, state: State) -> State:
         """Return the set-ups that are unchanged after the calls in a statement or a value."""
         calls = set(_called_names(part)) if state else set()
+        # An unknown procedure may set up any data.
         if any(map(self._is_foreign, calls)):
             return {}
         changed = frozenset().union(*(self.sets.get(name, ()) for name in calls))
@@ -209,6 +215,7 @@ class _SetUpsAlongPaths:
             (node, taking, self._said(node, taking, state)) for node, taking, state in self.takings
         ]
         gone = self._gone(declared, said)
+        # A number is needed only for data that are left out.
         self.numbers = {name: number for name, number in self.numbers.items() if name in gone}
         used: list[tuple[str, Signal]] = []
         for name, found in self.setups.items():
@@ -268,6 +275,7 @@ class _SetUpsAlongPaths:
         if taking.move is None:
             return self.reasons.move
         found = [self._may_be(name, state, node) for name in taking.names]
+        # Choices multiply: too many are no program that a person reads.
         if not all(found) or math.prod(map(len, found)) > _MOST_CHOICES:
             return self.reasons.uncertain
         move = replace(taking.move, span=node.span)
@@ -283,6 +291,7 @@ class _SetUpsAlongPaths:
             return ((0, one.trigger),)
         every = [setup for _, setup in self.setups.get(name, ())]
         calls = set(_called_names(node))
+        # A procedure that the move itself calls may set the data up after the choice.
         late = any(name in self.sets.get(one, ()) or self._is_foreign(one) for one in calls)
         if late or not self.chosen or not all(setup.fixed for setup in every):
             return ()
@@ -305,6 +314,7 @@ class _SetUpsAlongPaths:
             self.numbers[name] = identifier(f"{name}_set", self.taken_names)
             self.taken_names.add(self.numbers[name].lower())
         cases = tuple(p.Case((e.Number(n),), (one,)) for n, one in made.items())
+        # Without a set-up the move cannot be made: the program ends.
         return p.Switch(e.Name(self.numbers[name]), cases, (p.Stop(end=True),))
 
     def _gone(self, declared: set[str], said: list[_Said]) -> set[str]:
@@ -314,6 +324,7 @@ class _SetUpsAlongPaths:
             used |= self.setups.keys()
         unsaid = {n for n, found in self.setups.items() if any(x.trigger is None for _, x in found)}
         gone = (declared & used) - unsaid - self._elsewhere()
+        # Data of a move that stays are needed, which may keep further moves: until none is added.
         while True:
             left = {
                 name
@@ -336,6 +347,7 @@ class _SetUpsAlongPaths:
         count: Counter[str] = Counter()
         for one in self.told.values():
             if isinstance(one, TriggerData):
+                # Data that another module may set up count twice, so as not to be declared once.
                 count[one.name] += 1 if one.plain and (whole or one.own) else 2
         return {name for name, declarations in count.items() if declarations == 1}
 

@@ -88,6 +88,8 @@ def with_ends_apart(job: Legalisation, move: p.MoveStatement) -> Iterator[p.Stat
         return
     stops = isinstance(blend, Blend) and blend.fine
     behind = [one for one in move.triggers if one.ahead is None and _is_at_end(one)]
+    # Outputs at the very end are set after the move, those at the start before it if there are too
+    # many.
     left = [one for one in move.triggers if one not in behind]
     most = len(left) if can.most is None else can.most
     first = [one for one in left if is_at_start(one)][: max(0, len(left) - most)]
@@ -140,6 +142,7 @@ def by_speed(job: Legalisation, x: p.Trigger, speed: Speed | None) -> p.Trigger:
     if x.measure not in ("end", "time") or not seconds:
         return x
     length = seconds * speed.tcp + (x.amount.value if x.measure == "end" else 0.0)
+    # A position after the end of the path cannot be expressed in mm before it.
     if length < 0:
         return x
     when = f"{abs(seconds):g} s {'before' if seconds > 0 else 'behind'}"
@@ -160,6 +163,7 @@ def _measured(
     amount = constant_value(x.amount, numbers)
     if not isinstance(amount, e.Number):
         return x
+    # The ends of a path are the same in any measure.
     if x.measure == "share" and amount.value in (0, 100):
         return replace(x, measure="start" if amount.value == 0 else "end", amount=ZERO)
     if x.measure == "time" and amount.value == 0:

@@ -50,13 +50,16 @@ def with_first_values(job: Legalisation) -> Program:
         return program
     assigning = AssignmentAnalysis(program)
     run = assigning.run(entry)
+    # A program of the same kin keeps its values on the controller.
     kept = program.origin is not None and program.origin.language in job.can.kin
     variables: dict[str, Variable] = {}
     for name, variable in program.variables.items():
         key = name.lower()
         variables[name] = variable
+        # Constants, and what is assigned before it is read, need no value here.
         if variable.storage == "constant" or key not in run.read:
             continue
+        # All programs of the controller share it: its value comes from elsewhere.
         if variable.initial is None and can.external(name, variable):
             continue
         place = variable.storage == "persistent" and variable.type not in SCALAR
@@ -80,6 +83,7 @@ def _by_dependency(variables: dict[str, Variable]) -> dict[str, Variable]:
     ordered: dict[str, Variable] = {}
     for name in variables:
         pending = [name]
+        # Depth first without recursion; names that wait for each other stay as declared.
         while pending:
             first = pending[-1]
             named = (
@@ -139,6 +143,7 @@ def with_kept_values(job: Legalisation) -> Program:
     with job.findings.at(entry.span):
         about = Declared(entry.name, "procedures")
         job.findings.append(can.repeated(names=_names_in_words(left, told), about=about))
+    # The cycle gets a new name: the loop takes the name by which the program is started.
     taken = {*(q.name for q in program.procedures), *program.variables, *program.targets}
     cycle = replace(entry, name=identifier(_CYCLE, taken))
     loop = Procedure(entry.name, (p.While(_FOR_EVER, (p.Call(cycle.name),)),), span=entry.span)
@@ -184,6 +189,7 @@ def with_filled_arrays(job: Legalisation) -> Program:
     program = job.program
     taken = {q.name for q in program.procedures} | _used_names(program)
     counters = [identifier(name, taken) for name in "ijk"]
+    # Values of the program go to the entry, values of a procedure to its own top.
     variables, first = _filled(program.variables, "", counters, job)
     if first and program.entry is None:
         entry = Procedure(identifier("main", taken), ())
@@ -227,6 +233,7 @@ def _copied(
                 if given := tuple(_one_by_one(target, value, size)):
                     made += (replace(node, target=place, value=one) for place, one in given)
                     continue
+                # Arrays of one size are copied element by element, in loops.
                 other = sizes.get(value.name.lower()) if isinstance(value, e.Name) else None
                 if other != size or 0 in size:
                     with job.findings.at(node.span):
@@ -253,6 +260,7 @@ def _one_by_one(
 ) -> Iterator[tuple[e.Index, e.Expression]]:
     """The elements of an array and what values in brackets give them, if none needs the others."""
 
+    # Values in brackets have to fill the array exactly.
     def filled(value: e.Expression, rest: tuple[int, ...]) -> bool:
         if not rest:
             return True
@@ -270,6 +278,7 @@ def _one_by_one(
 
     if 0 in size or not filled(value, size):
         return
+    # A value that reads the array would see elements that are assigned already.
     if any(isinstance(r, e.Name) and r.name.lower() == array.name.lower() for r in records(value)):
         return
     yield from each(value, size, ())
@@ -281,6 +290,7 @@ def with_array_parameters(job: Legalisation) -> Program:
     A language without functions hands over no arrays, a call of another program no whole ones.
     """
     program = job.program
+    # Reversed, so that the first procedure of each unit wins.
     firsts = {q.unit: q.name for q in reversed(program.procedures)}
     has_functions = job.can.procedures is None or job.can.procedures.functions
     procedures = []
@@ -359,6 +369,7 @@ def _filled(
                 about=Declared(name, "variables", owner),
             )
         first += values
+        # Arrays have numbers of one type, and get their values by assignment: none stays constant.
         type = "number" if variable.type == "integer" else variable.type
         storage = "variable" if variable.storage == "constant" else variable.storage
         made[name] = replace(variable, type=type, initial=None, storage=storage)
@@ -377,6 +388,7 @@ def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterato
         for index in place:
             assert isinstance(value, e.Aggregate)
             value = value.items[index - 1]
+        # Elements that no text gives a value stay as they are.
         if value is not None and value != e.NEVER_GIVEN:
             indices = tuple(e.Number(i) for i in place)
             yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)
@@ -430,6 +442,7 @@ def _for_each_element(
             yield give(tuple(map(e.Number, place)))
         return
     used = counters[: len(size)]
+    # The last index is the innermost loop.
     inner = give(tuple(map(e.Name, used)))
     for counter, extent in reversed(list(zip(used, size, strict=True))):
         inner = p.For(counter, e.Number(1), e.Number(extent), (inner,), span=inner.span)

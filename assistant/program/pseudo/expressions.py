@@ -173,6 +173,7 @@ def read_quaternion(tree: object) -> Quaternion:
     """Four numbers of unit length, exactly as they stand; raises Wrong."""
     values = read_numbers(_tree(tree), 4)
     length = math.hypot(*values)
+    # The negation refuses NaN as well.
     if not abs(length - 1.0) <= UNIT_TOLERANCE:
         raise Wrong(NOT_UNIT, _tree(tree), length=length)
     return cast(Quaternion, values)
@@ -367,6 +368,7 @@ def expression_text(expression: Expression, least: int = 0) -> str:
         text = _text(expression, least)
     except RecursionError:
         text = None
+    # Short texts cannot be deep: the count of levels is left out.
     if text is None or (len(text) > MOST_DEEP and _is_deeper(expression, MOST_DEEP - 10)):
         raise Refused(TOO_DEEP(what="expression", cure="split it into several"))
     return text
@@ -446,6 +448,7 @@ def _list(items: tuple[Expression, ...]) -> str:
 def _is_deeper(expression: Expression, most: int) -> bool:
     """True if the expression has more levels; works without recursion."""
     level: list[Expression] = [expression]
+    # Level by level: recursion could exceed the stack of Python.
     for _ in range(most):
         level = [part for whole in level for part in _parts(whole)]
         if not level:
@@ -476,6 +479,7 @@ def _number_text(value: float) -> str:
 def _unary_text(operator: UnaryOperator, operand: Expression) -> tuple[str, int]:
     if operator == "not":
         return f"not {_text(operand, _PRIORITIES['not'])}", _PRIORITIES["not"]
+    # `-5` is read as a number, so a sign before a number needs brackets.
     text = _text(operand, MINUS)
     bare = isinstance(operand, Number) and not text.startswith("-")
     return (f"-({text})" if bare else f"-{text}"), MINUS  # `-5` is the number, `-(5)` its sign
@@ -484,8 +488,10 @@ def _unary_text(operator: UnaryOperator, operand: Expression) -> tuple[str, int]
 def _binary_text(operator: BinaryOperator, left: Expression, right: Expression) -> tuple[str, int]:
     priority = _PRIORITIES[operator]
     if operator == "^":
+        # `^` groups from the right, and a sign binds looser than it.
         first, second = _LITERAL, MINUS
     else:
+        # Comparisons do not group: brackets on both sides.
         first, second = priority + (priority == COMPARISON), priority + 1
     return f"{_text(left, first)} {operator} {_text(right, second)}", priority
 
@@ -501,6 +507,7 @@ def _read_number(tree: Node) -> Expression:
 def _read_unary(tree: Node) -> Expression:
     operator, operand = tree.children
     inner = read_expression(operand)
+    # A minus before a bare number is part of it.
     if operator == "-" and cast(Node, operand).data == "number":
         return Number(-cast(Number, inner).value)
     return Unary(cast(UnaryOperator, str(operator)), inner)
@@ -515,6 +522,7 @@ def _read_binary(tree: Node) -> Expression:
 
 def _read_apply(tree: Node) -> Expression:
     function, given = read_name(_child(tree)), read_arguments(_child(tree, 1))
+    # Functions of the language have one spelling in any case.
     function = function.lower() if function.lower() in FUNCTIONS else function
     match function, given:
         case "elapsed", (Name(timer),):

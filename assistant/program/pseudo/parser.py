@@ -162,6 +162,7 @@ class _IfBlock(Block):
 
     def divide(self, division: Division, tree: Node, line: int) -> None:
         if division == "case":
+            # The base class raises: a `case` has no place in an `if`.
             super().divide(division, tree, line)
         self._only_before_else(division, line)
         if division == "elseif":
@@ -197,6 +198,7 @@ class _ForBlock(Block):
         variable, first, *limit = cast("list[Any]", tree.children)
         towards = isinstance(limit[0], Token)
         last, step = (limit[1], None) if towards else limit
+        # `towards` counts in either direction: the loop states no step.
         self._variable = read_name(variable)
         self._first, self._last = read_expression(first), read_expression(last)
         self._step: Expression | None = None if towards else ONE
@@ -404,6 +406,7 @@ class _Reader:
         """Keeps the comment of a line: above the program, or as a statement."""
         if line.comment is None:
             return
+        # A block without a body, as a `follow`, hands its comment to the block around it.
         for block in reversed(self._stack):
             if block.body is not None:
                 end = line.span.end
@@ -420,12 +423,14 @@ class _Reader:
 
     def _declaration(self, line: CodeLine) -> None:
         word = first_word(line.text)
+        # Reported once: the first finding explains the lines that follow.
         if self._header is None and word != "program" and not self._findings:
             self._find(NO_PROGRAM, line.span)
         if word == "end":
             raise Wrong(SURPLUS_END)
         if word in FIRST_WORDS["statement"] and word not in FIRST_WORDS["declaration"]:
             self._find(OUTSIDE, line.span, word=word)
+            # The block is read to its `end`, so that its lines give no findings of their own.
             if word in BLOCK_WORDS:
                 self._stack.append(_Ignored(word, line.span, self._number(line)))
             return
@@ -438,6 +443,7 @@ class _Reader:
                 self._procedure(tree, line)
                 return
         except Wrong:
+            # The `end` of a procedure with a faulty head must not end anything else.
             if word == "procedure" and not self._stack:
                 self._stack.append(_Ignored(word, line.span, self._number(line)))
             raise
@@ -489,6 +495,7 @@ class _Reader:
         if word in FIRST_WORDS["declaration"] and word not in FIRST_WORDS["statement"]:
             if not _is_assignment(line.text):
                 self._find(INSIDE, line.span, word=word, first=outer.line)
+                # An `end` is missing above: the procedure is read as if all blocks were closed.
                 if word == "procedure":
                     self._stack.clear()
                     self._guarded(self._declaration, line)
@@ -497,6 +504,7 @@ class _Reader:
             tree = parse_line("statement", line.text)
             self._read(tree, block, line)
         except Wrong:
+            # The faulty line opens a block whose `end` is still to come.
             if word in BLOCK_WORDS and self._stack[-1] is block:
                 self._stack.append(_Ignored(word, line.span, self._number(line)))
             raise
@@ -598,6 +606,7 @@ class _Reader:
             block.read_column(parse_line("column", line.text))
             return
         word = first_word(line.text)
+        # A statement cannot be a row: the path ends here.
         if word in FIRST_WORDS["statement"] or word == "procedure":  # an `end` is missing above
             self._find(NOT_ENDED, block.span, word="follow")
             self._stack.pop()
@@ -607,6 +616,7 @@ class _Reader:
         block.starts.append(line.start)
 
     def _follow(self, block: _PathBlock, span: Span) -> None:
+        # Columns with a faulty row do not fit: its finding is enough.
         if not block.sound:
             return
         if block.table is not None:

@@ -91,6 +91,7 @@ _CHUNK: Final = 16384
 def row_lines(path: Path) -> Iterator[str]:
     """One line a row."""
     words = [_WORDS[kind] for kind in Kind]
+    # NaN precedes the first row, so that it always states its orientation.
     turns = _changes(path.quaternions, (UNUSED_AXIS,) * 4)
     said = _attribute_texts(path)
     for start in range(0, len(path), _CHUNK):
@@ -132,6 +133,7 @@ def _attribute_texts(path: Path) -> dict[int, str]:
         said[i] = " unstated" if branch is None else f" {configuration_text(branch)}"
     axes = np.flatnonzero(_changes(path.external, NO_EXTERNAL))
     for i, values in zip(axes.tolist(), _list_texts(path.external[axes]), strict=True):
+        # Unused axes at the end are left out, as `read_external` fills them in.
         said[i] = f"{said.get(i, '')} external [{re.sub('(?:^|, )_(?:, _)*$', '', values)}]"
     for word, index, texts, usual in (
         ("speed", path.speed, [speed_text(s) for s in path.speeds], None),
@@ -140,6 +142,7 @@ def _attribute_texts(path: Path) -> dict[int, str]:
         ("frame", path.frame, [name_text(f) for f in path.frames], BASE),
     ):
         column, used = text_codes(index, texts)
+        # A row without a change is as the one before; the usual tool and frame precede the first.
         start = used.index(usual) if usual in used else -1
         for i in np.flatnonzero(np.diff(column, prepend=start)).tolist():
             said[i] = f"{said.get(i, '')} {word} {used[column[i]]}"
@@ -152,6 +155,7 @@ def _changes(column: Floats | NDArray[np.int8], before: Sequence[float]) -> Trut
     above = np.concatenate([np.asarray([before], dtype=rows.dtype), rows[:-1]])[: len(rows)]
     differ = rows != above
     if rows.dtype.kind == "f":
+        # Unused axes are NaN and equal; 0 and -0 are written otherwise, so they differ.
         differ &= ~(np.isnan(rows) & np.isnan(above))
         differ |= np.signbit(rows) != np.signbit(above)
     return np.asarray(differ.any(axis=1))
@@ -161,6 +165,7 @@ def _list_texts(rows: Floats) -> list[str]:
     """`x, y, z` for each row of (n, k), every number as `number_text` writes it."""
     if not len(rows):
         return []
+    # One `repr` for all rows: a text for each number takes several times as long.
     text = re.sub(r"\.0(?=[,\]])", "", str(rows.tolist())).replace("nan", "_")
     return text[2:-2].split("], [")
 
@@ -204,6 +209,7 @@ class RowReader:
     def read(self, text: str) -> None:
         """Adds the row of one line; raises Wrong."""
         found = _ROW.fullmatch(text)
+        # The grammar is slow: it reads only rows that are not of the usual form.
         if not (found and self._read_usual(found)):
             self._read_tree(parse_line("row", text))
 
@@ -243,6 +249,7 @@ class RowReader:
             if len(external) > len(NO_EXTERNAL) or not all(map(math.isfinite, external)):
                 return False
             external += [UNUSED_AXIS] * (len(NO_EXTERNAL) - len(external))
+        # Rows repeat few branches and attributes: each text is parsed once.
         if branch not in self._seen_branches:
             self._seen_branches[branch] = _branch(parse_line("row", f"to [0, 0, 0]{branch}"))
         if rest not in self._seen_attributes:
@@ -283,6 +290,7 @@ class RowReader:
     ) -> None:
         row = len(self._kinds)
         speed, blend, tool, frame = attributes
+        # The row is kept even if it lacks a part, so that later rows have something to inherit.
         missing = None
         if row == 0:
             missing = self._start(turn, speed, blend)
@@ -331,6 +339,7 @@ class _HeldColumn:
         """From this row on; None leaves it as it was."""
         if values is None:
             return
+        # A value at the row of the last one replaces it: `_start` holds defaults there.
         if self._rows and self._rows[-1] == row:
             del self._rows[-1], self._values[-self._width :]
         self._rows.append(row)
@@ -339,6 +348,7 @@ class _HeldColumn:
     def spread(self, n: int) -> Floats:
         """The values of each of n rows."""
         values = np.array(self._values).reshape(-1, self._width)
+        # Each value is repeated up to the row of the next one.
         return np.repeat(values, np.diff(np.array(self._rows), append=n), axis=0)
 
 
@@ -440,6 +450,7 @@ class TableWriter:
 
     def lines(self, path: Path) -> list[str]:
         """Keeps the columns of a path; gives the lines that refer to them."""
+        # File names are unique within the text, also for paths of one name.
         taken = {name.removesuffix(".npz") for name in self.tables}
         name = identifier(f"{self._program}_{path.name}", taken) + ".npz"
         tables = {
@@ -477,6 +488,7 @@ class TableReader:
         data = self._data(side_tables)
         if hashlib.sha256(data).hexdigest() != self._digest:
             raise Wrong(OTHER_TABLE, self._file, name=self._file_name)
+        # The digest proves that the file is the one of the text, not that it is well-formed.
         try:
             columns: dict[str, Any] = {**_unpacked(data, self._rows)}
         except (*_DAMAGE, MemoryError) as error:
@@ -504,6 +516,7 @@ class TableReader:
 
     def _data(self, side_tables: SideTables) -> bytes:
         name = self._file_name
+        # A side table must not lead out of the folder, on any system.
         if name != FilePath(name).name or set(name) & set("/\\:\0") or name in ("", ".", ".."):
             raise Wrong(NOT_BARE, self._file, name=name)
         if side_tables is None:
@@ -537,6 +550,7 @@ _DAMAGE: Final = (
 
 def _packed(path: Path, index: Mapping[str, NDArray[np.int32]]) -> bytes:
     columns = {}
+    # Index columns refer to the tables of the text, which are in order of use.
     for name, (dtype, _) in COLUMNS.items():
         column = np.asarray(index.get(name, getattr(path, name)), dtype=dtype)
         if name != "positions" and _is_constant(column):
@@ -581,10 +595,12 @@ def _member(
     if archive.getinfo(f"{name}.npy").file_size > most:
         raise ValueError(f"`{name}` has more rows than the text says")
     with archive.open(f"{name}.npy") as member:
+        # Only version 1.0 is written, and its header is short.
         if np.lib.format.read_magic(member) != (1, 0):
             raise ValueError(f"`{name}` is of an unknown version")
         shape, by_columns, found = np.lib.format.read_array_header_1_0(member)
         shapes = [(rows, *width)] + [(1, *width)] * (name != "positions")
+        # Fortran order is refused: it is never written.
         if found != wanted or by_columns or shape not in shapes:
             raise ValueError(f"`{name}` is {found} of shape {shape}")
         values = np.frombuffer(member.read(), dtype=wanted).reshape(shape)

@@ -79,6 +79,7 @@ def _fit_intervals(curve: FreeCurve, tolerance: float) -> Fit:
         tried = _Biarcs.of(curve, todo, tolerance)
         if not tried.finite:
             return _NO_FIT
+        # What fits is done; the rest is halved.
         done.append(tried.where(tried.fits))
         rest = todo[~tried.fits]
         if not len(rest):
@@ -93,6 +94,7 @@ def _fit_intervals(curve: FreeCurve, tolerance: float) -> Fit:
     deviation = float(fitted.deviation.max(initial=0.0))
     pieces = [replace(p, layer=curve.layer, handle=curve.handle) for p in fitted.pieces()]
     if pieces and curve.closed:
+        # The end is computed: rounding must not leave a closed curve open.
         pieces[-1] = replace(pieces[-1], end=pieces[0].start)
     return Fit(tuple(_joined_arcs(pieces, tolerance * _STRAIGHT_PART * 10)), deviation)
 
@@ -152,6 +154,7 @@ class _Biarcs:
         distance = np.minimum(*(a.distance(points) for a in arcs)).max(axis=1)
         straight = _distances_to_segments(points, p, q).max(axis=1)
         spread = np.linalg.norm(points - points[:, :1], axis=2).max(axis=1)
+        # A part within half of the tolerance is a point: a line is near enough.
         line = (straight <= tolerance * _STRAIGHT_PART) | (spread <= 0.5 * tolerance)
         narrow = np.maximum(arcs[0].sweep, arcs[1].sweep) <= _WIDEST_BIARC
         round_ = (
@@ -181,6 +184,7 @@ class _Biarcs:
         """All of them in order of their parameters."""
         columns = zip(*(part._columns() for part in parts), strict=True)
         whole = _Biarcs(*(np.concatenate(column) for column in columns))
+        # The parts of later rounds lie between those of earlier ones.
         return _Biarcs(*(c[np.argsort(whole.intervals[:, 0])] for c in whole._columns()))
 
     def pieces(self) -> list[Line | Arc]:
@@ -234,6 +238,7 @@ class _Arcs:
         height = np.sqrt(_dot(across, across))
         square = _dot(chord, chord)
         sweep = 2.0 * np.arctan2(height, along)
+        # Flat by the sine of the angle between tangent and chord.
         flat = height <= 1e-7 * np.sqrt(square)
         safe = np.where(flat, 1.0, height)
         inward, radius = across / safe[:, None], square / (2.0 * safe)
@@ -251,6 +256,7 @@ class _Arcs:
 
     def distance(self, points: Points) -> Points:
         """From points (k, m, 3) to each one's arc, (k, m)."""
+        # Coordinates in the plane of the arc, about its centre; the rest is off that plane.
         from_start = points - self.start[:, None]
         x = np.einsum("kmc,kc->km", from_start, self.tangent)
         y = self.radius[:, None] - np.einsum("kmc,kc->km", from_start, self.inward)
@@ -276,6 +282,7 @@ def _joined_neighbours(curve: FreeCurve, biarcs: _Biarcs, tolerance: float) -> _
         alike = (biarcs.line[:-1] == biarcs.line[1:]) & (tried.line == biarcs.line[1:])
         open_ = tried.fits & alike
         chosen = np.zeros(len(open_), dtype=bool)
+        # No interval joins both of its neighbours at once.
         for i in np.flatnonzero(open_).tolist():
             chosen[i] = i == 0 or not chosen[i - 1]
         if not chosen.any():
@@ -296,6 +303,7 @@ def _joined_arcs(pieces: list[Line | Arc], near: float) -> list[Line | Arc]:
             and _are_on_one_circle(last, piece, near)
         ):
             sweep = last.sweep + piece.sweep
+            # The via is the middle of the joined arc, which determines its circle best.
             via = Arc.about(last.centre, last.normal, last.start, 0.5 * sweep).end
             whole = Arc.through(last.start, via, piece.end, last.layer, last.handle)
             if whole is not None:

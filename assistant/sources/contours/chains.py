@@ -59,6 +59,7 @@ def _pairs_within(points: Points, distance: float) -> tuple[Indices, Indices, Po
     Sorted by distance, then i, then j. Of more than `_MOST_CELL_NEIGHBOURS` points in one cube of
     that size not all pairs come, yet enough to reach each of the points from any other.
     """
+    # Cells as wide as the distance: near points are in one cell or in neighbouring ones.
     cells = np.floor(points / distance).astype(np.int64)
     keys = (cells * _CELL_KEY_PRIMES).sum(axis=1)
     order = np.argsort(keys, kind="stable")
@@ -66,6 +67,7 @@ def _pairs_within(points: Points, distance: float) -> tuple[Indices, Indices, Po
     here = np.arange(len(points))
     found = [_expand(order, order, here + 1, np.searchsorted(ranked, ranked, "right"))]
     for offset in (_HALF_NEIGHBOURS * _CELL_KEY_PRIMES).sum(axis=1):
+        # The key is linear in the indices of a cell, so a neighbour's key is a sum.
         wanted = ranked + offset
         first, last = (np.searchsorted(ranked, wanted, side) for side in ("left", "right"))
         found.append(_expand(order, order, first, last))
@@ -83,6 +85,7 @@ def _clusters(count: int, one: Indices, two: Indices) -> Indices:
 
     def top(i: int) -> int:
         while root[i] != i:
+            # Path halving keeps the trees flat.
             root[i] = root[root[i]]
             i = root[i]
         return i
@@ -250,6 +253,7 @@ def wide_gaps(contours: Sequence[Contour], tolerance: float) -> list[Diagnostic]
         *(column.tolist() for column in _pairs_within(ends, _WIDEST_GAP * tolerance)), strict=True
     )
     for a, b, gap in pairs:
+        # The ends of a curve that is hardly longer than the gap are near each other anyway.
         long = min(lengths[a // 2], lengths[b // 2]) > 4.0 * gap
         if long and gap > tolerance and not used & {a, b}:
             used |= {a, b}
@@ -333,6 +337,7 @@ def _duplicates(curves: list[Curve], points: Points, lengths: Points, tolerance:
         copies += ((a, b) for a, b, off in found if _run_alike(curves[a], curves[b], off))
     again: set[int] = set()
     for copy, original in sorted(copies):
+        # A copy of a copy is a copy of the original as well, and counts once.
         if original not in again:
             again.add(copy)
     return np.array(sorted(again), dtype=np.intp)
@@ -355,6 +360,7 @@ def _farthest(one: Points, two: Points) -> float:
     marks = []
     for points in (one, two):
         sums = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+        # A polyline without length must not divide by zero.
         marks.append(sums / max(sums[-1], 1e-300))
     parts = np.union1d(*marks)
     here, there = (
@@ -367,6 +373,7 @@ def _farthest(one: Points, two: Points) -> float:
 def _five_of_circles(circles: list[Arc]) -> Points:
     """Five points of circles that do not depend on where they start or which way they run."""
     normal = np.array([c.normal for c in circles])
+    # Normals that differ by rounding alone must choose the same axes.
     sizes = np.abs(np.round(normal, 6))
     row = np.arange(len(circles))
     normal = normal * np.sign(normal[row, sizes.argmax(axis=1)])[:, None]
@@ -392,6 +399,7 @@ def _nodes(curves: list[Curve], points: Points, tolerance: float) -> Rows:
     ends = points[:, [0, -1]].reshape(-1, 3)
     one, two, _ = _pairs_within(ends, min(EXACT_MEETING, tolerance))
     nodes = _clusters(len(ends), one, two).reshape(-1, 2)
+    # A closed curve is a loop at one node, even if its ends do not meet exactly.
     for i, curve in enumerate(curves):
         if curve.closed:
             nodes[i, 1] = nodes[i, 0]
@@ -432,6 +440,7 @@ class _Graph:
             """Edges after `edge`, which leads to `node`, each with whether it is reversed."""
             way: list[tuple[int, bool]] = []
             while len(at_node[node]) == 2:
+                # Two curves meet here: the sum of both without this one is the other.
                 edge = at_node[node][0] + at_node[node][1] - edge
                 if used[edge]:
                     break
@@ -448,6 +457,7 @@ class _Graph:
             if a == b:
                 yield Contour((self.curves[i],), True, layer)
                 continue
+            # From the first curve in both directions, so that it keeps its own.
             after = walk(i, b)
             before = [(edge, not back) for edge, back in reversed(walk(i, a))]
             way = [*before, (i, False), *after]
@@ -588,6 +598,7 @@ def _near_pairs(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, in
     import shapely
 
     pieces: list[_LineOrArc] = [curves[i] for i in rows]  # type: ignore[misc]
+    # With both ends, as each piece becomes a line of its own.
     counts = chord_counts(pieces, 0.5 * tolerance) + 1
     owner = np.repeat(np.arange(len(rows)), counts)
     begins = np.cumsum(counts) - counts
@@ -597,6 +608,7 @@ def _near_pairs(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, in
     lines = shapely.linestrings(points[:, axes], indices=owner)
     tree = shapely.STRtree(lines)
     found, seen = [np.empty((2, 0), dtype=np.intp)], 0
+    # In batches: a crowd of curves is given up before all pairs are in memory.
     for first in range(0, len(lines), _OVERLAP_BATCH):
         some = lines[first : first + _OVERLAP_BATCH]
         near = tree.query(some, predicate="dwithin", distance=tolerance)
@@ -630,6 +642,7 @@ def _lie_along(one: Points, two: Points, tolerance: float) -> NDArray[np.bool_]:
     along = way / length[:, None]
     arms = two - one[:, :1]
     places = np.einsum("nkc,nc->nk", arms, along)
+    # An other line that is square to this one has one position along it: any divisor but 0 will do.
     low, high = np.sort(np.clip(places, 0.0, length[:, None]), axis=1).T
     share = (np.stack([low, high], axis=1) - places[:, :1]) / np.where(
         np.abs(places[:, 1:] - places[:, :1]) > 1e-12, places[:, 1:] - places[:, :1], 1e-12
@@ -659,6 +672,7 @@ def _covered_stretches(
     first, last = _piece_ends(other) if forward else reversed(_piece_ends(other))
     begin, sweep = _degrees_to(piece, first), piece.sweep
     found: list[_CoveredStretch] = []
+    # The other arc may begin before the start of the piece, across the 0 of its angles.
     for low in (begin, begin - 360.0):
         found += _covered_stretch(
             low / sweep, (low + other.sweep) / sweep, first, last, piece, tolerance
@@ -715,5 +729,6 @@ def _piece_part(
     if isinstance(piece, Line):
         return replace(piece, start=start, end=end)
     via = vector(piece.at([0.5 * (parts[0] + parts[1])])[0])
+    # A piece that is too short has no circle through its points.
     arc = Arc.through(start, via, end, piece.layer, piece.handle)
     return arc or Line(start, end, piece.layer, piece.handle)

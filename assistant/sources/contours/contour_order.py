@@ -87,6 +87,7 @@ def _along_morton_curve(points: Points, shift: float = 0.0) -> Rows:
     if not len(points):
         return np.empty(0, dtype=np.intp)
     low = points.min(axis=0)
+    # All points in one place would divide by zero.
     extent = max(float((points.max(axis=0) - low).max()), 1e-9)
     cells = ((points - low) / extent + shift) / (1.0 + max(_MORTON_SHIFTS)) * (2**_MORTON_BITS - 1)
     bits = cells.astype(np.uint64)
@@ -155,6 +156,7 @@ def order_contours(
         stops, list(holders) or [_FREE_CONTOUR] * len(given), measure
     )
     made = tuple(tour.stops[c].contour() for c in tour.order)
+    # The given order may break the rule of holders: then it is no alternative.
     allowed = all(holder == _FREE_CONTOUR or i < holder for i, holder in enumerate(tour.holders))
     if allowed and before <= after:
         return ContourOrder(given, before, before, timed)
@@ -299,6 +301,7 @@ class _Tour:
         rest = iter(curve)
         freed: list[int] = []
         order: list[int] = []
+        # A contour that holds none always exists: holders form no circle.
         stop: int | None = waits.index(0)
         while stop is not None:
             done[stop] = True
@@ -310,6 +313,7 @@ class _Tour:
                 if not waits[holder]:
                     freed.append(holder)
                     open_.append(holder)
+            # Holders that were taken as a neighbour are done.
             while freed and done[freed[-1]]:
                 freed.pop()
             if open_:
@@ -319,6 +323,8 @@ class _Tour:
             else:
                 stop = next((s for s in rest if not done[s] and not waits[s]), None)
             if stop is not None:
+                # Candidates turn as they are compared; a stop from the other branches has not been
+                # turned yet.
                 self._enter_near(stop, here)
         return order
 
@@ -366,6 +372,7 @@ class _Tour:
         _, low, high, to, backwards = best
         if high == 0:
             return changed
+        # The stops next to the changed links may gain anew.
         places = {low - 1, low, high - 1, high}
         if to >= 0:
             places |= {to - 1, to, to + low - high, to + high - low}
@@ -377,6 +384,7 @@ class _Tour:
     def _changes(self, stop: int) -> Iterator[tuple[int, int, int, bool]]:
         """Stretches (low, high) to run backwards (to = -1) or to move before place `to`."""
         n, i = len(self.order), self.place[stop]
+        # Stretches up to an end of the tour change one link only.
         yield 0, i, -1, True
         yield i + 1, n, -1, True
         yield 0, i + 1, -1, True
@@ -412,6 +420,7 @@ class _Tour:
         place, holders = self.place, self.holders
         moved = self.order[low:high]
         later = [place[holders[s]] if holders[s] != _FREE_CONTOUR else math.inf for s in moved]
+        # Run backwards, a stop would come after a holder in the same stretch.
         if backwards and any(low <= p < high for p in later):
             return False
         if to > high:
@@ -427,6 +436,7 @@ class _Tour:
         before, after = self._exit(low - 1), self._entry(high)
         head, tail = self._entry(low), self._exit(high - 1)
         old = self._link(before, head) + self._link(tail, after)
+        # A stretch that stays in its place can only be turned.
         if to < 0 or to in (low, high):
             return old - self._link(before, tail) - self._link(head, after) if backwards else 0.0
         into, out = (tail, head) if backwards else (head, tail)
@@ -440,6 +450,7 @@ class _Tour:
             moved.reverse()
             for stop in moved:
                 self.stops[stop].flip()
+        # Only the places between both ends of the change have moved.
         first, last = low, high
         if to < 0 or to in (low, high):
             self.order[low:high] = moved
@@ -503,9 +514,11 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
     for first in range(0, len(order), _HOLDER_BATCH):
         some = order[first : first + _HOLDER_BATCH]
         outer, probe = tree.query(polygons[some], predicate="contains")
+        # One number for each pair of contours: how many probes of the inner are inside the outer.
         pairs, inside = np.unique(outer * len(contours) + probe // parts, return_counts=True)
         pairs = pairs[inside > parts / 2]
         holder, inner = np.array(closed)[some][pairs // len(contours)], pairs % len(contours)
+        # What reaches out of the box of an outline is not inside it; twins have equal areas.
         boxed = (low[holder] <= low[inner] + tolerance) & (high[holder] >= high[inner] - tolerance)
         held = boxed.all(axis=1) & (areas[holder] > areas[inner] + tolerance**2)
         found[inner[held]] = holder[held]

@@ -139,6 +139,7 @@ def _contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -
     off = said.off_before.mm if said.off_before is not None else 0.0
     if on + off >= total and (on or off):
         parts = (("on_after", on), ("off_before", off))
+        # Both switch points must be on the contour, and in their order.
         raise _NoRoomForOutputs(
             _CONTOUR_TOO_SHORT,
             length=total,
@@ -155,6 +156,8 @@ def _contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -
     if said.off_before is not None:
         row = _note_triggers(made, lengths, total - off, _triggers_at(layer.off, said.off_before))
         ahead = said.off_before.seconds * float(speeds[row])
+        # A trigger cannot act before its move begins: the time must fit in what the move has before
+        # it.
         room = total - off - float(lengths[:row].sum())
         if ahead > room:
             raise _NoRoomForOutputs(_SWITCHED_OFF_TOO_LATE, wanted=ahead, length=room)
@@ -177,6 +180,7 @@ def _note_triggers(
     """
     ends = np.cumsum(lengths)
     row = min(int(np.searchsorted(ends, place + _SAME_POSITION, "right")), len(ends) - 1)
+    # Triggers count mm back from the end of their move.
     left = _number_literal(round(float(ends[row]) - place, _TRIGGER_DECIMALS))
     found = tuple(
         Trigger(one.signal, one.value, left, one.measure, ahead=one.ahead) for one in triggers
@@ -368,11 +372,13 @@ def follow_contour(
     flat = FLATTENING_PART * process.tolerance
     total = float(move_lengths(moved.start, moved.positions, moved.kinds).sum())
     made = with_speeds(moved, layer.pace, _divided_at(layer, total), flat)
+    # Flattening arcs has used its part of the tolerance.
     pose, path = _contour_path(name, made, layer, placed.direction, process.tolerance - flat)
     wound = degrees_turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
     start, end = (identifier(f"{name}_{k}", taken) for k in ("start", "end"))
     targets = {start: Target(pose)}
     last = path.target(len(path) - 1)
+    # A closed contour has one target for both ends: teaching it again moves both.
     if abs(wound) < _SAME_POSE and _are_same_poses(pose, last.pose):
         end = start
     else:
@@ -396,6 +402,7 @@ def follow_contour(
     statements: list[Statement] = []
     if high.before > 0.0:
         statements.append(move_to(kind, backed_off_target(start, high.before, into), travel))
+        # From the travel height first to the approach height, then down at the speed of the work.
         if 0.0 < layer.approach < high.before:
             statements.append(
                 Move("linear", backed_off_target(start, layer.approach, into), travel)
@@ -409,6 +416,7 @@ def follow_contour(
     targets |= named
     statements += switched.after
     if high.after > 0.0:
+        # The arm must not blend into a move that does not follow.
         leaving = replace(travel, blend=FINE) if stays else travel
         up = backed_off_target(end, high.after, out)
         statements.append(Move("linear", up, leaving, switched.last))
@@ -429,6 +437,7 @@ def _path_statements(
     done, parts = 0, 0
     for row in sorted({*on_way, len(path) - 1}):
         arc = path.kinds[row] == Kind.END
+        # The via of an arc is no row of the path before it.
         if (first := row - 1 if arc else row) > done:
             parts += 1
             part = path.name if parts == 1 else identifier(f"{path.name}_part", taken)
@@ -487,6 +496,7 @@ def _ends_and_peaks(curves: Sequence[Curve], turn: Floats, up: Points) -> Points
     found += [chorded(curve, _PEAK_CHORD) for curve in curves if isinstance(curve, FreeCurve)]
     arcs = [curve for curve in curves if isinstance(curve, Arc)]
     if arcs:
+        # Up against the tool, in the drawing's own axes.
         above = rotations.to_matrix(turn).T @ up
         start, centre, normal = (
             np.array([getattr(a, name) for a in arcs]) for name in ("start", "centre", "normal")
@@ -494,6 +504,7 @@ def _ends_and_peaks(curves: Sequence[Curve], turn: Floats, up: Points) -> Points
         way = above - (normal @ above)[:, None] * normal
         size = np.linalg.norm(way, axis=1, keepdims=True)
         arm = np.linalg.norm(start - centre, axis=1, keepdims=True)
+        # A level circle has no highest point: its ends are as high.
         peak = arm * way / np.where(size > _SAME_POSE, size, np.inf)
         ahead = (cross(start - centre, peak) * normal).sum(axis=1)
         angle = np.degrees(np.arctan2(ahead, ((start - centre) * peak).sum(axis=1))) % 360.0
@@ -568,6 +579,7 @@ def _contour_path(
         chosen = np.arange(len(rows))
         begin = facing_quaternions(direction, level_x_axis(direction)[None])
         quaternions = np.broadcast_to(begin, (len(rows), 4))
+    # The last row stops, and so do both rows of a corner at which the tool turns.
     stops = np.zeros(len(chosen), dtype=np.int32)
     again = np.flatnonzero(chosen[1:] == chosen[:-1])
     stops[again] = stops[again + 1] = stops[-1] = 1
@@ -576,6 +588,7 @@ def _contour_path(
     motion, positions = layer.motion, rows.positions[chosen]
     (speed, blend), blends = motion.fixed, tuple[Blend | Name, ...]()
     blends = (blend, FINE)
+    # A divided move must not stop where its parts meet.
     divided = made.divided[chosen] & (stops == 0)
     if layer.rounded or divided.any():
         sizes = _corner_radii(rows.start, positions, kinds, tolerance - rows.deviation)
@@ -605,6 +618,7 @@ def _corner_radii(
     """Sizes (n,) of the corners in mm, 0 for a stop; the two rows of an arc have one."""
     way, led = np.vstack([start, positions]), np.concatenate([[Kind.LINEAR], kinds])
     sizes = rounding_radii(way, led, np.ones(len(positions), dtype=np.bool_), tolerance)[1:]
+    # Both rows of an arc are one move with one blend.
     via = np.flatnonzero(kinds == Kind.VIA)
     sizes[via] = sizes[via + 1]
     return sizes

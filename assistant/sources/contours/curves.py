@@ -96,6 +96,7 @@ class Arc:
         """
         c, s, along = vector(centre), vector(start), vector(normal)
         size = math.copysign(math.hypot(*along), sweep)
+        # The sign of the sweep turns the normal over.
         n = (along[0] / size, along[1] / size, along[2] / size)
         arm = _difference(s, c)
         turn = min(abs(sweep), 360.0)
@@ -117,6 +118,7 @@ class Arc:
         if circle is None:
             return None
         centre, normal = circle
+        # The middle as via determines the circle best; the given one may be near an end.
         half = math.radians(0.5 * _sweep_between(centre, normal, a, c))
         arm = _difference(a, centre)
         ahead = cross_product(normal, arm)
@@ -133,6 +135,7 @@ class Arc:
         # Twice the way to via: exact where start and end are nearly one point.
         if self._sweep is None:
             half = _sweep_between(self.centre, self.normal, self.start, self.via)
+            # The class is frozen; this field is a cache.
             object.__setattr__(self, "_sweep", 2.0 * half)
             return 2.0 * half
         return self._sweep
@@ -230,10 +233,12 @@ def chorded(curve: Curve, off: float, most: int = _MOST_CHORDS) -> Points:
     if isinstance(curve, Line):
         return np.array([curve.start, curve.end])
     if isinstance(curve, Arc):
+        # At least three chords for a circle, however coarse the tolerance is.
         step = 2.0 * math.acos(max(1.0 - off / curve.radius, 0.5)) if curve.radius > 0 else 1.0
         count = min(max(math.ceil(math.radians(curve.sweep) / step), 4), most)
         return curve.at(np.linspace(0.0, 1.0, count + 1))
     breaks = np.asarray(curve.breaks)
+    # Each smooth part begins with some chords, so that no wave between two ends is overlooked.
     each = max(2, math.ceil(_FEWEST_CHORDS / (len(breaks) - 1)))
     parts = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(each) / each
     marks = np.append(parts.ravel(), breaks[-1])
@@ -274,6 +279,7 @@ def circle_through(a: Vector, b: Vector, c: Vector) -> tuple[Vector, Vector] | N
     u, v = _difference(b, a), _difference(c, a)
     w = cross_product(u, v)
     square, uu, vv = dot_product(w, w), dot_product(u, u), dot_product(v, v)
+    # Relative to the longer edge: the points are on one line but for rounding.
     if square <= 1e-20 * max(uu, vv) ** 2:
         return None
     x, y, z = cross_product(_difference(_scaled(uu, v), _scaled(vv, u)), w)
@@ -286,6 +292,7 @@ def _sweep_between(centre: Vector, normal: Vector, first: Vector, second: Vector
     """Degrees from first to second about a unit normal, in [0, 360)."""
     u, v = _difference(first, centre), _difference(second, centre)
     angle = math.degrees(math.atan2(dot_product(cross_product(u, v), normal), dot_product(u, v)))
+    # Rounding just below 0 must not give 360.
     return angle if angle >= 0.0 else (angle + 360.0) % 360.0
 
 
@@ -432,6 +439,7 @@ def _chord_count(piece: Piece, off: float) -> int:
 
 def signed_area(outline: PlanePoints) -> float:
     """Return the area of a closed polygon by the shoelace formula; below 0 if it runs clockwise."""
+    # From the first corner: coordinates far from the origin would lose digits.
     x, y = (outline - outline[0]).T
     return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 
@@ -441,6 +449,7 @@ def tangent(piece: Piece, part: float) -> tuple[float, float]:
     if isinstance(piece, Line):
         x, y = piece.end[0] - piece.start[0], piece.end[1] - piece.start[1]
     else:
+        # The stated ends are exact, computed ones are rounded.
         at = {0.0: piece.start, 1.0: piece.end}.get(part) or vector(piece.at([part])[0])
         ax, ay, az = (a - c for a, c in zip(at, piece.centre, strict=True))
         nx, ny, nz = piece.normal
@@ -492,6 +501,7 @@ def places_after_start(
         elif other > part:
             found.append((0, (other - part) / (1.0 - part)))
         else:
+            # The start's own piece is cut in two: what was before the start is the last piece.
             found.append((count, other / part))
     return tuple(found)
 
@@ -503,6 +513,7 @@ def first_stretch(pieces: Sequence[Piece], length: float) -> tuple[Piece, ...]:
         own = piece.length
         if length <= own * (1.0 + 1e-9):
             part = min(length / own, 1.0)
+            # A closed piece is cut even at its full length, as its end would be closed again.
             whole = part > 1.0 - 1e-9
             made.append(
                 piece if whole and not piece.closed else _piece_between_parts(piece, 0.0, part)

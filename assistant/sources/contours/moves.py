@@ -89,6 +89,7 @@ def contour_moves(
     made: list[Line | Arc] = []
     for piece in given.pieces:
         made += _possible_moves(piece, tolerance * FLATTENING_PART, widest)
+    # What was divided may be too short for a move.
     made = merge_short_pieces(made, tolerance, closed=contour.closed)
     start = made[0].start if made else contour.start
     found = (given.deviation + spent, given.fitted, given.within, given.dropped)
@@ -127,6 +128,7 @@ def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Contour
     joined = _closed_gaps(pieces, contour.closed)
     sides = [ours for ours, made in zip(drawn, joined, strict=True) for _ in made]
     tight_ones = [piece for made in joined for piece in made]
+    # Only sides of the drawing are thinned: fitted pieces are as few as the tolerance allows.
     tidy = thin_pieces(tight_ones, sides, tolerance, spent, closed=contour.closed)
     return ContourPieces(tidy.pieces, max(deviation, tidy.deviation), fitted, within, tidy.dropped)
 
@@ -169,18 +171,22 @@ def _possible_moves(piece: Line | Arc, flat: float, widest: float) -> list[Line 
     if isinstance(piece, Line):
         return [piece]
     sweep, radius = piece.sweep, piece.radius
+    # A controller cannot make a full circle with one move.
     count = max(math.ceil(sweep / widest - 1e-9), 2 if piece.closed else 1)
     part = math.radians(sweep / count)
+    # The shortest chord between start, via and end.
     nearest = 2.0 * radius * min(math.sin(part / 4.0), math.sin(part / 2.0))
     sagitta = 2.0 * radius * math.sin(part / 4.0) ** 2
     narrow = math.degrees(part) < _LEAST_SWEEP or nearest < _LEAST_CHORD
     if sagitta > flat and not narrow and _is_distinct(piece, count):
         return _arc_parts(piece, count) if count > 1 else [piece]
+    # Chords that are `flat` off; the clamp is for arcs that are smaller than that.
     step = 2.0 * math.acos(max(1.0 - flat / radius, -1.0)) if radius > 0 else math.tau
     chords = max(math.ceil(math.radians(sweep) / step - 1e-9), 2 if piece.closed else 1)
     if chords == 1:
         return [Line(piece.start, piece.end, piece.layer, piece.handle)]
     points = [tuple(p) for p in piece.at(np.linspace(0.0, 1.0, chords + 1)).tolist()]
+    # Computed ends differ by rounding: the neighbours begin at the stated ones.
     points[0], points[-1] = piece.start, piece.end
     return [Line(a, b, piece.layer, piece.handle) for a, b in pairwise(points)]
 
@@ -224,6 +230,7 @@ def _move_columns(
     starts = np.array([p.start for p in pieces])
     ends = np.array([p.end for p in pieces])
     chords = _unit_vector(ends - starts)
+    # Lines first; the rows of arcs are replaced below.
     positions[last], leaving[last], arriving[last] = ends, chords, chords
     if arcs.any():
         end, via = last[arcs], last[arcs] - 1
@@ -277,6 +284,7 @@ def degrees_turned(quaternions: Points, direction: Vector) -> float:
     x = level_x_axis(direction)
     y = np.cross(np.asarray(direction, dtype=np.float64), x)
     axes = rotations.rotate(quaternions, np.broadcast_to([1.0, 0.0, 0.0], (len(quaternions), 3)))
+    # Unwrapped, so that turns of more than half a circle in all are counted.
     angles = np.unwrap(np.arctan2(axes @ y, axes @ x))
     return float(np.degrees(angles[-1] - angles[0]))
 
@@ -292,10 +300,12 @@ def x_axes_along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]
     n = len(moves)
     z = np.asarray(direction, dtype=np.float64)
     arriving, leaving = (_projected_units(v, z) for v in (moves.arriving, moves.leaving))
+    # NaN where the contour runs along the tool: the last axis before is held.
     both = np.stack([leaving, arriving], axis=1).reshape(-1, 3)  # in order of the way
     both = _filled_forward(both, level_x_axis(direction))
     leaving, arriving = both[0::2], both[1::2]
     after = np.concatenate([leaving[1:], arriving[-1:]])
+    # The arc tangent is exact for small turns, where an arc cosine is not.
     turn = np.degrees(
         np.arctan2(
             np.linalg.norm(np.cross(arriving, after), axis=1), (arriving * after).sum(axis=1)
@@ -306,6 +316,7 @@ def x_axes_along(moves: Moves, direction: Vector) -> tuple[Points, Points, Rows]
     rows = np.repeat(np.arange(n), np.where(corner, 2, 1))
     second = np.flatnonzero(rows[1:] == rows[:-1]) + 1
     axes = mean[rows]
+    # The second row of a corner has the axis of what follows.
     axes[second] = after[rows[second]]
     return leaving[0], axes, rows
 
@@ -425,9 +436,11 @@ def move_lengths(start: Points, positions: Points, kinds: NDArray[np.uint8]) -> 
     sine, cosine = np.linalg.norm(cross(one, two), axis=1), (one * two).sum(axis=1)
     half, chord = np.arctan2(sine, cosine), np.linalg.norm(one + two, axis=1)
     longest = np.maximum(steps[end - 1], steps[end])
+    # Points on a line have no circle: their arc is the way through its three points.
     bent = sine > _STRAIGHT_ARC * longest**2
     around = chord * half / np.sin(np.where(bent, half, 1.0))
     steps[end] = np.where(bent, around, steps[end - 1] + steps[end])
+    # The row of the via leads nowhere: the move ends at the END.
     steps[end - 1] = 0.0
     return np.asarray(steps)
 
@@ -475,6 +488,7 @@ def _corner_spans(
     """Yield the spans of corners; a corner at the start of a closed contour is at 0."""
     if not pieces:
         return
+    # A corner of exactly the stated angle counts, whatever rounding does.
     angle = math.cos(math.radians(pace.angle)) + 1e-9
     last = rows.kinds != Kind.VIA
     first = np.concatenate([[True], last[:-1]])
@@ -485,6 +499,7 @@ def _corner_spans(
     if _is_closed(rows) and float(arriving[-1] @ leaving[0]) <= angle:
         yield 0.0, 0.0
     for i, piece in enumerate(pieces):
+        # Also arcs that are small enough to be a corner.
         small = isinstance(piece, Arc) and piece.radius <= pace.radius * (1.0 + 1e-9)
         if small and isinstance(piece, Arc) and piece.sweep >= pace.angle - 1e-6:
             yield float(ends[i]), float(ends[i + 1])
@@ -499,6 +514,7 @@ def _divided_piece(
     piece: _LineOrArc, low: float, high: float, cuts: Sequence[float], flat: float
 ) -> list[_LineOrArc]:
     """The parts of a piece between places that are inside it."""
+    # A small arc cannot be divided: its parts would be too short for a circle.
     if isinstance(piece, Arc) and piece.radius < _SMALLEST_DIVIDED_RADIUS:
         return [piece]
     inside = [low]
@@ -513,6 +529,7 @@ def _divided_piece(
         return [replace(piece, start=a, end=b) for a, b in pairwise(points)]
     middles = [(a + b) / 2.0 for a, b in pairwise(parts)]
     points = [piece.start, *map(vector, piece.at(parts[1:-1])), piece.end]
+    # A via belongs to each part, at its own middle.
     vias = [vector(p) for p in piece.at(middles)]
     arcs = [
         replace(piece, start=a, via=via, end=b, closed=False)

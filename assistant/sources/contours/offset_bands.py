@@ -102,6 +102,7 @@ class OffsetSource:
 
         made = shapely.points(points)
         rows, pieces = self.tree.query(made, predicate="dwithin", distance=reach)
+        # Every point needs a label: those without a piece in reach get the nearest one.
         without = np.ones(len(points), dtype=np.bool_)
         without[rows] = False
         if without.any():
@@ -114,6 +115,7 @@ class OffsetSource:
         share = ((p - start) * way).sum(axis=1) / size
         foot = start + np.clip(share, 0.0, 1.0)[:, None] * way
         distance = np.linalg.norm(p - foot, axis=1)
+        # Beyond the ends of a piece the joint there is nearest.
         arc = self.arcs[pieces]
         within, late, far_off = (share > 0.0) & (share < 1.0), share >= 1.0, np.zeros(len(rows))
         if arc.any():
@@ -129,11 +131,13 @@ class OffsetSource:
                 np.minimum(to_start, to_end),
             )
             late[arc] = to_end < to_start
+        # By point, then by distance; the first of each point is its nearest piece.
         order = np.lexsort((pieces, distance, rows))
         best = order[np.flatnonzero(np.diff(rows[order], prepend=-1))]
         chosen = pieces[best]
         joint = chosen + late[best]
         if self.closed:
+            # The joint after the last piece is the one before the first.
             joint = joint % self.count
         labels = np.where(within[best], chosen, self.count + joint)
         line_side = _plane_cross(way[best], points - self.start[chosen])
@@ -160,10 +164,12 @@ class OffsetSource:
         at_joints = np.append(begins, total)[joints]
         low = np.concatenate([marks.min(axis=0), at_joints]) - near
         high = np.concatenate([marks.max(axis=0), at_joints]) + near
+        # Stretches across the start count on both sides of it.
         if self.closed:
             low = np.concatenate([low, low - total, low + total])
             high = np.concatenate([high, high - total, high + total])
         ranks = np.argsort(low)
+        # Running ends: a stretch inside another one must not cut it short.
         low, high = low[ranks], np.maximum.accumulate(high[ranks])
         counts = np.maximum(np.ceil(lengths / step), 1).astype(np.intp)
         rows = np.repeat(np.arange(self.count), counts)
@@ -207,6 +213,7 @@ class OffsetSource:
         it.
         """
         ways = np.diff(ends, axis=0)
+        # Pieces count before joints, whose sides are short.
         sizes = np.linalg.norm(ways, axis=1) * (1.0 + (labels < self.count) * ends.size)
         k = int(sizes.argmax())
         label, middle = int(labels[k]), 0.5 * (ends[k] + ends[k + 1])
@@ -227,6 +234,7 @@ class OffsetSource:
             centre, radius = self._place(self.centre, label), float(self.radius[label])
             far = math.hypot(x - centre[0], y - centre[1])
             sizes = (radius + offset, abs(radius - offset))
+            # Inside and outside of the arc are both possible: the point decides.
             return OffsetCurve(centre, None, min(sizes, key=lambda size: abs(size - far)))
         (sx, sy), (ux, uy) = self._place(self.start, label), self._place(self.leaving, label)
         side = offset if ux * (y - sy) - uy * (x - sx) >= 0.0 else -offset
@@ -246,6 +254,7 @@ class OffsetSource:
         x, y = ay + by, -ax - bx  # to the right of both
         half = math.hypot(x, y) / 2.0  # the cosine of half of the turn
         corner = self._place(self.start, joint)
+        # Sharper turns have their meeting point far from the corner.
         if half < 0.5:
             return corner, math.inf
         size = offset / (2.0 * half * half)
@@ -303,6 +312,7 @@ class OffsetCurve:
             foot = (self.point[0] + part * bx, self.point[1] + part * by)
             ux, uy = -by, bx
             rest = self.radius**2 - part**2
+        # Touching curves may miss each other by rounding.
         half = math.sqrt(max(rest, 0.0))
         one = (foot[0] + half * ux, foot[1] + half * uy)
         two = (foot[0] - half * ux, foot[1] - half * uy)
@@ -347,7 +357,9 @@ def contour_band(source: OffsetSource, offset: float, off: float, side: int = 0)
     """
     import shapely
 
+    # Half of the turn of a chord that is `off` mm inside its circle.
     step = math.acos(max(1.0 - off / offset, 0.5))
+    # GEOS counts the segments of a quarter circle.
     rounds = max(math.ceil(math.pi / 4.0 / step), 2)
     found = shapely.buffer(_line_chunks(source, offset), offset, quad_segs=rounds).tolist()
     if source.arcs.any():
@@ -409,9 +421,11 @@ def _wedges(
 ) -> list[Any]:
     """Regions outside joints, between the normals of both sides; `side` as of `contour_band`."""
     turns = _joint_turns(source)
+    # Only the outer side of a joint has a gap between the two bands.
     rows = np.flatnonzero(wedged & (np.abs(turns) > _SLIGHT_TURN) & (side * turns <= 0.0))
     turn, arriving = turns[rows], np.roll(source.arriving, 1, axis=0)[rows]
     out = -np.sign(turn)
+    # Padded: polygons that only touch would leave slits between them.
     pad = np.copysign(_POLYGON_OVERLAP * off / offset, turn)
     first = np.arctan2(arriving[:, 0] * out, -arriving[:, 1] * out) - pad
     turn = turn + 2.0 * pad
@@ -430,6 +444,7 @@ def _sectors(source: OffsetSource, offset: float, off: float) -> list[Any]:
     rows = np.flatnonzero(source.arcs)
     whole = np.array([source.pieces[i].closed for i in rows.tolist()], dtype=np.bool_)
     radius, sweep, centre = source.radius[rows], source.sweep[rows], source.centre[rows]
+    # A full circle has no ends that could overlap.
     more = np.where(whole, 0.0, np.minimum(_POLYGON_OVERLAP * off / radius, _POLYGON_OVERLAP))
     more = np.minimum(more, np.maximum(math.tau - sweep, 0.0) / 4.0)
     step = 2.0 * np.arccos(np.maximum(1.0 - off / (radius + offset), 0.5))

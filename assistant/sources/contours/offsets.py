@@ -128,10 +128,12 @@ def offset_closed(
     """
     import shapely
 
+    # An offset below the tolerance allows less.
     limit = min(tolerance, offset)
     off = limit * _BAND_TOLERANCE
     source = OffsetSource.of(pieces, off, closed=True)
     outline = polyline(pieces, off, closed=True)
+    # The left of an anticlockwise contour is inside.
     band = contour_band(source, offset, off, 1 if (signed_area(outline) < 0.0) == outside else -1)
     whole = shapely.Polygon(outline)
     left = shapely.union(whole, band) if outside else shapely.difference(whole, band)
@@ -144,6 +146,7 @@ def offset_closed(
                 shapely.get_coordinates(border)[:-1], source, offset, limit
             )
             if ring:
+                # The middle of an arc around a corner stands for the corner.
                 turned = [(i, 0.5) for i, (_, corner) in enumerate(ring) if corner]
                 made = tuple(piece for piece, _ in ring)
                 sharp = {*turned, *corner_joints(made, closed=True)}
@@ -167,10 +170,12 @@ def offset_open(
             points = shapely.get_coordinates(border)[:-1]
             labels, sides = source.nearest(_side_middles(points), offset + 2.0 * off)
             wanted = (sides > 0.0) == left
+            # The band of an open contour has two sides: only the wanted one is the path.
             wanted &= (labels != source.count) & (labels != 2 * source.count)  # caps at its ends
             for rows in _wanted_stretches(wanted):
                 ends = points[np.append(rows, (rows[-1] + 1) % len(points))]
                 chosen = labels[rows]
+                # The border runs around the band: on one of its sides against the contour.
                 if source.runs_back(ends, chosen):
                     ends, chosen = ends[::-1], chosen[::-1]
                 way = _pieces_of_sides(ends, chosen, source, offset, limit, closed=False)
@@ -180,6 +185,7 @@ def offset_open(
                     bare = source.bare(ends, chosen, _COVERED_OFFSETS * offset, offset)
                     sharp = (*sharp, *corner_joints(made, closed=False))
                     ring = OffsetRing(made, False, False, sharp, bare=bare)
+                    # Paths are put in the order of the contour by where they begin.
                     found.append((int(chosen[0]) % source.count, ring))
     return [ring for _, ring in sorted(found, key=lambda one: one[0])]
 
@@ -205,6 +211,7 @@ def _wanted_stretches(wanted: NDArray[np.bool_]) -> Iterator[NDArray[np.intp]]:
     if wanted.all():
         yield np.arange(n)
     elif wanted.any():
+        # From a row that is not wanted, so that no stretch is cut in two.
         first = int(np.flatnonzero(~wanted)[0])
         rows = (np.arange(n) + first) % n
         for is_wanted, group in groupby(rows.tolist(), key=lambda row: bool(wanted[row])):
@@ -220,9 +227,11 @@ def _ring_of_border(
     """
     keep = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1) > SAME_POINT
     points = points[keep]
+    # Nothing is left of the border but rounding.
     if len(points) < 3 or abs(signed_area(points)) < SAME_POINT:
         return [], points[:0]
     labels, _ = source.nearest(_side_middles(points), offset + 2.0 * _BAND_TOLERANCE * limit)
+    # The polygon starts where the label changes, so that no run is cut in two.
     changes = np.flatnonzero(labels != np.roll(labels, 1))
     if changes.size:
         first = -int(changes[0])
@@ -258,10 +267,12 @@ class _SideRun:
         curve = self.curve
         dx, dy = end[0] - start[0], end[1] - start[1]
         if curve.along is not None:
+            # The neighbours cut this run off: the joints have passed each other.
             back = dx * (self.end[0] - self.begin[0]) + dy * (self.end[1] - self.begin[1]) <= 0.0
             return None if back else Line((*start, 0.0), (*end, 0.0))
         x, y = curve.point
         first, last = (math.atan2(p[1] - y, p[0] - x) for p in (start, end))
+        # A sweep of more than half a circle needs the polygon's own turn.
         sweep = self.turn + _wrapped_angle(last - first - self.turn)
         if (
             sweep * self.turn <= 0.0
@@ -272,6 +283,7 @@ class _SideRun:
         via = (x + curve.radius * math.cos(half), y + curve.radius * math.sin(half), 0.0)
         ends = (*start, 0.0), (*end, 0.0)
         off = max(abs(math.hypot(p[0] - x, p[1] - y) - curve.radius) for p in (start, end))
+        # Ends off the circle, as after a joint in the middle: the arc is put through them.
         if off > SAME_POINT and (arc := Arc.through(ends[0], via, ends[1])) is not None:
             return arc
         normal = (0.0, 0.0, math.copysign(1.0, sweep))
@@ -292,6 +304,7 @@ def _pieces_of_sides(
     (m,). limit: mm that a joint may be away from the polygon's.
     """
     runs = _side_runs(ends, labels, source, offset)
+    # One label all around is a circle.
     if len(runs) == 1 and closed:
         curve, turn = runs[0].curve, math.copysign(360.0, signed_area(ends[:-1]))
         around = (*curve.point, 0.0), (0.0, 0.0, 1.0), (*curve.nearest(runs[0].begin), 0.0)
@@ -306,6 +319,7 @@ def _pieces_of_sides(
     for k, run in enumerate(runs):
         found.append((begins[k], joints[k], run.piece(begins[k], joints[k])))
         if found[k][2] is None:  # its neighbours cut it off
+            # Both neighbours meet in the middle of what is left.
             half = _midpoint(begins[k], joints[k])
             begins[k] = joints[k] = half
             if closed or k:
@@ -356,6 +370,7 @@ def _long_runs(
     for k, run in enumerate(runs):
         stays = not closed and k in (0, last)
         if not stays and run.label >= source.count:
+            # A small round between its own neighbours becomes the point at which their paths meet.
             joint = run.label - source.count
             beside = {runs[k - 1].label, runs[(k + 1) % len(runs)].label}
             if beside == {(joint - 1) % source.count, joint}:
@@ -365,6 +380,7 @@ def _long_runs(
         small = run.mitre is not None or (not stays and left + run.length < least)
         left = left + run.length if small and run.mitre is None else 0.0
         kept.append(not small)
+    # One piece alone cannot be joined: the runs stay as they are.
     if sum(kept) < 2:
         return runs, [[] for _ in runs]
     first = kept.index(True)
@@ -379,6 +395,7 @@ def _long_runs(
         else:
             found.append(run)
             dropped.append([])
+    # The ring begins inside this run.
     if closed and len(found) > 2 and found[0].label == found[-1].label:
         found[0], dropped = found[-1].with_next(found[0]), dropped[:-1]
         found.pop()
@@ -395,6 +412,7 @@ def _joint_of_runs(
         return between[0].mitre
     near = _midpoint(one.end, two.begin)
     meet = one.curve.meets(two.curve, near)
+    # A crossing far from the polygon's joint belongs to another part of the curves.
     reach = limit + math.fsum(run.length for run in between)
     if meet is not None and math.dist(meet, near) <= reach:
         return meet

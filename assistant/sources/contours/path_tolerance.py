@@ -66,6 +66,7 @@ def thin_pieces(
     pieces: end to end. drawn: which of them are sides of a drawing. spent: mm that they are off
     already. Ends of an open contour, and joints with other pieces, stay where they are.
     """
+    # A path beside a contour is off already: both must stay within a common part.
     allowed = min(THINNING_PART * tolerance, _SECOND_THINNING_PART * tolerance - spent)
     if not pieces:
         return ThinnedPieces(())
@@ -73,6 +74,7 @@ def thin_pieces(
     most, dropped = 0.0, 0
     sides = [isinstance(p, Line) and ours for p, ours in zip(pieces, drawn, strict=True)]
     runs = _runs_of_kind(sides)
+    # A closed contour of sides alone has no joint that must stay.
     around = closed and len(runs) == 1
     spare = _spare_starts(pieces, allowed, tolerance)
     for first, last in runs:
@@ -112,6 +114,7 @@ def needed_points(
     n = len(points)
     kept = np.ones(n, dtype=np.bool_)
     kept[1:-1] = ~_spare_alone(points, allowed, short)
+    # Both ends are one point: a third one keeps the ring from collapsing.
     if around and n > 3:
         far = np.linalg.norm(points - points[0], axis=1)
         kept[int(far.argmax())] = True
@@ -126,11 +129,13 @@ def needed_points(
         firsts = np.flatnonzero(np.diff(place, prepend=-1))
         worst = np.maximum.reduceat(off, firsts)
         counts = np.diff(np.append(firsts, len(inner)))
+        # All intervals that are off are split at once, each at its farthest point.
         split = np.repeat(worst > allowed, counts)
         if not split.any():
             most = float(worst.max())
             break
         farthest = np.flatnonzero(split & (off == np.repeat(worst, counts)))
+        # Equally far points of an interval would split it more than once.
         _, one_each = np.unique(place[farthest], return_index=True)
         kept[inner[farthest[one_each]]] = True
     return kept, most
@@ -172,6 +177,7 @@ def merge_short_pieces(pieces: Sequence[Piece], tolerance: float, *, closed: boo
     small = [length < least for length in lengths]
     if not any(small):
         return list(pieces)
+    # A closed contour begins at a piece that stays, so that no stretch of short ones is cut.
     first = small.index(False) if closed and not all(small) else 0
     carriers: list[Piece] = []
     ends: list[Vector] = []
@@ -189,6 +195,7 @@ def merge_short_pieces(pieces: Sequence[Piece], tolerance: float, *, closed: boo
         elif math.fsum(piece.length for piece in stretch) < least:
             begin, end = stretch[0].start, stretch[-1].end
             if carriers:
+                # At an open end the last point stays, elsewhere both neighbours meet in the middle.
                 open_end = at == len(turned) and not closed
                 ends[-1] = end if open_end else midpoint(begin, end)
         else:
@@ -216,6 +223,7 @@ def _long_chords(stretch: Sequence[Piece], least: float) -> list[Piece]:
             points.append(piece.end)
     if len(points) == 1:
         return []
+    # The last chord takes what is left over.
     points[-1] = stretch[-1].end
     like = stretch[0]
     return [Line(a, b, like.layer, like.handle) for a, b in pairwise(points)]
@@ -230,6 +238,7 @@ def piece_with_ends(piece: Piece, start: Vector, end: Vector) -> list[Piece]:
         return [piece]
     if isinstance(piece, Arc):
         if start == end:
+            # Both ends have become one point.
             return _circle_of_arc(piece, start)
         if piece.sweep > _LARGE_SWEEP:
             one, half, two = (vector(p) for p in piece.at([0.25, 0.5, 0.75]))
@@ -286,11 +295,13 @@ def rounding_radii(
     step = np.diff(positions, axis=0)
     way = np.sqrt(np.einsum("ij,ij->i", step, step))
     inner = np.where(whole, way, 0.0)
+    # Rows in one place have no direction.
     leaving = arriving = step / np.where(way > 0.0, way, 1.0)[:, None]
     bend = np.full(n - 1, np.inf)
     via = np.flatnonzero(kinds[:-1] == Kind.VIA)
     via = via[via > 0]
     if via.size:
+        # The arc leaves its start and reaches its end along its tangents, not along the chords.
         leaving, arriving = leaving.copy(), arriving.copy()
         start, middle, end = (positions[via + k] for k in (-1, 0, 1))
         leaving[via - 1], bend[via - 1] = _arc_tangents(start, middle, end)
@@ -301,6 +312,7 @@ def rounding_radii(
     with np.errstate(divide="ignore"):
         most = np.minimum(tolerance / half, np.minimum(inner[:-1], inner[1:]) / 2.0)
     most = np.minimum(most, np.sqrt(2.0 * tolerance * np.minimum(bend[:-1], bend[1:])))
+    # A size that fits but for rounding counts.
     place = np.searchsorted(ROUNDING_RADII, most * (1.0 + 1e-9), "right")
     found[1:-1] = np.where(place > 0, ROUNDING_RADII[np.maximum(place - 1, 0)], 0.0)
     found[kinds == Kind.VIA] = 0.0  # a point on the way, no corner
@@ -315,6 +327,7 @@ def _arc_tangents(start: Floats, via: Floats, end: Floats) -> tuple[Floats, Floa
     """
     to_via, to_end = via - start, end - start
     with np.errstate(divide="ignore", invalid="ignore"):
+        # Points that coincide give NaN, which becomes no direction.
         one = to_via / (to_via**2).sum(axis=1, keepdims=True)
         two = to_end / (to_end**2).sum(axis=1, keepdims=True)
         size = np.linalg.norm(one - two, axis=1, keepdims=True)

@@ -133,10 +133,12 @@ def _starts_of(
     if shaping.start == "longest":
         rows = range(len(pieces))
         lines = [i for i in rows if isinstance(pieces[i], Line)] or rows
+        # Rounded, so that sides that are equal but for rounding have the first of them chosen.
         return ((max(lines, key=lambda i: round(pieces[i].length, 3)), 0.5),)
     if shaping.start == "corner" and ring.corners:
         return _some_places(ring.corners)
     if len(pieces) == 1:
+        # A full circle has no joints.
         return tuple((0, part) for part in _LEAD_QUARTERS)
     joints = [(i, 0.0) for i in range(len(pieces))]
     return _some_places([*joints, *((i, 0.5) for i, _ in joints)] if shaping.leads else joints)
@@ -154,11 +156,13 @@ def _nearest_place(pieces: Sequence[Piece], point: Points) -> tuple[int, float]:
     best, found = np.inf, (0, 0.0)
     for i, piece in enumerate(pieces):
         part = _nearest_part(piece, point)
+        # A start next to a joint is the joint: no piece without length is cut off.
         part = round(part) if min(part, 1.0 - part) * piece.length < SAME_POINT else part
         apart = float(np.linalg.norm(piece.at([part])[0, :2] - point[:2]))
         if apart < best - 1e-9:
             best, found = apart, (i, part)
     i, part = found
+    # The end of a piece is the start of the next one.
     return found if part < 1.0 else ((i + 1) % len(pieces), 0.0)
 
 
@@ -171,6 +175,7 @@ def _nearest_part(piece: Piece, point: Points) -> float:
     centre, sign = np.asarray(piece.centre[:2]), np.sign(piece.normal[2])
     (x0, y0), (x, y) = start - centre, p - centre
     turned = np.degrees(np.arctan2(y, x) - np.arctan2(y0, x0)) * sign % 360.0
+    # Beyond the arc, the nearer of its two ends counts.
     if turned <= piece.sweep:
         return float(turned / piece.sweep)
     return 1.0 if turned - piece.sweep < 360.0 - turned else 0.0
@@ -300,6 +305,7 @@ class _ContourOffsets:
         level = 0.0
         if self.sided or shaping.leads:
             low, high = height_range(self.pieces)
+            # The drawing's height, to which offsets made in the plane are put back.
             level = 0.5 * (low + high)
             if high - low > self.tolerance:
                 return self._none(_NOT_FLAT, apart=high - low)
@@ -328,6 +334,7 @@ class _ContourOffsets:
         """The ways at an offset, each as it comes."""
         closed, left = self.contour.closed, self.shaping.side == "left"
         if not offset:
+            # Without an offset the contour is its own path.
             places = corner_joints(self.pieces, closed=closed)
             encloses = closed and self.outside
             rings = [OffsetRing(self.pieces, closed, encloses, places)]
@@ -367,6 +374,7 @@ class _ContourOffsets:
         without room.
         """
         shaping, length = self.shaping, ring.length
+        # An overlap past one round would cut the same stretch three times.
         if ring.closed and shaping.overlap > length:
             self._say(_OVERLAP_TOO_LONG, overlap=shaping.overlap, length=length)
             return ring
@@ -376,6 +384,7 @@ class _ContourOffsets:
             if near is not None:
                 self._say(_CUTS_INTO, apart=near, offset=shaping.offset)
                 return ring
+            # Leads are checked against the contour as drawn, not against the path beside it.
             own = OffsetRing(self.pieces, ring.closed, ring.closed and self.outside)
             free = self.room.beside(self.key, own, shaping.offset)
             away = self.room.away(shaping.offset)
@@ -399,6 +408,7 @@ class _ContourOffsets:
         """Report the material that the tool does not reach on its last round."""
         import shapely
 
+        # Earlier rounds leave their allowance on purpose: only the last one counts.
         offset = self.shaping.offset + self.shaping.allowances[-1]
         if not offset:
             return
@@ -438,6 +448,7 @@ def _largest_distance(ways: STRtree, points: PlanePoints) -> float:
     import shapely
 
     most, bounds, every = 0.0, np.full(len(points), np.inf), np.arange(len(points))
+    # From coarse to fine: a stride leaves only points that may be farther than the best so far.
     for stride in (16, 4, 1):
         asked = every[::stride]
         asked = asked[bounds[asked] > most]
@@ -538,6 +549,7 @@ class ShapedContour:
             yield ToolPath(contour)
             return
         pieces = self.view.of([c for c in contour.curves if isinstance(c, Piece)])
+        # The other rings start as near as they can to the start that the ordering has chosen.
         begin = np.asarray(pieces[0].start)
         last = self.rounds[-1][0]
         for rings in self.rounds:
@@ -549,6 +561,7 @@ class ShapedContour:
                         ring, pieces=started_at(ring.pieces, *_nearest_start(ring, begin))
                     )
                 made = _with_leads(turned, shaping)
+                # Leads and overlap open a closed ring.
                 closed = ring.closed and len(made) == len(turned.pieces)
                 for below in shaping.depths:
                     curves = self.view.back(lowered(made, below))
@@ -586,6 +599,7 @@ class PathShaper:
         alike: dict[tuple[float, ...], list[tuple[ContourKey, Contour]]] = {}
         for i, (layer, contours) in enumerate(self.layers):
             if layer.shaping.sided:
+                # Sides matter only between contours that are seen in the same direction.
                 them = [((i, k), contour) for k, contour in enumerate(contours)]
                 alike.setdefault(layer.direction, []).extend(them)
         for direction, members in alike.items():
@@ -615,6 +629,7 @@ class PathShaper:
         while left:
             free = (row for row in left if not self._waits_for(row) & (set(left) - {row}))
             row = next(free, None)
+            # Layers that wait for each other in a circle: the first one is taken, with a finding.
             if row is None:
                 row = left[0]
                 name = shown(self.layers[row][1][0].layer)
@@ -635,6 +650,7 @@ class PathShaper:
         shaping = layer.shaping
         if not shaping.sided:
             self._tell_crossings(row)
+        # Nothing shapes the contours: their curves stay as drawn.
         if shaping == Shaping(depth=shaping.depth, passes=shaping.passes) and not shaping.depth:
             return [ShapedContour(replace(c, number=k)) for k, c in enumerate(contours)]
         view = ToolView.along(layer.direction)

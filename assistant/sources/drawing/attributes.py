@@ -137,6 +137,7 @@ class Tags:
         """True if a block with these tags is a location (see above)."""
         found = [self.meaning(tag) for tag in tags]
         known = [m for m in found if m is not None]
+        # Tags that do not decide need all others to be known: a title block has a NAME, too.
         return any(TAG_MEANINGS[m].decides for m in known) or bool(known and None not in found)
 
 
@@ -147,6 +148,7 @@ def texts_of(insert: Insert, document: Drawing) -> list[tuple[str, str]]:
         for a in insert.attribs
         if a.is_alive  # one that repair has dropped is a finding already
     ]
+    # Constant attributes are stored in the block, not with its inserts.
     block = document.blocks.get(insert.dxf.name)
     if block is not None:
         there = {tag.strip().upper() for tag, _ in found}

@@ -65,8 +65,10 @@ def malformed_numbers(data: bytes, path: str) -> list[Diagnostic]:
     wrong: list[tuple[int, int, bytes]] = []
     lines = data.splitlines()
     for row, (code, value) in enumerate(zip(lines[::2], lines[1::2], strict=False)):
+        # Codes repeat: each different one is looked up once.
         if code not in known:
             number = _group_code(code)
+            # Lines are no longer in pairs: `_load` reports that damage.
             if number is None:
                 break
             known[code] = number if any(a <= number <= b for a, b in _NUMBER_CODES) else None
@@ -97,6 +99,7 @@ def _number_cure(given: str) -> str:
     """What to write instead, where that is plain."""
     if re.fullmatch(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?", given):
         return f"write a decimal point, {given.replace(',', '.')}"
+    # A thousands separator, or the exponent of Fortran.
     meant = given.replace(",", "") if "." in given else given
     meant = re.sub(r"[dD](?=[+-]?\d+$)", "E", meant)
     if meant != given and _PLAIN_NUMBER.fullmatch(meant.encode("latin-1")):
@@ -179,6 +182,7 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
         if not binary and (wrong := malformed_numbers(data, str(path))):
             raise Refused(*wrong)
         document, repairs = _load(path, data, binary)
+    # Without a header, ezdxf adds its own defaults.
     if (_BINARY_HEADER_VARIABLE if binary else _HEADER_VARIABLE).search(data) is None:
         _forget_header(document)
     return document, (*repairs, *_note_findings(notes, str(path)))
@@ -239,6 +243,7 @@ def _load(path: FilePath, data: bytes, binary: bool) -> tuple[Drawing, tuple[Dia
     from ezdxf.filemanagement import dxf_file_info, read, readfile
 
     try:
+        # Without escapes the reader of ezdxf takes the file as it is.
         if binary or _ESCAPE_MARK not in data:
             return _with_checked_names(readfile(path)), ()
         text = data.decode(dxf_file_info(str(path)).encoding, errors="surrogateescape")
@@ -248,6 +253,7 @@ def _load(path: FilePath, data: bytes, binary: bool) -> tuple[Drawing, tuple[Dia
         strict = error
     if binary:  # ezdxf repairs text only
         raise _broken_finding(path, strict) from strict
+    # `recover` repairs what the strict reader refuses.
     try:
         document, auditor = recover.readfile(path)
         _with_checked_names(document)
@@ -266,6 +272,7 @@ def _load(path: FilePath, data: bytes, binary: bool) -> tuple[Drawing, tuple[Dia
 
 def _repaired(notes: list[str], path: str) -> Diagnostic:
     """One finding for all repairs: the first of each kind, and how many there are."""
+    # Reversed twice: the first note of each kind stays, in its place.
     kinds = {_HANDLE_OR_LINE.sub("", note): note for note in reversed(notes)}
     some = [shown(note) for note in [*reversed(kinds.values())][:_MOST_REPAIRS]]
     more = f"; and more, {len(notes)} repairs in all" if len(notes) > len(some) else ""

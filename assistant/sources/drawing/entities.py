@@ -96,6 +96,7 @@ class Conic:
 
     def curve(self, layer: str, handle: str) -> Curve:
         radius = max(math.hypot(*vector(self.u)), math.hypot(*vector(self.v)))
+        # A nearly straight arc has a centre far away: as an arc it would be refused.
         if (
             radius >= _FARTHEST_COORDINATE
             and 2.0 * radius * math.sin(self.sweep / 4.0) ** 2 <= _FLATTEST_ARC
@@ -108,6 +109,7 @@ class Conic:
         normal = cross_product(u, v)
         sizes = math.hypot(*u), math.hypot(*v)
         flat = math.hypot(*normal) <= _ROUND_TOLERANCE * max(sizes) ** 2
+        # Without area it has no normal: it is a line that is run twice.
         if flat or self.sweep * max(sizes) <= _SHORTEST_CURVE:
             raise Degenerate("without length or area")
         even = abs(sizes[0] - sizes[1]) <= _ROUND_TOLERANCE * max(sizes)
@@ -143,6 +145,7 @@ class _Spline:
             raise Degenerate("without length")
         low, high = self._domain
         inner = np.unique(self.knots[(self.knots > low) & (self.knots < high)])
+        # A change of polynomial may be a corner: fitting must not go across it.
         breaks = (0.0, *(float(b) for b in (inner - low) / (high - low)), 1.0)
         ends = self._evaluate(np.array([0.0, 1.0]))
         closed = bool(np.linalg.norm(ends[1] - ends[0]) <= _SHORTEST_CURVE)
@@ -181,6 +184,7 @@ class _Spline:
         low, high = self._domain
         x = np.clip(low + parameters * (high - low), low, high)
         last = int(np.searchsorted(knots, high, side="left")) - 1  # its span holds the end
+        # The last span holds the end of the domain: no span begins there.
         span = np.clip(np.searchsorted(knots, x, side="right") - 1, p, min(last, n - 1))
         homogeneous = np.column_stack([self.points * self.weights[:, None], self.weights])
         d = homogeneous[span[:, None] + np.arange(-p, 1)]
@@ -188,6 +192,7 @@ class _Spline:
             for j in range(p, r - 1, -1):
                 i = span - p + j
                 width = knots[i + p - r + 1] - knots[i]
+                # Repeated knots have spans without width, whose share does not matter.
                 share = np.divide(x - knots[i], width, out=np.zeros_like(x), where=width > 0)
                 d[:, j] = d[:, j - 1] + share[:, None] * (d[:, j] - d[:, j - 1])
         return np.asarray(d[:, p, :3] / d[:, p, 3:])
@@ -260,6 +265,7 @@ def _arc(entity: Any) -> list[Primitive]:
         raise ValueError("an angle is not finite")
     if first == last:
         raise Degenerate("without length")
+    # A circle from an angle to itself plus 360 is complete, not empty.
     sweep = (last - first) % 360.0 or 360.0
     return [_circular_arc(entity, math.radians(first % 360.0), math.radians(sweep))]
 
@@ -267,6 +273,7 @@ def _arc(entity: Any) -> list[Primitive]:
 def _circular_arc(entity: Any, start: float, sweep: float) -> Conic:
     """A circular arc of `sweep` radians."""
     axes = ocs_axes(_xyz(entity.dxf.extrusion))
+    # Some writers mirror an arc by a negative radius.
     radius = abs(float(entity.dxf.radius))
     if radius == 0.0:
         raise Degenerate("without radius")
@@ -284,6 +291,7 @@ def _ellipse(entity: Any) -> list[Primitive]:
     if first == last:
         raise Degenerate("without length")
     sweep = (last - first) % math.tau
+    # Writers round the end parameter: a full ellipse is nearly 2π or nearly 0.
     if math.isclose(sweep, 0.0, abs_tol=1e-9) or math.isclose(sweep, math.tau, abs_tol=1e-9):
         sweep = math.tau
     return [Conic.part(_xyz(entity.dxf.center), major, minor, first, sweep)]
@@ -318,6 +326,7 @@ def _flat_polyline(
     if not (np.isfinite(rows).all() and math.isfinite(elevation)):
         raise ValueError("a vertex is not finite")
     follows = np.roll(rows, -1, axis=0)
+    # A closed polyline of one vertex has no piece.
     if not (closed and len(rows) > 1):
         rows, follows = rows[:-1], follows[:-1]
     kept = (rows[:, :2] != follows[:, :2]).any(axis=1)  # doubled vertices are usual
@@ -341,12 +350,14 @@ def _bulged(
     A bulge is the tangent of a quarter of an arc's angle, positive to the left. With the chord d
     from start to end the centre is (1 - b²) / 4b · d turned left from the middle of the chord.
     """
+    # At this bulge start and end of the arc are one point, and its radius is lost.
     largest = float(np.abs(bulges).max(initial=0.0))
     if largest > _LARGEST_BULGE:
         raise ValueError(f"the bulge {largest:g} is a full circle through one point")
     chord = end - start
     sweep = 4.0 * np.arctan(np.abs(bulges))
     bent = sweep * np.linalg.norm(chord, axis=1) >= _FLATTEST_BULGE
+    # Any bulge will do for straight pieces, which the result leaves out.
     b = np.where(bent, bulges, 1.0)
     centre = (start + end) / 2.0 + _turned_left(chord) * ((1.0 - b * b) / (4.0 * b))[:, None]
     u = start - centre
@@ -378,12 +389,14 @@ def _spline(entity: SplineEntity) -> list[Primitive]:
         whole = _nurbs(entity.dxf.degree, entity.knots, points, entity.weights)
         return [*whole.continuous()]
     fit = _points(entity.fit_points)
+    # Fit points of a closed spline do not repeat the first.
     if len(fit) and entity.closed and not (fit[0] == fit[-1]).all():
         fit = np.vstack([fit, fit[:1]])
     if len(fit) < _FEWEST_FIT_POINTS:
         raise ValueError("it has neither control points nor fit points")
     if not np.isfinite(fit).all():
         raise ValueError("a fit point is not finite")
+    # Two fit points without tangents are a line.
     if len(fit) == _FEWEST_FIT_POINTS and not entity.dxf.hasattr("start_tangent"):
         return [Straight(fit[0], fit[1])]
     return [_fitted(entity, fit)]
@@ -396,6 +409,7 @@ def _fitted(entity: SplineEntity, fit: Floats) -> _Spline:
     tangents = None
     if entity.dxf.hasattr("start_tangent") and entity.dxf.hasattr("end_tangent"):
         pair = [Vec3(entity.dxf.start_tangent), Vec3(entity.dxf.end_tangent)]
+        # A zero vector states no tangent.
         if all(t.magnitude > 0 for t in pair):
             tangents = pair
     curve = fit_points_to_cad_cv([Vec3(p) for p in fit], tangents)

@@ -45,6 +45,7 @@ def _axes_of(*extrusion: float) -> Floats:
     near = abs(z[0]) < _ARBITRARY_AXIS_BOUND and abs(z[1]) < _ARBITRARY_AXIS_BOUND
     x = _unit(cross(np.array((0.0, 1.0, 0.0) if near else (0.0, 0.0, 1.0)), z))
     axes = np.column_stack([x, cross(z, x), z])
+    # The array is cached and shared.
     axes.flags.writeable = False
     return axes
 
@@ -143,6 +144,7 @@ def mirrors(matrix: Floats) -> bool:
 
 
 def skews(matrix: Floats) -> bool:
+    # A transform that keeps angles has equal diagonals and zeros elsewhere.
     """True if a matrix changes angles, as an uneven scale does."""
     gram = matrix[:3, :3].T @ matrix[:3, :3]
     even = np.eye(3) * np.trace(gram) / 3.0
@@ -157,6 +159,7 @@ def right_handed(x: Floats, z: Floats) -> Floats:
     unit_z = _unit(z)
     unit_x = _unit(x)
     across = unit_x - (unit_x @ unit_z) * unit_z
+    # Parallel vectors leave x undetermined.
     if np.linalg.norm(across) < 1e-9:
         raise ValueError("its directions fall into one")
     across = _unit(across)

@@ -68,6 +68,7 @@ class _EntityCount:
             return 1
         layer, followed = self._layered(entity, around)
         if not followed:
+            # Nothing of a hidden insert is inserted.
             return 1
         try:
             times = copies(cast("Insert", entity))
@@ -77,6 +78,7 @@ class _EntityCount:
         block = self._blocks.get(entity.dxf.get("name", ""))
         if block is None or depth >= self._most:
             return 1 + count
+        # Layer and depth change what the content counts for, so they belong to the key.
         key = (block.name.lower(), layer, depth)
         if key not in self._known:
             self._known[key] = self.of(block, layer, depth + 1)
@@ -193,6 +195,7 @@ class Traversal:
     def _layered(self, entity: DXFGraphic, around: str) -> tuple[str, bool]:
         """The layer of an entity in a block that is inserted on another, and if it is followed."""
         layer = _layer_of(entity)
+        # Layer 0 in a block means the layer of the insert.
         if layer == "0" and around:
             layer = around
         return layer, self._hidden(entity, layer) in (None, _LAYER_OFF)
@@ -210,10 +213,13 @@ class Traversal:
     def _walk(self, entities: Iterable[DXFGraphic], owner: _BlockOwner) -> Iterator[PlacedEntity]:
         for entity in entities:
             layer = _layer_of(entity)
+            # Layer 0 in a block means the layer of the insert.
             if layer == "0" and owner.blocks:
                 layer = owner.layer
             kind = entity.dxftype()
             hidden = self._hidden(entity, layer)
+            # A layer that is off hides only what is on it, so the content of the block is still
+            # visited.
             if kind == "INSERT" and hidden in (None, _LAYER_OFF):
                 yield from self._insert(cast("Insert", entity), layer, hidden, owner)
             elif kind == "ATTDEF" and owner.blocks:
@@ -244,6 +250,7 @@ class Traversal:
             self._say(BAD_ENTITY, place, kind="INSERT", reason=shown(str(error)))
             return
         location = self.tags.make_location(tags)
+        # A location on a hidden layer is hidden as its symbol is.
         if hidden and location:
             self._leave(LEFT_OUT, insert, layer, hidden)
             return
@@ -252,6 +259,7 @@ class Traversal:
         block = self._block(insert, place, owner, needed=not location)
         symbol = owner.symbol or location
         for cell in cells(insert):
+            # The location is yielded once per copy, its symbol is walked for locations inside it.
             if location:
                 yield PlacedEntity(insert, owner.matrix, layer, place, cell, owner.inserted)
             if block is None:
@@ -259,6 +267,7 @@ class Traversal:
             with np.errstate(all="ignore"):  # what overflows is found not to be finite
                 inner = owner.matrix @ insert_matrix(insert, block.base_point.xyz, cell)
             blocks = (*owner.blocks, block.name.lower())
+            # The outermost insert stands for all inside it; a location's symbol stands for nothing.
             inserted = owner.inserted
             if inserted is None and not location:
                 inserted = InsertedBlock(block.name, inner, np.array(block.base_point.xyz))
@@ -282,6 +291,7 @@ class Traversal:
         elif len(owner.blocks) >= MOST_NESTED:
             self._say(TOO_DEEP, place, most=MOST_NESTED)
         elif block.block is not None and block.block.dxf.flags & _XREF_FLAGS and not len(block):
+            # An external reference has no content in this file.
             if needed:
                 self._say(EXTERNAL, place, block=given)
         else:

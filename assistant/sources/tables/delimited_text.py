@@ -103,6 +103,7 @@ class Cells:
 
         Raises Refused with the first cell of each column that is not a number.
         """
+        # Numbers are read in the file's order, in which the offsets ascend.
         columns = sorted(columns)
         values = np.full((len(self), len(columns)), np.nan)
         for start in range(0, len(self), _ROWS_AT_ONCE):
@@ -131,6 +132,7 @@ class Cells:
         starts, ends = self.starts[rows, column], self.ends[rows, column]
         lengths = ends - starts
         width = int(lengths.max(initial=1)) or 1
+        # The matrix is as wide as the longest cell: one long text would make it huge.
         if width > _WIDEST:
             pairs = zip(starts.tolist(), ends.tolist(), strict=True)
             return [self.data[a:b] for a, b in pairs], np.ones(len(starts), dtype=np.intp)
@@ -139,6 +141,7 @@ class Cells:
         differs = (matrix[1:] != matrix[:-1]).any(axis=1)
         heads = np.concatenate([[0], np.flatnonzero(differs) + 1])
         runs = np.diff(np.concatenate([heads, [len(starts)]]))
+        # The view drops trailing zero bytes, which no text has.
         texts = np.ascontiguousarray(matrix[heads]).view(f"S{width}")[:, 0]
         return texts.tolist(), runs
 
@@ -147,6 +150,7 @@ class Cells:
         if not len(starts):
             return np.empty(0)
         first, last = int(starts[0]), int(ends[-1])
+        # A running sum marks the bytes inside cells; all others become blanks.
         edge = np.zeros(last - first + 1, dtype=np.int8)
         edge[starts - first] = 1
         edge[ends - first] = -1
@@ -169,6 +173,7 @@ class Cells:
         starts, ends = self.starts[rows, column], self.ends[rows, column]
         if self._parsed(starts, ends) is not None:
             return []
+        # Bisection: parsing in columns tells only that some cell is wrong.
         low, high = 0, len(rows)  # the first bad cell lies in rows[low:high]
         while high - low > 1:
             middle = (low + high) // 2
@@ -245,6 +250,7 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
     text = _as_text(data, path)
     comments: list[str] = []
     at = 0
+    # Comments and blank lines before the header.
     while True:
         end = text.find(b"\n", at)
         if end < 0:
@@ -266,6 +272,7 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
     check(header, {"path": path, "line": header_line})
     starts, ends = _without_blank_lines(starts[width:], ends[width:], counts[1:], width, text, path)
     starts, ends = starts.reshape(-1, width), ends.reshape(-1, width)
+    # Spreadsheets export empty rows as delimiters alone.
     filled = (starts < ends).any(axis=1)
     findings: tuple[Diagnostic, ...] = ()
     if not filled.all():
@@ -280,6 +287,7 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
 
 
 def _as_text(data: bytes, path: str) -> bytes:
+    # Byte order marks of UTF-16, as Excel writes it for "Unicode text".
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         data = decode(data, path, ("utf-16",)).text.encode()
     if b"\0" in data:
@@ -298,6 +306,7 @@ def _check_returns(data: bytes, path: str) -> None:
     if b"\n" not in data or data.count(b"\r") == data.count(b"\r\n"):
         return
     quoted = False
+    # Line ends inside quotes belong to the cell.
     for mark in re.finditer(rb'"|\r(?!\r*\n|\Z)', data):
         if mark[0] == b'"':
             quoted = not quoted
@@ -308,6 +317,7 @@ def _check_returns(data: bytes, path: str) -> None:
 
 
 def _delimiter(header: bytes) -> int:
+    # Delimiters inside quoted names do not count.
     bare = re.sub(rb'"[^"]*"', b"", header)
     return max(_DELIMITERS, key=lambda mark: bare.count(bytes([mark])))
 
@@ -320,11 +330,13 @@ def _split_cells(text: bytes, at: int, delimiter: int, path: str) -> tuple[Offse
         _check_quotes(text, at, body, delimiter, path)
     ends = _cell_edges(body, delimiter, quoted)
     starts = np.concatenate([np.zeros(1, ends.dtype), ends[:-1] + 1])
+    # Ends at a line feed are those of the last cells of lines.
     counts = np.diff(np.flatnonzero(body[ends] == _LINE_END), prepend=-1)
     blanks = [b for b in _BLANKS if b != delimiter]
     if any(bytes([b]) in text for b in blanks):
         starts, ends = _trimmed_cells(body, starts, ends, blanks)
     if quoted:
+        # Only one quote on each side: doubled ones inside belong to the text.
         outer = (ends > starts) & (body[np.minimum(starts, len(body) - 1)] == _QUOTE)
         starts, ends = _trimmed_cells(body, starts + outer, ends - outer, list(_BLANKS))
     starts += at
@@ -334,12 +346,14 @@ def _split_cells(text: bytes, at: int, delimiter: int, path: str) -> tuple[Offse
 
 def _cell_edges(body: NDArray[np.uint8], delimiter: int, quoted: bool) -> Offsets:
     """Offsets of the delimiters and line ends outside quotes, found a part at a time."""
+    # Half of the memory where the offsets fit.
     kind = np.int32 if len(body) < np.iinfo(np.int32).max else np.int64
     parts, within_last = [], np.uint8(0)
     for start in range(0, len(body), _SPLIT_BYTES):
         part = body[start : start + _SPLIT_BYTES]
         marks = (part == delimiter) | (part == _LINE_END)
         if quoted:
+            # An odd number of quotes so far: inside. Doubled quotes cancel out.
             within = np.bitwise_xor.accumulate((part == _QUOTE).view(np.uint8)) ^ within_last
             within_last = within[-1]
             marks &= ~within.view(bool)
@@ -356,11 +370,13 @@ def _check_quotes(
 ) -> None:
     """Quotes open at the start of a cell and close at its end, or are doubled."""
     quotes = np.flatnonzero(body == _QUOTE)
+    # Quotes alternate, as doubled ones close and open again.
     opening, closing = quotes[::2], quotes[1::2]
     edges = np.array([delimiter, _LINE_END], dtype=np.uint8)
     inside = [b for b in _BLANKS if b != delimiter]
     before = np.where(opening > 0, body[opening - 1], _LINE_END)
     after = body[np.minimum(closing + 1, len(body) - 1)]
+    # Nearly all quotes are next to an edge: only the others are looked at one by one.
     loose = [
         int(quote)
         for neighbours, marks, step in ((before, opening, -1), (after, closing, 1))
@@ -393,6 +409,7 @@ def _trimmed_cells(
     blank = np.zeros(256, dtype=bool)
     blank[blanks] = True
     starts, ends, last = starts.copy(), ends.copy(), len(body) - 1
+    # All cells at once, a blank a step; margins are narrow.
     for _ in range(_TRIM_STEPS):
         left = (starts < ends) & blank[body[np.minimum(starts, last)]]
         starts += left
@@ -420,12 +437,14 @@ def _without_blank_lines(
     path: str,
 ) -> tuple[Offsets, Offsets]:
     first = np.cumsum(counts) - counts
+    # A blank line is one cell without content, whatever the width is.
     blank = (counts == 1) & (starts[first] == ends[first]) if len(counts) else counts == 1
     wrong = np.flatnonzero((counts != width) & ~blank)
     if len(wrong):
         row = int(wrong[0])
         of_row = slice(first[row], first[row] + counts[row])
         cells = [text[a:b] for a, b in zip(starts[of_row], ends[of_row], strict=True)]
+        # All cells are digits: the commas are likely decimal ones.
         commas = counts[row] > width and all(re.fullmatch(rb"[+-]?\d+([eE]\d+)?", c) for c in cells)
         more = f" ({len(wrong)} such rows)" if len(wrong) > 1 else ""
         raise Refused(

@@ -95,6 +95,7 @@ def read_npz(data: bytes, path: str) -> tuple[dict[str, Floats], dict[str, str]]
     texts: dict[str, str] = {}
     for member, content in _archive_members(data, path):
         name = member.removesuffix(".npy")
+        # `numpy.savez` adds `.npy` to every name; anything else is no array of its.
         if name == member or name in arrays or name in texts:
             raise Unreadable(_NOT_AN_ARRAY(path=path, name=shown(member)))
         text = _npy_text(content, path, name)
@@ -110,6 +111,7 @@ def _archive_members(data: bytes, path: str) -> list[tuple[str, bytes]]:
     too_large = None
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            # Sizes are checked before anything is unpacked: a small archive can expand without end.
             size, most = sum(member.file_size for member in archive.infolist()), most_unpacked()
             if size <= most:
                 return [(member.filename, archive.read(member)) for member in archive.infolist()]
@@ -146,13 +148,16 @@ def _npy_header(data: bytes, path: str, place: str | None) -> _NpyHeader:
         wide = {b"\1\0": 2, b"\2\0": 4}.get(data[6:8])
         if wide is None:
             raise ValueError(f"version {data[6]}.{data[7]} of the format is not known")
+        # The header is read before it is believed: its length may be anything.
         start = 8 + wide + int.from_bytes(data[8 : 8 + wide], "little")
         if start > min(len(data), _LONGEST_HEADER):
             raise ValueError("its header is not all there")
+        # `literal_eval` runs nothing, unlike `eval`.
         said = ast.literal_eval(data[8 + wide : start].decode("latin-1").strip())
         if not isinstance(said, dict) or said.keys() != {"descr", "fortran_order", "shape"}:
             raise ValueError("its header does not say type, order and shape")
         descr, fortran, shape = said["descr"], said["fortran_order"], said["shape"]
+        # The digits are bounded, as `int` of a long text takes long.
         if not isinstance(descr, str) or not re.fullmatch(r"[<>|=]?[a-zA-Z]\d{0,9}", descr):
             raise ValueError("its elements are records")
         if not (isinstance(shape, tuple) and all(type(n) is int and n >= 0 for n in shape)):
@@ -166,6 +171,7 @@ def _npy_elements(
     data: bytes, path: str, place: str | None, header: _NpyHeader
 ) -> NDArray[np.generic]:
     dtype: np.dtype[np.generic] = np.dtype(header.descr)
+    # Extents of 0 hide overflows of the others, so they count as 1.
     full = math.prod(max(extent, 1) for extent in header.shape) * dtype.itemsize
     if len(header.shape) > _MOST_DIMENSIONS or full > _MOST_SIZE:
         raise Unreadable(_NOT_NPY(path=path, place=place, reason="no array has such a shape"))

@@ -140,6 +140,7 @@ class RowMotions:
         stated = np.array([blend is not None for blend in self.blends])[self.blend]
         sizes = np.where(stated, 0.0, rounding_radii(positions, kinds, whole, tolerance))
         every = np.append(0.0, ROUNDING_RADII)
+        # Row 0 is a stop, then the sizes in ascending order: `searchsorted` finds them exactly.
         rows = np.searchsorted(every, sizes)
         used = np.bincount(rows, minlength=len(every)) > 0
         table, rows = every[used], (np.cumsum(used) - 1)[rows]
@@ -178,7 +179,9 @@ def moving_rows(
         return np.asarray(found)
 
     rows = np.arange(n)
+    # In columns first: only rows near their neighbour are compared one by one.
     near = np.append(False, same(rows[:-1], rows[1:])) & straight
+    # Against the last row that stays: a slow drift over many rows is a motion.
     here = 0
     for row in np.flatnonzero(near).tolist():
         if kept[row - 1]:
@@ -206,6 +209,7 @@ def needed_rows(
     if n < 3 or None not in motions.blends:
         return kept, most
     sides, short = np.linalg.norm(np.diff(positions, axis=0), axis=1), shortest_piece(tolerance)
+    # Nothing is too short to be rounded.
     if not (sides < short).any():
         return kept, most
     columns = (motions.speed, motions.blend, motions.tool, motions.frame, *others)
@@ -220,6 +224,7 @@ def needed_rows(
     bounds = np.flatnonzero(np.diff(like, prepend=False, append=False)).reshape(-1, 2)
     for first, last in bounds.tolist():
         if last - first < 2 or not (sides[first:last] < short).any():
+            # Two rows have nothing between them.
             continue
         part, off = needed_points(positions[first : last + 1], THINNING_PART * tolerance, short)
         kept[first : last + 1] = part
@@ -259,6 +264,7 @@ def _distinct_rows(columns: Sequence[Floats]) -> tuple[NDArray[np.int32], Rows]:
     code = np.zeros(len(columns[0]), dtype=np.int64)
     for column in columns:
         _, inverse = np.unique(column, return_inverse=True)
+        # Codes stay below the number of rows, so the product does not overflow.
         _, code = np.unique(code * (int(inverse.max(initial=0)) + 1) + inverse, return_inverse=True)
     _, first, code = np.unique(code, return_index=True, return_inverse=True)
     return code.astype(np.int32), first
@@ -502,6 +508,7 @@ def position_findings(
     """Return findings for the numbers (n, k) of n rows that are not finite, or beyond `most`."""
     if values.size:
         low, high = values.min(), values.max()  # no number if one of them is none
+        # NaN and infinity in the columns reach the sums, too: one look at both is enough.
         if np.isfinite(low) and np.isfinite(high) and -most <= low and high <= most:
             return []
     findings = []
@@ -539,6 +546,7 @@ def unit_quaternions(quaternions: Floats, locate: LocateRow) -> tuple[Floats, li
     with np.errstate(over="ignore"):
         lengths = norms(quaternions)
     miss = np.abs(lengths - 1.0)
+    # The negation catches NaN as well.
     bad = np.flatnonzero(~(miss <= _REPAIRABLE_DEVIATION))
     if len(bad):
         row = int(bad[0])
@@ -565,8 +573,10 @@ def poses_of_matrices(
         findings.append(_LAST_ROW(**locate(int(last[0])), row=row, more=_rows_more(last)))
     turn = matrices[:, :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):
+        # A rotation's transpose is its inverse.
         product = np.einsum("nij,nik->njk", turn, turn)
         miss = np.abs(product - np.eye(3)).max(axis=(1, 2))
+        # A reflection passes the test above.
         miss = np.where(np.linalg.det(turn) < 0, np.maximum(miss, 2.0), miss)
     bad = np.flatnonzero(~(miss <= _REPAIRABLE_DEVIATION))
     if len(bad):
@@ -582,6 +592,7 @@ def poses_of_matrices(
 
 def metres_finding(positions: Floats, place: Mapping[str, Any]) -> list[Diagnostic]:
     """A warning if positions look like metres."""
+    # Points in one place are no path whose size could tell.
     apart = len(positions) > 1 and np.ptp(positions, axis=0).max() > 0.0
     if apart and 0 < np.abs(positions).max() <= _LIKE_METRES:
         return [_LIKELY_METRES(**place, count=len(positions), most=_LIKE_METRES)]

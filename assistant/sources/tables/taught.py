@@ -243,20 +243,25 @@ class _TargetReader:
         line = table.page.source.line_column(span.start)[0] if span else None
         where = {"path": table.page.source.path, "line": line, "place": label}
         name = self.names.of(found.get("name", ""), where, label)
+        # The first move comes from anywhere, so it is a joint move.
         usual = rows.default_kind(self.process) if self._all else Kind.JOINT
         known = rows.KIND_WORDS.get(found.get("kind", ""), usual)
         one = _StatedTarget(name, table, found, known)
+        # Joints are reached by a joint move whatever the defaults say; `_is_complete` reports
+        # another kind.
         if "joints" in table.content:
             one.kind = Kind.JOINT
         via = self._all[-1].name if self._all else ""
         self._all.append(one)
         if comment := " ".join(found.get("comment", "").split()):
+            # A comment is one line of a program: control characters would end it.
             yield Comment("".join(c for c in comment if c.isprintable()))
         yield from self._move(one, via)
         yield from self._after(one)
 
     def _move(self, one: _StatedTarget, via: str) -> Iterator[Statement]:
         motion = self._motion(one)
+        # External axes that are not stated do not exist.
         external = (*one.found.get("external", ()), *NO_EXTERNAL)[:6]
         if not self._is_complete(one):
             return
@@ -330,6 +335,7 @@ class _TargetReader:
                 continue
             declared = self.process.signals[signal]
             most = rows.most_value(declared)
+            # A digital signal takes the whole numbers that its bits can express.
             if most < np.inf and not (value == int(value) and 0 <= value <= most):
                 fields = {"kind": declared.kind, "name": marked(signal), "value": value}
                 one.table.say(rows.NOT_ITS_VALUE, "set", **fields, most=most)
@@ -421,6 +427,7 @@ def with_target(
     if (known := identifier(target.name)) != target.name:
         raise Refused(_NO_NAME(path=source.path, name=target.name, known=known))
     content = read_toml(source).content
+    # The list's own robot comes before that of the process file.
     there = content.get("robot", process.robot)
     if target.robot is not None and there not in (None, target.robot):
         raise Refused(_OTHER_ROBOT(path=source.path, there=there, given=target.robot))
@@ -436,6 +443,7 @@ def with_target(
     else:
         span = key_spans(source.text).get(("targets", str(number)), Span(0, 0))
         raise Refused(source.finding(TARGET_EXISTS, span, name=target.name))
+    # The text is read back: edits of lines must not change anything else.
     if not is_alike(toml_content(text), _content_with(content, number, target)):
         raise Refused(_NOT_KEPT(path=source.path, name=target.name, file=source.path or stem))
     changed = replace(source, text=text)
@@ -485,6 +493,7 @@ def _with_new_place(
         span = key_spans(source.text)[*path, "external"]
         raise Refused(source.finding(_EXTERNAL_AXES, span, name=target.name))
     section = sections(source.text)[path]
+    # Only the lines of this table: its keys are looked up without a path.
     text = source.text[section.start : section.stop]
     rest, last = dict(target.values), "name"
     for old in dict.fromkeys(key[2] for key, _ in section.pairs):

@@ -49,11 +49,14 @@ LONGEST_TEXT: Final = 80
 
 def infix(sign: str, left: Value, right: Value) -> Value:
     """The value of two operands; raises Fault where a controller stops or refuses them."""
+    # Numbers first: they are most of what programs work out.
     if isinstance(left, float) and isinstance(right, float) and sign in _NUMBER_OPERATORS:
         one, two, kind = paired(left, right)
         found = _NUMBER_OPERATORS[sign](one, two)
+        # Comparisons are truths, to which no limits of numbers apply.
         if found is True or found is False:
             return found
+        # Most results are within the range of a num, which needs no further check.
         if -LARGEST <= found <= LARGEST:
             return single(found) if kind is float else kind(found)
         return kind(_finite(found, kind))
@@ -86,6 +89,7 @@ def prefix(sign: str, value: Value) -> Value:
 
 def joined(text: str) -> str:
     """A text that was put together; raises Fault where it is too long for a string."""
+    # The limit of 80 characters holds for every string of RAPID.
     if len(text) > LONGEST_TEXT:
         raise Fault(f"a string of {len(text)} characters", "ERR_STRTOOLNG")
     return text
@@ -114,6 +118,7 @@ def _remainder(left: float, right: float) -> float:
     a, b = whole(left, "an operand of MOD"), whole(right, "an operand of MOD")
     if b == 0:
         raise Fault("division by zero", "ERR_DIVZERO")
+    # + 0.0 makes -0.0 to 0.0, which would be written with its sign.
     return math.fmod(a, b) + 0.0
 
 
@@ -127,6 +132,7 @@ def _vector_result(sign: str, left: Value, right: Value) -> Value | None:
     if _are_numbers(left) and _is_record(right, "pos") and sign == "*":
         return _pos_result(np.multiply(vector_of(right), _float(left)))
     if _is_record(left, "orient") and _is_record(right, "orient") and sign == "*":
+        # Both signs of a quaternion are the same turn; the canonical one keeps comparisons equal.
         q = rotations.canonical(rotations.multiply(quaternion_of(left), quaternion_of(right)))
         w, x, y, z = (float(part) for part in q)
         return orient((w, x, y, z))
@@ -152,6 +158,7 @@ def _float(value: Value) -> float:
 
 
 def _finite(value: float, kind: type[float]) -> float:
+    # An overflow of a num is an error; an infinite value was given as one, and goes on as it is.
     if math.isnan(value) or (kind is float and abs(value) > LARGEST and not math.isinf(value)):
         raise Fault(f"the number {value:g}, which is too large", "ERR_NUM_LIMIT")
     return value
@@ -196,6 +203,7 @@ def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | Non
     """
     worth = _WORTH.get(type(node))
     if worth is None:
+        # The type of a node instead of `match`: this runs once per operand of every expression.
         raise NotSimulated(f"{type(node).__name__} in an expression")
     return worth(machine, node, wanted)
 
@@ -262,14 +270,18 @@ def settled(machine: Machine, cell: Cell) -> Cell:
     pending = cell.pending
     if pending is None:
         return cell
+    # Before the evaluation, so that a declaration that
+    # refers to itself does not recurse without end.
     cell.pending = None
     node, unit = pending.node, pending.unit
     try:
         with machine.outside(unit):
             declare(machine, cell, node)
+    # What is not simulated stops the run only where the data is asked for, each time anew.
     except NotSimulated:
         cell.pending = pending
         raise
+    # A persistent keeps the value of its declaration too, for a start from the beginning.
     if cell.storage == "PERS" and cell.value is not None:
         cell.first = copied(cell.value)
     return cell
@@ -283,6 +295,7 @@ def declare(machine: Machine, cell: Cell, node: s.Data) -> None:
     cell.value = value
     if node.value is not None:
         first = evaluate(machine, node.value, shape)
+        # VAR: the first value of a constant has to be stored as well.
         Place(cell, "", shape, "VAR").set(first)
 
 
@@ -325,6 +338,7 @@ def _element(machine: Machine, array: Place, indices: _Indices) -> Place:
     found = array
     while values and values[0] is not None:
         found = _item(found, values.pop(0) or 0)
+    # `a{*, 2}` as a target would be spread over several arrays; as a value `_column` copies it.
     if any(value is not None for value in values):
         raise NotSimulated("a column of an array that is changed")
     return found
@@ -337,9 +351,11 @@ def _item(array: Place, index: int) -> Place:
 
 
 def _variable(machine: Machine, node: s.NameRef, _: Shape | None) -> Value:
+    # The common case first: data with a value, which needs neither a copy nor its declaration.
     meaning = machine.meaning(node.name)
     if type(meaning) is Cell and meaning.pending is None:
         value = meaning.value
+        # A handle may stand for a signal, whose value is read instead.
         if value is not None and type(value) is not Handle:
             return value
     if isinstance(meaning, Signal):
@@ -354,6 +370,7 @@ def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
     if isinstance(node, s.Element) and isinstance(node.indices[0], s.Whole):
         return _column(machine, place(machine, node.value).get(), node.indices)
     found = place(machine, node).get()
+    # A component may hold a function's exact value; read back, it is a num.
     if type(found) is float:
         return single(found)
     if isinstance(found, Handle) and found.type in SIGNAL_TYPES:
@@ -383,6 +400,8 @@ def _bounded(index: int, array: Array) -> int:
 
 def _infix(machine: Machine, node: s.Infix, _: Shape | None) -> Value:
     """Two operands, the left one first; an aggregate is of the type of the other."""
+    # An aggregate has no type of its own; the other
+    # operand gives it, and has to be evaluated first.
     if type(_bare(node.left)) is s.AggregateNode:
         right = evaluate(machine, node.right)
         return infix(node.operator, evaluate(machine, node.left, _shape(right)), right)
@@ -414,6 +433,8 @@ def _aggregate(machine: Machine, node: s.AggregateNode, wanted: Shape | None) ->
             Place(array, i, element, "VAR").set(evaluate(machine, item, element))
         return array
     if machine.types.is_unlisted(wanted.type):
+        # No component names are known for this type: the
+        # record holds enough to be compared and shown.
         first = node.items[0] if node.items else None
         number = evaluate(machine, first) if isinstance(first, s.NumberLiteral) else 0.0
         return Record(wanted.type, {FIRST_VALUES: number, ALL_TYPES: repr(node.items)})

@@ -49,12 +49,15 @@ def run_with_recovery(
     execute: runs the statements of a handler. row: its line, from 0, in a run of moves.
     """
     frame = machine.frame
+    # A fresh run of the statement has all its retries; RETRY counts them down.
     left = machine.controller.options.retries
     while True:
         machine.step(node, row)
         try:
             does(machine, node)
         except Fault as fault:
+            # The innermost statement is where the error
+            # happened; outer ones see the same fault pass.
             if fault.at is None:
                 fault.at, fault.row = machine.at, machine.row
             if not _recover(machine, frame, fault, left, execute):
@@ -66,11 +69,14 @@ def run_with_recovery(
 
 def leave_handler(machine: Machine, frame: Frame, fault: Fault) -> None:
     """Raises an error out of a routine: to where it was called, or to a point that names it."""
+    # The routine's own handlers are past: `_recover` of the same frame must not take it again.
     fault.leaves = frame
     if fault.goal is None and fault.number is not None:
+        # Frames further out only; the nearest point that names the error takes it in one step.
         below = machine.frames[: machine.frames.index(frame)]
         points = (one for one in reversed(below) if _is_point(machine, one, fault.number))
         fault.goal = next(points, None)
+        # A booked error that no point names ends here unless the controller propagates it further.
         if fault.goal is None and not (
             machine.controller.options.propagates or frame.handling is fault
         ):
@@ -89,12 +95,14 @@ def undo_handler(machine: Machine, frame: Frame, execute: Execute) -> None:
 
 def _recover(machine: Machine, frame: Frame, fault: Fault, left: int, execute: Execute) -> bool:
     """Runs the handler of an error; whether the statement is to run again, or the next one."""
+    # The manuals give this error no number, so that a handler might or might not take it.
     if fault.unsure and any(_handler(one, "ERROR") for one in machine.frames):
         raise NotSimulated(f"whether a handler is there for this error: {fault}") from None
     if fault.leaves is frame or fault.number is None:
         raise fault
     if fault.goal is not None and fault.goal is not frame:
         raise fault
+    # Errors in a handler are not recovered from, by whatever handler.
     if frame.handling is not None:  # not recovered from, by whatever handler
         fault.number = None
         raise fault
@@ -114,6 +122,7 @@ def _recover(machine: Machine, frame: Frame, fault: Fault, left: int, execute: E
     except Again:
         if frame.retries > 0:
             return True
+    # The labels of a routine cannot be reached from its handler.
     except Jump as jump:
         raise Fault(f"there is no label `{jump.label}` in the handler") from None
     else:
@@ -121,6 +130,7 @@ def _recover(machine: Machine, frame: Frame, fault: Fault, left: int, execute: E
         raise Fault(f"the handler leaves the error as it is: {fault}")
     finally:
         frame.handling = None
+    # RETRY without any retries left: the excess is an error in its own right.
     over = Fault(f"more than {machine.controller.options.retries} retries", "ERR_EXCRTYMAX")
     over.at, over.row = fault.at, fault.row
     if machine.controller.options.retries_raise and fault.number != over.number:
@@ -155,6 +165,7 @@ def _handles(machine: Machine, frame: Frame, handler: s.Handler, number: int) ->
     """True if a handler is for an error: without a list for any."""
     if not handler.numbers:
         return True
+    # The list of numbers is read in the scope of the handler's routine, not of the one that failed.
     machine.frames.append(frame)
     try:
         listed = {numeric(machine, one) for one in handler.numbers}
@@ -202,6 +213,7 @@ def _raise_booked(given: Given) -> None:
     number = whole(given.number(1), "the number of a message")
     machine.task.tell(Reported("warning", str(number), texts))
     fault = Fault(f"the error {name} is raised", number=int(cell.value))
+    # Outside of a handler it goes through that of this routine first, like RAISE.
     if machine.frame.handling is None:
         raise fault
     fault.at = machine.at
@@ -242,8 +254,10 @@ def run_trap(machine: Machine, interrupt: Interrupt) -> None:
     """Other interrupts wait meanwhile. `INTNO` is its number."""
     intno = machine.predefined["intno"]
     assert isinstance(intno, Cell)
+    # Outputs on the way belong to the interrupted move, not to moves of the trap routine.
     before, on_way = intno.value, machine.on_way
     intno.value, machine.on_way = float(interrupt.number), ()
+    # Further interrupts queue while this is above 0.
     machine.task.closed += 1
     try:
         machine.abilities.call(machine, interrupt.trap, ())
@@ -284,9 +298,11 @@ def _listen_signal(given: Given, index: int, hears: Callable[[float, float], boo
     """hears: whether a change of the signal, from one value to another, is an interrupt."""
     machine, signal = given.machine, given.signal(0)
     board = machine.task.kernel.board
+    # A program may watch what it sets itself; outputs and inputs have listeners of their own.
     side = board.outputs if signal in machine.signals.outputs else board.inputs
 
     def begin(occur: _Occur) -> Cancel:
+        # Changes of inputs up to this moment came before the order, and are no interrupts.
         machine.task.kernel.catch_up()
 
         def listener(name: str, before: float, now: float) -> None:
@@ -297,6 +313,7 @@ def _listen_signal(given: Given, index: int, hears: Callable[[float, float], boo
         side.watched.append(signal)
 
         def leave() -> None:
+            # A fired single interrupt has left already when IDelete ends it.
             if listener in side.listeners:
                 side.listeners.remove(listener)
                 side.watched.remove(signal)
@@ -351,9 +368,12 @@ def _order_timer(given: Given) -> None:
     def begin(occur: _Occur) -> Cancel:
         def fire() -> None:
             if not once:
+                # From the planned time, not from now: a cycle
+                # does not drift by the time that traps take.
                 timers[0] = kernel.at(timers[0].time + seconds, fire)
             occur()
 
+        # A list, since `fire` replaces the timer and `cancel` has to find the latest one.
         timers = [kernel.at(kernel.now + seconds, fire)]
 
         def cancel() -> None:
@@ -371,6 +391,7 @@ def _order_persistent(given: Given) -> None:
         raise Fault("IPers of what is no persistent")
 
     def begin(occur: _Occur) -> Cancel:
+        # A copy: an assignment to a component changes the record in place.
         known: Value = copied(watched.get())
 
         def look() -> None:
@@ -388,6 +409,7 @@ def _order_persistent(given: Given) -> None:
 
 def _interrupt_number(given: Given) -> int:
     variable = place(given.machine, given.required[0]).get()
+    # IDelete and its kin accept a variable that was never connected.
     return int(variable) if isinstance(variable, float) else 0
 
 

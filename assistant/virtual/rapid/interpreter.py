@@ -104,6 +104,7 @@ def _call_levels(machine: Machine) -> list[Level]:
     for frame in reversed(machine.frames):
         if frame.routine is not None:
             found.append(Level(frame.routine.name, place_of(at), _data_groups(machine, frame)))
+        # The caller is shown where it calls, not at its own first line.
         at = frame.called_at
     return found
 
@@ -116,12 +117,14 @@ def _data_groups(machine: Machine, frame: Frame) -> Mapping[str, Callable[[], Se
     }
 
 
+# Parameters by reference are places in data of the caller.
 def _shown_data(names: Mapping[str, Meaning]) -> Iterator[Shown]:
     for name, meaning in names.items():
         match meaning:
             case Cell(shape=shape, value=value):
                 yield _shown_value(name, value, shape)
             case Place(holder=holder, shape=shape):
+                # Data without a first value cannot be read; asking for it would end the run.
                 known = holder.value is not None if isinstance(holder, Cell) else True
                 yield _shown_value(name, meaning.get() if known else None, shape)
 
@@ -219,7 +222,9 @@ def start_task(
     asked for the routine of each cycle, in the task, where it may wait; None ends the task.
     """
     shared = controller or Controller()
+    # The task is made before its machine: `ending` below is only looked up when the task runs.
     task = kernel.task(name, lambda _: ending(), essential=kind == "normal")
+    # All tasks share the names, so that one reads as an output what another one sets.
     outputs, known = used_signals(files)
     shared.outputs |= outputs
     shared.known |= known
@@ -247,17 +252,21 @@ def start_task(
         cells.extend(loaded.cells)
         shared.programs.append((loaded, machine.types))
 
+    # Errors of loading are held back until the task runs, so that each becomes the run's ending.
     wrong = _ending(machine, prepare)
     if made is not None:
         made(machine)
+    # ExitCycle begins the next cycle where there is one; a normal single cycle ends with it.
     turns, once = cycles or _initial_pose(entry, kind), cycles is None and kind == "normal"
 
     def ending() -> Ending:
         try:
             ended = wrong or _ending(machine, lambda: _begin_cycle(machine, cells, turns, once))
         finally:
+            # Also after an error: sockets and files stay open otherwise.
             for end in machine.at_end:
                 end()
+        # The last statement may have changed data that another task watches.
         machine.look()
         return ended or Ending()
 
@@ -290,6 +299,7 @@ def _initial_pose(entry: str, kind: Kind) -> Cycles:
         nonlocal ran
         if ran and kind == "normal":
             return None
+        # A cycle without statements would repeat without end, and never let other tasks run.
         if ran:
             machine.task.step()
         ran = True
@@ -314,6 +324,7 @@ def _ending(machine: Machine, does: Callable[[], None]) -> Ending | None:
         return Ending("error", _messages(machine, str(fault)))
     except NotSimulated as unknown:
         return Ending("unknown", _messages(machine, str(unknown)))
+    # Python's own limit; a controller may go deeper, so that this is no error of the program.
     except RecursionError:
         return Ending("unknown", _messages(machine, "statements nested so deep"))
     except Over as over:
@@ -352,6 +363,7 @@ def _begin_cycle(machine: Machine, cells: Sequence[Cell], cycles: Cycles, once: 
 def _messages(machine: Machine, message: str) -> str:
     """The message with the place of the statement at hand."""
     place = machine.place()
+    # Without a file, `:12: ` would begin with a colon.
     return message if place is None else f"{place[0]}:{place[1]}: {message}".lstrip(":")
 
 
@@ -395,6 +407,7 @@ def run_tasks(
     """
     happens = script or Script()
     if inputs is None:
+        # Without an input of its own, each signal that the script changes begins at 0.
         inputs = dict.fromkeys((change.name for change in happens.changes), 0.0)
     kernel = Kernel(
         Board(Signals(inputs)),

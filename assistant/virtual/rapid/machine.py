@@ -59,6 +59,7 @@ class Arm:
         """The flange where a tool reaches a target of a work object."""
         tip, held = _tool_frame(tool)
         place = _object_frame(frame, held) @ self.displacement
+        # A tool in the room: the target is on the work object that the arm carries.
         if held:
             return place @ target @ tip.inverse()
         return tip @ (place @ target).inverse()
@@ -92,6 +93,7 @@ def _tool_frame(tool: Record) -> tuple[Pose, bool]:
 
 def _object_frame(frame: Record, held: bool) -> Pose:
     """User and object frame in one: in the base, or on the flange beside a tool in the room."""
+    # robhold of the tool and of the object have to differ: one is carried, the other is fixed.
     if truth(frame.parts["robhold"]) is held:
         raise Fault("either the tool or the work object is held by the robot, not both or neither")
     if not truth(frame.parts["ufprog"]) or frame.parts["ufmec"] != "":
@@ -116,6 +118,7 @@ class Signals:
     def knows(self, name: str) -> bool:
         inputs = self.task.kernel.board.inputs
         source = inputs.source
+        # A callable source answers for any name.
         return callable(source) or name in self.known or name in source or name in inputs.values
 
     def read(self, name: str) -> float:
@@ -130,8 +133,10 @@ class Signals:
 
     def set_later(self, name: str, value: float, seconds: float) -> None:
         """While the program goes on; instead of what still is to become of the signal."""
+        # A controller has one pending change per signal: the new one replaces it.
         if name in self.later:
             self.later[name].cancelled = True
+        # The place of the statement now: the program is elsewhere when the change happens.
         kernel, task, place = self.task.kernel, self.task, self.task.where()
 
         def change() -> None:
@@ -178,6 +183,7 @@ class Interrupts:
             raise Fault("an interrupt that has a trap routine is connected", "ERR_ALRDYCNT")
         if len(self.table) >= _MOST_QUEUED:
             raise Fault(f"more than {_MOST_QUEUED} interrupts", "ERR_INOMAX")
+        # Numbers are never reused, so that an old variable does not reach a new interrupt.
         self.count += 1
         self.table[self.count] = Interrupt(self.count, trap)
         return self.count
@@ -197,11 +203,14 @@ class Interrupts:
         interrupt.cancel = begin(lambda: self.occur(interrupt))
 
     def occur(self, interrupt: Interrupt) -> None:
+        # Interrupts that cause each other would otherwise run without end in no time.
         self.task.kernel.spend()
         if interrupt.gone or interrupt.asleep:
             return
+        # Before it is posted: it must not occur again while it waits for the trap routine.
         if interrupt.single and interrupt.cancel is not None:
             interrupt.cancel()
+        # It may be deleted while it is in the queue.
         self.task.post(lambda: None if interrupt.gone else self.run(interrupt))
 
     def known(self, number: int) -> Interrupt:
@@ -225,6 +234,7 @@ class Interrupts:
 
     def disable(self, disabled: bool) -> None:
         """All of the task, whoever occurs is queued."""
+        # IDisable twice needs only one IEnable.
         if disabled is not self.disabled:
             self.task.closed += 1 if disabled else -1
             self.disabled = disabled
@@ -292,6 +302,7 @@ class Machine:
     def meaning(self, name: str) -> Meaning | None:
         """Return the meaning of a name here; None if it is not declared."""
         key, frame = name.lower(), self.frames[-1]
+        # Scopes from the inside: routine, module, task, predefined.
         for names in (frame.names, frame.unit.names, self.named, self.predefined):
             if key in names:
                 return names[key]
@@ -314,6 +325,7 @@ class Machine:
 
     def look(self) -> None:
         """Lets those see it who watch shared data, if that has changed."""
+        # A copy: a listener may end itself.
         for look in tuple(self.controller.looks):
             look()
 
@@ -327,6 +339,7 @@ class Machine:
     def go(self, moved: Moved, before: Pose | None) -> None:
         """Commands a motion. before: the flange where it begins, None if that is not known."""
         self.task.kernel.motion.go(self.task, moved, ordered_triggers(moved, before, self.on_way))
+        # Interrupts come during a motion, not only at the next statement.
         self.task.interrupted()
 
     def settle(self) -> None:

@@ -57,6 +57,7 @@ def _move_absolute(given: Given) -> None:
     """MoveAbsJ: no displacement and no work object changes where the joints go."""
     arm, target = given.machine.arm, given.record(0, "jointtarget")
     tool, frame, before = _tool_argument(given, 3), _frame_argument(given), arm.flange
+    # Targets are reached without the displacement: MoveAbsJ goes to joints.
     arm.joints = joints_of(target)
     arm.flange = flange_of(given.machine, arm.joints)
     arm.tool, arm.frame = tool, frame
@@ -109,6 +110,7 @@ def _motion_style(given: Given, index: int) -> How:
         acceleration=share,
         deceleration=share,
         seconds=given.optional_number("t"),
+        # The manual marks an undefined load by a mass of -1.
         mass=mass if mass >= 0.0 else None,
     )
 
@@ -125,6 +127,7 @@ def _configuration(arm: Arm, kind: str) -> tuple[int, ...] | None:
 @lru_cache(256)
 def _neutral_configuration(*stated: float) -> tuple[int, ...] | None:
     """The columns of a configuration in whole numbers."""
+    # Only whole numbers in this range are quadrants; others are no configuration that can be kept.
     if not all(part.is_integer() and abs(part) < 128 for part in stated):
         return None
     return tuple(from_confdata([[int(part) for part in stated]])[0].tolist())
@@ -142,6 +145,7 @@ def _frame_argument(given: Given) -> Record:
 
 
 def _persistent_argument(place: Place, type: str) -> Record:
+    # A controller refuses a tool or a work object that a routine could change in mid-motion.
     if place.storage == "VAR":
         raise Fault(f"a VAR as {type}, which has to be persistent")
     return record(copied(place.get()), type)
@@ -152,6 +156,7 @@ def _speed(given: Given, index: int) -> float | None:
     there is.
     """
     stated = number(given.record(index, "speeddata").parts["v_tcp"])
+    # The time of the motion takes the place of its speed.
     if given.has("t"):
         return None
     own = given.optional_number("v")
@@ -204,16 +209,19 @@ def _path_place(move: Callable[[Given], None], place: int) -> Callable[[Given], 
 
     def does(given: Given) -> None:
         machine = given.machine
+        # The trigger stands between the speed and the zone;
+        # the move itself expects neither it nor more.
         first = given.required.pop(place)
         taken = [
             first,
             *(given.options.pop(n) for n in _MORE_OPTIONS.split() if n in given.options),
         ]
         changes = [_trigger_change(machine, one) for one in taken]
+        # `Machine.go` reads these when the move inside commands its motion.
         machine.on_way = changes
         try:
             move(given)
-        finally:
+        finally:  # Also after an error: the next move must not set them again.
             machine.on_way = ()
 
     return does
@@ -243,6 +251,7 @@ def _set_up_trigger(delay: bool) -> Callable[[Given], None]:
         signal_ = signal(given.machine, node)
         value = given.number(3 if delay else 2)
         at = OnWay(_trigger_measure(given), given.number(1), given.number(2) if delay else 0.0)
+        # Any number but 0 switches a digital output on; groups and analog outputs take it as it is.
         digital = outputs[0] == "dop"
         trigger.change = Switched(signal_, float(value != 0.0) if digital else value, at)
 
@@ -378,10 +387,12 @@ def _displace_on(given: Given) -> None:
     else:
         tool = given.record(1, "tooldata")
         frame = given.optional_record("wobj", "wobjdata") or wobj0()
+        # The position is read without a displacement, also without the one that is active.
         arm.displacement = IDENTITY
         there = arm.reading(tool, frame)
     if given.has("rot"):
         arm.displacement = there @ programmed.inverse()
+    # Without \Rot the displacement only shifts: the axes of the targets keep their directions.
     else:
         x, y, z = (a - b for a, b in zip(there.position, programmed.position, strict=True))
         arm.displacement = Pose((x, y, z))
@@ -412,7 +423,9 @@ def _offsets_on(given: Given) -> None:
             raise NotSimulated("additional axes that are read before the first motion")
         there = axes_of(extjoint_of(arm.external, arm.offsets))
     arm.offsets = tuple(
-        0.0 if a is None or b is None else a - b for a, b in zip(there, programmed, strict=True)
+        # An axis that is not in use (9E9) has no offset.
+        0.0 if a is None or b is None else a - b
+        for a, b in zip(there, programmed, strict=True)
     )
 
 

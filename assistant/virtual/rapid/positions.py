@@ -51,6 +51,7 @@ def _current_target(given: Given) -> Pose:
     frame = given.optional_record("wobj", "wobjdata")
     if frame is None:
         frame = given.machine.arm.frame or wobj0()
+    # The arm stands elsewhere than the latest target while a motion still runs.
     standing = _arm_standing(given)
     return given.machine.arm.reading(tool, frame, None if standing is None else standing[0])
 
@@ -63,6 +64,7 @@ def _arm_standing(given: Given) -> Standing | None:
     if machine.robot is None:
         return None
     standing = motion.where()
+    # During a motion the result depends on the clock: a wait that reads it has to ask again.
     if not motion.stands():
         machine.hangs_on.add("time")
     return standing
@@ -71,6 +73,7 @@ def _arm_standing(given: Given) -> Standing | None:
 def present_target(given: Given) -> Record:
     """CRobT: in the tool and work object of its options."""
     arm, machine, standing = given.machine.arm, given.machine, _arm_standing(given)
+    # Where the arm stands is exact; without it the latest target tells.
     joints = arm.joints if standing is None else standing[1]
     configuration = arm.configuration
     if joints is not None and (configuration is None or standing is not None):
@@ -82,6 +85,7 @@ def _current_joints(given: Given) -> Record:
     """Return the present joints; after a motion to a position, those of its configuration."""
     arm, machine, standing = given.machine.arm, given.machine, _arm_standing(given)
     joints = arm.joints if standing is None else standing[1][:6]
+    # ConfJ\Off or ConfL\Off lets the arm end in another configuration than the target's.
     if joints is None and arm.watches_joints and arm.watches_lines and arm.flange is not None:
         joints = _solved_joints(machine, arm.flange, arm.configuration)
     if joints is None:
@@ -111,6 +115,7 @@ def _joints_of_target(given: Given) -> Record:
     flange = arm.flange_at(pose_of(target), tool, frame)
     joints = _solved_joints(machine, flange, record(target.parts["robconf"], "confdata"))
     if joints is None:
+        # Solve without the configuration, to tell an arm that is too short from a limit of a joint.
         _, excess = machine.robot.solve(*_joint_rows(flange))
         reached = bool((excess <= 0.0).any())
         raise Fault("a position that the robot does not reach", _UNREACHED_ERROR[reached])
@@ -135,6 +140,7 @@ def _solved_joints(
     stated = [[int(number(part)) for part in configuration.parts.values()]]
     found = robot.joints_of(*_joint_rows(flange), from_confdata(stated))[0]
     if bool(np.isnan(found).any()):
+        # RAPID has six joints always; an arm with fewer leaves the others at 0.
         return None
     joints = [0.0] * 6
     for place, joint in zip(robot.places, found, strict=True):
@@ -166,6 +172,7 @@ def _own_task_row(read: Callable[[Given], Record]) -> Callable[[Given], Record]:
     def of_task(given: Given) -> Record:
         task, reference = given.optional("taskname"), given.options.get("taskref")
         if isinstance(reference, s.NameRef):
+            # Each task has data of the type taskid whose name is the task's with `Id`.
             task = reference.name.lower().removesuffix("id")
         if task is not None and str(task).lower() != given.machine.task.name.lower():
             if any(str(task).lower() == one.name.lower() for one in given.machine.controller.tasks):
@@ -298,6 +305,7 @@ def _mirrored_target(given: Given) -> Record:
     frame = given.optional_record("wobj", "wobjdata")
     into = plane.inverse() @ (Pose() if frame is None else _mirror_place(frame))
     seen = into @ pose_of(target)
+    # Mirrored axes are left-handed; the axis without the mirror's switch is built anew below.
     axes = rotations.to_matrix(seen.quaternion) * MIRROR[:, None]
     if given.has("miry"):
         axes[:, 0] = np.cross(axes[:, 1], axes[:, 2])
@@ -337,6 +345,7 @@ def _frame_through(points: Floats, origin: int) -> Pose:
     first, second, third = points
     x = second - first
     z = np.cross(x, third - first)
+    # The length is twice the area of the triangle: nearly none means that the points span no plane.
     if not np.linalg.norm(z) > 1e-6:
         raise Fault("a frame of positions on one line", "ERR_FRAME")
     x /= np.linalg.norm(x)
@@ -353,7 +362,9 @@ def _fitted_frame(given: Given) -> Record:
     count = whole(given.number(2), "the number of positions")
     old, new = (_listed_points(given, i, count) for i in (0, 1))
     middle, other = old.mean(axis=0), new.mean(axis=0)
+    # Kabsch: the turn with the least squares follows from the singular vectors of the covariance.
     u, _, v = np.linalg.svd((old - middle).T @ (new - other))
+    # The sign keeps the turn from becoming a mirror image when points are in one plane or noisy.
     turn = v.T @ np.diag((1.0, 1.0, np.sign(np.linalg.det(v.T @ u.T)))) @ u.T
     shift = other - turn @ middle
     apart = np.linalg.norm(old @ turn.T + shift - new, axis=1)
@@ -377,6 +388,7 @@ def _object_target(given: Given) -> Record:
     if not given.has("inpdisp"):
         target = moved_target(target, arm.displacement @ pose_of(target))
     else:
+        # A copy without change: functions never hand out the data of their arguments.
         target = moved_target(target, pose_of(target))
     if not given.has("ineoffs"):
         target.parts["extax"] = extjoint_of(target.parts["extax"], arm.offsets)

@@ -36,12 +36,14 @@ def _number_function(
 
 
 def _tangent(angle: float) -> float:
+    # cos(90 degrees) is 6e-17 in floats: the tangent would be a large number instead of an error.
     if abs(math.cos(math.radians(angle))) < 1e-12:
         raise ValueError
     return math.tan(math.radians(angle))
 
 
 def _power(base: float, exponent: float) -> float:
+    # Python makes a complex number of a negative base and a broken exponent.
     found = base**exponent
     if isinstance(found, complex):
         raise ValueError  # noqa: TRY004 - a negative base of a broken exponent
@@ -59,6 +61,7 @@ def _shortened(
 
 def _rounded(value: float, scale: float) -> float:
     """Halves away from zero."""
+    # Python's round() takes halves to even numbers. + 0.0 turns -0.0 into 0.0.
     return math.copysign(math.floor(abs(value) * scale + 0.5) / scale, value) + 0.0
 
 
@@ -138,6 +141,7 @@ def _bit_mask(most: int, join: Callable[[int, int], int]) -> Callable[[Given], f
 
 
 def _inverted_bits(most: int) -> Callable[[Given], float]:
+    # Python's ~ of a whole number is negative; the mask keeps its bits.
     return lambda given: float(~_bit_operation(given, 0, most) & ((1 << most) - 1))
 
 
@@ -230,7 +234,9 @@ def _text_order(given: Given) -> bool:
     def ranks(text: str) -> list[int]:
         found = (order.find(character) for character in text)
         return [
-            len(order) + ord(c) if rank < 0 else rank for c, rank in zip(text, found, strict=True)
+            # Characters without an order come after all others, in the order of their codes.
+            len(order) + ord(c) if rank < 0 else rank
+            for c, rank in zip(text, found, strict=True)
         ]
 
     return ranks(one) <= ranks(two)
@@ -300,6 +306,7 @@ def _byte_of_text(given: Given) -> float:
 def _whole_digits(text: str, base: int) -> int:
     """Return the integer of a text with digits alone."""
     try:
+        # int() also takes signs, underscores and blanks, which are no digits to a controller.
         return int(text if text.isalnum() else "x", base)
     except ValueError:
         raise Fault(f"`{text}` as a number to the base {base}", UNSURE) from None
@@ -333,6 +340,7 @@ def _calculated_digits(given: Given) -> str:
     )
     if not 1 <= sign <= len(_DIGIT_OPERATIONS):
         raise Fault(f"the operation {sign}", UNSURE)
+    # 4 and 5 are OpDiv and OpMod.
     if sign > 3 and two == 0:
         raise Fault("division of digits by zero", "ERR_CALC_DIVZERO")
     found = _DIGIT_OPERATIONS[sign - 1](one, two)
@@ -345,6 +353,7 @@ def _calculated_digits(given: Given) -> str:
 
 def _digits_argument(given: Given, index: int) -> int:
     text = given.text(index)
+    # isdecimal() alone accepts digits of other scripts.
     if not (text.isascii() and text.isdecimal()):
         raise Fault(f"`{text}` as digits", "ERR_INT_NOTVAL")
     if int(text) > _LARGEST_DIGITS:

@@ -47,6 +47,7 @@ def _pulse_output(given: Given) -> None:
     If motions take no time, both of its ends come at once: the program does not wait for the
     second. Else a new pulse of the same signal replaces one that is still on.
     """
+    # The value before the pulse decides; it has to be read before the output changes.
     signal, signals = given.signal(0), given.machine.signals
     value = 1.0 if given.has("high") else float(signals.read(signal) == 0.0)
     length = given.optional_number("plength")
@@ -72,6 +73,7 @@ def _delayed_output(value: Callable[[Given], float]) -> Callable[[Given], None]:
     def does(given: Given) -> None:
         delay = given.optional_number("sdelay")
         signal, signals = given.signal(0), given.machine.signals
+        # Motions without time leave no later: the delay goes into the record of the run instead.
         if delay is None or not _has_time(given):
             signals.set(signal, value(given), after=delay)
         else:
@@ -87,10 +89,12 @@ def _alias_signal(given: Given) -> None:
     target, source = given.place(1).get(), given.required[0]
     if not isinstance(target, Handle) or target.type not in SIGNAL_TYPES:
         raise Fault("an alias of what is no data of a signal", "ERR_ALIASIO_DEF")
+    # The first argument is a signal by its name, or data with the name as a text.
     name = given.signal(0) if _names_signal(given, source) else given.text(0).lower()
     if not name:
         raise Fault("an alias of a signal without a name", "ERR_ALIASIO_DEF")
     controller = given.machine.controller
+    # From now on the name is a signal to every task.
     controller.known.add(name)
     if target.type in OUTPUT_TYPES:
         controller.outputs.add(name)
@@ -171,11 +175,13 @@ def _wait_for_condition(given: Given, is_met: Callable[[], bool], what: str) -> 
     r"""\MaxTime ends the wait, with an error or by the flag that \TimeFlag names."""
     machine, flag = given.machine, given.options.get("timeflag")
 
+    # Each check finds out anew what the condition depends on.
     def asked() -> bool:
         machine.hangs_on.clear()
         return is_met()
 
     longest = given.optional_number("maxtime")
+    # Once without waiting: a condition that holds already takes no time.
     met = asked() or _is_met_in_time(given, asked, math.inf if longest is None else longest, what)
     if flag is not None:
         place(machine, flag).set(not met)
@@ -201,7 +207,9 @@ def _is_met_in_time(given: Given, asked: Callable[[], bool], longest: float, wha
     end = since + longest
     while task.kernel.now < end:
         left = end - task.kernel.now
+        # No statement announces a change of time or of the outside: the condition is polled.
         if hangs_on:
+            # Polls count as steps: a wait that time never ends has to stop the run.
             task.kernel.spend()
             came = task.wait(asked, min(poll, left), what, outside="outside" in hangs_on)
             if "time" in hangs_on:
@@ -209,6 +217,8 @@ def _is_met_in_time(given: Given, asked: Callable[[], bool], longest: float, wha
             if came:
                 return True
         else:
+            # Data and signals wake the task. The wait also ends when the condition
+            # comes to depend on time or the outside, and goes on by polling.
             came = task.wait(
                 lambda: asked() or bool(hangs_on), None if math.isinf(left) else left, what
             )
@@ -252,6 +262,7 @@ def _wait_for_tasks(given: Given) -> None:
     if own not in names:
         raise Fault(f"`{machine.task.name}` waits for tasks and is not in their list")
     come = machine.controller.come
+    # How often this task was here tells apart the meetings of a point that is met repeatedly.
     turn = come[name, own] = come.get((name, own), 0) + 1
     what = f"`{point.name}`, to which not all of {', '.join(names)} come"
 
@@ -259,6 +270,7 @@ def _wait_for_tasks(given: Given) -> None:
         return all(come.get((name, task), 0) >= turn for task in names)
 
     if not machine.task.wait(all_there, given.optional_number("timeout"), what):
+        # This meeting did not happen; others must not count on it.
         come[name, own] -= 1
         raise Fault(f"{what} in time", "ERR_WAITSYNCTASK")
 
@@ -285,6 +297,7 @@ def _wait_test_and_set(given: Given) -> None:
     name = given.required[0]
     shown = name.name if isinstance(name, s.NameRef) else "it"
     what = f"`{shown}` is TRUE, and nobody sets it to FALSE"
+    # Between the end of the wait and this line no other task runs.
     given.machine.task.wait(lambda: not records.truth(taken.get()), None, what)
     taken.set(True)
 

@@ -68,6 +68,8 @@ class Link:
         own = self.open()
         if self.status != "created":
             raise Fault("the socket is bound or connected already", "ERR_SOCK_IS_BOUND")
+        # The port of a run that has just ended stays in
+        # TIME_WAIT; without this it cannot be bound again.
         own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             own.bind((host, port))
@@ -94,6 +96,7 @@ class Link:
         own = self.open()
         if self.status != "listening":
             raise Fault("a socket accepts that does not listen", "ERR_SOCK_NOT_BOUND")
+        # The socket inside would leak, and no reference states what a controller does.
         if client.own is not None:
             raise NotSimulated("SocketAccept into a socket that is not closed")
         came: list[tuple[socket.socket, str]] = []
@@ -122,10 +125,12 @@ class Link:
             code = self.open().connect_ex((host, port))
             if code in (0, errno.EISCONN):
                 return True
+            # Other codes than these are a refusal. POSIX leaves the state of
+            # a socket open after it, so that the next try needs a new one.
             if code not in (errno.EINPROGRESS, errno.EALREADY, errno.EWOULDBLOCK):
                 self.close()
                 self.create()
-                again = time.monotonic() + _RETRY_PERIOD
+                again = time.monotonic() + _RETRY_PERIOD  # The other end may listen soon.
             return False
 
         _wait_for_link(task, is_connected, seconds, f"a connection to port {port}")
@@ -150,6 +155,7 @@ class Link:
         """Bytes that came: at least so many, and at most; the rest stays for later."""
         self._connected()
 
+        # The other end may close with fewer bytes than asked for: the wait has to end for that too.
         def has_come() -> bool:
             return self._filled(most) >= least or self._is_over()
 
@@ -163,6 +169,7 @@ class Link:
         """Bytes that came and were not asked for yet."""
         own = self._connected()
         try:
+            # MSG_PEEK leaves the bytes where they are, for the next SocketReceive.
             return len(self.before) + len(own.recv(_MOST_LOOKED_AT, socket.MSG_PEEK))
         except BlockingIOError:
             return len(self.before)
@@ -177,6 +184,7 @@ class Link:
 
     def _filled(self, most: int) -> int:
         """Receive waiting bytes and return the number of bytes available."""
+        # A reset connection is reported by `_is_over`; bytes that came before it still count.
         with suppress(BlockingIOError, ConnectionError):
             if len(self.before) < most:
                 self.before += self.open().recv(most - len(self.before))
@@ -216,6 +224,8 @@ class _Peer(Link):
     def accept(self, client: Link, task: Task, seconds: float | None) -> str:
         if self.status != "listening":
             raise Fault("a socket accepts that does not listen", "ERR_SOCK_NOT_BOUND")
+        # The client is a peer as well, which needs no
+        # address: it hands over its texts once connected.
         client.connect("", 0, task, seconds)
         return "127.0.0.1"
 
@@ -230,8 +240,10 @@ class _Peer(Link):
     def receive(self, most: int, least: int, task: Task, seconds: float | None) -> bytes:
         """A text without its end; a stated number of bytes of all texts with their ends."""
         self._there()
+        # Only SocketReceive with \ReadNoOfBytes asks for as many bytes at least as at most.
         if most == least:
             enough = partial(self._has, least)
+            # The texts are at hand: the simulated clock need not follow real time during this wait.
             _wait_for_link(task, enough, seconds, "data", outside=False)
             whole = b"".join(self._left)
             self._left = deque([whole[most:]] if len(whole) > most else [])
@@ -241,6 +253,8 @@ class _Peer(Link):
         found, rest = text[:most], text[most:]
         if rest:
             self._left.appendleft(rest)
+        # The end of a text is no part of what a program
+        # reads, as with a real peer that sends lines.
         return found.removesuffix(b"\r")
 
     def waiting(self) -> int:
@@ -347,6 +361,7 @@ def _byte_format(given: Given) -> str:
 def _pack_raw(given: Given) -> None:
     value = given.value(0)
     if given.has("ascii"):
+        # A number stands for the character of that code.
         found = value if isinstance(value, str) else chr(whole(number(value), "a character") % 256)
         packed = found.encode(_HEX_CODES, "replace")
     else:
@@ -364,6 +379,7 @@ def _unpack_raw(given: Given) -> None:
     if given.has("ascii"):
         count = whole(given.optional_number("ascii") or 0.0, "a number of characters")
         found = raw.take(start, count).decode(_HEX_CODES)
+        # Into a number: the code of the first character.
         target.set(found if target.shape.type == "string" else float(ord(found[:1] or "\0")))
         return
     if target.shape.type == "string":
@@ -422,6 +438,8 @@ def _socket_link(given: Given, index: int = 0) -> Link:
     if not isinstance(handle, Handle) or handle.type != "socketdev":
         raise Fault("what is no socket is used as one")
     if not isinstance(handle.inside, Link):
+        # The link is made on first use: declared data of socketdev has nothing
+        # inside. A run that ends closes its real sockets, however it ends.
         said = given.machine.task.kernel.peers
         handle.inside = Link() if said is None else _Peer(said)
         given.machine.at_end.append(handle.inside.close)
@@ -430,6 +448,7 @@ def _socket_link(given: Given, index: int = 0) -> Link:
 
 def _socket_timeout(given: Given) -> float | None:
     stated = given.optional_number("time")
+    # WAIT_MAX means that the socket waits without end.
     if stated is not None and stated >= NUMBER_DATA["wait_max"]:
         return None
     return _DEFAULT_TIMEOUT if stated is None else stated
@@ -440,6 +459,7 @@ def _socket_address(given: Given) -> tuple[str, int]:
     if port not in _PORT_RANGE:
         raise Fault(f"the port {port}", "ERR_SOCK_ADDR_INVALID")
     options = given.machine.controller.options
+    # Peers of a comparison need no real address, and must not reach one.
     if given.machine.task.kernel.peers is not None:
         return "", port
     if not options.sockets:
@@ -491,6 +511,7 @@ def _message_bytes(given: Given) -> bytes:
     if not isinstance(array, Array):
         raise Fault("a socket sends nothing")
     numbers = [whole(records.number(item), "a byte") for item in array.items]
+    # struct and the wire know bytes only; larger numbers would be cut silently.
     if len(numbers) > _MOST_BYTES or not all(0 <= number < 256 for number in numbers):
         raise Fault(f"what is sent are {_MOST_BYTES} bytes from 0 to 255 at most")
     return bytes(numbers)
@@ -502,6 +523,7 @@ def _receive_message(given: Given) -> None:
     least = 1 if asked is None else whole(asked, "a count of bytes")
     if not 1 <= least <= most:
         raise Fault(f"{least} bytes are asked for, of 1 to {most}")
+    # Without a number, whatever has come by then is taken, up to the most.
     wanted = most if asked is None else least
     data = _socket_link(given).receive(wanted, least, given.machine.task, _socket_timeout(given))
     if (node := given.options.get("norecbytes")) is not None:
@@ -527,6 +549,7 @@ def _socket_status(given: Given) -> float:
 
 
 def _pending_bytes(given: Given) -> float:
+    # No statement of the run changes what has come: a wait for it has to be checked in real time.
     given.machine.hangs_on.add("outside")
     return float(_socket_link(given).waiting())
 

@@ -57,6 +57,7 @@ Body = Sequence[s.StatementNode]
 def execute(machine: Machine, body: Body) -> None:
     """Runs a list of statements; a jump to a label in it goes on behind that label."""
     start = 0
+    # A jump leaves nested lists by itself: it ends the loop here if the label is in this list.
     while True:
         try:
             for node in body[start:]:
@@ -64,7 +65,7 @@ def execute(machine: Machine, body: Body) -> None:
         except Jump as jump:
             found = _label_index(body, jump.label)
             if found is None:
-                raise
+                raise  # The label may be in a list further out.
             start = found
         else:
             return
@@ -83,11 +84,13 @@ def _run_statement(machine: Machine, node: s.StatementNode) -> None:
     does = _STATEMENT_FORMS.get(type(node))
     if does is None:
         raise NotSimulated(f"the statement {type(node).__name__}")
+    # Each statement is the unit of RETRY and TRYNEXT: the handler runs it again or the next one.
     run_with_recovery(machine, node, does, execute)
 
 
 def _assign(machine: Machine, node: s.Assignment) -> None:
     target = place(machine, node.target)
+    # The target first: its shape gives an aggregate its type.
     target.set(evaluate(machine, node.value, target.shape))
 
 
@@ -107,8 +110,11 @@ def call_late(machine: Machine, name: str, arguments: Sequence[s.Argument]) -> N
         unit = machine.modules.get(module.lower())
         meaning = None
         if unit is not None:
+            # A name with a module finds what is local there,
+            # and global data only if it is of that module.
             found = unit.names.get(own.lower()) or machine.named.get(own.lower())
             meaning = found if isinstance(found, Known) and found.unit is unit else None
+    # Late binding reaches built-in instructions too, by name alone.
     if meaning is None and own.lower() not in INSTRUCTIONS:
         raise Fault(f"a call of `{name}`, which there is not", "ERR_REFUNKPRC")
     if meaning is not None and not (isinstance(meaning, Known) and meaning.node.kind == "PROC"):
@@ -158,6 +164,7 @@ def _raise(machine: Machine, node: s.RaiseError) -> None:
     if node.value is None:
         if handling is None:
             raise Fault("RAISE without a number outside of an error handler")
+        # `leave_handler` always raises.
         leave_handler(machine, machine.frame, handling)
     if handling is not None:
         raise Fault("RAISE with a number inside of an error handler")
@@ -174,6 +181,7 @@ def _raise(machine: Machine, node: s.RaiseError) -> None:
 
 def _if(machine: Machine, node: s.IfThen) -> None:
     for way, branch in enumerate(node.branches):
+        # An unfilled `<EXP>` of the pendant loads, and is an error only when it is reached.
         if branch.condition is None:
             raise Fault("a branch that was never filled in", "ERR_EXECPHR")
         if condition(machine, branch.condition):
@@ -198,12 +206,15 @@ def _for(machine: Machine, node: s.ForLoop) -> None:
     runs = first <= last if step > 0.0 else first >= last
     machine.took(node, 0 if runs else 1)
     names, name = machine.frame.names, node.variable.lower()
+    # The loop variable hides data of the routine of that name, which is back after the loop.
     hidden = names.get(name)
     try:
         value = first
         while (value <= last) if step > 0.0 else (value >= last):
+            # A new cell each time: a program may not assign to it, and its change would not last.
             names[name] = Cell(kind, "LOOP", value)
             execute(machine, node.body)
+            # Counts the head of the loop: an empty body would otherwise never come to an end.
             machine.step(node)
             value = as_kind(value + step, type(first))
     finally:
@@ -219,6 +230,7 @@ def _loop_count(machine: Machine, node: s.ForLoop) -> list[float]:
     values = [evaluate(machine, one) for one in nodes]
     of = Double if any(isinstance(value, Double) for value in values) else single
     first, last, *steps = [of(number(value)) for value in values]
+    # Without STEP the direction follows from the bounds.
     step = steps[0] if steps else 1.0 if first <= last else -1.0
     if step == 0.0:
         raise NotSimulated("a FOR whose step is 0")
@@ -229,6 +241,7 @@ def _while(machine: Machine, node: s.WhileLoop) -> None:
     while condition(machine, node.condition):
         machine.took(node, 0)
         execute(machine, node.body)
+        # An empty loop has to count as steps, or a run that waits for nothing never ends.
         machine.step(node)
     machine.took(node, 1)
 
@@ -282,6 +295,7 @@ _STATEMENT_FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
 
 def call_routine(machine: Machine, known: Known, arguments: Sequence[s.Argument]) -> Value | None:
     """Runs a routine; the value of a function, None of a procedure."""
+    # Each RAPID call takes several Python calls; deeper nesting would hit Python's own limit.
     if len(machine.frames) >= MOST_CALLS:
         raise NotSimulated(f"more than {MOST_CALLS} routines inside of one another")
     at = machine.at
@@ -290,8 +304,11 @@ def call_routine(machine: Machine, known: Known, arguments: Sequence[s.Argument]
     try:
         value = _run_routine(machine, known.node)
     except Fault as fault:
+        # Only a routine that the error passes by is undone; one whose own handler takes it is not.
         if fault.goal is not None:
             undo_handler(machine, frame, execute)
+        # The system deals with errors of a trap routine;
+        # handlers of the interrupted routine do not.
         if known.node.kind == "TRAP":  # its errors are dealt with by the system
             fault.number = None
         raise
@@ -300,11 +317,13 @@ def call_routine(machine: Machine, known: Known, arguments: Sequence[s.Argument]
         raise
     finally:
         machine.frames.pop()
+    # Behind the call the calling statement is at hand again, for messages.
     machine.at = at
     return value
 
 
 def _run_routine(machine: Machine, routine: s.Routine) -> Value | None:
+    # Data first: declarations hold for the complete routine, wherever they are.
     for node in routine.body:
         for datum in target_data(node) if isinstance(node, s.TargetRunNode) else (node,):
             if isinstance(datum, s.Data):
@@ -326,6 +345,7 @@ def _declare_local(machine: Machine, node: s.Data) -> None:
     cell = Cell(Shape("num"), "CONST" if node.storage == "CONST" else "VAR")
     try:
         declare(machine, cell, node)
+    # Data of a type that is not simulated is harmless until it is used.
     except NotSimulated:
         if node.value is not None:
             raise
@@ -339,6 +359,7 @@ def _routine_result(machine: Machine, routine: s.Routine, value: Value | None) -
     wanted = Shape(machine.types.name(routine.type))
     if value is None or not is_like(value, wanted):
         raise Fault(f"`{routine.name}` does not give {routine.type}")
+    # A copy: the value may be data that outlives the call.
     return fitted(copied(value), wanted)
 
 
@@ -370,9 +391,12 @@ def _branch_ways(
             yield len(parts), "ELSE" if node.otherwise else "IF not met"
         case s.CompactIf():
             yield from ((0, "IF met"), (1, "IF not met"))
+        # WHILE TRUE has no way out that a test could take.
         case s.WhileLoop(condition=condition) if not isinstance(condition, s.BoolLiteral):
             yield from ((0, "WHILE met"), (1, "WHILE not met"))
+        # Without STEP the loop always runs at least once: it turns towards the end.
         case s.ForLoop(step=step) if step is not None:
+            # Literal bounds decide the loop in the text: there is no second way to prove.
             bounds = (node.first, node.last)
             if not all(isinstance(bound, s.NumberLiteral) for bound in bounds):
                 yield from ((0, "FOR entered"), (1, "FOR passed"))

@@ -145,6 +145,7 @@ class ScopePart:
 def scope_parts(look: Look) -> list[ScopePart]:
     """Each scope of a file, worked out once."""
     found = []
+    # Only jumps to step numbers need the table of steps.
     jumps = any(isinstance(target.place, int) for _, target in look.all(s.Target))
     steps = places_of_steps(look.code) if jumps else {}
     for scope in look.scopes:
@@ -198,6 +199,7 @@ def _depth(look: Look, block: Block) -> Found:
     most, number = (look.dialect.loops, 3240) if kind != "If" else (look.dialect.ifs, 3253)
     around = (b for b in block.chain if b.form == block.form)
     depth = sum(1 for _ in islice(around, most + 2))
+    # Only the first block that is too deep; those inside it are so because of it.
     if depth == most + 1:
         yield look.at(_TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)
 
@@ -258,9 +260,11 @@ class _Around:
         inner: the innermost block around the place.
         """
         fresh: list[Block] = []
+        # Blocks that are not known yet, up to one that is.
         while inner is not None and id(inner) not in self._known:
             fresh.append(inner)
             inner = inner.around
+        # Blocks of that stack which the place is no longer in.
         while self._open and self._open[-1] is not inner:
             left = self._open.pop()
             self._known.discard(id(left))
@@ -356,6 +360,7 @@ def _found_at_callee(look: Look, rule: Rule, at: int) -> Diagnostic:
 def unreachable(look: Look) -> Found:
     """The first line of each stretch that nothing leads to; what is no statement does not count."""
     for part, ways in _graphs(look):
+        # Interrupts may run a handler that no line leads to.
         starts = [part.scope.entries[0], *ways.handlers]
         reached = ways.reached(starts, through_calls=True)
         quiet = False

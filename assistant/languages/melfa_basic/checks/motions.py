@@ -108,10 +108,12 @@ def _moves_of_file(look: Look) -> Moves[s.Entry] | None:
             _follow_table(found, item, positions, changed, follows=follows)
             follows = True
             continue
+        # The line may be reached from elsewhere, so where the robot is before it is not known.
         if item.label is not None:
             follows = False
         if isinstance(item.statement, s.Motion):
             _follow_line(found, item, item.statement, positions, changed, follows=follows)
+            # An appended `Skip` may end the move anywhere.
             follows = item.statement.append is None
         elif not _is_harmless(item.statement):
             follows = False
@@ -160,6 +162,7 @@ def _follow_table(
     follows: bool,
 ) -> None:
     stem = rows.stem.upper()
+    # Positions that the program changes have no known value, whatever the file lists.
     digits = (name.removeprefix(stem) for name in changed if name.startswith(stem))
     moved = [int(number) for number in digits if number.isdigit()]
 
@@ -253,7 +256,9 @@ def flags(look: Look) -> Found:
     run = look.once(_moves_of_file)
     if run is None:
         return
+    # Nothing is known before the first move.
     before = np.concatenate([[NO_FLAGS], run.postures[:-1]])
+    # Joint moves may change the flag, and so may moves with `Type …,1` or `Type …,2`.
     straight = (run.kinds > MOV) & run.follows & ~run.turning
     known = (before != NO_FLAGS) & (run.postures != NO_FLAGS)
     hits = straight & known & (before != run.postures)
@@ -317,6 +322,7 @@ def arcs(look: Look) -> Found:
     arc = run.kinds == MVR
     measures = ArcMeasures.through(np.stack([run.starts, run.vias, run.ends], axis=1))
     near = (measures.sides < _SAME_POINT).any(axis=1)
+    # The height of the second point above the line; the minimum avoids a division by zero.
     beside = measures.area / np.maximum(measures.sides[:, 2], _SAME_POINT)
     for hits, what in (
         (arc & near, "two points of the arc are the same"),
@@ -353,6 +359,7 @@ def corners_at_stops(look: Look) -> Found:
             moved = True
             continue
         statement = item.statement
+        # The line may be reached with another `Cnt`.
         if item.label is not None or is_block_word(statement):
             rounded, moved = None, False
         match statement:
@@ -366,6 +373,7 @@ def corners_at_stops(look: Look) -> Found:
                 if rounded and moved:
                     yield look.at(_CNT_LEFT, item, word, word=word)
                 moved = False
+                # `End` switches corners off.
                 if word == "End":
                     rounded = False
             case s.Jump() | s.CallP() | s.Call() | s.OnJump():
@@ -404,5 +412,6 @@ def pulses_at_a_time(look: Look) -> Found:
             count = 0
         if isinstance(statement, s.Assign) and statement.delay is not None:
             count += 1
+            # Once for a row of pulses, at the first one too many.
             if count == MOST_PULSES + 1:
                 yield look.finding(values.MANY_PULSES, item, most=MOST_PULSES)

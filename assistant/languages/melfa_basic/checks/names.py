@@ -112,6 +112,7 @@ _SETTING_COMMANDS: Final = ("Tool", "Base")
 
 def undefined_variables(look: Look) -> Found:
     """Variables that are read, and moves to positions, that nothing gives a value."""
+    # Lines or files that were not read may give any name a value.
     if look.has_strangers:
         return
     names = look.once(known_variables)
@@ -172,9 +173,11 @@ def undefined_calls(look: Look) -> Found:
 
 def _near_status(key: str) -> str:
     """The status variable that a name is one slip away from, empty for none."""
+    # `M_01` and the like are external variables, not slips.
     if key[2:].isdigit():
         return ""
     for name, row in vocabulary.variables().items():
+        # Cheap tests first: the distance is expensive, and short names are near others by chance.
         if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > _SHORT_NAME:
             if typing_distance(name, key, 1) <= 1:
                 return row.name
@@ -230,6 +233,7 @@ def _table_move_targets(look: Look, words: Set[str] = frozenset()) -> NameSet:
     moved.words |= words
     for rows in look.code:
         if isinstance(rows, MoveRows):
+            # -1 stands for a point that a move does not have.
             stem, points = rows.stem.encode("ascii"), (rows.end, rows.via, rows.start)
             moved.columns += [Names.numbered(stem, numbers[numbers >= 0]) for numbers in points]
     return moved
@@ -261,6 +265,7 @@ def _listed_finding(look: Look, what: str, found: Listing[s.Item]) -> Found:
 def _unused_positions(look: Look, used: NameSet) -> Found:
     """Positions with a line that no statement names."""
     if not look.code:
+        # A list of positions is there for other programs, which are not read here.
         return  # a list of positions for other programs
     found: Listing[s.Item] = Listing()
     for item in look.data:

@@ -72,6 +72,7 @@ def program_recursion(look: Look) -> Found:
             yield look.at(flow.CALLS_ITSELF, line, "CallP", chain=text)
             return
         deep = 1 + call_depth(name, inner)
+        # Only the call that passes the limit; the programs above would report the same chain again.
         if deep == most + 1:
             yield look.at(flow.CALLED_TOO_DEEP, line, "CallP", depth=deep, most=most)
             return
@@ -110,6 +111,7 @@ def interrupt_switches(look: Look) -> Found:
     switches = list(_switches(look))
     defined = Keyed.of((literal(act.number), (line, "Act")) for line, act in look.all(s.DefAct))
     switched = Keyed.of((n, (line, "Act")) for line, n, _ in switches if n)
+    # `Act 0` switches all interrupts, a computed number any: either may switch each of them on.
     on = Keyed.of(
         (n or None, (line, "Act")) for line, n, state in switches if n is None or state != 0
     )
@@ -140,6 +142,7 @@ def file_states(look: Look) -> Found:
         for line, node in look.all(s.Close)
         for number in map(literal, node.numbers or (None,))
     )
+    # A line stays open from one program to the next, so another file may have opened it.
     beside = (tree for tree in look.calls.trees if tree is not look.tree)
     others = any(any(lines_with(tree.items, s.Open)) for tree in beside)
     if not others:
@@ -165,6 +168,7 @@ def _opened_twice(look: Look) -> Found:
                 busy -= {n for value in numbers if (n := literal(value)) is not None}
                 if not numbers or any(literal(value) is None for value in numbers):
                     busy.clear()
+            # What runs there may close lines, and the lines below may be reached another way.
             case s.Command("End") | s.Jump() | s.CallP() | s.Call() | s.If():
                 busy.clear()
 
@@ -244,21 +248,26 @@ class _SharedSlots:
         known: list[_Keys] = [
             outcome.sets.union(*(self.surely[entry] for entry in outcome.calls))
             for outcome in self.outcomes.get(node, (_Branch(),))
+            # A branch whose call never comes back does not reach the next line.
             if all(entry in self.surely for entry in outcome.calls)
         ]
         if not known:
             return None
         key, _ = self.waits.get(node, ("", 0.0))
+        # A value left in the variable from the last run would end the wait at once. Only a variable
+        # that was set in this run tells what its setters have done.
         gained = self.gains.get(node, _NO_KEYS) if key in found else _NO_KEYS
         return found | _all_keys(known) | gained
 
     def settle(self) -> None:
         """Work out what calls set, then what waits tell, each until nothing changes any more."""
+        # Backward from the ends: what is set on every path from a line to the return.
         before: dict[Node, list[Node]] = {node: [] for node in self.after}
         for node, places in self.after.items():
             for place in places:
                 before[place].append(node)
         entries = set(chain.from_iterable(self.calls.values()))
+        # What a call sets depends on the calls inside it: repeat until that is stable.
         while True:
             back = Dataflow[Node, _Keys](before, self.behind, _common_keys)
             back.spread((end, _NO_KEYS) for end in self.ends)
@@ -267,11 +276,13 @@ class _SharedSlots:
             if made == self.surely:
                 break
             self.surely = made
+        # Each wait first tells everything; rounds take back what some setter does not support.
         self.gains = dict.fromkeys(self.waits, frozenset(self.gives))
         started = {start.program for start in self.starts}.union(*self.called.values())
         roots = [begin for of, begin in self.begins.items() if of not in started]
         while True:
             self.facts = self.flow(((root, _NO_KEYS) for root in roots), started=True)
+            # Programs that only start each other have no root; they may begin with nothing set.
             left = [n for n in self.begins.values() if (n, "begins") not in self.facts.found]
             self.facts.spread(((node, "begins"), _NO_KEYS) for node in left)
             gains = {node: self._gain(*self.waits[node]) for node in self.waits}
@@ -286,6 +297,8 @@ class _SharedSlots:
         for start in self.starts if started else ():
             runs.setdefault(start.node, []).append(self.begins[start.program])
         for node, places in self.after.items():
+            # A line has two sides: its calls begin before its own effects, what follows begins
+            # after them.
             inner = (*self.calls.get(node, ()), *runs.get(node, ()))
             led = [*places, *self.handlers.get(node, ())]
             after[node, "begins"] = [(node, "behind"), *((entry, "begins") for entry in inner)]
@@ -347,6 +360,7 @@ def started_early(look: Look) -> Found:
         entry = found.facts.found.get((start.node, "begins"))
         line, name = found.line(start.node), start.name
         if start.node[0] != own or entry is None or not isinstance(line, s.Line):
+            # Each file reports the starts that are in it.
             continue
         inner = found.with_called(start.program)
         facts = found.flow([(found.begins[start.program], entry)])
@@ -394,6 +408,7 @@ def _setter(found: _SharedSlots, start: Start, key: str) -> str:
     here = [node for node in givers if node[0] in task and (node, "begins") in found.facts.found]
     if here:
         later = found.flows_into(start.node)
+        # Most telling first: a line that follows the start, one of this file, the first one.
         best = min(here, key=lambda node: (node not in later, node[0] != own, node))
         return f"line {_line_reference(found, best, own)}" + (" here" if best[0] == own else "")
     for other in found.starts:
@@ -407,6 +422,7 @@ def _line_reference(found: _SharedSlots, node: Node, program: int) -> str:
     """The number of a line, with the name of its file if that is not the program's."""
     tree, line = found.trees[node[0]], found.line(node)
     number = first_step(line)
+    # Lines without step numbers are named by their line in the text.
     if number is None and line.span is not None and tree.source is not None:
         number = tree.source.text.count("\n", 0, line.span.start) + 1
     return f"{number}" if node[0] == program else f"{number} of `{program_name(tree).upper()}`"
@@ -446,6 +462,7 @@ def _take_paths(look: Look, of: int, found: _SharedSlots) -> bool:
     scopes = look.once(scope_parts)
     if not all(part.ways and part.scope.entries for part in scopes):
         return False
+    # All ways out of a file lead to one node, from which the backward analysis starts.
     found.after[of, EXIT] = []
     found.ends.append((of, EXIT))
     found.begins[of] = of, scopes[0].scope.entries[0]
@@ -475,6 +492,7 @@ class _Shared:
     def __call__(self, use: Use) -> bool:
         key = use.variable.key
         if key not in self._known:
+            # External variables have `_` as second letter, as some status variables do.
             plain = key[1:2] == "_" and vocabulary.status(key) is None
             self._known[key] = plain and key not in self._given
         return self._known[key]
@@ -529,6 +547,7 @@ class _Reader:
         if ours:
             found.reads[node] = [use.variable for use in ours if use.role == "read"]
         for one in statements_in(statement):
+            # An `If` sets nothing itself; its branches come as statements of their own.
             for use in () if isinstance(one, s.If) or not ours else filter(self.shared, uses(one)):
                 if use.role in ("written", "either"):
                     number = literal(one.value) if isinstance(one, s.Assign) else None
@@ -551,6 +570,7 @@ class _Reader:
             case s.Motion(append=s.Append(during, condition)):
                 moved = self._plain(replace(statement, append=None))
                 yield from (moved | outcome for outcome in self._outcomes(during))
+                # With a condition, the appended statement may not run at all.
                 if condition is not None:
                     yield moved
             case s.Jump("GoSub", target):
@@ -590,6 +610,7 @@ def _starts(
                     written = named.value if isinstance(named, s.String) else None
                     if written is not None:
                         loads.setdefault(at, []).append((slot, written))
+                    # Slot 1 runs the main program; a start there is no other task.
                     if word == "XRun" and slot != 1:
                         runs.append((at, slot, written))
     for at, slot, own in runs:
@@ -607,6 +628,7 @@ def _loaded(
     loading = {(run[0], at): named for at, named in names.items() if named}
 
     def led(at: Node) -> Iterable[Node]:
+        # A later `XLoad` of the slot replaces what was loaded before.
         return () if at in loading else found.after[at]
 
     reached = (named for at, named in loading.items() if run in reachable(found.after[at], led))

@@ -138,6 +138,7 @@ def _declared_types(look: Look) -> dict[str, DataType]:
         match line.statement:
             case s.DefIo(variable):
                 found[variable.key] = TYPES["Inte"]
+            # An unmarked parameter hides the variable that `Def` types, so its type is not certain.
             case s.Function(parameters=parameters):
                 for parameter in parameters or ():
                     if not parameter.suffix:
@@ -159,6 +160,7 @@ def _kind_of_variable(look: Look, variable: s.Variable) -> Kind:
         return _certain_kind(function.result)
     if key in look.functions:
         return _kind_of_function(look.functions[key])
+    # Functions of `Def FN` have their type in the letter after the prefix.
     if key.startswith("FN"):
         return _certain_kind(key[2:3])
     if (status := vocabulary.status(key)) is not None:
@@ -167,6 +169,7 @@ def _kind_of_variable(look: Look, variable: s.Variable) -> Kind:
         return known.letter
     if look.has_strangers and (variable.arguments is not None or key[0] not in _KIND_WORDS):
         return ""  # a function or a name that a file declares which is not among these
+    # Texts need the mark `$`, but external ones begin with `C_`; other first letters are numbers.
     return key[0] if key[0] in "PJ" or key.startswith("C_") else "M"
 
 
@@ -208,6 +211,7 @@ def _kind_of_operation(operator: str, left: Kind, right: Kind) -> Kind:
         return "M"
     if left == right:
         return left
+    # A position times a number stays a position; a constant without flags takes the other's type.
     of_points = (one for one in "PJ" if {left, right} in ({one, "PJ"}, {one, "M"}))
     return next(of_points, "")
 
@@ -234,6 +238,7 @@ def _assigned_type(look: Look, item: s.Item, target: s.Variable, value: s.Expres
     if not wanted or not given or _kind_fits(given, wanted):
         yield from _integer_range(look, item, target, value)
         return
+    # The name of a Function holds its result, which may be of another type than the name shows.
     if target.key in look.functions or _is_function_result(look, target):
         return
     plain = (
@@ -284,6 +289,7 @@ def type_marks(look: Look) -> Found:
         kind, marked = look.once(_declared_types).get(variable.key), TYPE_MARKS.get(variable.suffix)
         if kind is None or marked is None or marked == kind or variable.key in seen:
             continue
+        # `Float` and `Double` differ only in precision, which the controller converts.
         if use.role == "declared" or {kind.word, marked.word} <= {"Float", "Double"}:
             continue
         seen.add(variable.key)
@@ -307,6 +313,7 @@ def array_dimensions(look: Look) -> Found:
                 continue
             cure = f"use one to {_MOST_DIMENSIONS} dimensions of 1 to {_MOST_ELEMENTS}"
             yield look.at(_DIMENSIONS, line, variable, what=what, cure=cure)
+    # An array parameter has the size of the caller's array, not of one with that name.
     parameters = {p.name.upper() for f in look.functions.values() for p in f.parameters or ()}
     for line, use in look.uses:
         variable = use.variable
@@ -316,6 +323,7 @@ def array_dimensions(look: Look) -> Found:
         if variable.key in parameters:
             continue
         given = [literal(a) for a in variable.arguments]
+        # The controller rounds subscripts before it looks for the element (COSIROP help, DIM).
         missing = [
             n for n, m in zip(given, most, strict=False) if n is not None and not 1 <= round(n) <= m
         ]
@@ -752,12 +760,14 @@ def incomplete_poses(tree: s.File) -> Iterator[IncompletePose]:
 
     One whose elements the program sets, or that anything else may change, is left aside.
     """
+    # Positions with missing elements, as the variable lines and the assignments give them.
     given: dict[str, tuple[s.Line | s.Data, s.Variable, s.Constant]] = {}
     for item in tree.items:
         if isinstance(item, s.Data) and item.variable.arguments is None:
             if _is_undefined(item.value) and not item.variable.key.startswith("J"):
                 given[item.variable.key] = item, item.variable, item.value
     code = [item for item in tree.items if isinstance(item, s.Line) and item.statement is not None]
+    # An assignment or a call may fill in what is missing: such positions are not certain.
     changed, copies = set[str](), list[tuple[str, str]]()
     for line in code:
         for node in nodes(line.statement):
@@ -773,12 +783,15 @@ def incomplete_poses(tree: s.File) -> Iterator[IncompletePose]:
                     changed.add(target.key)
                 case s.Input() | s.FPrm() | s.CallP() | s.Call() | s.DefOther():
                     changed |= {x.key for x in nodes(node) if isinstance(x, s.Variable)}
+    # Pass missing elements on along plain copies. Each round follows at least one copy more, so as
+    # many rounds as copies suffice.
     origin = {key: key for key in given if key not in changed}
     for _ in copies:
         found = {to: origin[key] for to, key in copies if key in origin and to not in changed}
         if found.items() <= origin.items():
             break
         origin |= {to: key for to, key in found.items() if to not in origin}
+    # Uses as a pose. Of a variable, the place that gave it its value is reported, once.
     said = set[str]()
     for line in code:
         for pose in _poses(line.statement):
@@ -787,6 +800,7 @@ def incomplete_poses(tree: s.File) -> Iterator[IncompletePose]:
                 yield IncompletePose(line, text, text, _missing_words(pose))
             elif isinstance(pose, s.Variable) and pose.key in origin and not pose.component:
                 said.add(origin[pose.key])
+    # Moves in columns hold the numbers of their positions instead of nodes.
     for rows in (item for item in tree.items if isinstance(item, MoveRows)):
         for key in origin:
             named = split_name(s.Variable(key))
@@ -832,6 +846,8 @@ _NEEDED_ARGUMENTS: Final = {"Plt": 3}
 def missing_arguments(look: Look) -> Found:
     """Arguments that only stand after another one, and positions that a definition needs."""
     for line, motion in look.all(s.Motion):
+        # `Mvs ,dist` moves along the tool from where the robot is: only there the target may be
+        # missing.
         if motion.keyword != "Mvs" and motion.arguments[:1] == (None,):
             yield look.at(_LEFT_OUT, line, motion.keyword, word=motion.keyword, which="first")
     for line, node in look.all(s.DefOther):

@@ -80,6 +80,7 @@ class Jumps:
     ) -> None:
         self.items, self.dialect, self.complain = items, dialect, complain
         self.blocks, self.opened = blocks, {block.first: block for block in blocks.all}
+        # Labels of one block share a letter and a number, so both have to be free together.
         self.begun = {m[0] for label in labels_of(items) if (m := _NUMBERED_LABEL.match(label))}
         """Beginnings of labels that have a letter and a number."""
         self.counts: dict[str, int] = {}
@@ -121,6 +122,7 @@ class Jumps:
 
     def end(self, block: Block) -> s.Line | None:
         """The line that ends a block; None for a loop whose `Next` ends an outer one as well."""
+        # A `Next` of several loops is written once, as the end of the outermost.
         last = block.words[-1]
         return _as_line(self.items[last]) if self.blocks.closing[last][-1] is block else None
 
@@ -151,8 +153,10 @@ class Jumps:
         if all(len(inside) == 1 for _, inside in parts):
             counts, out = dict(self.counts), BreakTarget("If", selecting, "I")
             short = self.on_one_line(block, [(head, self.lines(x, out)) for head, x in parts])
+            # A `Break` needs a label after the block, for which one line has no room.
             if short is not None and out.label is None:
                 return [short]
+            # The attempt took label numbers that no line has.
             self.counts = counts
         last = self.name("I") + "Z"
         out = BreakTarget("If", selecting, "I", last)
@@ -187,6 +191,7 @@ class Jumps:
             return None
         line = replace(head, statement=s.If(head.statement.condition, *branches))
         text = printer.line(line, self.dialect.upper)
+        # Room for a step number before the line.
         return line if len(text) < EMITTED_LINE - 10 else None
 
     @staticmethod
@@ -235,6 +240,7 @@ class Jumps:
         for number, (case, inside) in enumerate(cases, 1):
             node, comment = case.statement, case.comment
             label = f"{name}C{number}"
+            # The jump to `Default` is unconditional, so cases after it would never be tested.
             if default:
                 self.complain(case, "a `Case` behind `Default`", "move `Default` to the end")
             if isinstance(node, s.Case):
@@ -247,11 +253,13 @@ class Jumps:
                 goto = s.Jump("GoTo", s.Target(label))
                 made.append(s.Line(statement=goto, comment=comment))
             inner = self.lines(inside, out)
+            # A `Break` at the end of a case is the jump to the end that each case gets anyway.
             while inner and inner[-1] == _goto(last):
                 inner.pop()
             bodies += [s.Line(label=label), *inner, _goto(last)]
         if not default:
             made.append(_goto(last))
+        # Lines above the first `Case` never run, nor do they after the jumps of all cases.
         made += [*self.lines(above, out), *bodies, s.Line(label=last)]
         return [*made, *_end_comment(self.end(block))]
 
@@ -361,12 +369,14 @@ def with_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
     if dialect.nested_select:
         lines = _with_selects(lines, chains)
     refused: set[str] = set()
+    # Turn all into blocks, then refuse those that do not work, until the result is sound.
     while dialect.blocks:
         made, ends = _with_ifs(lines, refused)
         blocks = blocks_of(made)
         if blocks.sound:
             if dialect.breaks:
                 made = _with_breaks(made, blocks, ends | chains)
+            # Labels that are gone although a jump still leads there: their block is refused.
             missing = (set(labels_named(made)) - labels_of(made).keys()) & labels_of(lines).keys()
             left = {
                 name
@@ -374,8 +384,10 @@ def with_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
                 if name in missing or _is_partly_missing(name, missing)
             }
         else:
+            # Refuse each `If` that crosses other blocks even without the other new ones.
             known = {*ends.values(), *refused}
             left = {name for name in ends.values() if _crosses(lines, known - {name})}
+            # None is at fault alone: which one to refuse is not clear, so all jumps stay.
             if not left:
                 return lines
         if not left:
@@ -403,6 +415,8 @@ def _with_waits(items: list[s.Item]) -> list[s.Item]:
     at = 0
     while at < len(items):
         found = read_waiting_loop(items[at : at + 3])
+        # Only the loop itself may lead to its labels; another jump would enter the middle of a
+        # `Wait`.
         if found is None or counts[found[0]] != 1 or counts[found[0] + "Z"] != 1:
             made.append(items[at])
             at += 1
@@ -421,6 +435,7 @@ def _with_ifs(items: Sequence[s.Item], refused: set[str]) -> tuple[list[s.Item],
     """The lines with `If` blocks, and by the identity of an `EndIf` the label that was there."""
     lines: list[s.Item | None] = list(items)
     ends: dict[int, str] = {}
+    # By identity, as equal `EndIf` lines are several.
     for name, places in jumping_ifs(items).values():
         if name + "Z" not in refused:
             ends[id(_put_block_words(lines, items, places))] = name + "Z"
@@ -443,6 +458,7 @@ def _put_block_words(
         lines[at + 1] = lines[after] = None
         comment = goto.comment if isinstance(goto, s.Line) else None
         is_last = first + 3 == len(branches)
+        # An empty `Else` is left out, unless its comment has to stay.
         if is_last and (after + 1 < end or comment is not None):
             lines[jump] = s.Line(statement=s.Command("Else"), comment=comment)
         else:
@@ -486,16 +502,19 @@ def _select_at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Ite
     names = [f"{name}C{number}" for number in range(1, len(heads) + 1)]
     starts = [labels.get(one, -1) for one in names]
     edges = [*starts, last]
+    # The cases have to be after the row, in its order, with the end after the last.
     if sorted(edges) != edges or edges[0] < after:
         return None
     bodies: list[list[s.Item]] = []
     for low, high in pairwise(edges):
+        # Each case has to leave for the end; otherwise it would run on into the next one.
         if not jumps_to(lines[high - 1], name + "Z") or high - 1 <= low:
             return None
         bodies.append(lines[low + 1 : high - 1])
     first = lines[at]
     head = s.Line(statement=s.Select(subject))
     before, behind = lines[:at], lines[last + 1 :]
+    # The variable that only the conversion needed is taken out again.
     match before[-1] if before else None:
         case s.Line(label=None, statement=s.Assign(target=held, value=value)) as line if (
             held == s.Variable("M" + name) == subject
@@ -508,6 +527,7 @@ def _select_at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Ite
     for case, body in zip(heads, bodies, strict=True):
         block += [case, *body]
     closing = s.Line(statement=s.Command("End Select"))
+    # A jump from elsewhere to one of the labels needs that label, which a block does not have.
     outside = labels_named([*before, *behind])
     if not {name + "Z", *names}.isdisjoint(outside) or set(names).intersection(labels_named(block)):
         return None
@@ -594,6 +614,7 @@ def _with_breaks(items: Sequence[s.Item], blocks: Blocks, ends: Mapping[int, str
         label = leaving.get(inner.first) if inner is not None and at not in inner.parts else None
         made.append(item if label is None else _break_line(item, label))
     wanted = set(labels_named(made))
+    # Labels after blocks are left out once no jump names them.
     return [item for at, item in enumerate(made) if below.get(at, "") in {"", *wanted}]
 
 

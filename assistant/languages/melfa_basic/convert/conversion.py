@@ -75,6 +75,7 @@ def _without_labels(
     """The items without such labels, and the place of the item that each of them stood above."""
     kept: list[s.Item] = []
     dropped: dict[str, int] = {}
+    # A label goes only if it is alone on its line and a line with a step number follows.
     for at, item in enumerate(items):
         below = items[at + 1] if at + 1 < len(items) else None
         if (
@@ -115,6 +116,7 @@ def _with_fitting_comments(items: Sequence[s.Item], dialect: Dialect) -> list[s.
             continue
         room = dialect.line - _STEP_LENGTH
         if item.statement is not None or item.label is not None:
+            # An `If` block becomes jumps, whose labels make the line longer.
             jumps = _JUMP_ROOM if isinstance(item.statement, s.If | s.ElseIf) else 0
             if len(printer.line(replace(item, number=None), True).encode()) <= room - jumps:
                 made.append(item)
@@ -214,6 +216,7 @@ class _ConvertedFile:
     def down(self) -> None:
         items, self.memory = dialect_words.take_original_names(self.items)
         items, made = with_labelled_jumps(items)
+        # Labels that came from step numbers become step numbers again.
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
         items = _with_lone_labels(_without_steps(items))
@@ -247,6 +250,7 @@ class _ConvertedFile:
             "labelled": set(labels_of(items)),
         }
         back = dialect_words.Names()
+        # A long name comes back unless the file has got another thing of that name meanwhile.
         for kind, there in given.items():
             known = getattr(self.memory, kind)
             free = {k: v for k, v in known.items() if v.upper() not in there}
@@ -283,6 +287,7 @@ class _ConvertedFile:
             )
             changed = replace(self.tree, dialect=self.dialect.name, items=items)
             return _read_back(render(changed), self.dialect, self.tree)
+        # Without a heading that names the dialect, a text may be taken for another one.
         text = self.numbered_text(marked=False)
         encoded = text.encode(source.encoding if source else "utf-8", "replace")
         others = (d for d in DIALECTS.values() if d.name != self.dialect.name)
@@ -348,6 +353,7 @@ def conversion(
         return None  # the pseudo-program has procedures, which every dialect says in its way
     if origin.robot is None:
         read, as_read = None, program == origin.lifted
+    # With or without the arm: whichever lift gives this very program is how it was read.
     else:
         arms = dict.fromkeys([None, robot])
         read, as_read = next(((a, True) for a in arms if lift(trees, a) == program), (None, False))
@@ -397,6 +403,7 @@ def _lifted_pair(
 ) -> tuple[Program, Program]:
     """The pseudo-programs of both, in the words that they share; one if these are the same."""
     lowest = min(DIALECTS[tree.dialect].level for tree in (*before, *after))
+    # Equal trees have equal lifts, which are expensive.
     one, two = ([_comparable_tree(tree, lowest) for tree in trees] for trees in (before, after))
     said = _lifted_without_dialect(one, robot)
     return said, said if _lifted_text(one) == _lifted_text(two) else _lifted_without_dialect(
@@ -418,6 +425,7 @@ def _comparable_tree(tree: s.File, lowest: int) -> s.File:
     items, memory = dialect_words.take_original_names(tree.items)
     items, made = with_labelled_jumps(_with_lone_labels(items))
     jumped = {label.upper() for label in made} | set(memory.steps)
+    # Labels of steps differ from side to side, but their order does not.
     order = (label for label in labels_of(items) if label in jumped)
     numbers = {label: f"ATSTEP{n}" for n, label in enumerate(order)}
     if lowest == 4 and DIALECTS[tree.dialect].level > 4:

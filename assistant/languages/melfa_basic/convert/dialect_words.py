@@ -95,17 +95,21 @@ def short_names(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
     written = {n.upper() for items in files for n in variables_of(items)}
     taken = TakenNames((*(n for n in written if len(n) <= dialect.names), *RESERVED_WORDS))
     for stem in sorted({stem for items in files for stem in stems_of(items)}):
+        # The longest number decides how much of the stem has to go, as all names keep their
+        # numbers.
         digits = max(len(n) - len(stem) for n in written if _numbered_name(n, stem))
         if len(stem) + digits > dialect.names:
             stems = {n.rstrip("0123456789") for n in written} | set(names.stems.values())
             names.stems[stem] = free_name(stem, dialect.names - digits, stems)
     for name in sorted(written):
+        # Names of tables get their short names through the stem.
         if len(name) > dialect.names and name.rstrip("0123456789") not in names.stems:
             names.named[name] = free_name(name, dialect.names, taken)
     labels = {n.upper() for items in files for n in labels_written(items)}
     labels.update(*(labels_named(items) for items in files))
     short = TakenNames((*(n for n in labels if _plain_label(n, dialect)), *RESERVED_WORDS))
     for name in sorted(labels - short):
+        # MELFA-BASIC IV allows `_` only in labels of the base program.
         plain = name.replace("_", "") if dialect.upper else name
         names.labelled[name] = free_name(plain, dialect.labels, short)
     return names
@@ -152,6 +156,7 @@ def with_names(items: Iterable[s.Item], names: Names, *, upper: bool) -> list[s.
                 return part if new == label else replace(part, label=new)
             case PositionRows() | MoveRows():
                 stem = exchanged(part.stem, names.stems)
+                # The source text of the span holds the old names.
                 return part if stem == part.stem else replace(part, stem=stem, span=None)
         return part
 
@@ -327,6 +332,7 @@ class Words:
             made += self.line(item) if isinstance(item, s.Line) else [item]
         if not self.declared:
             return made
+        # The heading has to stay in front of all statements.
         at = next((i for i, item in enumerate(made) if not _is_comment(item)), len(made))
         news = [
             s.Line(statement=s.DefNames(kind, (s.Variable(name),)))
@@ -354,6 +360,7 @@ class Words:
                 return self.variable(record)
             case s.Number(suffix=mark) if mark and self.dialect.level == 4:
                 return replace(record, suffix="")
+            # MELFA-BASIC IV has no 32-bit integers; `Double` holds each of them exactly.
             case s.DefNames(type="Long", variables=variables) if self.dialect.level == 4:
                 self.memory.long |= dict.fromkeys(v.key for v in variables)
                 return replace(record, type="Double")
@@ -405,15 +412,18 @@ class Words:
     def plain(self, node: s.Variable) -> s.Variable:
         """Without a type mark, which is a declaration instead."""
         mark = node.suffix
+        # The name of a `Def FN` function holds its type.
         if not mark or node.key.startswith("FN"):
             return node
         if mark == "$":
+            # `C…$` is how MELFA-BASIC IV itself marks a text.
             if node.key.startswith("C"):
                 return node if self.types.get(node.key) != "Char" else replace(node, suffix="")
             kind = "Char"
         else:
             kind = TYPE_MARKS[mark].word
         other = self.suffixes.setdefault(node.key, mark)
+        # Without marks the two would become one variable.
         if (other == "$") != (mark == "$"):
             self.lacks(f"both `{node.name}{other}` and `{node.name}{mark}`", "rename one")
         if node.key not in self.types:
@@ -497,8 +507,10 @@ def restored(items: Sequence[s.Item], memory: OriginalNames) -> list[s.Item]:
             ):
                 item = replace(item, statement=s.DefNames("Long", variables))
             case s.Assign(target=target, value=value, delay=None) if target.key in memory.constant:
+                # Later assignments of the same name were assignments before.
                 del memory.constant[target.key]
                 kind = ""
+                # The declaration right above was made for the constant, and goes with it.
                 match made[-1] if made else None:
                     case s.Line(
                         label=None, comment=None, statement=s.DefNames(type=kind, variables=(one,))

@@ -56,6 +56,7 @@ def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, t
     for item in code:
         if isinstance(item.statement, s.DefOther) and item.statement.kind == "Plt":
             number = symbols.constants.value(item.statement.arguments[0])
+            # A computed number may define any of the pallets.
             if not isinstance(number, float):
                 return {}
             found.setdefault(round(number), []).append(item.statement)
@@ -101,10 +102,12 @@ def _pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | Non
         or rows < 1
     ):
         return None
+    # An array of targets needs a known branch of the arm.
     if columns * rows > _MOST_POINTS or known[0].flags is None:
         return None
     if any(any(corner.values[6:]) for corner in known):
         return None
+    # Only places of one posture have the start's orientation; divided angles are no plain grid.
     if given // FIXED_POSTURE == 0 and not _have_same_angles(known):
         return None
     places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
@@ -122,6 +125,7 @@ def unchanged_position(node: s.Expression | None, symbols: Symbols) -> s.Constan
     """The value of a position that no line changes; other programs change shared ones."""
     if not isinstance(node, s.Variable) or node.arguments is not None or node.component:
         return None
+    # External variables have `_` as second letter; other programs may change them.
     if node.key[1:2] == "_" or node.key in symbols.constants.assigned:
         return None
     constant = symbols.positions.constant(node.name)
@@ -219,6 +223,7 @@ def _defined_variables(
         _declare_variable(names[part], Variable("integer"), lift.m)
         made.append(p.Assign(e.Name(names[part]), lift.rounded(count)))
     counts = tuple(e.Name(names[part]) for part in _COUNTS)
+    # Counts that are worked out are checked as the program runs, as the controller does.
     if not all(isinstance(lift.m.constants.value(one), float) for one in node.arguments[5:]):
         failed = e.Binary("=", e.Apply(VENDOR_ONLY_NAME.format(_PALLET_FAILS), counts), e.Number(1))
         made.append(p.If((p.Branch(failed, (p.Stop(end=True),)),)))
@@ -256,9 +261,11 @@ def pallet_position(number: int, point: s.Expression, lift: PalletReader) -> e.E
 
     def grid_shift(field: str, function: str = _PALLET_SHIFT) -> e.Expression:
         one, two, three = (e.Member(end, field) for end in ends)
+        # Without a fourth corner, the pallet is a parallelogram.
         four: e.Expression = e.Binary("-", e.Binary("+", two, three), one)
         if pallet.opposite:
             four = e.Member(corner["opposite"], field)
+        # A direction that is not known beforehand is looked at as the program runs.
         if function == _PALLET_SHIFT and pallet.direction is None:
             axis = e.Number(_LENGTHS.index(field))
             return e.Apply(VENDOR_ONLY_NAME.format(_PALLET_STEP), (axis, *ends, four, *counts, at))
@@ -345,6 +352,7 @@ def elementwise_position(node: s.Binary, lift: ElementReader) -> e.Expression:
     """A sum of positions, or a multiple of one; raises Unliftable for anything else."""
     if _has_sliding_axis(lift.m):
         raise Unliftable
+    # The constant is stored as an orientation, which must give back the same angles.
     if (fixed := _constant_sum(node, lift.m)) is not None and _reads_back(fixed[0]):
         values, flags = fixed
         return lift.m.value_of(s.Constant(values, flags), "position")
@@ -364,6 +372,7 @@ def position_product(left: e.Expression, right: s.Expression, lift: ElementReade
     if not isinstance(by, e.Name | e.Index) or _has_sliding_axis(lift.m):
         raise Unliftable
     x, y, z, a, b, c = (_pose_member(by, at) for at in range(6))
+    # The product turns about z first, `relative` about x: each turn is a shift of its own.
     moved = e.Apply("relative", (left, x, y, z, _ZERO, _ZERO, c))
     tilted = e.Apply("relative", (moved, _ZERO, _ZERO, _ZERO, _ZERO, b))
     return e.Apply("relative", (tilted, _ZERO, _ZERO, _ZERO, a))
@@ -397,6 +406,7 @@ def _constant_sum(node: s.Expression, symbols: Symbols) -> _ConstantSum | None:
 def _reads_back(values: tuple[float, ...]) -> bool:
     """True if the angles of an orientation read back as they were written."""
     a, b, c = values[3:6]
+    # At B = 90 degrees A and C turn about one axis, and only their sum can be read back.
     return abs(a) <= 180.0 and abs(b) < 90.0 and abs(c) <= 180.0
 
 
@@ -435,6 +445,7 @@ def _position_element(node: s.Expression, at: int, lift: ElementReader) -> e.Exp
 def _element_sum(sign: str, one: e.Expression, other: e.Expression) -> e.Expression:
     if other == _ZERO:
         return one
+    # Adding a negative constant is written as a difference.
     if isinstance(other, e.Number) and other.value < 0:
         return _element_sum("-" if sign == "+" else "+", one, e.Number(-other.value))
     return e.Binary(sign, one, other)  # type: ignore[arg-type]
@@ -485,6 +496,7 @@ def computed_position(given: Sequence[s.Expression], lift: ElementReader) -> e.E
         raise Unliftable
     places = [lift.number(value) for value in given[:3]]
     turned = built_joints(given[3:], lift)
+    # Angles that an orientation would change are set after the place.
     known = turned is not None and _reads_back((0.0, 0.0, 0.0, *turned))
     angles = turned if turned is not None and known else (0.0, 0.0, 0.0)
     start = lift.m.value_of(s.Constant((0.0, 0.0, 0.0, *angles), (None, None)), "position")
@@ -551,14 +563,17 @@ def shift_amounts(operator: str, constant: s.Constant, symbols: Symbols) -> list
     if any(values[6:]) or (five_axis and any(values[3:]) and not symbols.own):
         raise Unliftable
     if operator == "-":
+        # Adding 0.0 makes 0.0 of -0.0.
         values = [-v + 0.0 for v in values]
     turned = values[3:6]
     if operator != "*" and any(turned):
         raise Unliftable
     if sum(v != 0.0 for v in turned) > 1:  # turned about x, then the new y, then the new z
         whole = rotations.from_euler(np.array(turned[::-1]), "ZYX")
+        # Rounding takes away the noise of the conversion.
         values[3:6] = [round(float(v), 9) + 0.0 for v in rotations.to_euler(whole, "XYZ")]
     used = values[:6] if any(turned) else values[:3]
+    # Angles of zero at the end are left out, as in the text that is read back.
     while len(used) > 3 and used[-1] == 0.0:
         used.pop()
     return used

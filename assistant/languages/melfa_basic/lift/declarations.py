@@ -140,6 +140,7 @@ def settings_of_interrupts(
         before = dict(found)
         for name, file in files.items():
             called = file.called()
+            # A computed name may be that of any program.
             for other in files if None in called else found.keys() & called:
                 found[other] |= found[name] | running.get(name, frozenset())
     return found
@@ -217,6 +218,7 @@ def taken_parameters(code: list[s.Entry]) -> tuple[s.Variable, ...]:
             return ()
         if item.statement is not None:
             found = item.statement.variables if isinstance(item.statement, s.FPrm) else ()
+            # Arrays and repeated names have no equivalent: the `FPrm` stays vendor text.
             if any(v.arguments is not None for v in found) or len({v.key for v in found}) < len(
                 found
             ):
@@ -268,6 +270,7 @@ def array_elements(file: SourceFile, symbols: Symbols) -> None:
 
 def _filled_up(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
     texts = any(isinstance(value, e.Text) for value in given.values())
+    # What the list leaves out is empty: no text, or zero.
     return lambda at: given.get(at, e.Text("") if texts else e.Number(0))
 
 
@@ -317,6 +320,7 @@ def _all_targets(
     made = {}
     for written in file.positions.all_names():
         key = written.upper()
+        # Rows of paths are no targets; neither are names that the pseudo-program would respell.
         if key[0] == "J" or identifier(written) != written or runs.holds(key):
             continue
         if key in placed and key not in symbols.targets:
@@ -365,6 +369,8 @@ def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routi
     for given in function.parameters or ():
         key = given.name.upper()
         whole = extents.get(key, set()) <= {1}  # no other number of subscripts than one
+        # Without `ByVal` or `ByRef` it is not certain whether the caller's variable changes as
+        # well.
         if (not given.mode and key in assigned) or (given.array and not whole):
             return Routine(name, _result_type(function, symbols), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
@@ -416,6 +422,7 @@ def inside_function(
     defined = _declared_keys(code[region.low : region.high])
     for name_key, written in scope.names.items():
         declared = name_key in scope.types and name_key in defined
+        # A name that the file has elsewhere is that variable, unless the function declares its own.
         known = name_key in globals_.names or symbols.positions.constant(written) is not None
         if name_key in inside.names or name_key[1:2] == "_" or (known and not declared):
             continue
@@ -466,6 +473,8 @@ def _returns_directly(code: Code, region: Region, key: str) -> bool:
             if following.statement != _EXIT_FUNCTION and at + 1 != region.high:
                 return False
             left.add(at + 1)
+            # Only the value may still name the result; any statement can hold it for the search
+            # below.
             statement = s.Command("Hlt", (statement.value,))
         elif statement == _EXIT_FUNCTION and at not in left:
             return False
@@ -500,6 +509,7 @@ def defined_functions(code: Code, symbols: Symbols, taken: TakenNames) -> list[P
             for v in node.parameters
         )
         names = {q.name.upper(): q.name for q in parameters}
+        # The parameters hide variables of the same names while the expression is read.
         symbols.inside = Inside(key, names, {q.name.upper(): q.type for q in parameters}, {})
         try:
             value = Expressions(symbols).number(node.value)

@@ -130,6 +130,8 @@ class Expressions:
             case s.String():
                 return "text"
             case s.Constant(flags=flags):
+                # Without flags a constant may be either; fewer than three values can only be
+                # joints.
                 return "joints" if flags is None and len(node.values) < 3 else "position"
             case s.Pallet():
                 return "position"
@@ -150,6 +152,7 @@ class Expressions:
     def type_of_name(self, node: s.Variable) -> ValueType:
         key = node.key
         if node.arguments is not None and (known := function(key)) is not None:
+            # The vocabulary has one type for all numbers; these results are always whole.
             if key in ("CINT", "FIX", "INT", "LEN", "ASC"):
                 return "integer"
             return LETTER_TYPES[known.result[0]]
@@ -232,6 +235,7 @@ class Expressions:
         try:
             return read(node)
         except Unliftable as found:
+            # Vendor text is no equivalent for other languages, so the attempt as a whole fails.
             if self.m.telling:
                 raise
             return self.verbatim(node, found.reason, read)
@@ -243,6 +247,7 @@ class Expressions:
         read: Callable[[s.Expression], e.Expression] | None = None,
     ) -> e.Verbatim:
         """The text of an expression. read: what was tried, and is tried for other languages."""
+        # MELFA-BASIC IV writes its words in capitals.
         upper = self.m.dialect.endswith("-4")
         text = printer.expression(node, upper)
         self.m.in_texts |= {part.key for part in nodes(node) if isinstance(part, s.Variable)}
@@ -261,6 +266,7 @@ class Expressions:
             return None
         finally:
             self.m.telling = False
+        # Vendor text deep inside the result makes it useless to other languages as well.
         return made if all(map(_is_translated, records(made))) else None
 
     def plain(self, node: s.Expression) -> e.Expression:
@@ -294,6 +300,8 @@ class Expressions:
 
     def number(self, node: s.Expression) -> e.Expression:
         """Lift a value that is not a truth, as the operand of a sum."""
+        # Comparisons are numbers in MELFA-BASIC, but truths in the pseudo-program, which adds no
+        # truths.
         if not self.m.own and isinstance(node, s.Binary):
             if operator_name(node.operator) in e.RELATIONS:
                 raise Unliftable
@@ -345,6 +353,7 @@ class Expressions:
                 if operator in e.LOGICAL and self.group(operator, left, right) is None:
                     if operator == "or" and not self.m.own:  # a bit is set where one has one
                         return e.Binary("or", self.nonzero(left), self.nonzero(right))
+                    # Logic of numbers joins their bits, and counts as true if any bit is left.
                     if not self.m.own and self.joins_bits(left, right):
                         return e.Binary("<>", self.plain(node), e.Number(0))
                     if not (self.is_truth(left) and self.is_truth(right)):
@@ -355,6 +364,7 @@ class Expressions:
             case s.Number(value=value) if not self.m.own:
                 return e.Truth(value != 0)
             case s.Unary(operator=sign, operand=operand) if sign.upper() == "NOT":
+                # `Not` inverts all bits: `Not 1` is -2, which counts as true again.
                 if not is_comparison(operand):
                     raise Unliftable  # of bits
                 return e.Unary("not", self.truth(operand))
@@ -390,9 +400,11 @@ class Expressions:
         if node.component:
             return self.component(node)
         key = node.key
+        # The name of a `Def Io` reads inputs; only an assignment reaches the outputs.
         if key in self.m.io and not self.m.is_shadowed(key):
             return e.Name(self.m.io_signal(node, "input"))
         inside = self.m.inside
+        # In its own body, a function's name without arguments is the variable of its result.
         if inside is not None and key == inside.key and node.arguments is None:
             if inside.result is None:
                 raise Unliftable
@@ -449,6 +461,7 @@ class Expressions:
             raise Unliftable
         made = tuple(self.number(a) for a in given)
         for parameter, value in zip(parameters, made, strict=True):
+            # An argument by reference receives a value, so it has to be a variable.
             if parameter.mode == "inout" and not isinstance(value, e.Name | e.Member | e.Index):
                 raise Unliftable
         return made
@@ -579,6 +592,8 @@ class Expressions:
                 if isinstance(turned, e.Number):
                     return e.Number(-turned.value)
                 return e.Unary("-", turned)
+            # Each term is converted alone: `Rad(10)` in a sum becomes 10, not 10 degrees through
+            # radians.
             case s.Binary(operator=("+" | "-") as sign, left=left, right=right):
                 return e.Binary(sign, self.degrees(left), self.degrees(right))
             case s.Binary(operator=("*" | "/") as sign, left=left, right=right) if self.is_angle(
@@ -604,6 +619,8 @@ class Expressions:
                 return e.TargetValue(Target(pose))
         constant = constant_shift(right, self.m)
         if operator in "+-*" and constant is not None and self.type_of(left) == "position":
+            # Angles that are added are not a rotation: other languages get the sum element by
+            # element.
             turns = operator != "*" and any(constant.values[3:6])
             if not (turns and self.m.telling):
                 given = shift_amounts(operator, constant, self.m)
@@ -715,6 +732,8 @@ def _library_function(
     match key, given:
         case "LEFT", (whole, s.Number(count) as number) if count >= 1:
             return e.Apply("part", (lift.plain(whole), e.Number(1), lift.rounded(number)))
+        # The text is named twice in the result, so it has to be a variable that reads the same
+        # twice.
         case "RIGHT", (s.Variable(arguments=None) as whole, s.Number(count)) if count >= 1:
             text, last = lift.plain(whole), round(count)
             first = e.Binary("-", e.Apply("length", (text,)), e.Number(last - 1))
@@ -722,6 +741,7 @@ def _library_function(
         case "M_HNDCQ", (hand,) if isinstance(known := lift.m.value(hand), float):
             if 1 <= round(known) <= HAND_CHECKS:
                 return e.Name(lift.m.signal("M_IN", FIRST_HAND_CHECK - 1 + round(known)))
+        # Hand checks are inputs with fixed addresses.
         case "ZONE", (_, _, _):
             elements = (
                 e.Member(_position_with_elements(one, lift), field)

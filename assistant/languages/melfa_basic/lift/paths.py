@@ -112,6 +112,7 @@ class Runs:
         self.names: set[str] = set()
         self.taken: list[tuple[str, int, int]] = []
         self.ranges = sorted(symbols.header.paths)
+        # `reshape` gives two columns even without any range.
         self.starts, self.stops = np.array([r[:2] for r in self.ranges]).reshape(-1, 2).T
         self.range = -1
         self.single = {stem: n for stem, n in single.items() if len(n) > MOST_TAUGHT}
@@ -125,15 +126,19 @@ class Runs:
         arc = rows.kinds == MVR
         first = np.where(arc, rows.via, rows.end)
         alone = ~(self.allowed(rows.stem, first) & self.allowed(rows.stem, rows.end)) | (not known)
+        # The two points of an arc have to be neighbours, as rows of a path are.
         alone |= arc & (rows.via != rows.end - 1)
         apart = arc & (rows.start != rows.via - 1)
         if not self.own:  # where a path may begin with an arc from anywhere
             alone |= apart
         ranges = self.ranges_of(rows.stem, first)
+        # A new run begins where numbers do not go on, where a move stays alone, or a range ends.
         breaks = np.ones(len(rows), dtype=bool)
         breaks[1:] = (first[1:] != rows.end[:-1] + 1) | alone[1:] | alone[:-1]
         breaks[1:] |= apart[1:] | (ranges[1:] != ranges[:-1])
         for low, high in itertools.pairwise([*np.flatnonzero(breaks).tolist(), len(rows)]):
+            # The first move may not go on from where the robot is; then it is lifted alone, and the
+            # rest of the run is tried again.
             for at in range(low, high):
                 kinds = path_kinds(arc[at:high], _PLAIN_KINDS[rows.kinds[at:high]])
                 start = s.Variable(f"{rows.stem}{rows.start[at]}")
@@ -142,6 +147,7 @@ class Runs:
                 if not alone[at] and self.extend(
                     rows.stem, int(first[at]), kinds, start, values, self.at, made
                 ):
+                    # An arc takes two rows of the path, both on its line.
                     if part.places is not None:
                         self.chunks[-1].places = np.repeat(part.places, 1 + arc[at:high], axis=0)
                     break
@@ -169,6 +175,7 @@ class Runs:
         (stem, first), (other, last) = names[0], names[-1]
         if stem != other or last != first + arc or not are_fixed(values, kinds[0] == Kind.JOINT):
             return False
+        # A path of a file from elsewhere begins with a plain move.
         if arc and not self.own and not (self.chunks and first == self.last + 1):
             return False
         return bool(self.allowed(stem, np.array([first, last])).all()) and self.extend(
@@ -179,6 +186,7 @@ class Runs:
         """True if the robot is at the start of an arc."""
         here = robot_place(start, values)
         if here is not None and here[0] == ARC_START and self.arc_pending:
+            # The compiler has just read the start of the arc from the robot.
             return True
         return here is not None and self.previous == here
 
@@ -247,6 +255,7 @@ class Runs:
             return
         chunks, self.chunks = self.chunks, []
         kinds = np.concatenate([c.kinds for c in chunks])
+        # A single move of such a file is a target, not a path.
         if not self.own and len(kinds) == 1:
             made += self._lone(chunks[0])
             return
@@ -258,6 +267,7 @@ class Runs:
             return p.Motion(move_speed(given, joint), *given[2:])
 
         values, flags, _ = symbols.positions.find(self.stem, numbers)
+        # NaN marks additional axes that the arm does not have.
         width = (
             8 if not np.isnan(values[:, 7]).all() else 7 if not np.isnan(values[:, 6]).all() else 6
         )
@@ -285,6 +295,7 @@ class Runs:
 
     def _lone(self, chunk: _Chunk) -> list[p.Statement]:
         """A single move is no path."""
+        # Where the robot is has been followed beyond this move already.
         previous = self.previous
         word = "Mov" if chunk.kinds[0] == Kind.JOINT else "Mvs"
         target = s.Variable(f"{self.stem}{self.first}")
@@ -324,6 +335,7 @@ def positions_used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
     for item in code:
         if isinstance(item, MoveRows):
             arc = item.kinds == MVR
+            # The start of an arc is a mention of its own unless it is the row above.
             apart = arc & (item.start != item.via - 1)
             parts = [item.end, item.via[arc], item.start[apart]]
             seen.setdefault(item.stem.upper(), []).append(np.concatenate(parts))

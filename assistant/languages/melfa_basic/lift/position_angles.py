@@ -109,6 +109,7 @@ class _AngleNumbers:
                     if not isinstance(node.target, e.Member):
                         sources = copied.setdefault(key, set())
                         sources |= {k for k in self._sources(node.value) if k is not None}
+        # A position that gives its angles to another one needs its own beside it as well.
         pending = list(wanted)
         while pending:
             for source in copied.get(pending.pop(), ()):
@@ -134,6 +135,8 @@ class _AngleNumbers:
             skipped: list[e.Expression] = []
             if len(group) > 1 or _sets_angle(node):
                 assert isinstance(node, p.Assign)
+                # Turning on needs no stored angle, and three sets together replace what was there
+                # before.
                 key = self.key(node.target)
                 turns = _turning(node)
                 if turns is not None:
@@ -256,6 +259,8 @@ class _AngleNumbers:
                     return
                 own = dict(zip(_ANGLE_SUFFIXES, self.numbers(place, key), strict=True))
                 yield p.Assign(own[part.lower()], value, span=node.span)
+                # Further angles of the same position follow: it is turned once, after the last of
+                # them.
                 if _position_set(after) != place:
                     angles = {**own, part.lower(): _within_turn(value, own[part.lower()])}
                     turned = e.Apply("oriented", (place, *angles.values()))
@@ -342,6 +347,8 @@ class _AngleNumbers:
         def once(x: Any) -> Any:
             if not isinstance(x, e.Index) or self.key(x) not in self.beside:
                 return x
+            # An index that may change is worked out once, so that position and numbers get the same
+            # element.
             if all(is_steady(index, self.inputs) for index in x.indices):
                 return x
             names = []
@@ -375,6 +382,7 @@ class _AngleNumbers:
 
     def raw(self, pose: Pose, name: str = "", indices: tuple[int, ...] = ()) -> _ThreeAngles:
         """The angles of a position as the source writes them."""
+        # A constant of the source with the same orientation tells the angles as they were written.
         for values in self._written(name, indices):
             if _have_same_angles(plain_pose(values), pose):
                 x, y, z = ((value or 0.0) + 0.0 for value in (*values, *(0.0,) * 6)[3:6])
@@ -385,6 +393,7 @@ class _AngleNumbers:
 
     def _written(self, name: str, indices: tuple[int, ...]) -> Iterator[tuple[float | None, ...]]:
         trees = self.program.origin.trees if self.program.origin is not None else ()
+        # A position may have got a number behind its name to be unique.
         names = [name.upper(), name.upper().rpartition("_")[0]] if name else []
         for tree in trees:
             known = Positions(tree)
@@ -407,6 +416,7 @@ def _constant_of(line: s.Line) -> Iterator[tuple[float | None, ...]]:
 def _have_same_angles(one: Pose, other: Pose) -> bool:
     return bool(
         np.allclose(one.position, other.position, atol=1e-6)
+        # A quaternion and its negative are one orientation.
         and abs(abs(float(np.dot(one.quaternion, other.quaternion))) - 1.0) <= _SAME_ANGLE
     )
 
@@ -437,6 +447,8 @@ def _turning(node: p.Assign) -> e.Expression | None:
     match node:
         case p.Assign(e.Member(_, part) as own, e.Binary("+" | "-", left, right)):
             others = any(map(_is_angle, records(right)))
+            # C turns about the base's z and A about the tool's x; B is between, and turns about
+            # neither.
             if part.lower() != "about_y" and left == own and not others:
                 return left
     return None
@@ -542,6 +554,8 @@ def _configuration_assigned(
     span = pair[0].span
     return (
         p.Assign(between, other, span=span),
+        # Only a whole position carries a configuration: take that of the source, then put each
+        # element of the target back into it.
         *(p.Assign(e.Member(between, c), e.Member(target, c), span=span) for c in _POSE_COMPONENTS),
         p.Assign(target, between, span=pair[1].span),
     )

@@ -50,6 +50,7 @@ class Structure:
         } | {
             block.first: block.words
             for block in self.blocks.all
+            # A label at an inner word lets jumps enter the block there, which no block can express.
             if block.last is not None and all(code[at].label is None for at in block.words[1:])
         }
         change = [0] * (len(code) + 1)
@@ -127,6 +128,8 @@ def procedure_regions(
     made = []
     for i, (start, label) in enumerate(edges):
         stop = edges[i + 1][0] if i + 1 < len(edges) else len(code)
+        # A loop back to the procedure's label needs it in the body; else the name of the procedure
+        # replaces the label.
         if label is None or label in set(_jump_targets(code, range(start, stop))):
             made.append(_without_end(code, start, stop, label))
         else:
@@ -141,6 +144,7 @@ def procedure_regions(
 
 def _without_end(code: Code, low: int, high: int, label: str | None) -> Region:
     """Without the `End` or `Return` that it ends with."""
+    # The last `End` or `Return` is implied by the end of a procedure.
     stop = high
     while stop > low and _is_blank(code[stop - 1]):
         stop -= 1
@@ -169,6 +173,7 @@ def _interrupt_handlers(code: Code) -> dict[str, str]:
     return {
         label: word
         for label, word in found.items()
+        # An empty word: handlers that are both called and jumped to have no one meaning.
         if word
         and label in labels
         and label not in calls
@@ -216,6 +221,7 @@ def _function_regions(code: Code) -> list[Region] | None:
         return None
     notes, above = [], 0
     for start, end, _ in spans:
+        # Statements between functions belong to none of them.
         between = code[above:start]
         if above and not all(_is_note(item) for item in between):
             return None
@@ -231,6 +237,7 @@ def _function_regions(code: Code) -> list[Region] | None:
         for k, (start, end, f) in enumerate(spans)
     ]
     made[-1] = replace(made[-1], behind=(above, len(code)))
+    # Without `Main`, the lines above the functions are what runs first.
     if main is None:
         return [Region(0, prefix), *made]
     return [made[main], *made[:main], *made[main + 1 :]]
@@ -287,6 +294,7 @@ def _unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
     Old subroutines remain in files: nothing runs into their lines, and these end with `Return`.
     """
     graph = graph_of(code, range(len(code)), blocks_of(code))
+    # Interrupts may run a handler that no line calls.
     live = graph.reached([0, *graph.handlers], through_calls=True) if code else set()
     found = set[str]()
     above = set[str]()  # what lines above jump to
@@ -296,6 +304,7 @@ def _unused_subroutines(code: Code, depth: Sequence[int]) -> set[str]:
         label = "" if item.label is None else item.label.upper()
         if not label or depth[at] or at in live or label.startswith(_CALLED_FROM_ELSEWHERE):
             continue
+        # A jump from above makes the lines a part of the main program, dead or not.
         if _goes_on_above(code, at) or label in above:
             continue
         if any(_returns(statement_of(code[to])) for to in graph.reached([at])):
@@ -309,6 +318,8 @@ def _returns(statement: s.Statement | None) -> bool:
 
 def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
     """Those that no jump leads into or out of; an interrupt costs its own statements alone."""
+    # Each start that is dropped joins its lines to the procedure above, whose jumps then change:
+    # repeat until all are closed.
     while starts:
         edges = [0, *(at for at, _ in starts), len(code)]
         spans = list(itertools.starmap(range, itertools.pairwise(edges)))
@@ -318,6 +329,7 @@ def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
             for name in (target_name(to) for at in span for to in _exits(code, at).jumps):
                 other = next((j for j, labels in enumerate(inside) if name in labels), k)
                 if other != k:
+                    # The main program is number 0, and always stays.
                     bad |= {j for j in (other, k) if j}
         if not bad:
             return starts
@@ -406,6 +418,7 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
     spans = list(itertools.starmap(range, itertools.pairwise(edges)))
     whole = _joined_runs(code, spans)
     main = whole[0]
+    # The runs of the main program come first already.
     if [k for k, part in enumerate(whole) if part == main] == list(range(whole.count(main))):
         return code
     wanted = called_labels(code) | set(_interrupt_handlers(code))
@@ -414,6 +427,8 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
 
     def place(k: int) -> tuple[int, int, bool, int]:
         part = whole[k]
+        # Main program, then parts that nothing calls, then subroutines; a part begins with its
+        # called run.
         rank = 0 if part == main else 2 if part in subroutines else 1
         return rank, part, part != main and not calls[k], k
 
@@ -440,6 +455,7 @@ def _joined_runs(code: list[s.Entry], spans: list[range]) -> list[int]:
 
     def first(k: int) -> int:
         while joined[k] != k:
+            # Halves the path to the root, which keeps chains of runs short.
             joined[k] = joined[joined[k]]
             k = joined[k]
         return k
@@ -493,8 +509,10 @@ class _Separating:
             at for at in range(len(self.code)) if at not in live and not _is_note(self.code[at])
         ]
         parts[0] = self._closed([0, *dead])
+        # Lines that many subroutines share multiply; the result would be larger than it is useful.
         if sum(map(len, parts)) > _MOST_COPIES * len(self.code):
             return self.code
+        # The first part that reaches a line owns it; the others get copies with new labels.
         owner: dict[int, int] = {}
         for number, part in enumerate(parts):
             for at in part:
@@ -514,6 +532,8 @@ class _Separating:
                 at
                 for block in self.blocks.all
                 if block.last is not None and not found.isdisjoint(block.words)
+                # A block is complete in each copy: control may enter it without reaching all of its
+                # lines.
                 for at in range(block.first, block.last + 1)
             }
             if inside <= found:
@@ -537,6 +557,8 @@ class _Separating:
         made: list[s.Entry] = []
         first = 0 if start is None else part.index(start)
         above = first and self._runs_into(part[first - 1], part[first])
+        # A loop runs into the label from lines above it: the part keeps its order and begins with a
+        # jump to the label.
         if start is not None and above:  # lines of its own run into its first one
             label = self.code[start].label
             assert label is not None
@@ -546,6 +568,7 @@ class _Separating:
                 s.Line(statement=s.Jump("GoTo", s.Target(names[label.upper()]))),
             ]
             first = 0
+        # The label comes first: lines above it move to where control does not run past.
         elif first:
             behind = next(
                 (k for k in range(first, len(part) - 1) if not self._runs_on(part[k])),
@@ -555,6 +578,8 @@ class _Separating:
         for k, at in enumerate(part):
             made.append(self._renamed(self.code[at], names))
             after = part[k + 1] if k + 1 < len(part) else None
+            # At the end of the file the controller ends the program; lines moved elsewhere must say
+            # so.
             if after != at + 1 and self._at_end(at):
                 made.append(s.Line(statement=s.Command("End"), span=self.code[at].span))
         return made
@@ -655,6 +680,7 @@ def interrupts_of(
             _note_interrupt(statement, at, statement is whole, entries, answers, found)
     made = []
     for (kind, number), called in found.called.items():
+        # A computed number may be that of any interrupt.
         on = {None, _ALL_INTERRUPTS, number} if number is not None else None
         places = [
             at
@@ -684,6 +710,8 @@ def _note_interrupt(
             if (calls_on_interrupt(statement) or label in answers) and place is not None:
                 key = type(statement), _interrupt_number(number)
                 found.called.setdefault(key, set()).add(place)
+        # Off counts only where it certainly runs, on wherever it may: both keep the interrupt
+        # possible.
         case s.Command("Act", (s.Binary("=", number, s.Number(0)),)) if literal(number) is not None:
             if certain:
                 found.off.setdefault((s.DefAct, literal(number)), set()).add(at)
@@ -736,6 +764,7 @@ def without_trampolines(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
             continue
         found[label.upper()] = answer
         at = after
+        # The compiler put this `End` there so that control does not run into the trampolines.
         if at < len(code) and statement_of(code[at]) == s.Command("FEnd") and _ends_program(left):
             left.pop()
     return left, found
@@ -743,6 +772,7 @@ def without_trampolines(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
 
 def _trampoline(code: list[s.Entry], at: int) -> tuple[int, Answer | None]:
     """Return the call in the lines below a label, and the place after them."""
+    # A trampoline has five lines at most: shut, call, open, `If … End`, `Return 0`.
     lines = [statement_of(item) for item in code[at : at + 5]]
     shut = bool(lines) and lines[0] == _SHUT
     match lines[shut:]:

@@ -139,11 +139,14 @@ class Unit:
         """
         whole = self.ways
         kept, reading = self._settled(divide)
+        # Vendor text calls a procedure by one name, so that procedure cannot have several forms.
         while several := self._called_in_texts(reading):
             single = several | self.ways.called.single
             called = self._forms(whole.called.flow, whole.regions, single)
             self.ways = replace(whole, called=called)
             kept, reading = self._settled(divide)
+        # Vendor text that names a pallet needs its definition, which arrays replace: read again
+        # without.
         if self.grids and reading.symbols.pallets and mentions_pallet(tuple(reading.procedures)):
             self.grids = False
             reading = self._read(kept)
@@ -171,6 +174,8 @@ class Unit:
 
     def _settled(self, divide: bool) -> tuple[frozenset[int], _Reading]:
         """The lines of settings that are kept, and the reading with them."""
+        # The first reading finds which settings vendor text depends on; the second keeps their
+        # lines.
         reading = self._read(frozenset())
         if divide and not self.own and reading.reader.depending:
             reading = self._divided(reading)
@@ -214,6 +219,8 @@ class Unit:
             undivided |= called.unread  # lines that never run are kept as well
         self.ways = replace(ways, called=called)
         made = self._read(frozenset())
+        # Dividing pays only if fewer lines stay vendor text, and no jump in them is torn from its
+        # label.
         if not made.reader.torn and _dependent_settings(made) < _dependent_settings(whole):
             return made
         self.ways = ways
@@ -268,6 +275,7 @@ class Unit:
         reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source, followed)
         reader.answers = self.file.answers
         reading = _Reading(symbols, reader, local)
+        # Before the procedures, as a line may use a name that is defined below it.
         for item in code:
             if isinstance(node := item.statement, s.DefIo):
                 if (io := simple_statements.io_bits(node, expressions)) is not None:
@@ -278,6 +286,7 @@ class Unit:
                 self._procedure(number, form, reading)
         several = [forms.values() for forms in ways.called.forms if len(forms) > 1]
         origin = {form.name: form.procedure for forms in several for form in forms}
+        # Forms that came out equal are one procedure.
         reading.procedures = procedure_forms.without_equal_procedures(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
@@ -294,6 +303,7 @@ class Unit:
         opened = [one for one in made if isinstance(one, s.Open)]
         numbers = [symbols.value(one.number) for one in opened]
         lines = all(isinstance(one.name, s.String) and ":" in one.name.value for one in opened)
+        # Other programs may open channels as well.
         if self.touched.keys() - {next(iter(self.touched))} or not lines:
             return goes_on, None
         known = sorted({round(one) for one in numbers if isinstance(one, float)})
@@ -406,6 +416,7 @@ class Unit:
         reader, symbols = reading.reader, reading.symbols
         region, routine = reader.regions[number], reader.routines[number]
         if routine.parameters is None:
+            # A function without equivalent is declared once, whatever forms it has.
             if form.number == 1:
                 kept = declarations.function_text(reader.code, region, symbols.dialect)
                 reading.declarations.append(kept)
@@ -425,6 +436,7 @@ class Unit:
             return
         name = form.name
         owned = {v: d for (owner, v), d in reading.local.items() if owner.lower() == name.lower()}
+        # The line above the body is the head or the label.
         span = getattr(reader.code[region.low - 1], "span", None) if region.low else None
         reading.procedures.append(
             Procedure(

@@ -130,6 +130,7 @@ class Settings:
             return None
         if isinstance(node, s.Command):
             return number, SETTING_COMMANDS[node.keyword][1](self, node.arguments)
+        # Mechanism 1 is the arm itself; the tool of any other mechanism is not followed.
         if isinstance(node, s.Assign) and node.target.arguments in (None, (s.Number(1),)):
             return number, self.tool((node.value,)) if node.delay is None else UNKNOWN
         return number, UNKNOWN
@@ -144,6 +145,8 @@ class Settings:
                 return math.inf
             case (value,):
                 speed = self._above_zero(value)
+                # A compiled text is read back with the number that it states, even above the
+                # optimum speed.
                 fixed = isinstance(speed, int | float) and not self.own
                 return min(speed, OPTIMUM_SPEED) if fixed else speed
         return UNKNOWN
@@ -168,6 +171,7 @@ class Settings:
         names = {part.key for part in found if part.arguments is None or not function(part.key)}
         if not self.computes or not names.isdisjoint(self.functions):
             return UNKNOWN
+        # Inputs and external variables may change without a line of this program.
         if not self.own and any(map(_is_set_elsewhere, names)):
             return UNKNOWN
         return Computed(node, frozenset(names))
@@ -200,6 +204,7 @@ class Settings:
 
     def _frame(self, values: tuple[float | None, ...]) -> Frame:
         pose = poses.plain_pose(values)
+        # `Base` holds the inverse of a frame, but a product names the frame itself.
         return Frame(pose if self.products else pose.inverse())
 
     def _placed(
@@ -368,6 +373,7 @@ def setting_lines(
             node = statement.condition if isinstance(statement, s.If) else statement
             for part in nodes(node):
                 if isinstance(part, s.Variable) and part.key in by_name:
+                    # Assigned in its own body, a function's name is its result, not a call.
                     if part is not getattr(statement, "target", None):
                         yield by_name[part.key]
 
@@ -380,6 +386,8 @@ def setting_lines(
         made = does(statement)
         if not watched or (len(made) == 1 and isinstance(made[0], Sets)):
             return made
+        # A called procedure may change any variable, before or after it makes settings. Only
+        # by-value parameters that the call does not name stay as they are.
         if any(True for _ in calls_in(made)):
             named = frozenset(x.key for x in nodes(statement) if isinstance(x, s.Variable))
             any_other = Changes(None, own - named)
@@ -393,9 +401,11 @@ def setting_lines(
             return (Sets(*effect),)
         calls = tuple(called(statement))
         inside = isinstance(statement, s.Jump | s.OnJump)
+        # A number without a target leads to none of the calls.
         if isinstance(statement, s.OnJump):
             return (Either((*((Calls((one,), inside),) for one in calls), ())),)
         before: Steps = (Calls(calls, inside),) if calls else ()
+        # The condition is always worked out, each branch only sometimes.
         if isinstance(statement, s.If) and statement.then is not None:
             return (*before, Either((steps(statement.then), steps(statement.otherwise))))
         if isinstance(statement, s.Motion) and statement.append is not None:
@@ -420,6 +430,7 @@ def setting_lines(
         at for at, item in enumerate(code)
         if is_block_word(statement_of(item)) and at not in blocks.words
     }  # fmt: skip
+    # A call leads to the first line of a procedure, which is not the line of its label.
     first = {label: places[number][0] for label, number in by_label.items() if places[number]}
     entries = labels | first
     for label, (call, _) in answers.items():
@@ -605,6 +616,8 @@ def _followed_corner(arguments: tuple[Any, ...], value: Any, lift: Expressions) 
     if value == FINE:
         return e.number_of(_NO_CORNER)
     if isinstance(value, Blend) and value.radius is not None:
+        # One number has to do for both sides of the corner: the smaller one cuts off no more than
+        # either.
         radius = min(value.radius, math.inf if value.exit is None else value.exit)
         return e.number_of(_OPEN_CORNER if math.isinf(radius) else radius)
     match arguments:
@@ -637,6 +650,7 @@ def without_frame_product(
         return node, values
     frames = set()
     plain: list[s.Expression | None] = []
+    # A second argument of other moves is a distance along the tool, not a target.
     targets = 3 if node.keyword == "Mvr" else 1
     for at, argument in enumerate(node.arguments):
         key, target = _frame_and_target(argument, header)

@@ -64,6 +64,7 @@ def lift_assignment(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Sta
         return [p.StartTimer(timer)]
     if node.delay is not None:
         raise Unliftable(DELAYED_ASSIGNMENT)
+    # The assignment may change the position variable at which the robot is.
     runs.previous = None
     if target.component:
         return [_component_assignment(node, lift)]
@@ -113,6 +114,7 @@ def assigned_value(node: s.Assign, lift: Expressions) -> e.Expression:
     if lift.type_of(value) == "truth" and kind != "truth":
         return lift.verbatim(value)  # a number of its own: 0 or 1
     made = lift.of(value)
+    # A variable of whole numbers rounds what it is given.
     if kind == "integer" and not isinstance(made, e.Verbatim) and lift.type_of(value) == "number":
         whole = isinstance(made, e.Number) and float(made.value).is_integer()
         return made if whole else e.Apply("round", (made,))
@@ -149,6 +151,7 @@ def _signal_assignment(node: s.Assign, lift: Expressions) -> p.SetSignal | p.Cal
     if target.key in SIGNAL_VARIABLES:
         said = lift.plain(target)
         if isinstance(said, e.Apply):
+            # A computed number: the call chooses the signal once it is lowered for other languages.
             kind, direction, bits = SIGNAL_VARIABLES[target.key]
             held = _output_value(node.value, Signal(kind, direction, 0, bits), lift)  # type: ignore[arg-type]
             delay = () if node.delay is None else (lift.of(node.delay),)
@@ -198,6 +201,7 @@ def _masked_assignment(node: s.Assign, lift: Expressions) -> p.SetSignal | None:
             mask = (1 << width) - 1 - int(others)
             bits = mask.bit_length()
             number = lift.m.value((node.target.arguments or (None,))[0])
+            # A group begins at the lowest bit, so the mask has to be a run of bits from there.
             if kind != "group" or mask != (1 << bits) - 1 or not isinstance(number, float):
                 return None
             match value:
@@ -301,6 +305,7 @@ def lift_print(node: s.Print, lift: Expressions) -> list[p.Statement]:
     given = [value for _, value in node.items if value is not None]
     marks = [mark for mark, _ in node.items[1:]]
     columns = any(mark != ";" for mark in marks)
+    # Columns count from the begin of the line, which an unfinished `Print` moves.
     if columns and (lift.m.goes_on or not lift.m.telling):
         raise Unliftable
     if len(given) + goes_on != len(node.items):
@@ -334,6 +339,7 @@ def _in_columns(parts: Sequence[e.Expression], marks: Sequence[str]) -> tuple[e.
 def _padded_to_column(texts: Sequence[e.Expression]) -> e.Expression:
     if all(isinstance(one, e.Text) for one in texts):
         whole = "".join(one.value for one in texts if isinstance(one, e.Text))
+        # Blanks up to the next multiple of the column.
         return e.Text(whole + " " * (-len(whole) % _PRINT_COLUMN))
     line = texts[0]
     for one in texts[1:]:
@@ -350,6 +356,7 @@ def lift_input(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement
         if function is None or variable.component or not isinstance(place, e.Name | e.Index):
             raise Unliftable
         made.append(p.Assign(place, e.Apply(function, (e.Text(channel),))))
+    # The variable may be the position at which the robot is.
     runs.previous = None
     return made
 

@@ -182,11 +182,13 @@ class Control:
     def simple(self, node: s.Statement) -> list[p.Statement]:
         """Lift a statement that is not a block; raises Unliftable."""
         if (effect := self.effect(node)) is not None:
+            # Other languages follow settings in variables, because moves there name them.
             if self.expressions.m.telling:
                 given = followed_assignment(node, effect[1], self.followed, self.expressions)
                 return [] if given is None else [given]
             if self.at in self.kept:
                 raise Unliftable(vendor_statements.DEPENDED_ON)
+            # The moves below carry the setting themselves, so the statement disappears.
             if effect[1] is not UNKNOWN or isinstance(node, s.Command):
                 return []  # how the moves that follow are made
         lift = self.lifts.get(type(node))
@@ -235,6 +237,7 @@ class Control:
     def opaque(
         self, statement: s.Statement, found: p.Reason | None, told: Sequence[p.Statement] = ()
     ) -> p.Opaque:
+        # Vendor text may move the robot: neither a path nor an arc continues after it.
         self.runs.forget()
         self.runs.arc_pending = False
         self.note_dependence(statement)
@@ -243,6 +246,8 @@ class Control:
             state = self.called.at(self.at, self.form)
             found = self.unknown.reason(state, needed_settings(statement)) or found
         dialect = self.symbols.dialect
+        # Copies of a procedure for other settings rename their labels, but not those in vendor
+        # text.
         if self.form is not None and self.form.passes:
             self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
         reason = untranslatable_reasons.reason_for(statement, found)
@@ -385,6 +390,7 @@ class Control:
         here.
         """
         found, item = self.blocks.get(at), self.code[at]
+        # A block that ends beyond the range is read line by line, as its parts belong to others.
         if found is None or found[-1] > high or len(self.leaving) > _DEEPEST:
             return 0
         self.leaving.append(_OpenBlock(block_word(item.statement).opens, found[1:]))
@@ -392,6 +398,7 @@ class Control:
             statement = self.whole(item.statement, found)
         except Unliftable as found_why:
             statement = None
+            # The lines of the block are read one by one next, and report this reason.
             self.refused[at] = found_why.reason
         block = self.leaving.pop()
         if statement is None:
@@ -422,6 +429,8 @@ class Control:
                 if not isinstance(name, e.Name):
                     raise Unliftable
                 counted = p.ONE if step is None else of(step)
+                # An integer loop variable rounds each step, which the pseudo-program's loop does
+                # not.
                 if self.expressions.type_of(variable) == "integer" and not _may_be_whole(counted):
                     raise Unliftable(FRACTIONAL_STEP)
                 limits = of(first), of(last)
@@ -478,6 +487,8 @@ class Control:
     def select(self, subject: s.Expression, places: list[int]) -> tuple[p.Statement, ...]:
         """A choice; a value that the next reading may find changed is read into a variable."""
         value = self.expressions.of(subject)
+        # Statements between `Select` and the first `Case` never run; a block of cases has no room
+        # for them.
         if any(self.code[at].statement for at in range(places[0] + 1, places[1])):
             raise Unliftable  # lines that never run
         cases: list[tuple[s.Case, tuple[p.Statement, ...]]] = []
@@ -494,6 +505,7 @@ class Control:
             else:
                 otherwise = inside
         single = all(_is_single_value(item) for case, _ in cases for item in case.items)
+        # Several tests read the value one after the other, and an input may change in between.
         read: tuple[p.Statement, ...] = ()
         if not single and not self._is_steady(value):
             if any(isinstance(part, e.Verbatim) for part in records(value)):
@@ -508,6 +520,7 @@ class Control:
         """True if a value is the same at each read: only this program changes it."""
         changing = {name.lower() for name in self.symbols.signals}
         names = {part.name.lower() for part in records(value) if isinstance(part, e.Name)}
+        # External variables have `_` as second letter; programs in other slots may change them.
         return is_steady(value, changing) and not any(name[1:2] == "_" for name in names)
 
     def _tests(self, case: s.Case) -> list[Test]:
@@ -561,6 +574,8 @@ class Control:
         below.
         """
         subject = self.expressions.rounded(node.subject)
+        # The controller stops with an error at an empty place, where the pseudo-program would go
+        # on.
         if any(target is None for target in node.targets):
             raise Unliftable
         cases = tuple(
@@ -602,6 +617,7 @@ def _define_interrupt(reader: Control, node: s.DefAct) -> list[p.Statement]:
     called = _answering_procedure(reader, node)
     if called is None:
         raise Unliftable(vendor_statements.INTERRUPTS)
+    # `GoTo` abandons what the program was doing: the condition to end always holds.
     over = e.Number(1) if node.keyword == "GoTo" else None
     return [p.Interrupt(_interrupt_name(reader, node.number), condition, p.Call(called), over)]
 
@@ -626,6 +642,7 @@ def _switch_interrupt(reader: Control, node: s.Command) -> list[p.Statement]:
         raise Unliftable(vendor_statements.INTERRUPTS)
     switched: p.SwitchInterrupt | p.SwitchInterrupts
     if literal(given.left) == ALL_INTERRUPTS:
+        # `Act 0` switches all: correct only if the pseudo-program has every one of them.
         if not reader.answers and None in _defined_interrupts(reader).values():
             raise Unliftable(vendor_statements.INTERRUPTS)
         switched = p.SwitchInterrupts("on" if state else "off")
@@ -641,6 +658,8 @@ def _defined_interrupts(reader: Control) -> dict[float | None, str | None]:
     found: dict[float | None, str | None] = {}
     for node, alone in reader.definitions:
         number, called = literal(node.number), _answering_procedure(reader, node)
+        # A definition inside another statement may not run, so the interrupt's target is not
+        # certain.
         same = found.get(number, called) == called and alone
         found[number] = called if same and number is not None else None
     return found

@@ -73,6 +73,7 @@ def scope_of(items: Iterable[s.Entry], functions: Iterable[str]) -> Scope:
                 scope.names.setdefault(node.key, node.name)
                 if node.suffix:
                     marked.setdefault(node.key, MARK_VALUE_TYPES[node.suffix])
+    # A declaration counts more than a mark.
     scope.types = {**marked, **scope.types}
     return scope
 
@@ -147,6 +148,7 @@ class Constants:
             statement = item.statement
             if isinstance(statement, s.Const):
                 self._take(statement.variable, statement.value, count, at_start)
+            # From a label on, lines may run again, after others have set the variable.
             at_start = at_start and item.label is None and not _leads_away(statement)
             if at_start and isinstance(statement, s.Assign):
                 self._take(statement.target, statement.value, count, True)
@@ -165,6 +167,7 @@ class Constants:
             return
         value = self.value(node)
         if value is not None:
+            # A variable of whole numbers rounds what it is given.
             whole = variable.suffix in ("%", "&") and isinstance(value, float)
             self.values[key] = float(round(value)) if whole else value  # type: ignore[arg-type]
 
@@ -243,6 +246,7 @@ def _unchanged_arguments(key: str, kept: KeptArguments) -> Sequence[bool]:
     known = function(key)
     if known is not None and key not in kept:
         last = [not argument.assigned for argument in known.arguments]
+        # Arguments beyond those that are listed are like the last one.
         return [*last, *last[-1:] * 16]
     return kept.get(key, ())
 
@@ -430,6 +434,7 @@ class Symbols:
             return e.Name(names["tool"][key])
         if self.own and key in names["frame"] and not self.header.products:
             return e.Apply("inverse", (e.Name(names["frame"][key]),))
+        # With products of frames and targets, the variable holds the frame itself.
         return None
 
     def target_name(self, written: str) -> str:
@@ -449,6 +454,7 @@ class Symbols:
                 return known
         name = self.spelling[key] = self.free(node.name)
         kind = self.type_of_key(key)
+        # A position that the file lists is what the variable holds before the first line runs.
         constant = None if self.own else self.positions.constant(node.name)
         initial: e.Expression | None = None
         if constant is not None and kind in ("joints", "position"):
@@ -494,6 +500,7 @@ class Symbols:
 
     def value(self, node: s.Expression | None) -> float | str | None:
         """Return the known value of an expression."""
+        # A variable of a function hides the constant of that name.
         if isinstance(node, s.Variable) and self.is_shadowed(node.key):
             return None
         known = self.constants.value(node)

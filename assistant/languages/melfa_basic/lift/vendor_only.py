@@ -191,6 +191,7 @@ class _NumberedSignals:
         changed = written_names(loop.body, self.program, verbatim=False)
         for text in (one for one in walk(loop.body) if isinstance(one, p.Opaque) and not one.told):
             changed |= effect_of(text).writes
+        # A body that changes its own loop variable makes the values unknown.
         if first is None or last is None or not step or name in changed:
             return {}
         count = max(int((last - first) / step) + 1, 1)
@@ -198,6 +199,7 @@ class _NumberedSignals:
         called = (x.procedure if isinstance(x, p.Call) else x.function for x in named)
         calls = any(self.program.procedure(one) for one in called)
         others = (q for q in self.program.procedures if q is not procedure)
+        # A called procedure may count with the same variable.
         if count > MOST_VALUES or (
             calls and any(name in written_names(q.body, self.program) for q in others)
         ):
@@ -225,6 +227,7 @@ class _NumberedSignals:
         known = {
             one.number
             for one in self.program.signals.values()
+            # Signals that differ from the wanted one only by their number.
             if one.number is not None and replace(one, number=signal.number) == signal
         }
         chooser.numbers |= numbers or known
@@ -248,6 +251,7 @@ class _NumberedSignals:
         cases = tuple(p.Case((e.Number(one),), (self._act(chooser, one),)) for one in numbers)
         body: Body = (p.Switch(number, cases, end),) if cases else end
         if chooser.write is None:
+            # The return below is never reached, but a function has to have one.
             return Procedure(
                 chooser.name, (*body, p.Return(e.Number(0))), (Parameter(NUMBER, "integer"),),
                 result="number" if chooser.signal.kind == "analog" else "integer",
@@ -334,9 +338,11 @@ def _in_two_statements(
     place, *angles = turned.arguments
     if isinstance(one, p.Assign) and one.value == turned:
         base = place.arguments[0] if isinstance(place, e.Apply) else place
+        # A shift leaves the angles as they are, so angles of the base may still be read after it.
         if base == one.target and _names_in(tuple(angles)) <= _names_in(base):
             moved = [] if place == one.target else [replace(one, value=place)]
             return [*moved, replace(one, value=e.Apply("oriented", (one.target, *angles)))]
+        # The target is overwritten before the angles are read, so none of them may come from it.
         if _names_in(one.target).isdisjoint(_names_in(turned)):
             turned = e.Apply("oriented", (one.target, *angles))
             return [replace(one, value=place), replace(one, value=turned)]
@@ -435,6 +441,7 @@ class _VendorLowering:
                 case e.Verbatim(told=meant) if meant is not None:
                     try:
                         return map_expressions(meant, told)
+                    # A number that is not known leaves the vendor text in place.
                     except _AnyNumber:
                         return x
                 case e.Apply(function, given) if function.startswith(_VENDOR_ONLY_PREFIX):
@@ -572,6 +579,7 @@ def with_endings(program: Program) -> Program:
                 callers.setdefault(node.procedure, set()).add(procedure.name)
     loose = _called_otherwise(program)
     reached, pending = set[str](), sorted(ending)
+    # From each `End` up through the callers of the same program, to its first procedure.
     while pending:
         name = pending.pop()
         if name in reached or name in firsts:
@@ -579,6 +587,7 @@ def with_endings(program: Program) -> Program:
         reached.add(name)
         pending += [c for c in callers.get(name, ()) if unit_of[c] == unit_of[name]]
     units = {unit_of[name] for name in reached}
+    # A call inside an expression or an interrupt cannot be followed by a question.
     bad = {unit_of[q.name] for q in program.procedures if q.name in reached and q.result}
     bad |= {unit_of[name] for name in reached if name.lower() in loose}
     taken = TakenNames(declared(program))
@@ -644,5 +653,6 @@ def _with_end_flag(procedure: Procedure, flag: str, reached: set[str], first: bo
         return (node,)
 
     made = body(procedure.body)
+    # A program may be called again, and has not ended then.
     begun: Body = (p.Assign(asked, e.Truth(False)),) if first else ()
     return replace(procedure, body=(*begun, *made))

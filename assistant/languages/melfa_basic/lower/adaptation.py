@@ -134,6 +134,7 @@ def _dialect_has(node: s.Expression, dialect: Dialect) -> bool:
             if known is not None and dialect.level not in known.dialects:
                 return False
         mark = record.suffix if isinstance(record, s.Variable | s.Number) else ""
+        # Every version has `$`, the mark of a text.
         if mark not in ("", "$") and mark not in dialect.suffixes:
             return False
     return True
@@ -206,6 +207,7 @@ class _PlainProgram(Rewording):
         self.constants = constant_numbers(self.job.program, procedure)
         self.enter(procedure)
         body = self.body(procedure.body)
+        # The end of a procedure returns anyway, and the text is read back without it.
         while body and body[-1] == p.Return():
             body = body[:-1]
         variables = {n: self.variable(v, n) for n, v in procedure.variables.items()}
@@ -221,6 +223,7 @@ class _PlainProgram(Rewording):
                 return without_truth_values(x)
             case e.Here(tool, frame):
                 return self.here(e.Here(self.motions.tool(tool), self.motions.frame(frame)))
+            # A timer is read back in seconds, so the comparison is brought to seconds as well.
             case e.Binary(operator, e.Binary("*", e.Elapsed() as timer, e.Number(1000)), limit) if (
                 operator in e.RELATIONS and isinstance(limit, e.Number)
             ):
@@ -232,6 +235,7 @@ class _PlainProgram(Rewording):
             case e.Apply("relative" | "offset"):
                 return with_shift_parts(x)
             case e.Apply("fixed", (number, e.Number(places))) if not math.isnan(places):
+                # `Str$` writes no fixed number of decimals; the value is rounded instead.
                 if places > 0:
                     self.job.findings.append(rules.ROUNDED_TEXT())
                 return fixed_text(number, places)
@@ -346,6 +350,7 @@ class _NumberedChannels(Rewording):
         self.lines: dict[str, int] = {}
         self.told: set[str] = set()
         places = ((x.kind, x.place) for x in job.program.statements() if isinstance(x, p.Attach))
+        # Lines that the program names itself are not given to ports.
         self.taken = set[int]()
         for place in places:
             match place:
@@ -377,6 +382,7 @@ class _NumberedChannels(Rewording):
         if not isinstance(place, e.Text):
             self.told_once(rules.FILE_NAMED(given=expression_text(place), name="that text"))
             return place
+        # Folders of both kinds of separators, and a drive.
         name = place.value.replace("\\", "/").rpartition("/")[2].rpartition(":")[2].upper()
         if not 0 < len(name) <= LONGEST_FILE_NAME:
             what = (
@@ -405,6 +411,7 @@ class _NumberedChannels(Rewording):
 
     def tell(self, channel: str, number: int, role: str, parameters: str) -> None:
         """parameters: with n for the number of the line."""
+        # The letter `n` after `(` or `1`, as in `COMDEV(n)` and `OPT1n`: the number of the line.
         said = re.sub(r"(?<=[(1])n", str(number), parameters)
         com = line_name(number)
         self.told_once(rules.LINE(name=channel, com=com, role=role, parameters=said))
@@ -439,6 +446,7 @@ def _with_short_conditions(
     taken.update((*program.joint_targets, *program.tools, *program.frames))
     for q in program.procedures:
         taken.update((q.name, *q.variables, *(one.name for one in q.parameters)))
+    # Room for the longest step number and its blank.
     most = dialect.line - len(f"{LAST_STEP} ")
 
     def fits(value: e.Expression, target: e.Name | None = None, /) -> bool:
@@ -496,6 +504,7 @@ class _ConditionShortening:
                     if asked is not None:
                         branches = (replace(first, condition=asked), *others)
                         inner = replace(inner, branches=branches)
+                # A value that fits with its own target needs no room for a further variable.
                 case p.Assign(e.Name() as target, value) if self.fits(value, target):
                     pass
                 case p.Return(e.Binary() as value) | p.Assign(_, e.Binary() as value):
@@ -513,12 +522,14 @@ class _ConditionShortening:
                 parts = [*_chain_operands(whole, word)]
             case _:
                 return None
+        # Splitting helps only if each part fits alone.
         if not all(map(self.fits, parts)):
             return None
         name = identifier("condition", self.taken)
         self.taken.add(name)
         self.new[name] = Variable("truth")
         before: e.Expression | None = None
+        # Fill each step with as many parts as fit; the order of evaluation stays.
         value, *left = parts
         for part in left:
             longer = e.Binary(word, value, part)
@@ -584,6 +595,7 @@ def adapt(
         findings.append(rules.NO_CONFIGURATION(count=plain.written.unstated))
     if plain.motions.named:
         findings.append(rules.NAMED(count=plain.motions.named))
+    # A program with errors is not written, so no file is taken for complete.
     trees = {} if has_errors(findings) else trees
     return Adapted(adapted, tuple(findings), trees, tuple(wanting))
 

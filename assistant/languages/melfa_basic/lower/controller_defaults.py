@@ -67,9 +67,12 @@ def _unset_speeds(trees: Sequence[Any]) -> Iterator[Span | None]:
     starts, at = [], 0
     for tree in trees:
         starts.append(at)
+        # The texts are joined with a line end, which counts as well.
         at += len(tree.source.text if tree.source else "") + 1
     code = [_FileCode(tree) for tree in trees]
     named = {program_key(program_name(tree)): k for k, tree in enumerate(trees)}
+    # `sum` instead of `any`: each round lets every file settle. A file may open paths through
+    # others.
     while sum(one.settle(code, named) for one in code):
         pass
     pending, seen = [0] if code else [], set[int]()
@@ -142,6 +145,7 @@ class _FileCode:
             if _calls_surely(statement_of(item)) and any(c not in self.transparent for c in calls):
                 continue
             programs = [named[key] for key in _called_programs(item) if key in named]
+            # Control comes back from the called program only if some path through it does.
             if programs and not any(code[k].passes for k in programs):
                 continue
             pending += self.graph.after[at]
@@ -236,6 +240,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         if None in set_at:
             yield rules.KEPT_BY_A_PARAMETER(word=word, what=word.lower(), name=PARAMETERS[word])
         span = first_move(program, default, of)
+        # A setting only after the first move leaves that move to what the controller has kept.
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
             how = "as it stands, like the texts that stay" if number in left else "with none"
             yield rules.SETTING_KEPT(word=word, what=word.lower(), how=how, plain=plain, span=span)
@@ -363,6 +368,7 @@ def _is_straight_arc(node: s.DefOther, program: Program) -> bool:
     places = [
         item.target.pose.position for item in found.initial.items if isinstance(item, e.TargetValue)
     ]
+    # Points lie on a line if their differences span one dimension at most.
     return int(np.linalg.matrix_rank(np.subtract(places, places[0]), tol=_STRAIGHT_TOLERANCE)) <= 1
 
 
@@ -373,6 +379,7 @@ def _composed_variables(statements: Iterable[s.Statement]) -> frozenset[str]:
         if isinstance(node, s.Assign) and not node.target.component:
             given.setdefault(node.target.key, []).append(node.value)
     found: set[str] = set()
+    # A variable that is given another one takes over its calculated angles: repeat until stable.
     while new := {
         name
         for name, values in given.items()
@@ -387,6 +394,7 @@ def _has_composed_angles(value: s.Expression, names: Container[str]) -> bool:
         case s.Variable(component=""):
             return value.key in names or value.key in _COMPOSED_ANGLES
         case s.Binary("*" | "/", _, by):
+            # A plain number scales the position; anything else composes two orientations.
             return literal(by) is None
     return False
 
@@ -396,6 +404,7 @@ def _composed_corner(node: s.DefOther, names: Container[str]) -> str:
     if node.kind != "Plt" or len(node.arguments) != 8:
         return ""
     direction = literal(node.arguments[7])
+    # All places have the posture of the start, so no angles are divided.
     if direction is not None and direction > FIXED_POSTURE:
         return ""
     corners = [corner for corner in node.arguments[1:5] if corner is not None]

@@ -71,6 +71,7 @@ def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
     """A joint target as `(j1, …, j6)`; an arm of five axes keeps the place of J4, as 0, and one of
     four those of J5 and J6 if an external axis follows.
     """
+    # NaN marks an axis that is not there.
     joints, more = list(target.joints), [v for v in target.external[:2] if v == v]
     if robot is not None and len(joints) == len(robot.axes) < 6:
         row = [0.0] * (6 if more else 1 + max(robot.places))
@@ -78,6 +79,7 @@ def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
             row[place] = value
         joints = row
     joints += more
+    # Adding 0.0 makes 0.0 of -0.0.
     return s.Constant(tuple(round(0.0 if v != v else v, poses.PLACES) + 0.0 for v in joints))
 
 
@@ -189,6 +191,8 @@ class Expressions:
                 return self.name(name)
             case e.TargetValue() | e.JointValue() | e.PoseValue():
                 return self.constant(value)
+            # The controller keeps mm or radian by the kind of the axis; one unit of it gives mm or
+            # degrees.
             case e.Member(field=component) if component.lower() in poses.ADDITIONAL:
                 place = self.component(value.value, component)
                 return s.Binary("/", place, self.unit(component))
@@ -208,6 +212,7 @@ class Expressions:
                 return s.Binary("/", self.timer(timer), s.Number(MILLISECONDS))
             case e.Binary("*", e.Elapsed(timer), e.Number(1000)):
                 return self.timer(timer)
+            # `M_Timer` counts milliseconds: the number is converted where that is exact.
             case e.Binary(operator, e.Elapsed(timer), e.Number(seconds)) if (
                 operator in e.RELATIONS and (limit := _milliseconds(seconds)) is not None
             ):
@@ -241,6 +246,7 @@ class Expressions:
         return timer_variable(self.word(TIMER_WORD), number)
 
     def text(self, text: str) -> s.String:
+        # A text has no escape for a quote.
         if '"' in text or not text.isprintable() or len(text) > _LONGEST_TEXT:
             raise Unsayable(f"a text of over {_LONGEST_TEXT} characters", "shorten it")
         return s.String(text)
@@ -267,6 +273,7 @@ class Expressions:
             return self.own(callee, arguments)
         values = tuple(self.of(a) for a in arguments)
         if function in equivalents.BIT_FUNCTIONS and len(values) == 2:
+            # Logic of truths alone would be read back as truths, not as bits.
             if all(is_truth(argument, self.signals) for argument in arguments):
                 raise Unsayable(f"`{function}` of truths alone", "join them with and, or, xor")
             return s.Binary(equivalents.BIT_FUNCTIONS[function], *values)
@@ -343,6 +350,7 @@ class Expressions:
             return variable, value
         width = next(w for w in self.dialect.groups if w >= signal.bits)
         others = s.Binary("AND", variable, s.Number((1 << width) - 1 - mask, 16))
+        # A number is known to fit into the group; any other value may have bits beyond it.
         own = value if isinstance(value, s.Number) else s.Binary("AND", value, s.Number(mask, 16))
         return variable, s.Binary("OR", others, own)
 
@@ -399,6 +407,7 @@ class Expressions:
 
     def unit(self, component: str) -> s.Variable:
         """One mm or degree of an additional axis, as the controller keeps it."""
+        # The controller converts the stored 1 as it converts each value of that axis.
         if not self.inline.units:
             self.inline.units = self.next_number()
             self.inline.positions.append((self.inline.units, poses.UNITS))
@@ -415,6 +424,7 @@ class Expressions:
 
     def angle(self, value: e.Expression) -> s.Expression:
         """Degrees as the controller keeps them, in radian."""
+        # A copied angle stays in radian, without the rounding of two conversions.
         if isinstance(value, e.Member):
             whole = self.component(value.value, value.field)
             if poses.is_angle(whole.component, self.robot):
@@ -475,7 +485,9 @@ def _is_position(value: s.Expression) -> bool:
 def signed_number(value: float) -> s.Expression:
     """A number with its sign in front; raises Unsayable for what is not finite."""
     _need_finite(value)
+    # A whole number of that size may not be exact, so its float is written.
     number = s.Number(int(value) if float(value).is_integer() and abs(value) < 1e15 else value)
+    # The sign of -0.0 is dropped.
     if value < 0 or math.copysign(1.0, value) < 0:
         return s.Unary("-", s.Number(abs(number.value))) if value else s.Number(0)
     return number
@@ -488,6 +500,7 @@ def _need_finite(*values: float) -> None:
 
 def _milliseconds(seconds: float) -> float | int | None:
     """Those of a number of seconds, if dividing them gives the same number back."""
+    # Rounding takes away the noise of the product; the check then keeps only exact values.
     value = round(seconds * MILLISECONDS, 6)
     if not 0 <= value < 1e12 or value / MILLISECONDS != seconds:
         return None

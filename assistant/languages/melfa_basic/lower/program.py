@@ -162,6 +162,7 @@ def _vendor_texts(node: p.Statement) -> Iterator[str]:
         if isinstance(part, p.Opaque) and part.language in DIALECTS:
             yield part.text
         elif isinstance(part, e.Verbatim) and part.language in DIALECTS:
+            # As an assignment, an expression can be read as a statement.
             yield f"M1={part.text}"
 
 
@@ -231,6 +232,7 @@ class UnitLines(Writer):
         line.
         """
         tree = s.File(self.dialect.name, (*code, *data))
+        # By identity: other lines that look alike set something.
         again = self.settings.intersection(map(id, settings_already_set(tree, depended)))
         return [item for item in code if id(item) not in again]
 
@@ -264,6 +266,7 @@ class UnitLines(Writer):
                 self.initial_values()
             self.enter(procedure)
             self.body(body)
+            # Control must not run on into the lines of the interrupts.
             if self.answers:
                 self.add(s.Command("End"))
                 write_interrupt_answers(self)
@@ -332,6 +335,7 @@ class UnitLines(Writer):
         """The variable lines: named positions first, then those of the paths."""
         for kind, table, members in _named_members(self):
             for name in members:
+                # The controller has this tool or frame under its number.
                 if table[name.lower()] in self.names.numbers:
                     continue
                 yield s.Data(s.Variable(table[name.lower()]), self._constant(kind, name))
@@ -359,6 +363,7 @@ class UnitLines(Writer):
         pose = program.frames[name].pose
         if not self.names.products:
             return s.Constant(poses.plain_values(pose.inverse()), (0, 0))
+        # The product takes its flags from the frame, so they have to be those of its targets.
         flags = branches_by_frame(program, partial(poses.flags_of, robot=self.robot))
         first, second = next(iter(flags.get(name.lower(), ())), _USUAL_FLAGS)
         return s.Constant(poses.plain_values(pose), (first, second))

@@ -103,6 +103,7 @@ def _write_limited_wait(w: Writer, condition: s.Expression, timeout: e.Expressio
         raise Unsayable(f"a time limit beside {MOST_TIMERS} timers", "use fewer timers")
     passed = timer_variable(w.expressions.word(variables.TIMER_WORD), w.names.wait_timer)
     limit = _milliseconds(w, timeout)
+    # Below the label: done if the condition holds, again while time is left, else the error.
     label = w.made_label("W")
     w.add(s.Assign(passed, s.Number(0)))
     w.items.append(s.Line(label=label))
@@ -117,6 +118,7 @@ def _milliseconds(w: Writer, seconds: e.Expression) -> s.Expression:
     if number is not None and number < 0:
         raise Unsayable(f"a time limit of {number:g} seconds", "give a positive one")
     if number is not None:
+        # The product of 0.0029 and 1000 has binary noise, which the text must not show.
         return signed_number(round(number * variables.MILLISECONDS, 6))
     return s.Binary("*", w.expressions.of(seconds), s.Number(variables.MILLISECONDS))
 
@@ -165,6 +167,7 @@ def write_print(w: Writer, node: p.Send) -> None:
     marks = (",", *(";" for _ in node.parts))
     values: list[s.Expression | None] = [w.expressions.of(part) for part in node.parts]
     if node.kind == "piece":
+        # A trailing semicolon keeps `Print` from ending the line.
         if not values:
             return
         values.append(None)
@@ -174,6 +177,7 @@ def write_print(w: Writer, node: p.Send) -> None:
 def write_input(w: Writer, target: e.Expression, channel: str) -> None:
     """An item into a variable."""
     w.add(s.Input(_file_number(w, channel), (w.expressions.place(target),)))
+    # The variable that is read may be the target at which the next arc would begin.
     w.previous = None
 
 
@@ -207,6 +211,7 @@ def write_call(w: Writer, node: p.Call) -> None:
         raise Unsayable(f"the arguments of `{callee.name}`", "use variables instead")
     else:
         w.add(s.Jump("GoSub", s.Target(w.names.procedures[callee.name.lower()])))
+    # The procedure may leave other settings active than those that were written last.
     w.forget()
 
 
@@ -215,6 +220,7 @@ def write_assignment(w: Writer, node: p.Assign) -> None:
         case e.Apply(function, (e.Text(channel),)) if function in e.TAKING:
             write_input(w, node.target, channel)
             return
+    # `Base` takes the robot's place in the frame, which is the inverse of the frame's place.
     if (base := w.changed_frame(node.target)) is not None:
         w.add(s.Assign(base, w.expressions.of(e.inverse(node.value))))
         w.previous = None
@@ -237,6 +243,7 @@ def write_return(w: Writer, node: p.Return) -> None:
         if not w.functions or w.owner is None:
             raise Unsayable("a result of a procedure", "use a variable instead")
         w.add(s.Assign(result_of(w, w.owner), w.expressions.of(node.value)))
+        # A Function that ends here returns anyway.
         if node is w.owner.body[-1]:
             return
     if w.functions and not first:
@@ -299,6 +306,7 @@ def _write_short_if(w: Writer, node: p.If) -> bool:
     if then is None or (otherwise is None and node.otherwise):
         return False
     line = s.Line(statement=s.If(w.expressions.of(branch.condition), then, otherwise))
+    # A step number of up to five digits comes before the statement; the limit counts bytes.
     if len(printer.line(line, w.dialect.upper).encode()) > EMITTED_LINE - len("32767 "):
         return False
     w.items.append(line)
@@ -310,6 +318,7 @@ def _short_statement(w: Writer, body: Body) -> s.Statement | s.Target | None:
     """The one statement that a body is, None if it is another."""
     if len(body) != 1 or not isinstance(body[0], _SHORT_STATEMENTS):
         return None
+    # Write the statement to see its lines, then take them out again.
     before = len(w.items)
     try:
         w.statement(body[0])
@@ -423,6 +432,7 @@ def appended_statement(w: Writer, move: p.MoveStatement) -> s.Append | None:
     pulse = None if one.pulse is None else w.expressions.of(one.pulse)
     assignment = output_assignment(w, one, pulse)
     if is_at_start(one):
+        # `Wth` alone acts where the move begins; a condition is needed only further along.
         return s.Append(assignment)
     name = _MEASURE_WORDS[one.measure]
     place, operator = s.Variable(w.expressions.word(name)), TRIGGER_MEASURES[name][1]
@@ -549,6 +559,7 @@ def _remember_place(
         ):
             target = (inner,)
     match target:
+        # Names with `_` are external or of the controller, and may change before the arc begins.
         case (s.Variable(name=name, arguments=None, component=""),) if "_" not in name:
             w.previous = name, motion.tool, motion.frame
 
@@ -559,6 +570,7 @@ def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
         return _target_in_frame(w, s.Variable(w.previous[0]), frame)
     name = w.owner.name if w.owner else "main"
     w.report(rules.ARC_AT_START(name=name, about=Declared(name, "procedures", in_full=True)))
+    # An arc names its start. Where it is not known, the program reads it as it runs.
     start = s.Variable(ARC_START)
     w.add(s.Assign(start, s.Variable(w.expressions.word("P_Curr"))))
     return start
@@ -570,10 +582,12 @@ def _write_segment(w: Writer, path: Path, start: int, stop: int, first: int) -> 
     tool, frame = path.tools[path.tool[start]], path.frames[path.frame[start]]
     _write_settings(w, speed, blend, tool, frame)
     kinds = path.kinds[start:stop]
+    # An arc that begins a segment needs its start, which only the row above can be.
     if kinds[0] == Kind.VIA:
         known = f"P{first + start - 1}"
         if start == 0 or w.previous != (known, tool, frame):
             begin = _arc_start(w, tool, frame)
+            # The arc takes two rows: the point on the way and the end.
             numbers = (first + start, first + start + 1)
             ends = (_target_in_frame(w, s.Variable(f"P{n}"), frame) for n in numbers)
             w.add(s.Motion("Mvr", (begin, *ends)))
@@ -605,6 +619,7 @@ def path_segments(path: Path) -> Iterator[tuple[int, int]]:
     yield from itertools.pairwise(edges)
 
 
+# By number of `Kind`; rows with a point on the way have no move of their own.
 _ROW_KINDS: Final = np.array([MOV, MVS, -1, MVR], dtype=np.int64)
 
 
@@ -635,6 +650,7 @@ def write_interrupt_answers(w: Writer) -> None:
     for node in w.answers:
         w.label(interrupt_label(w.names.interrupts[node.name.lower()]))
         if shut:
+            # An interrupt of a lower number would come in while this one is answered.
             w.add(_act_command(ALL_INTERRUPTS, on=False))
         with w.findings.at(node.span), w.saying():
             write_call(w, node.call)
@@ -675,6 +691,7 @@ def _check_interrupt(w: Writer, node: p.Interrupt) -> None:
                     f"the interrupt `{node.name}`, which moves the robot or sets how it moves",
                     "set an output or a variable in it, and move where the program asks for that",
                 )
+            # It would open the interrupts that are shut while this one is answered.
             if isinstance(one, p.SwitchInterrupts):
                 raise Unsayable(
                     f"the interrupt `{node.name}`, which switches all interrupts",

@@ -202,6 +202,7 @@ class Writer:
         held: p.Comment | None = None
         for statement, below in zip(statements, (*statements[1:], None), strict=False):
             self._note()
+            # A comment at the end of the next statement's line waits until that line is written.
             if isinstance(statement, p.Comment) and statement.stands_at_end_of(below):
                 held = statement
                 continue
@@ -251,6 +252,7 @@ class Writer:
         if len(line(said).encode()) > EMITTED_LINE - len("32767 "):
             return False
         self.items[at] = said
+        # The new line takes over what was noted by the identity of the old one.
         if id(last) in self.settings:
             self.settings.remove(id(last))
             self.settings.add(id(said))
@@ -265,6 +267,7 @@ class Writer:
         if (write := self.write.get(type(statement))) is None:
             raise Unsayable(f"a {type(statement).__name__} statement", "say it in other statements")
         write(self, statement)
+        # A function of the program may change the settings and the position.
         if any(map(self._is_call, records(head(statement)))):
             self.forget()
 
@@ -282,6 +285,8 @@ class Writer:
             match record:
                 case e.Here(tool, frame):
                     self.mount(tool, frame)
+                # These functions count with the active tool and base, in the pseudo-program with
+                # neither.
                 case e.Apply(function) if function.lower() in ARM_FUNCTIONS:
                     self.mount(FLANGE, BASE)
 
@@ -294,11 +299,13 @@ class Writer:
         ):
             known = table.get(name.lower(), self.expressions.word(status))
             number = names.numbers.get(known)
+            # A stored tool or base is set by its number.
             self._set(word, name, s.Variable(known) if number is None else s.Number(number))
 
     def changed_tool(self, place: e.Expression) -> None:
         """After an assignment: a tool that was changed is set again before it is used."""
         if (name := base_variable(place)) in self.names.tools and self._mounts(name):
+            # The variable has changed, but not what `Tool` took from it.
             self.state.pop("Tool", None)
 
     def changed_frame(self, place: e.Expression) -> s.Variable | None:

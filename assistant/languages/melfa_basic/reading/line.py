@@ -39,6 +39,7 @@ def _number_of(text: str, suffix: str = "") -> s.Number:
         return s.Number(_whole(text[2:], 16), 16, suffix)
     if mark == "&B":
         return s.Number(_whole(text[2:], 2), 2, suffix)
+    # More digits are not exact in a number of the controller, so they are read as a float.
     if text.isdigit() and len(text) <= _INTEGER_LIMIT:
         return s.Number(int(text), 10, suffix)
     return s.Number(_finite(text), 10, suffix)
@@ -47,6 +48,7 @@ def _number_of(text: str, suffix: str = "") -> s.Number:
 def _constant_of(text: str, span: Span | None = None) -> s.Constant:
     """A position or joint constant from its text; raises ValueError as number_of does."""
     values, _, flags = text.partition(")")
+    # Adding 0.0 makes 0.0 of -0.0.
     elements = tuple(_finite(e) + 0.0 if e else None for e in _elements(values))
     if "(" not in flags:
         return s.Constant(elements, None, span)
@@ -56,6 +58,7 @@ def _constant_of(text: str, span: Span | None = None) -> s.Constant:
 
 def _whole(digits: str, base: int) -> int:
     value = int(digits, base)
+    # Later steps calculate with floats.
     if value > sys.float_info.max:
         raise ValueError(f"{digits} is too large")
     return value
@@ -197,6 +200,7 @@ def by_lark() -> Lark:
 @cache
 def _never_names() -> frozenset[str]:
     """Words in upper case that are never names, even where the rules have no room for them."""
+    # The words that the pattern of NAME excludes in front.
     listed = re.search(r"\(\?!\(\?:([a-z|]+)\)", grammar().terminals["NAME"].pattern)
     return frozenset(listed[1].upper().split("|")) if listed else frozenset()
 
@@ -207,6 +211,7 @@ def keywords() -> Mapping[str, tuple[str, ...]]:
     found = {word.upper(): terminals for word, terminals in grammar().words.items()}
     found["ELSEIF"] = found["ELSE IF"] = ("_ELSEIF",)
     for word in words("motion"):
+        # Where a move may begin, its word is one before it is anything else.
         found[word.upper()] = ("MOTION", *found.get(word.upper(), ()))
     for word in words("command"):
         found[word.upper()] = (*found.get(word.upper(), ()), "COMMAND")
@@ -246,6 +251,7 @@ _MOST_WORDS: Final = 256
 _MOST_NESTING: Final = 60
 """Brackets inside each other that are read. Controllers take 16."""
 
+# No controller has steps of more digits, and the possessive blanks cannot be tried again.
 _STEP: Final = re.compile(r"[ \t]*+([0-9]{1,9})(?=[ \t*']|$)")
 _DECLARED: Final = re.compile(
     r"[ \t]*DEF[ \t]+(?:POS|JNT|INTE|LONG|FLOAT|DOUBLE|CHAR)[ \t]+[A-Z][A-Z0-9_]*+"
@@ -283,6 +289,7 @@ def read_line(
     number, at, rule = split_step(text, start, end)
     try:
         node = line_grammar().read(text, at, end, rule, _nodes(), None)
+    # The only cause is a number that is too large.
     except ValueError:
         return TooLarge()
     return node if isinstance(node, Stop) else placed(node, number, span)
@@ -307,6 +314,7 @@ def split_step(text: str, start: int, end: int) -> tuple[int | None, int, str]:
 
 def statement(text: str) -> s.Line | None:
     """One code line without a step number, None if it is not MELFA-BASIC."""
+    # A line end would make two lines of the text.
     if "\n" in text or "\r" in text or _STEP.match(text):
         return None
     node = read_line(text, 0, len(text), len(text))
@@ -315,6 +323,7 @@ def statement(text: str) -> s.Line | None:
 
 def expression(text: str) -> s.Expression | None:
     """Read an expression; None if the text is not an expression."""
+    # The grammar has no rule for an expression alone: read it as the value of an assignment.
     line = statement("M0=" + text)
     if line is None or line.comment is not None:
         return None
