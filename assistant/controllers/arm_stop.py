@@ -82,6 +82,8 @@ def _watched(session: Controller) -> Rest:
     while True:
         time.sleep(BETWEEN)
         state, now = session.state(), session.position()
+        # Both: a program may run although the arm stands,
+        # and an arm may still brake after it has ended.
         if not state.running and _same(before, now):
             return Rest(True, state, now)
         if time.monotonic() > end:
@@ -94,5 +96,7 @@ def _same(one: Position, other: Position) -> bool:
         return False
     pairs = zip(one.joints, other.joints, strict=True)
     return all(
-        a == b or (a is not None and b is not None and abs(a - b) <= _STANDS) for a, b in pairs
+        # An arm without this axis reports None each time.
+        a == b or (a is not None and b is not None and abs(a - b) <= _STANDS)
+        for a, b in pairs
     )

@@ -154,6 +154,7 @@ def _fields(data: memoryview) -> Iterator[tuple[int, int, int, memoryview]]:
     at, size = 0, len(data)
     while at < size:
         tag, at = _varint(data, at)
+        # Lowest three bits: the wire type.
         number, wire = tag >> 3, tag & 7
         value, length = 0, 0
         if number == 0:
@@ -174,10 +175,12 @@ def _fields(data: memoryview) -> Iterator[tuple[int, int, int, memoryview]]:
 
 def _varint(data: memoryview, at: int) -> tuple[int, int]:
     value = 0
+    # More than 64 bits: no number of this format.
     for place in range(_LONGEST_VARINT):
         if at + place >= len(data):
             raise ValueError("the message ends within a number")
         byte = data[at + place]
+        # Seven bits of a byte, the lowest group first; the top bit says that another byte follows.
         value |= (byte & 0x7F) << (7 * place)
         if byte < 0x80:
             return value, at + place + 1
@@ -252,9 +255,11 @@ class Egm:
             return None
         values = self._values(message)
         seqno = message.all("header", "seqno")
+        # Values that are not finite would become the start of the motion.
         if values is None or not seqno or not all(map(math.isfinite, values)):
             return None
         stopped = _stopped(message)
+        # Motors that are off stop the arm for good; EGM that has not begun yet only makes it wait.
         ready = _state(message, "mciState") == _EGM_RUNNING
         if not ready and not stopped:
             stopped = "its EGM does not run (any more)"
@@ -294,12 +299,14 @@ class Egm:
         """Return the position of the arm, None if the message does not contain all of it."""
         if self.kind == "poses":
             pose = ("feedBack", "cartesian")
+            # [-1:]: of a field that comes twice the last one holds, and a missing one stays empty.
             place = [message.all(*pose, "pos", name)[-1:] for name in "xyz"]
             turn = [message.all(*pose, "orient", f"u{i}")[-1:] for i in range(4)]
             found = tuple(value for part in (*place, *turn) for value in part)
             return found if len(found) == POSE_COLUMNS else None
         own = message.all("feedBack", "joints", "joints")
         more = message.all("feedBack", "externalJoints", "joints")
+        # A controller with a seventh axis sends it in `externalJoints`.
         found = (*own[:_ROBOT_AXES], *more)
         return found[: self.axes] if len(found) >= self.axes else None
 
@@ -358,12 +365,15 @@ def guide(
     """
     chosen = settings or Settings(opening=_OPENING_TIMEOUT, settle=_HOLD_AT_END)
     link = Egm(trajectory.kind, trajectory.rows.shape[1], cycle)
+    # Port 0: the controller is the client, and its port is known from its first packet.
     endpoint = Endpoint(host, 0, local_host, port)
     try:
         return follow(link, endpoint, trajectory, limits, chosen, watch=watch, stop=stop)
     except Ended as ended:
         report = ended.report
         code = ended.findings[0].code
+        # The controller may end first, by convergence or
+        # time-out: a success if the arm is at the end.
         if report is None or report.done < report.rows or code not in _OF_THE_CONTROLLER:
             raise
         if not _is_there(report, trajectory, chosen):
@@ -394,6 +404,7 @@ def guide_by_corrections(
 def _is_there(report: Report, trajectory: Trajectory, settings: Settings) -> bool:
     """True if the arm was at the last point when the controller ended."""
     last = trajectory.rows[-1].tolist()
+    # The first two columns are `time` and `row`.
     columns = list(report.columns.values())[2 : 2 + len(last)]
     places = range(3) if trajectory.kind == "poses" else range(len(last))
     return all(len(columns[i]) and abs(columns[i][-1] - last[i]) <= settings.slack for i in places)

@@ -57,6 +57,7 @@ def free_aside(name: str, there: Iterable[str]) -> str:
     """Return a free name for the old file: an existing one may be another user's. Raises
     Refused.
     """
+    # The disk of the controller ignores case.
     taken = {one.lower() for one in there}
     aside = _ASIDE.format(name=name)
     while aside.lower() in taken:
@@ -100,7 +101,9 @@ def told_name(name: str) -> str:
 TEXTS: Final = (".mod", ".modx", ".sys", ".sysx", ".prg", ".pgf", ".cfg")
 """Suffixes of what an ABB controller reads as programs and parameters."""
 MODULE: Final = re.compile(
-    rb"^(?:\xef\xbb\xbf)?[ \t]*MODULE\s+([A-Za-z]\w{0,31})\b", re.I | re.M | re.A
+    # A byte order mark may stand before MODULE.
+    rb"^(?:\xef\xbb\xbf)?[ \t]*MODULE\s+([A-Za-z]\w{0,31})\b",
+    re.I | re.M | re.A,
 )
 
 
@@ -186,6 +189,7 @@ class FileSession(RapidFiles, ABC):
     def _put(self, name: str, data: bytes, *, compared: bool) -> None:
         checked_name(name)
         temporary, state = TEMPORARY.format(name=name), f"`{name}` there is as it was"
+        # Only for what the server refuses: after a lost line nothing can be deleted.
         with self._discarding(temporary):
             self.store(temporary, data, f"storing `{name}`", state)
             if compared:
@@ -207,6 +211,8 @@ class FileSession(RapidFiles, ABC):
             if temporary is not None:
                 self.delete(temporary)
             for aside in asides(name, there.values()):
+                # An old file that nobody knows may be another
+                # user's: only known contents are deleted.
                 if contents is None or self.retrieve(aside, f"`{aside}` is there") in contents:
                     self.delete(aside)
 

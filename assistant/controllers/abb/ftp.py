@@ -119,6 +119,7 @@ class Ftp(FileSession):
     def _connected(self) -> BoundedFtp:
         secure = self.address.scheme == "ftps"
         ftp = BoundedFtpTls(self._trust()) if secure else BoundedFtp()
+        # The command before the transfer: passive mode decides how `transfercmd` connects.
         ftp.set_pasv(self.address.option("mode", "passive") == "passive")
         try:
             ftp.connect(self.address.host, self.address.port, timeout=self._timeout)
@@ -218,12 +219,15 @@ class Ftp(FileSession):
         with self.during(doing, state):
             ftp = self.session
             assert ftp.sock is not None
+            # A view: slices of it copy nothing.
             left = memoryview(data)
             with self._transfer(ftp, f"{command} {name}") as (channel, pace):
                 while left:
                     sent = channel.send(left[:_PIECE])
                     pace.moved(sent)
                     left = left[sent:]
+            # The answer comes after the server has written
+            # the file, which takes it longer for a long one.
             ftp.sock.settimeout(self._timeout + len(data) / _SEARCH_RATE)
             try:
                 ftp.voidresp()
@@ -263,6 +267,7 @@ class Ftp(FileSession):
 
         def take(piece: bytes) -> None:
             data.extend(piece)
+            # Each piece comes in time, but a listing without end would never be over.
             if time.monotonic() > until:
                 raise TimeoutError
 
@@ -271,6 +276,7 @@ class Ftp(FileSession):
             text = data.decode(self.session.spelling)
         except UnicodeDecodeError:
             text = data.decode(BYTE_ENCODING)
+            # The folder's names are sent back in later commands as the server spelled them.
             self.session.spelling = BYTE_ENCODING  # names go back as they came
         return [line for line in re.split(r"\r?\n", text) if line]
 
@@ -281,10 +287,12 @@ class Ftp(FileSession):
         """The channel of a transfer, which is cut where it does not keep its pace."""
         ftp.voidcmd(kind)
         with (
+            # Without an offset no REST is sent, which not every server takes.
             ftp.transfercmd(command, start or None) as channel,
             TransferDeadline(self._timeout, partial(cut_line, channel)) as pace,
         ):
             yield channel, pace
+            # Without the closing message of TLS, a cut transfer would look like its end.
             if isinstance(channel, ssl.SSLSocket):
                 channel.unwrap()
 
@@ -302,6 +310,7 @@ class Ftp(FileSession):
             yield
         except (ftplib.error_perm, ftplib.error_temp) as error:
             reply = self.said(error)
+            # 421 closes the connection: the session is over, whatever was asked.
             if reply.startswith("421"):  # the server says good-bye
                 self._hang_up()
                 raise rules.Lost(
@@ -311,6 +320,7 @@ class Ftp(FileSession):
                 rules.REFUSED(place=place, doing=doing, reply=reply, state=state)
             ) from None
         except _FAILURES as error:
+            # After a lost line the answers of the session are out of step with its commands.
             self._hang_up()
             raise rules.Lost(
                 rules.LOST(place=place, doing=doing, reason=self.said(error), state=state)
@@ -366,6 +376,7 @@ class Ftp(FileSession):
         except rules.Lost:
             raise
         except Refused:
+            # The same reply stands for an existing folder and for a refusal: the listing decides.
             if self._has(name):
                 return False
             raise
@@ -381,6 +392,7 @@ class Ftp(FileSession):
         """True if there is a folder of that name: the session can enter it."""
         checked_name(name)
         with self.during(f"looking for `{name}`", "nothing was changed by that"):
+            # CWD is the one test that every server has; the session returns afterwards.
             home = self.session.pwd()
             try:
                 self.session.cwd(name)
@@ -462,6 +474,7 @@ class Ftp(FileSession):
                 session.rename(temporary, name)
         except rules.Lost:
             raise
+        # Some servers never rename over a file: put the old one aside, and put it back on failure.
         except Refused:
             there = self.names()
             if name.lower() not in map(str.lower, there):
@@ -512,6 +525,7 @@ def _read_whole(session: Ftp, name: str) -> bytes:
 
 
 def download(session: Ftp, name: str, to: FilePath, progress: Progress | None) -> int:
+    # The part is made beside the file that a link leads to, so that renaming stays on one disk.
     to = FilePath(os.path.realpath(to))  # a link stays one
     part, note = to.with_name(f"{to.name}.part"), to.with_name(f"{to.name}.part.json")
     stamp = _size_and_time(session, name)
@@ -520,18 +534,24 @@ def download(session: Ftp, name: str, to: FilePath, progress: Progress | None) -
         start = _partial_size(part, note, stamp)
         if start == 0:
             part.write_bytes(b"")
+            # The note tells a later run which version of the file the part belongs to.
             if stamp is not None:
                 note.write_text(json.dumps(stamp), encoding="utf-8")
         with part.open("r+b") as file:
+            # A part that does not match is fetched from its beginning.
             if not _went_on(session, name, file, start, whole, progress):
                 _fetch_rest(session, name, file, 0, whole, progress)
             file.flush()
+            # The data must be on the disk before the name
+            # is: after a power cut the file would be empty.
             os.fsync(file.fileno())
         length = part.stat().st_size
+        # The file may have changed while it was read: its parts would not belong together.
         if stamp != _size_and_time(session, name) or (whole is not None and length != whole):
             part.unlink()
             raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
         part.replace(to)
+        # The rename lasts only when the folder itself is on the disk.
         file_access.sync_folder(to.parent)
         note.unlink(missing_ok=True)
     except OSError as error:
@@ -557,6 +577,7 @@ def _upload(session: Ftp, name: str, data: bytes) -> None:
             begun = 0  # a server that takes no parts
     if not begun:
         session.store(temporary, data, doing, state)
+    # Only the new bytes: the others were compared before.
     back = session.retrieve(temporary, state, start=begun)
     if back != data[begun:] or _file_size(session, temporary) not in (None, len(data)):
         session.discard(temporary)
@@ -602,6 +623,7 @@ def _fetch_rest(
     file.seek(begin)
     known = file.read(start - begin)
     file.seek(begin)
+    # The transfer writes the compared bytes anew.
     file.truncate()
     seen = bytearray()
 
@@ -684,6 +706,7 @@ def _folder_tree(session: Ftp, folder: str = "") -> tuple[Entry, ...]:
             _enter(session, folder)
         with session.during("asking for the folder", _UNTOUCHED):
             top = session.session.pwd()
+        # A name that is no UTF-8 changes the spelling of the session, also for names seen before.
         spelling = session.session.spelling
         _walk(session, top.rstrip("/"), "", 0, found)
         if session.session.spelling != spelling:  # what was read before is spelled anew
@@ -718,6 +741,7 @@ def parse_list(lines: Iterable[str]) -> list[Entry] | None:
         unix, dos = _UNIX_LINE.fullmatch(line), _DOS_LINE.fullmatch(line)
         if unix is not None:
             kind = _UNIX_TYPES.get(unix["type"], "other")
+            # A link is listed with its target, `name -> target`.
             name = unix["name"].split(" -> ")[0] if unix["type"] == "l" else unix["name"]
             found.append(Entry(name, kind, int(unix["size"]) if kind == "file" else None))
         elif dos is not None:
@@ -733,9 +757,11 @@ def parse_mlsd(lines: Iterable[str]) -> list[Entry] | None:
     found = []
     for line in lines:
         facts, blank, name = line.partition(" ")
+        # Facts are `name=value;`; their names have no case (RFC 3659, 7.5).
         pairs = dict(fact.lower().partition("=")[::2] for fact in facts.rstrip(";").split(";"))
         if not blank or "type" not in pairs:
             return None
+        # The folder itself and the one above it: walking into them would not end.
         if pairs["type"] in ("cdir", "pdir"):
             continue
         size = pairs.get("size", "")
@@ -753,6 +779,7 @@ def _walk(session: Ftp, top: str, below: str, depth: int, found: list[Entry]) ->
         reason = f"there are more than {MOST_ENTRIES} files and folders"
         raise Refused(rules.FILE_NAME(place=below, name=below, reason=reason))
     inner = []
+    # The complete listing first: entering a folder changes what the session lists.
     for entry in _entries(session):
         if entry.path in (".", ".."):
             continue
@@ -761,6 +788,7 @@ def _walk(session: Ftp, top: str, below: str, depth: int, found: list[Entry]) ->
         if entry.kind == "folder":
             inner.append(path)
     for path in inner:
+        # By the absolute path: the session is deep in another folder by now.
         _enter(session, f"{top}/{path}")
         _walk(session, top, f"{path}/", depth + 1, found)
 
@@ -775,6 +803,7 @@ def _entries(session: Ftp) -> list[Entry]:
             found = read(_listing_lines(session, command))
         except rules.Lost:
             raise
+        # This server lacks the command: the next one, down to names alone.
         except Refused:
             continue
         if found is not None:

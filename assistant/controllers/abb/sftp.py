@@ -177,6 +177,7 @@ class Sftp(FileSession):
         """Load the host keys with which the host's key is compared."""
         from paramiko import SSHException
 
+        # The query of an address turns each `+` of the base64 text into a blank.
         fingerprint = self.address.option("fingerprint", "").replace(" ", "+")
         try:
             if fingerprint:
@@ -209,6 +210,7 @@ class Sftp(FileSession):
             self._files = ssh.open_sftp()
             channel = self._files.get_channel()
             assert channel is not None
+            # open_sftp() sets no time limit for its channel.
             channel.settimeout(self._timeout)
         except _Unknown as error:
             self._untrusted(f"its key is {error}")
@@ -221,6 +223,7 @@ class Sftp(FileSession):
                 exit_status=2,
             ) from None
         except _failures() as error:
+            # paramiko has no separate class for an unknown host.
             if "not found in known_hosts" in str(error):
                 self._untrusted("its key is not among the known hosts")
             reason = self.said(error)
@@ -270,6 +273,7 @@ class Sftp(FileSession):
         unknown = f"`{name}` there is either the old file or the new one, whole"
         with self._during(doing, unknown) as (files, _):
             try:
+                # posix-rename@openssh.com replaces; plain SFTP rename never does (draft 02, 6.5).
                 files.posix_rename(temporary, name)
             except OSError:
                 if not self._alive():
@@ -306,6 +310,7 @@ class Sftp(FileSession):
             with TransferDeadline(times * self._timeout, self._ssh.close) as pace:
                 yield self._files, pace
         except _failures() as error:
+            # An OSError of a live session is the server's reply; a TimeoutError is a silent one.
             refused = isinstance(error, OSError) and not isinstance(error, TimeoutError)
             if refused and self._alive():
                 reply = self.said(error)
@@ -325,6 +330,7 @@ class Sftp(FileSession):
         return bool(channel and not channel.closed and transport and transport.is_active())
 
     def _hang_up(self) -> None:
+        # Emptied first: closing may fail, and must not be tried again.
         ssh, self._ssh, self._files = self._ssh, None, None
         if ssh is not None:
             ssh.close()
@@ -340,6 +346,7 @@ class _Pinned:
     def __init__(self, fingerprint: str) -> None:
         self._fingerprint = fingerprint
 
+    # paramiko calls this for every key, since no known hosts are loaded here.
     def missing_host_key(self, _client: SSHClient, _hostname: str, key: PKey) -> None:
         if key.fingerprint != self._fingerprint:
             raise _Unknown(f"{key.fingerprint} and not {self._fingerprint}")

@@ -180,6 +180,7 @@ class _TimingRecorder:
     @property
     def timing(self) -> Timing:
         count = max(1, self.count)
+        # max(): rounding may make the variance of equal delays slightly negative.
         spread = max(0.0, self.squares / count - (self.sum / count) ** 2) ** 0.5
         return Timing(self.count, self.late, self.longest, spread)
 
@@ -268,12 +269,15 @@ class PacketSocket:
         try:
             self._socket.setblocking(False)
             self._socket.bind((endpoint.local_host, endpoint.local_port))
+            # The layout of the stamp, two numbers of 64 bits, holds for 64-bit Linux alone.
             if sys.platform == "linux" and struct.calcsize("P") == 8:
                 self._socket.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
                 self.stamped = True
             if self._host is not None:
                 self._peer = (self._host, endpoint.port)
                 if endpoint.port:
+                    # Connected, the socket hears of an ICMP refusal,
+                    # and packets of others are dropped by the kernel.
                     self._socket.connect(self._peer)
         except OSError:
             self._socket.close()
@@ -326,9 +330,11 @@ class PacketSocket:
                 continue
             else:
                 if self._is_heard(sender):
+                    # By the monotonic clock: it only decides how long to block.
                     self._came = time.monotonic()
                     return packet, self._arrival(data)
             if seconds and time.monotonic() >= until:  # however much others send
+                # Packets of other senders must not make this wait without end.
                 return None
 
     def hush(self, seconds: float) -> None:
@@ -341,6 +347,7 @@ class PacketSocket:
         """True if the sender is the peer, or becomes it; packets from earlier may still be
         waiting.
         """
+        # The kernel may still hold packets from before the socket was connected.
         if self.connected:
             return sender == self._peer
         if self._peer is not None and sender[0] != self._peer[0]:
@@ -351,6 +358,7 @@ class PacketSocket:
 
     def now(self) -> float:
         """Seconds of the clock that arrivals are stamped with."""
+        # Kernel stamps are of the wall clock; without them a clock that nothing sets.
         return time.time() if self.stamped else time.perf_counter()
 
     def _read(self) -> tuple[bytes, list[tuple[int, int, bytes]], tuple[str, int]]:
@@ -374,6 +382,7 @@ class PacketSocket:
     def _pause(self, now: float, until: float) -> None:
         """Blocks until a packet comes or there is a reason to look again."""
         due = self._came + self._cycle
+        # The packet is overdue: it may be long in coming, and polling would only take the core.
         if now >= due + self._spin:
             self._wait(until - now)
         elif (rest := min(until, due - self._spin) - now) >= _SHORTEST_BLOCK:
@@ -475,6 +484,7 @@ class Loop:
             reason = error.strerror or str(error)
             self.result.fields = {"reason": reason} if moved else _unanswered(address, reason)
         finally:
+            # An arm that was commanded must be ended; one that never was has nothing to end.
             if self._way.told and (self._settings.end or self.result.code):
                 self._end()
         return self.result
@@ -491,6 +501,7 @@ class Loop:
         reason = f"nothing came within {left:g} s"
         seen: Row = ()
         if not self._link.speaks_first:
+            # Answers to an earlier program may still be on their way.
             self._wire.hush(_SILENT_CYCLES * self._link.cycle)
         while left > 0.0:
             if (why := self._stop.look()) is not None:
@@ -501,11 +512,15 @@ class Loop:
             if got is None:
                 left -= each
                 if before is not None:
+                    # After a silence the next packet may be of a
+                    # restarted controller: it has to prove itself anew.
                     before = None
                     self._wire.forget()
                 continue
             measured = self._link.read(got[0])
             if measured is None:
+                # Counted as time too: senseless packets at full
+                # rate would otherwise keep the loop here for ever.
                 left -= self._link.cycle
                 self.result.garbled += 1
             elif not self._follows(before, measured.counter):
@@ -515,11 +530,14 @@ class Loop:
                 left -= self._link.cycle
                 before = measured.counter
                 reason = measured.stopped or "it does not take commands yet"
+                # A controller that speaks first waits for an answer before
+                # it takes commands; where it already is moves nothing.
                 self._send(self._link.command(measured.values, self._count))
             elif measured.stopped:
                 raise LoopFailure(rules.NO_ANSWER, **_unanswered(address, measured.stopped))
             elif self._link.speaks_first or _agree(seen, measured.values):
                 self._last = measured.counter
+                # A counter is trusted only once it has been seen to count.
                 self._counts = self._link.speaks_first and measured.counter is not None
                 return measured
             else:  # it may tell of an earlier motion, and come late
@@ -560,6 +578,8 @@ class Loop:
         link, wire, settings, result = self._link, self._wire, self._settings, self.result
         way = self._way
         cycle, receive = link.cycle, wire.receive
+        # From the last answer to the next packet one cycle
+        # passes anyway, besides those without a packet.
         lapse, pause = settings.lapse * cycle, (settings.lapse + 1) * cycle
         most = [settings.lag * speed + settings.slack for speed in self._job.speeds]
         hold = 1 + round(settings.settle / cycle)
@@ -575,6 +595,7 @@ class Loop:
             got = receive(lapse)
             if got is None:
                 self._check_silence(heard, cause)
+                # Without a command the arm has stopped: the source starts softly again.
                 way.stood()
                 self._ask_again()
                 continue
@@ -596,6 +617,7 @@ class Loop:
             why = self._stop.look()
             if why is not None and cause is None:
                 cause = LoopFailure(why, **self._progress())
+            # Only a new packet with sense counts as heard.
             heard, nonsense = time.monotonic(), 0
             if heard - answered > pause:
                 way.stood()  # without a command, the arm stands by now
@@ -608,8 +630,10 @@ class Loop:
             kept.add(self._sent - arrival)
             result.samples.append((arrival, way.row, *measured.values, *row, *measured.extra))
             result.missed = max(result.missed, measured.missed)
+            # The last row is repeated for `settle` seconds, until the arm has come to rest at it.
             if way.is_over or (cause is not None and way.stands):
                 hold -= 1
+            # The first cause is reported, whatever the braking brings.
             if cause is None:
                 cause = self._astray(measured.values, most)
             if self._sent - told > each:
@@ -624,6 +648,7 @@ class Loop:
         counter, before = measured.counter, self._last
         if counter is not None:
             ahead = (counter - before) % _COUNTER_WRAP if before is not None else 0
+            # More than half of the range ahead is behind: the packet is late.
             if self._counts and (ahead == 0 or ahead > _COUNTER_WRAP // 2):
                 return True
             self._counts = self._counts or ahead != 0  # one that stays as it is says nothing
@@ -632,6 +657,8 @@ class Loop:
             self._extra = _SECOND
         elif self._extra == _SECOND:
             self._extra = ONE
+            # The second answer to a repeated request comes
+            # right after the first; a later one is the next.
             return arrival - self._sent < self._link.cycle / 2.0
         return False
 
@@ -647,6 +674,7 @@ class Loop:
         if self._job.kind == "joints":
             away = [abs(a - b) for a, b in zip(values, told, strict=True)]
         else:
+            # Of a pose the distance counts; its turn has no limit here.
             squares = [(a - b) ** 2 for a, b in zip(values[:3], told[:3], strict=True)]
             away = [sum(squares) ** 0.5]
         for column, (distance, allowed) in enumerate(zip(away, most, strict=False)):
@@ -672,6 +700,8 @@ class Loop:
                 return
             try:
                 self._send(packet)
+                # Any packet shows that the end arrived, or that
+                # the controller is still there to hear it.
                 if self._wire.receive(3 * self._link.cycle) is not None:
                     return
             except OSError:

@@ -148,6 +148,7 @@ class _Feed:
     def leads_to(self, stdin: IO[str] | None) -> None:
         """The process that takes them, None for none any more."""
         with self._guard:
+            # Under the lock: `put` must not write to a pipe that is being closed.
             self._into = stdin
 
 
@@ -203,6 +204,7 @@ def _run(
     """Return the last report of the process, and the reason of its death for an empty report."""
     # -P: nothing is imported from the working folder, which may be anybody's.
     command = [sys.executable, "-P", "-m", "assistant.controllers.cyclic.worker", str(folder)]
+    # -P keeps the working folder out; the worker finds this package by the paths of this process.
     environment = {**without_passwords(), "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
     with (folder / "errors.txt").open("w+", encoding="utf-8", errors="replace") as errors:
         worker = subprocess.Popen(  # noqa: S603
@@ -212,10 +214,13 @@ def _run(
             stderr=errors,
             text=True,
             env=environment,
+            # Ctrl-C goes to the complete session of a terminal:
+            # the worker has to bring the arm to rest first.
             start_new_session=True,
         )
         assert worker.stdin is not None
         assert worker.stdout is not None
+        # A thread reads: a pipe cannot be waited for with a limit on every system.
         lines: queue.Queue[str | None] = queue.Queue()
         reader = threading.Thread(target=_read, args=(worker.stdout, lines), daemon=True)
         reader.start()
@@ -233,12 +238,15 @@ def _run(
                     if line is None:
                         break
                     last = json.loads(line)
+                    # The grace after a request is not lengthened by further reports.
                     until = until if asked else time.monotonic() + patience
                     if watch is not None and "row" in last:
                         watch(_progress(last, rows))
                 except queue.Empty:
                     pass
                 except KeyboardInterrupt:
+                    # The worker brings the arm to rest on its
+                    # path; this process must wait for that.
                     until = 0.0
                 over = time.monotonic() > until
                 if over and asked:
@@ -272,8 +280,10 @@ def _silence(
     """Ends stdin of the process."""
     assert worker.stdin is not None
     if feed is not None:
+        # No more corrections before stdin ends: writing to it would raise, or reach another file.
         feed.leads_to(None)
     quiet.set()
+    # The thread may be writing to this very file.
     beating.join()
     worker.stdin.close()
 
@@ -373,6 +383,7 @@ class Leading:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        # What ended it before was raised by a method; only what is new is raised here.
         before = self._ended
         self._end()
         if error is None and before is None and self._ended is not None:
@@ -422,6 +433,7 @@ class Leading:
             )
         except Ended as ended:
             self.report = ended.report
+            # Leaving the context asks for the stop: that end is no failure.
             asked = self._stop.is_set() and ended.findings[0].code == rules.INTERRUPTED.code
             self._ended = None if asked else ended
         except Refused as refused:

@@ -120,9 +120,11 @@ class Corrections:
 
     def take(self, said: bytes) -> None:
         """Read text as it arrives: a line of seconds and a row each; empty lines have no effect."""
+        # The last piece has no line end yet: the rest of its line comes with the next bytes.
         *lines, self.said = (self.said + said).split(b"\n")
         for line in filter(None, lines):
             seconds, *row = map(float, line.split())
+            # Values that are no numbers would reach the arm unchecked.
             if all(map(math.isfinite, (seconds, *row))):
                 self.newest, self.count = (seconds, tuple(row)), self.count + 1
 
@@ -212,6 +214,8 @@ class _TrajectorySource:
     def begin(self, here: Row, cycle: float) -> None:
         job, settings = self.job, self.job.settings
         start, first = np.array([here]), job.rows[:1]
+        # q and -q are the same turn: start from the sign
+        # of the first row, or the arm seems far away.
         if job.kind == "poses" and float(start[0, 3:] @ first[0, 3:]) < 0.0:
             start[0, 3:] *= -1.0
         away = sizes(job.kind, first - start)[0]
@@ -227,11 +231,13 @@ class _TrajectorySource:
         if away[worst] > 1e-6:
             soft = [tuple(settings.softness * v for v in some) for some in (job.speeds, job.rises)]
             ramp = Trajectory(job.kind, np.concatenate([start, first]))
+            # [:-1]: the ramp ends at the first row of the trajectory.
             parts.insert(0, resampled(ramp, Limits(soft[0], soft[1]), cycle)[:-1])
         self._lead = sum(map(len, parts)) - len(job.rows)
         rows = np.concatenate(parts)
         steps = sizes(job.kind, np.diff(rows, axis=0)) if len(rows) > 1 else np.zeros((1, 1))
         fastest = np.maximum(steps.max(axis=0) / cycle, 1e-12)
+        # The rate changes by so much in a cycle that braking takes half of the accelerations.
         self._gain = float(min(1.0, (np.array(job.rises) / (2.0 * fastest)).min() * cycle))
         self._rows = list(map(tuple, rows.tolist()))
         self.told = self._rows[0]
@@ -244,6 +250,7 @@ class _TrajectorySource:
         self._at = at = min(self._at + rate, float(len(self._rows) - 1))
         i = int(at)
         part = at - i
+        # Whole rows are sent as they are, without rounding.
         if part == 0.0:
             self.told = self._rows[i]
         else:
@@ -323,6 +330,7 @@ class CorrectionSource:
     def _take(self, seconds: float, goal: Row) -> None:
         if len(goal) != len(self.told):
             return
+        # A correction without time has stopped the arm: the next one starts from where it is.
         stood = self._seconds <= 0.0
         self._from = self.told if stood else tuple(map(self._due, range(len(goal))))
         self._goal, self._seconds, self._part = goal, seconds, 0.0

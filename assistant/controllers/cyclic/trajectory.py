@@ -39,6 +39,7 @@ def sizes(kind: Kind, changes: Floats) -> Floats:
     """
     if kind == "joints":
         return np.asarray(np.abs(changes))
+    # w, x, y, z of a small turn: twice the length of the change is its angle in radians.
     turn = 2.0 * np.degrees(norms(changes[:, 3:]))
     return np.column_stack([norms(changes[:, :3]), turn])
 
@@ -113,6 +114,7 @@ def braked(room: float, rise: float, cycle: float) -> float:
     if not room > 0.0:
         return 0.0
     step = rise * cycle * cycle
+    # The largest n whose braking fits into the room: the root of n (n + 1) = 2 room / step.
     n = math.floor((math.sqrt(1.0 + 8.0 * room / step) - 1.0) / 2.0)
     return (room + step * n * (n + 1) / 2.0) / ((n + 1) * cycle)
 
@@ -153,12 +155,15 @@ class _Curve:
         chord = np.diff(rows, axis=0) / step
         slopes = np.zeros_like(rows)
         if len(rows) == 2:
+            # Two points: a straight line, whose slope is that of its chord.
             slopes[:] = chord
             return _Curve(at, rows, slopes)
         before, after = chord[:-1], chord[1:]
         one, two = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
+        # At an extremum the slope is 0, so that the curve does not overshoot the point.
         same = before * after > 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
+            # Weighted harmonic mean (Fritsch and Butland): keeps each piece within its end points.
             mean = (one + two) / (one / before + two / after)
         slopes[1:-1] = np.where(same, mean, 0.0)
         slopes[0], slopes[-1] = chord[0], chord[-1]
@@ -176,6 +181,7 @@ class _Curve:
         a, b = self.rows[i], self.rows[i + 1]
         u, v = self.slopes[i] * step, self.slopes[i + 1] * step
         rise = b - a
+        # Cubic Hermite polynomial by Horner's rule.
         return np.asarray(a + t * (u + t * (3.0 * rise - 2.0 * u - v + t * (u + v - 2.0 * rise))))
 
     def changes(self, i: Rows, s: Floats) -> tuple[Floats, Floats]:
@@ -238,6 +244,7 @@ class Trajectory:
                 raise ValueError("a quaternion is 0")
         except ValueError as error:
             raise Refused(BAD_TRAJECTORY(reason=error), exit_status=2) from None
+        # Signs may differ from row to row for the same turn; neighbours must be close in numbers.
         turn = rotations.unflipped(rotations.canonical(turn))
         return _made("poses", np.column_stack([place, turn]), times)
 
@@ -258,6 +265,7 @@ class Trajectory:
         change = sizes("poses", np.diff(one.rows, axis=0))
         row = path.speed[1:]
         seconds = np.maximum(change[:, 0] / mm_s[row], change[:, 1] / turning[row])
+        # Rows in the same place take no time, which `_Curve` would divide by.
         moving = np.concatenate([[True], seconds > 1e-9])
         times = np.concatenate([[0.0], np.cumsum(seconds)])[moving]
         return replace(one, rows=one.rows[moving], times=times if len(times) > 1 else None)
@@ -311,6 +319,7 @@ def resampled(trajectory: Trajectory, limits: Limits, cycle: float) -> Floats:
     if not 0.0 < cycle <= 1.0:
         what = BAD_SETTING(name="cycle", value=cycle, reason="it is seconds, above 0, at most 1")
         raise Refused(what, exit_status=2)
+    # A dataclass made without `of_joints` or `of_poses` was never checked.
     trajectory = _made(trajectory.kind, trajectory.rows, trajectory.times)  # whoever made it
     speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
     _width(trajectory)
@@ -328,7 +337,10 @@ def resampled(trajectory: Trajectory, limits: Limits, cycle: float) -> Floats:
         too_fast = _excess(trajectory.kind, rows, limits, speeds, rises, cycle)
         if too_fast <= 1.0:
             return rows
+        # Slightly more than the excess asks for; and at
+        # least 2 %, so that the rounds come to an end.
         slower = min(0.98, 0.99 / too_fast)
+        # Time stretched by a factor lowers speeds by it and accelerations by its square.
         v, a, fastest = v * slower, a * slower**2, fastest * slower
     raise Refused(BAD_TRAJECTORY(reason="no time that it may take keeps the limits"))
 
@@ -353,6 +365,7 @@ def _with_times(trajectory: Trajectory, speeds: Floats) -> tuple[Floats, Floats,
 def _places(times: Floats, cycle: float, given: bool) -> Floats:
     """Places (p,) on the curve, all points among them, so close that limits hold in between."""
     step = np.diff(times)
+    # Points without times may be far apart in one step: the bends between them need samples.
     least = 2 if given else _FEWEST_SAMPLES
     parts = np.clip(np.ceil(step * (_SAMPLES_IN_CYCLE / cycle)), least, _MOST_SAMPLES).astype(
         np.intp
@@ -376,14 +389,19 @@ def _in_time(
     first = np.maximum(*(sizes(kind, one) for one, _ in ends))
     second = np.maximum(*(sizes(kind, two) for _, two in ends))
     with np.errstate(divide="ignore"):
+        # v² bounds the squared rate; half of the acceleration
+        # is left for the bend (second derivative).
         most = np.minimum((v / first) ** 2, a / (2.0 * second)).min(axis=1)
         rise = (a / (2.0 * first)).min(axis=1)
     most = np.minimum(most, fastest**2)
     step = np.diff(places)
     squares = _along(most, 2.0 * np.minimum(rise, 1e12) * step)
     rate = np.sqrt(squares)
+    # The squared rate is linear in the place: constant
+    # acceleration, whose mean is that of the ends.
     seconds = 2.0 * step / (rate[:-1] + rate[1:])
     clock = np.concatenate([[0.0], np.cumsum(seconds)])
+    # 1e-9 absorbs rounding: without it a whole number of cycles may become one more.
     count = int(np.ceil(clock[-1] / cycle - 1e-9))
     if count >= _MOST_ROWS:
         raise Refused(BAD_TRAJECTORY(reason=f"it takes more than {_MOST_ROWS:,} cycles"))
@@ -394,14 +412,18 @@ def _in_time(
     s = np.clip(places[i] + since * (rate[i] + 0.5 * change * since), places[i], places[i + 1])
     rows = curve.values(s)
     if kind == "poses":
+        # The curve goes through the numbers of quaternions,
+        # which leaves the unit sphere between rows.
         rows[:, 3:] /= np.linalg.norm(rows[:, 3:], axis=1, keepdims=True)
     return rows
 
 
 def _along(most: Floats, gain: Floats) -> Floats:
     """Squared rates (p,) along places: from rest to rest, below `most` of the steps beside."""
+    # At rest at both ends; below the limits of both pieces at each place.
     cap = np.concatenate([[0.0], np.minimum(most[1:], most[:-1]), [0.0]]).tolist()
     gains = gain.tolist()
+    # Forwards no faster than it can speed up, then backwards no faster than it can brake.
     for i, more in enumerate(gains):
         cap[i + 1] = min(cap[i + 1], cap[i] + more)
     for i in range(len(gains) - 1, -1, -1):
@@ -416,6 +438,7 @@ def _excess(
     steps = np.diff(rows, axis=0)
     found = [(sizes(kind, steps) / (speeds * cycle)).max(initial=0.0)]
     rest = np.zeros((1, rows.shape[1]))
+    # Rest before and after: the first and the last step are changes of speed too.
     turns = sizes(kind, np.diff(np.concatenate([rest, steps, rest]), axis=0))
     found.append(np.sqrt((turns / (rises * cycle**2)).max(initial=0.0)))
     if kind == "poses" and limits.arm is not None:

@@ -55,6 +55,7 @@ def real_time(wanted: bool) -> Iterator[tuple[str, str]]:
     """
     said = _priority() if wanted else ("ordinary priority", "")
     _keep_memory()
+    # Objects made until now are never searched again; those of the loop are few.
     gc.collect()
     gc.freeze()
     gc.disable()
@@ -65,6 +66,7 @@ def real_time(wanted: bool) -> Iterator[tuple[str, str]]:
         gc.enable()
         gc.unfreeze()
         if said[0].startswith("SCHED_FIFO"):
+            # Other programs of this process must not keep a real-time priority.
             os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
@@ -77,6 +79,7 @@ def _awake() -> Iterator[None]:
     """
     with ExitStack() as kept:
         with suppress(OSError):
+            # 32 bits of 0: no microsecond to wake up. The request ends when the file is closed.
             kept.enter_context(FilePath(_DMA_LATENCY).open("wb", buffering=0)).write(bytes(4))
         yield
 
@@ -104,9 +107,12 @@ pause.
 
 
 def main(folder: FilePath) -> None:
+    # Ctrl-C reaches this process as well; the parent
+    # asks by the end of stdin, to brake on the path.
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started it asks by the end of stdin
     described = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     module, name = described["link"]
+    # JSON has lists only; the fields of a link are tuples.
     fields = {key: _plain(value) for key, value in described["fields"].items()}
     link: Link = getattr(importlib.import_module(module), name)(**fields)
     settings = Settings(**described["settings"])
@@ -125,14 +131,17 @@ def main(folder: FilePath) -> None:
         said = {"code": "CN711", "fields": {"address": str(endpoint), "reason": reason}}
         print(json.dumps(said), flush=True)  # noqa: T201
         return
+    # A parent that does not read must not delay the loop: a full pipe drops the report instead.
     _set_blocking(False)
     with wire, real_time(settings.real_time and settings.wait != "spin") as (priority, refused):
         loop = Loop(link, wire, job, stop, _tell)
         result = loop.run(str(endpoint))
         measured = "kernel" if wire.stamped else "program"
+    # The last report must arrive complete.
     _set_blocking(True)
     table = np.array(result.samples, dtype=np.float64)
     named = columns(job, link)
+    # Without samples the array is flat.
     table = table.reshape(-1, len(named))
     np.savez(folder / "samples.npz", table=table, delays=np.array(result.delays))
     said = {
@@ -172,12 +181,15 @@ class Watched(Stop):
     def look(self) -> Rule | None:
         if not self._threaded:
             with contextlib.suppress(BlockingIOError):
+                # A read of nothing means that stdin has ended;
+                # BlockingIOError means that nothing has come.
                 self._take(os.read(0, 4096))  # `sys.stdin` would be locked when the process ends
         if self._over:
             return rules.INTERRUPTED
         return rules.LEFT if time.monotonic() - self._heard > self._alive else None
 
     def _take(self, said: bytes) -> bool:
+        # Every byte is a sign of life, also the empty lines of `_beat`.
         self._heard, self._over = time.monotonic(), not said
         if self._corrections is not None:
             self._corrections.take(said)
@@ -192,6 +204,7 @@ def _tell(seconds: float, row: float, values: Row, timing: Timing) -> None:
     """Tells if someone listens; the loop waits for nobody."""
     told = {"seconds": seconds, "row": row, "values": values, "timing": astuple(timing)}
     said = json.dumps(told)
+    # The pipe is full, or nobody reads.
     with contextlib.suppress(OSError):
         os.write(1, said.encode() + b"\n")
 

@@ -106,6 +106,7 @@ def execute_while(session: Session, statement: str, goal: Goal, held: Held, slot
         if goal.pose is not None:  # an arm of five axes shows no turn about its third
             shown = state.pose(session).values
             goal = Goal(pose={n: v for n, v in goal.pose.items() if shown.get(n) is not None})
+        # From here on the arm may move: any exception, also Ctrl-C, has to stop it.
         with _stopping(session):
             operation.execute(session, statement, wait_for_end=False, slot=slot)
             _arrive(session, goal, doing, held)
@@ -147,6 +148,7 @@ def _go(
     held: Held = _always_held,
 ) -> None:
     """Set a variable to a value, move to it, and return when the arm has stopped there."""
+    # The scratch variables last until the arm stands: Mov reads them from the edit slot.
     with _acknowledged(session), scratch(session, doing) as slot:
         session.ask(f"EXECJOVRD {speed:g}", doing=doing, slot=slot, shape=BARE_ANSWER)
         session.ask(f"EXEC{name}={value}", doing=doing, slot=slot, shape=BARE_ANSWER)
@@ -216,6 +218,7 @@ def _limits(session: Session, there: list[str]) -> dict[str, tuple[float, float]
     told = session.attempt(f"PNR{_LIMITS}", doing="asking for the limits of the joints")
     fields = told.text.split(";")
     numbers = re.findall(values.NUMBER_PATTERN, fields[1]) if told.ok and len(fields) > 1 else []
+    # One iterator twice: zip takes the numbers in pairs.
     pairs = list(zip(*[iter(map(float, numbers))] * 2, strict=False))
     names = there if len(pairs) == len(there) else [f"J{n}" for n in range(1, len(pairs) + 1)]
     known = dict(zip(names, pairs, strict=True)) if len(pairs) >= len(there) else {}
@@ -236,6 +239,7 @@ def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) ->
     turn = state.orientation(axes, place)
     if axis in rotations.AXES:
         step = [asked.by * part for part in rotations.AXES[axis]]
+        # Along the tool's axes the step is turned into the base first.
         moved = rotations.rotate(turn, step) if in_tool else step
         return here | {n: here[n] + float(by) for n, by in zip("XYZ", moved, strict=True)}
     if axis not in here:
@@ -251,8 +255,10 @@ def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) ->
                     cure="jog its joints",
                 )
             )
+        # An arm with fewer axes has no free orientation: its angles can only be changed singly.
         return here | {axis: here[axis] + asked.by}
     by = rotations.about(rotations.AXES[_ROTATION_AXES[axis]], asked.by)
+    # A turn about the tool's axis multiplies from the right, about the base's from the left.
     new = rotations.multiply(turn, by) if in_tool else rotations.multiply(by, turn)
     c, b, a = (float(angle) for angle in rotations.to_euler(new))
     return here | {"A": a, "B": b, "C": c}
@@ -304,6 +310,7 @@ def _arrive(session: Session, goal: Goal, doing: str, held: Held) -> None:
     still = 0
     while True:
         off = _off(session, goal)
+        # Two equal looks: near the goal the arm may still move.
         if off == before and max(off) <= NEAR:
             return
         if not held():
@@ -312,6 +319,7 @@ def _arrive(session: Session, goal: Goal, doing: str, held: Held) -> None:
         for fault in faults(session):
             if fault.level == "error":
                 raise _Alarmed(session.alarm(fault.number, doing, "the arm has been stopped"))
+        # An arm that stands far from its goal has given up without an error.
         still = still + 1 if off == before else 0
         before = off
         if still >= _STILL or time.monotonic() > end:
@@ -331,10 +339,12 @@ def _off(session: Session, goal: Goal) -> list[float]:
     lengths = [abs(here.value(n) - v) for n, v in target.items() if n not in _ROTATION_AXES]
     angles = {name: value for name, value in target.items() if name in _ROTATION_AXES}
     if len(angles) == 3:
+        # A, B and C of the same turn may differ: the angle between the turns counts.
         turns = [rotations.from_euler([m["C"], m["B"], m["A"]]) for m in (_angles(here), angles)]
         return [*lengths, float(rotations.angle_between(*turns))]
     return [
         *lengths,
+        # 179 and -179 degrees are 2 degrees apart.
         *(abs((here.value(n) - v + 180.0) % 360.0 - 180.0) for n, v in angles.items()),
     ]
 

@@ -51,10 +51,12 @@ def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
         if others:
             text = "".join(f"{name}\n" for name in others)
             backup_folder.put_file(place, NOT_KEPT, text.encode())
+        # The scratch program is this tool's own, and must not come back with a restore.
         for name in (entry.name for entry in there if entry.name != SCRATCH):
             backup_folder.put_file(place, _program_file(name), programs.listed(session, name))
             _put_lines(place, _variable_file(name), values.program_variables(session, name))
         _put_lines(place, _EXTERNALS, values.external_variables(session))
+        # Passwords of the controller do not belong in a folder of plain text.
         told = values.read_parameters(session, _without_secrets(values.changed_parameters(session)))
         backup_folder.put_file(place, _PARAMETERS, _parameter_text(told))
     return (backup_folder.INDEX, *backup_folder.backup_files(FilePath(folder)))
@@ -175,6 +177,7 @@ class Restoring:
         ).exists():
             number += 1
         with backup_folder.appearing_folder(kept, KIND) as place:
+            # Several parameters share one file, which is written once.
             together: dict[str, list[bytes]] = {}
             for item in self.items:
                 if item.before is not None:
@@ -221,6 +224,7 @@ def _of_another_robot(session: Session, saved: Mapping[str, bytes]) -> dict[str,
     robot, here = told.get("robot") if isinstance(told, dict) else None, session.about.robot
     if not isinstance(robot, str) or robot == here:
         return {}
+    # The names come from a file and a controller: control characters must not reach a terminal.
     one, other = (name if name.isprintable() else ascii(name) for name in (robot, here))
     return {_IDENTITY: f"the backup is of a `{one}`, this is a `{other}`: positions may differ"}
 
@@ -246,6 +250,7 @@ def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str])
         if not file.startswith("programs/") or not _chosen(file, only):
             continue
         before = programs.listed(session, name) if name in there else None
+        # Compared in one form: the controller lists with other blanks and decimals than were sent.
         if before is None or programs.listed_form(before) != programs.listed_form(data):
             programs.check_text(session, name, data)
             yield Item(file, file, before, data, _program_writer(session, name, data))
@@ -254,6 +259,7 @@ def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str])
 def _program_writer(session: Session, name: str, data: bytes) -> Callable[[], None]:
     def restore() -> None:
         programs.write(session, name, data)
+        # Read back: SAVE confirms that the program was stored, not what was stored.
         sent, back = (
             programs.listed_form(data),
             programs.listed_form(programs.listed(session, name)),
@@ -288,9 +294,11 @@ def _variables(
             else []
         )
         now, saved = assignments(_variable_text(lines)), assignments(data)
+        # Writing these moves or switches something that is connected: a restore must never do that.
         acting = [n for n in saved if shared and values.ACTING_VARIABLE.fullmatch(n.upper())]
         left_out |= dict.fromkeys(acting, "it acts on what is connected to the controller")
         saved = {n: v for n, v in saved.items() if n not in acting}
+        # Only what differs: writing a variable needs its program to stand.
         changed = {
             n: v for n, v in saved.items() if n not in now or not values.same_value(now[n], v)
         }

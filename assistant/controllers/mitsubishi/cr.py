@@ -40,10 +40,13 @@ def watch(session: Session, interval: float, signals: Sequence[str]) -> Iterator
     slots: Sequence[int] | None = None
     while True:
         seconds = time.monotonic() - began
+        # Empty slots are asked about only once in a
+        # while: each takes a command, and most are empty.
         told = controller_state(session, slots if count % _ALL_SLOTS else None)
         slots = [int(task.name) for task in told.tasks]
         yield Sample(seconds, told, position(session), _signal_values(session, wanted))
         count += 1
+        # The interval counts from sample to sample, whatever the answers took.
         late = time.monotonic() - began - seconds
         time.sleep(max(0.0, interval - late))
 

@@ -99,6 +99,7 @@ class _Tcp:
         raise NotImplementedError
 
     def _use(self, peer: socket.socket) -> None:
+        # Lines are short and wait for an answer: Nagle's algorithm would delay them.
         peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         peer.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         self._peer = peer
@@ -209,6 +210,7 @@ class Serial:
                 self.target,
                 self._rate.baud,
                 bytesize=self._rate.bits,
+                # A real port is set to the parity; a pseudo terminal has none.
                 parity="N" if _is_pseudo(self.target) else _PARITY_LETTERS[self._rate.parity],
                 stopbits=self._rate.stops,
                 timeout=_PORT_SLICE,  # not changed later: that would set the port anew
@@ -228,6 +230,7 @@ class Serial:
 
     def receive(self, timeout: float) -> bytes:
         port, end = self._opened(), time.monotonic() + timeout
+        # Without time, only what has come: read(1) would wait for a slice.
         if timeout <= 0 and not port.in_waiting:
             raise TimeoutError
         try:
@@ -269,6 +272,7 @@ def stream_to(target: str, rate: Rate | None = None) -> Stream:
     wrong = (
         (not re.fullmatch(r"[A-Za-z0-9_.:-]+", host), "the host is no name"),
         (not re.fullmatch(r"\d{1,5}", port) or int(port) > 65535, "the port is no number"),
+        # `listen:` may use port 0, any free one.
         (not listens and port.strip("0") == "", "port 0 cannot be connected to"),
     )
     for is_wrong, reason in wrong:
@@ -453,6 +457,7 @@ def _item_text(value: Value) -> str:
 
 def _bracket_text(values: Sequence[float]) -> str:
     """Components up to the last one that there is; 0 for one that the arm lacks."""
+    # NaN is the one number that differs from itself.
     count = max((place for place, value in enumerate(values, 1) if value == value), default=0)
     if not 0 < count <= AXES:
         raise _unsendable(str(tuple(values)), f"it has {count} components", f"give 1 to {AXES}")
@@ -555,6 +560,7 @@ class DataLink:
         """The same, but None if no whole line has come in time; what came stays for the next."""
         end = time.monotonic() + timeout
         while (line := self._whole()) is None:
+            # Not a line of a program: the wrong rate, or another device on the line.
             if len(self._come) > _MOST_LINE:
                 self._lost(rules.LINE_GARBLED, answer=repr(self._come[:80]))
             try:
@@ -575,6 +581,7 @@ class DataLink:
             self._lost(rules.LINE_GARBLED, answer=answer)
 
     def _whole(self) -> str | None:
+        # LF of CR LF, which may come with the next piece.
         self._come = self._come.removeprefix(b"\n")
         line, end, rest = self._come.partition(_LINE_END)
         if not end:

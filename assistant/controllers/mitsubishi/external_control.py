@@ -102,6 +102,8 @@ def pack_packet(fields: Mapping[str, int | bytes], size: int = PACKET_SIZE) -> b
     """A packet of these fields; those that are left out are 0."""
     empty: Mapping[str, int | bytes] = {"data": _NO_DATA, "data1": _NO_DATA}
     given = {**empty, "data2": _NO_DATA, "data3": _NO_DATA, **fields}
+    # A short packet is the beginning of a long one:
+    # the CRn-500 series knows only its first 64 bytes.
     return PACKET_LAYOUT.pack(*(given.get(name, 0) for name in _FIELD_NAMES))[:size]
 
 
@@ -133,6 +135,7 @@ def quaternion_of_angles(a: float, b: float, c: float) -> tuple[float, float, fl
     x = sa * cb * cc - ca * sb * sc
     y = ca * sb * cc + sa * cb * sc
     z = ca * cb * sc - sa * sb * cc
+    # Both signs are the same turn; w >= 0 makes the quaternion of a pose unique.
     return (w, x, y, z) if w >= 0.0 else (-w, -x, -y, -z)
 
 
@@ -141,11 +144,13 @@ def angles_of_quaternion(w: float, x: float, y: float, z: float) -> tuple[float,
     size = sqrt(w * w + x * x + y * y + z * z)
     w, x, y, z = w / size, x / size, y / size, z / size
     sine = 2.0 * (w * y - z * x)
+    # At a quarter turn A and C turn about the same axis: only their sum is known.
     if abs(sine) > 1.0 - 1e-12:
         b = copysign(pi / 2, sine)
         return 2.0 * atan2(x, w), b, 0.0
     a = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     c = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    # Rounding may put the sine slightly beyond 1, where asin has no value.
     return a, asin(max(-1.0, min(1.0, sine))), c
 
 
@@ -209,12 +214,14 @@ class MxtLink:
             return None
         fields = PACKET_LAYOUT.unpack(received.ljust(PACKET_SIZE, b"\0"))
         command, send_type, kind, data = fields[0], fields[1], fields[2], fields[4]
+        # An answer states the type of its data in both fields.
         if send_type != kind or command not in (
             _NULL_COMMAND,
             _MOVE_COMMAND,
             _END_COMMAND,
         ):
             return None
+        # Types of one mode differ by 3: commanded, filtered, fed back.
         if not 1 <= kind <= 9 or (kind - _COMMAND_TYPES[self.mode]) % 3:
             return None
         values = self._values(kind, data)
@@ -363,6 +370,8 @@ class Mxt:
     def __enter__(self) -> Self:
         """Takes a port of this machine, which all packets come from; sends nothing yet."""
         if not self._endpoint.local_port:
+            # A free port is looked up and released: every socket of the session then binds
+            # to this one, since the controller answers the address that it first heard from.
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
                 probe.bind(("", 0))
                 self._endpoint = replace(self._endpoint, local_port=probe.getsockname()[1])
@@ -432,6 +441,7 @@ class Mxt:
             refusal = BAD_SETTING(name="limits", value=None, reason="nothing moves without them")
             raise Refused(refusal, exit_status=2)
         settings = replace(self._settings, end=end)
+        # As if open while the loop runs: leaving the context after a failure must end `Mxt`.
         opened, self._open = self._open, True
         try:
             report = cyclic.follow(
@@ -467,6 +477,7 @@ class Mxt:
         """End `Mxt`, so that the program continues after it; True if the controller answered."""
         self._open = False
         with self._wire() as wire, contextlib.suppress(OSError):
+            # The end packet holds a position: without one, the controller has to be asked first.
             if not self._told and self._asked(wire):
                 return False
             for _ in range(_END_PACKETS):

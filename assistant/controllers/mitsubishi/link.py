@@ -109,6 +109,7 @@ class _PlainFraming:
         self._ends: bool | None = None  # whether answers have an end code; None: not known yet
 
     def exchange(self, stream: Stream, command: bytes, timeout: float) -> bytes:
+        # The controller never speaks first: waiting bytes are a late answer to an earlier command.
         if waiting := pending(stream).strip(b"\r\n"):
             raise _UnaskedData(waiting)
         stream.send(command + self._terminator, timeout)
@@ -118,9 +119,11 @@ class _PlainFraming:
         data = b""
         while len(data) < _MOST_ANSWER:
             started = parse_answer(data.decode(ENCODING)) is not None
+            # An answer whose end code is unknown so far may be complete: silence decides.
             bare = started and not self._ends
             quiet = _FIRST_QUIET if self._ends is None else _QUIET
             left = end - time.monotonic()
+            # A line that is never quiet would keep this loop beyond its time-out.
             if left < -_FIRST_QUIET:  # it is never quiet
                 raise TimeoutError
             try:  # the end of the time is no end of an answer
@@ -133,6 +136,7 @@ class _PlainFraming:
             data = (data + piece).lstrip(b"\r\n")
             if code := re.search(rb"[\r\n]", data):
                 self._ends = True
+                # Bytes after the end code belong to no command that was sent.
                 if data[code.start() :].strip(b"\r\n"):
                     raise _UnaskedData(data)
                 return data[: code.start()]
@@ -164,8 +168,10 @@ class _ProceduralFraming:
                 if time.monotonic() >= end:
                     raise
                 continue
+            # Noise may come before ACK: only the last byte counts.
             if reply.endswith(_ACK):
                 return
+            # ENQ: the controller speaks at the same time, so that the answers are out of step.
             if _ENQ in reply:
                 raise _UnaskedData(reply)
         raise TimeoutError
@@ -198,6 +204,8 @@ class _ProceduralFraming:
     def _closed(self, stream: Stream, end: float) -> None:
         """Waits for EOT; a frame that comes once more is acknowledged once more."""
         try:
+            # A repeated frame means that its ACK was lost:
+            # acknowledge it, but do not read it twice.
             while not (data := stream.receive(_left(end, _STEP_TIMEOUT))).endswith(_EOT):
                 if data.endswith(_ETX):
                     stream.send(_ACK, _STEP_TIMEOUT)
@@ -304,11 +312,13 @@ class Link:
                 self._lost(self._gone(doing, reason_of(error), state))
             except _UnaskedData as unasked:
                 self._lost(self._garbled(doing, unasked.data.decode(ENCODING), state))
+            # Ctrl-C within an exchange: a late answer must not pass for that of the next command.
             except BaseException:
                 self.close()
                 raise
             text = raw.decode(ENCODING)
             answer = parse_answer(text)
+            # A confirmation with text is the answer to another command.
             if answer is None or (answer.ok and shape and not shape.fullmatch(answer.text)):
                 self._lost(self._garbled(doing, text, state))
             return answer

@@ -189,6 +189,7 @@ class Monitor:
                 _FIELD_STRUCTS["counter"][1].unpack_from(packet, _FIELD_STRUCTS["counter"][0])[0]
             )
             ahead = 1 if before is None else (counter - before) % (1 << 32)
+            # UDP may repeat and reorder packets: one from before is left out.
             if 0 < ahead < 1 << 31:
                 before = counter
                 yield self._sample(packet, moment - began, counter, ahead - 1)

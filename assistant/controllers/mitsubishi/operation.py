@@ -212,6 +212,7 @@ def scratch(session: Session, doing: str) -> Iterator[int]:
                 try:
                     yield slot
                 finally:
+                    # The joint override outlives the statement: back to its initial value.
                     _quietly(session, "EXECJOVRD M_NJOVRD", slot)
         finally:
             if not before and session.connected:
@@ -245,6 +246,7 @@ def borrowed(controller: object, names: Iterable[str]) -> Iterator[None]:
         yield
     except BaseException:
         if before is not None:
+            # The first error tells more than a failure to tidy up after it.
             with suppress(Refused):
                 before.put_back()
         raise
@@ -293,6 +295,8 @@ class BorrowedState:
             for name, value in self._shared.items():
                 command, doing = f"EXEC2={name}={value}", f"setting {name} back"
                 session.ask(command, doing=doing, slot=session.edit_slot, shape=BARE_ANSWER)
+            # A slot that could not be cleared still has the
+            # program open, which cannot be deleted then.
             selected_now = set(self._selected().values())
             for name in self._new:
                 if name not in selected_now:

@@ -86,6 +86,7 @@ def statement_form(statement: str) -> str:
 
 def rounded_values(text: str) -> str:
     """A bracketed list of numbers with two decimals each; flags in the second stay whole."""
+    # Flags after the bracket are whole numbers and keep their digits.
     head, bracket, flags = re.sub(r"[ \t]+", "", text).partition(")")
     return _DECIMAL_NUMBER.sub(_rounded, head) + bracket + flags
 
@@ -95,6 +96,7 @@ def _rounded(number: re.Match[str]) -> str:
         value = Decimal(number[0]).quantize(_DECIMALS, ROUND_HALF_EVEN)
     except InvalidOperation:  # more digits than any robot has millimetres
         return number[0]
+    # A value that rounds to 0 may carry a minus sign, which a controller does not list.
     return f"{value + 0 if value else Decimal('0.00'):+.2f}"
 
 
@@ -150,6 +152,7 @@ def directory(session: Session) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
     told: set[str] = set()
     text = session.ask("PDIRTOP", doing=doing).text
     for index in range(1, _MOST_PROGRAMS):
+        # An entry that comes twice: the list would never end.
         if text in told:
             session.garbled(doing, text)
         told.add(text)
@@ -212,11 +215,13 @@ def listed(session: Session, name: str) -> bytes:
 def write(session: Session, name: str, data: bytes) -> None:
     """Replaces the program; its lines are all looked at before the first is sent."""
     checked_name(name)
+    # Everything is checked before NEW: a refused line must not leave half a program behind.
     most = _room(session)
     parcels = list(_parcels(_checked_lines(name, data, most), most))
     state = f"`{name}` there is as it was"
     doing = f"writing `{name}`"
     with editing(session, name, doing, state):
+        # ECLR empties the edit slot; the program itself changes at SAVE only.
         session.ask("ECLR", doing=doing, state=state, slot=session.edit_slot, shape=BARE_ANSWER)
         for parcel in parcels:
             _send(session, name, parcel, doing, state)
@@ -395,6 +400,7 @@ def _parcels(lines: list[ProgramLine], most: int) -> Iterator[list[ProgramLine]]
     parcel: list[ProgramLine] = []
     size = 0
     for line in lines:
+        # One byte for the separator before each line but the first.
         size += len(line.text) + bool(parcel)
         if parcel and size > most:
             yield parcel

@@ -59,6 +59,7 @@ class CrError:
 def cr_error(number: int) -> CrError:
     """Return the meaning of an error number; never fails."""
     digits = f"{number:04}"
+    # A row ending in `n` stands for the errors of all axes or units; an exact number comes first.
     rows = (_error_table().get(digits), _error_table().get(f"{digits[:-1]}n"))
     level, text, cure = next((row for row in rows if row is not None), ("", "", ""))
     words = text.replace("{n}", digits[-1]) or _ERROR_FAMILIES.get(number // 1000, "an error")
@@ -108,6 +109,7 @@ class About:
 
 def about(text: str) -> About:
     """Parse the answer to OPEN=; missing fields stay empty."""
+    # The field may be missing or empty on older controllers, which have eight slots.
     fields = dict(enumerate(text.split(";")))
     slots = fields.get(15, "").strip()
     return About(
@@ -213,6 +215,7 @@ class Session:
             return self._once(f"1;{slot};{command}", doing, state, shape)
 
         answer = once()
+        # Refused although this session holds the right: taking it again would change nothing.
         if answer.number != _NO_RIGHT or self.has_right:
             return answer
         with self.scope():
@@ -226,6 +229,7 @@ class Session:
         try:
             yield
         except BaseException as caught:
+            # Before the right goes back: `_leave` does so at the outermost scope only.
             self._depth -= 1
             self._leave(caught)
             raise
@@ -246,6 +250,7 @@ class Session:
         """Context with a connection: a new one if the present one is gone, closed again at the
         end.
         """
+        # A connection that is there stays open for whoever uses the session next.
         if self._link.connected:
             yield
             return
@@ -297,6 +302,7 @@ class Session:
 
         There half a command of an earlier connection may stand before it, or a late answer.
         """
+        # On a line without connections, bytes of an earlier session may still be under way.
         doing = "opening a session"
         serial = self.address.port == 0
         for left in reversed(range(_HELLOS if serial else 1)):
@@ -309,6 +315,7 @@ class Session:
                     raise
                 self._link.open(timeout)  # which forgets what has come
                 continue
+            # A late answer of an earlier session has no robot, or the real one follows it.
             if not serial or (
                 about(answer.text).robot and self._link.stays_quiet(_QUIET_AFTER_HELLO)
             ):
@@ -341,6 +348,7 @@ class Session:
         if reason is not None:
             earlier = caught.findings if isinstance(caught, Refused) else ()
             place = str(self.address)
+            # An earlier error is reported together with the right that could not be given back.
             raise rules.Lost(
                 *earlier, rules.RIGHT_HELD(place=place, address=place, reason=reason)
             ) from caught
@@ -355,6 +363,8 @@ class Session:
             self._link.open(self.timeout)
             self._hello(self.timeout)
             while True:
+                # The old connection may hold the right until the
+                # controller notices its end: look repeatedly.
                 left = max(_RIGHT_POLL, end - time.monotonic())
                 self._link.ask("1;1;CNTLOFF", doing=doing, state=UNCHANGED, timeout=left)
                 told = self._link.ask("1;1;DSTATE", doing=doing, state=UNCHANGED, timeout=left)

@@ -121,6 +121,7 @@ def faults(session: Session) -> tuple[Fault, ...]:
 def fault(number: int, level: str = "", text: str = "") -> Fault:
     """An error by its number; level: 1 high, 2 low, 3 caution, as the controller tells it."""
     known = cr_error(number)
+    # The controller's own level comes first; the table helps where it tells none.
     mild = level == _CAUTION or (not level and known.level == "C")
     kind: Literal["error", "warning"] = "warning" if mild else "error"
     return Fault(number, text or known.text, kind, known.cure)
@@ -205,6 +206,7 @@ def _parse_shown(session: Session, command: str) -> Shown:
     """Parse the answer to JPOSF, PPOSF and the like."""
     doing = "asking where the arm is"
     answer = session.ask(command, doing=doing)
+    # Two semicolons part the axes from the flags.
     axes, separator, rest = answer.text.partition(";;")
     fields = axes.split(";")
     names, values = fields[::2], fields[1::2]
@@ -237,6 +239,7 @@ def pose(session: Session) -> Shown:
 def position(session: Session) -> Position:
     """Joints and pose, of two answers: of an arm that moves they are not of the same moment."""
     axes, place = joints(session), pose(session)
+    # An axis may be missing between others: the columns stay aligned.
     last = max((int(name[1:]) for name in axes.values), default=0)  # one may be left out between
     return Position(
         joints=tuple(axes.values.get(f"J{n}") for n in range(1, last + 1)),

@@ -78,6 +78,7 @@ class Reachability(Generic[S]):
         """For each statement and the end of a list why it is not reached, empty where it is."""
         found = [""]
         for statement in body:
+            # A label that jumps lead to makes the code below it reachable again.
             if found[-1] and self.entered(statement):
                 found[-1] = ""
             found.append(found[-1] or self.leaves(statement))
@@ -107,6 +108,7 @@ class Subroutines:
             for place in places:
                 before.setdefault(place, []).append(at)
         ends = (at for at in self.graph.after if at != EXIT and [*self.returns(at)])
+        # Backwards from the lines that return.
         self.leaving = reachable(ends, lambda at: before.get(at, ()))
 
     def endless(self) -> Iterator[int]:
@@ -139,6 +141,7 @@ class Subroutines:
 
     def _from(self, subs: Iterable[int]) -> dict[int, int]:
         """The places that some subroutines come to, each with the first of them that does."""
+        # EXIT counts as found, so that the search ends there.
         found: dict[int, int] = {EXIT: EXIT}
         for sub in subs:
             left = [sub]

@@ -93,6 +93,7 @@ class LineFormat:
         start = self.start(text, span)
         end = last = start
         for token in self.token.finditer(text, start, min(span.end, start + self.longest)):
+            # Only the first line of an item that takes several.
             if last != start and "\n" in text[last : token.start()]:
                 break
             last = token.end()

@@ -120,6 +120,7 @@ class Follower(Generic[N]):
         """Turns the lines since the last table into columns."""
         if self._lines:
             items, kinds, follows, points, postures, turning = zip(*self._lines, strict=True)
+            # (n, 3, 3): end, via and start of each move, three coordinates each.
             n, at = len(items), np.array(points).reshape(-1, 3, 3)
             self._parts.append(
                 Moves(
@@ -146,6 +147,7 @@ class Follower(Generic[N]):
             column.name: np.concatenate([getattr(part, column.name) for part in self._parts])
             for column in fields(Moves)[2:]
         }
+        # Rows of items count on from one part to the next.
         begins = np.cumsum([0, *(len(part.items) for part in self._parts[:-1])])
         return Moves(
             tuple(item for part in self._parts for item in part.items),

@@ -67,6 +67,7 @@ class Symbols(Generic[N]):
 
     def row(self, name: str) -> Declaration[N] | None:
         """The row that declares a name."""
+        # Columns of names hold ASCII only.
         stem, number = split_name(name) if name.isascii() and self._rows else (b"", 0)
         for numbers, declared in self._rows.get(stem.lower(), ()):
             if (numbers == number).any():
@@ -140,6 +141,7 @@ def repeated_rows(columns: Sequence[Names], scopes: Sequence[int] = ()) -> list[
     scopes: of each column; only rows of one scope are compared.
     """
     lowered = [Names(tuple(t.lower() for t in n.stems), n.stem, n.number) for n in columns]
+    # Sorted by scope and name, repeated names are neighbours; the sort keeps the order of rows.
     names = Names.joined(lowered)
     owner = np.repeat(np.arange(len(columns)), [len(column) for column in columns])
     row = np.concatenate([np.empty(0, np.intp), *(np.arange(len(column)) for column in columns)])
@@ -187,11 +189,13 @@ class Keyed(Generic[K, T]):
     def of(pairs: Iterable[tuple[K | None, T]]) -> Keyed[K, T]:
         """pairs: None for a key that is not known."""
         listed = list(pairs)
+        # Backwards, so that the first of each key stays.
         known = {key: thing for key, thing in reversed(listed) if key is not None}
         return Keyed(known, any(key is None for key, _ in listed))
 
     def without(self, others: Keyed[K, T]) -> Iterator[tuple[K, T]]:
         """Those that certainly have no counterpart among others."""
+        # A key that is not known may be that of any of them.
         if not others.unsure:
             yield from ((k, thing) for k, thing in self.first.items() if k not in others.first)
 
@@ -245,6 +249,7 @@ def typing_distance(one: str, other: str, most: int) -> int:
             if i > 1 and j > 1 and a == other[j - 2] and one[i - 2] == b:
                 cost = min(cost, last[j - 2] + 1)
             row.append(cost)
+        # No later row has a smaller distance than the least of this one.
         if min(row) > most:
             return most + 1
     return row[-1]

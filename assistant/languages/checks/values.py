@@ -59,6 +59,7 @@ class Operators:
         """
         if left is None or right is None or left.dimensions or right.dimensions:
             return None
+        # Each operand may be of several types: the result is sure if what is possible is one kind.
         pairs = product(self.types(left.type), self.types(right.type))
         found = {self.made.get((operator, *pair)) for pair in pairs} - {None}
         kinds = (type for type in (left.type, right.type, *found) if type)
@@ -80,10 +81,12 @@ class Operators:
         if given is None or wanted is None:
             return True
         dimensions = {given.dimensions, wanted.dimensions}
+        # -1 stands for an array of any dimensions, which a single value never fits.
         if len(dimensions) > 1 and (0 in dimensions or -1 not in dimensions):
             return False
         if given.type == wanted.type:
             return True
+        # An integer literal, say, may be of several types: one in common is enough.
         types = self.types(given.type)
         if read:
             types |= self.copied.get(given.type, frozenset())

@@ -173,6 +173,7 @@ class MelfaBasic(Language["File"]):
         from assistant.languages.melfa_basic.text.layout import lay_out
 
         if tree.items is not tree.parsed:
+            # A changed tree is read again, so that its lines have places in its new text.
             tree = self.parse(replace(tree.source or SourceText(""), text=self.render(tree)))
         return self.render(tree) if has_errors(tree.findings) else lay_out(tree)
 
@@ -185,6 +186,7 @@ class MelfaBasic(Language["File"]):
         """True if two trees are equal; a line in a table equals the same line outside it."""
         from assistant.languages.melfa_basic.tree.line_tables import gathered
 
+        # Tables may be cut in other places, so both trees are gathered anew.
         return tree == other or (
             tree.dialect == other.dialect
             and tuple(gathered(tree.items)) == tuple(gathered(other.items))
@@ -329,6 +331,7 @@ class MelfaBasic(Language["File"]):
 
         path = PurePath((tree.source and tree.source.path) or "")
         stem = program_key(name.removesuffix(".prg")).lower()
+        # A program may call `SUB` where the folder has `SUB.MB5`.
         suffixes = dict.fromkeys((path.suffix.lower(), *(one.lower() for one in SUFFIXES)))
         return next((stem + one for one in suffixes if stem + one in there), None)
 

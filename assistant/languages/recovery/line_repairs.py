@@ -167,6 +167,7 @@ def _correct_words(
     here = [stop.word] if stop.word.type == "NAME" else []
     for word in reversed([word for word in (*read, *here) if word.type in syntax.names]):
         written = word.text
+        # A word of the language that fitted is spelled well.
         if written.upper() in syntax.keywords and word is not stop.word:
             continue
         if (size := syntax.parted(written)) is not None:
@@ -174,6 +175,7 @@ def _correct_words(
             parted, cure = f"{written[:size]} {written[size:]}", "write a blank between the two"
             yield Edit(word.start, word.end, parted, what, cure, NEAR)
         known = syntax.words
+        # At the error only words that would fit are meant.
         if word is stop.word:
             known = [w for w, types in syntax.keywords.items() if fitting & set(types)]
         for near in spelled_like(written, known, 3, _ALIKE):
@@ -205,6 +207,7 @@ def _insert_word(
 ) -> Iterator[Edit]:
     """A word put in before the one that does not fit."""
     at, word = stop.word.start, stop.word
+    # At the end of the code the word follows the last one directly.
     behind = len(text[:at].rstrip()) if word.type in (END, *syntax.comments) else at
     for terminal, (written, named, cure, cost) in syntax.missing.items():
         if terminal in fitting and not (terminal == "EQUALS" and "=" in text[:at]):
@@ -277,6 +280,7 @@ class LineReader:
         line = _ChangedLine(source.text[start:end], start)
         findings: list[Diagnostic] = []
         while len(findings) < _MOST_FINDINGS and len(line.text) <= _LONGEST:
+            # Changes shift offsets: nodes and findings refer to the text of the source.
             read = self._read(line.text, self.syntax.nodes(line.place))
             if not isinstance(read, Stop):
                 return read, tuple(findings)
@@ -314,6 +318,7 @@ class LineReader:
         best: tuple[int, Edit] | None = None
         _, code, _ = self.syntax.parts(text, 0, len(text))
         for edit in _line_candidates(self.syntax, text, code, stop, read, fitting):
+            # No candidate costs less than its own change, so dearer ones need no reading.
             if best is not None and edit.cost >= best[0]:
                 continue
             cost = self._cost(line, edit, stop)
@@ -328,8 +333,11 @@ class LineReader:
         again = self._read(text, self.syntax.nodes(None), words)
         if not isinstance(again, Stop):
             return edit.cost
+        # The number of words after the error that are read.
         before = len(line.text) - stop.word.start
         ahead = sum(len(text) - word.end < before for word in words)
+        # The change does not help if it only drops the rest, or if reading stops no later than
+        # before.
         if edit.end == len(line.text) or len(text) - again.word.start >= before:
             return None
         return None if ahead < _AHEAD and edit.cost > 1 else edit.cost + _PARTLY
@@ -381,6 +389,7 @@ class _ChangedLine:
 
     def place(self, offset: int) -> int:
         """Offset in the source."""
+        # The last change first: each is counted in the text that the ones before it had made.
         for edit in reversed(self.edits):
             if offset >= edit.start + len(edit.text):
                 offset += edit.end - edit.start - len(edit.text)

@@ -192,6 +192,7 @@ class Wording:
                 break
         kind = "outside" if broken.at_file_level and repair.kind in _OUTSIDE else repair.kind
         types = repair.what.split()
+        # If a number fits as well as a name, any value does.
         if types == ["NAME"] and "NUMBER" in broken.accepted():
             types = [broken.syntax.value]
         brackets = types == ["LPAR", "RPAR"]

@@ -111,6 +111,7 @@ class _Reading:
         stop = text.find(";", at)
         line = text.find("\n", at)
         code = blocks.half.comment.sub("", text[at:stop])
+        # The head goes on in the next line without the word that ends it.
         if 0 <= line < stop and blocks.half.word not in code.lower():
             begin, end = self.short.offset(at), self.short.offset(line)
             self._kept.append(HalfBlock(begin, end, self._stack.kept()))
@@ -119,6 +120,7 @@ class _Reading:
         type, said, short_at, _ = wrong
         syntax, stack = self.reader.syntax, self._stack
         first = syntax.runs.get(type, ())
+        # A table of rows was read as one word, where only its single rows would fit.
         if any(self._tables.after(stack.states, (t,)) is not None for t in first):
             raise _InTheWay(number_of(said))
         at = len(self.text) if type == END else self.short.offset(short_at)
@@ -138,6 +140,7 @@ class _Reading:
             tuple(self._kept),
             self._outline,
         )
+        # After the last finding the rest of the text is left out.
         full = len(self.findings) >= MOST_FINDINGS
         repair = broken.rest_left_out() if full else best_repair(broken)
         self._say(broken, repair, full=full)
@@ -150,8 +153,10 @@ class _Reading:
         states, types = self._stack.states, self._tables.types(self._stack.states)
         blocks = self.reader.syntax.blocks
         base = len(types)
+        # Back to where a whole statement, item or unit may begin.
         while base and not blocks.starts & self._tables.rows[states[base]].keys():
             base -= 1
+            # A clause begins a part of a block: nothing before it belongs to the statement.
             if types[base] in blocks.clauses:
                 break
         return base, next((begin for begin in self._begins()[base:] if begin >= 0), at)
@@ -200,6 +205,7 @@ class _Reading:
                 place = before
         line = self.text.find("\n", place)
         ends = len(self.text) if line < 0 else line
+        # Errors on the same line mostly follow from this one, so they are not reported.
         self._quiet_until = max(ends, go_on)
 
     def _behind_alike(self, broken: Broken, repair: Repair) -> int:

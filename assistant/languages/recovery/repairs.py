@@ -196,6 +196,7 @@ def _insert_forgotten_then(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     half = b.syntax.blocks.half
     if b.word.type not in half.wanted or b.accepts(b.word.type) or not b.kept:
         return
+    # The head in the same column as the end is most likely the one that is half.
     far = column(b.text, b.word.start)
     alike = [k for k in b.kept if column(b.text, k.at) == far]
     kept = (alike or b.kept)[-1]
@@ -215,6 +216,7 @@ def _close_blocks(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     own = word.type in ends.values() and b.error == 0
     far = column(b.text, word.start)
     if own and openers:
+        # A wrong end in the column of its opener was meant for that block.
         right = ends[openers[-1][0]]
         same = openers[-1][1] >= 0 and far == column(b.text, openers[-1][1])
         mended = word._replace(type=right)
@@ -228,12 +230,14 @@ def _close_blocks(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     while open_now and len(closers) < _MOST_WORDS:
         type, _ = open_now.pop()
         closers.append(ends[type])
+        # Closing helps only if the parser reads on past the word that does not fit.
         if b.reach(b.base, closers, 0) <= b.error:
             continue
         named = openers[len(open_now) :]
         said = [t for t, begin in reversed(named) if begin >= 0]
         begins = [begin for _, begin in named if begin >= 0]
         place = b.syntax.layout.missing_end(b.text, begins, word.start)
+        # An end in the column of the block that stays open was meant for that one.
         matches = not own or any(
             begin >= 0 and column(b.text, begin) == far for _, begin in open_now[-1:]
         )
@@ -266,6 +270,7 @@ def _replace_braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         if following.type in blocks.clauses:
             repair = replace(repair, kind="delete", put=(), what="")
         yield repair, b.error + 1, 0
+    # The brace may be some words before the error that it causes.
     for row in range(b.error, max(b.error - _MOST_WORDS, -1), -1):
         brace = b.words[row]
         alone = row + 1 < len(b.words) and b.words[row + 1].first
@@ -300,6 +305,7 @@ def _correct_words(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Words of the language that were misspelt or written in two, and words said twice."""
     changes, closers = b.syntax.changes, b.syntax.blocks.ends.values()
     reserved = changes.reserved
+    # Words before the error as well: a misspelt word is often read as a name, and fails later.
     for row in range(max(0, b.error - _MOST_WORDS), min(b.error + 2, len(b.words))):
         word = b.words[row]
         ahead = b.words[row - 1] if row else None
@@ -559,12 +565,15 @@ def best_repair(broken: Broken) -> Repair:
     goal = _goal_row(broken)
     likely: list[tuple[int, int, Repair]] = []
     ends = broken.word.first or broken.word.type in broken.syntax.blocks.ends.values()
+    # By how sure a change is: the groups are asked in this order.
     sure, ended, last, rest = likely.copy(), likely.copy(), likely.copy(), likely.copy()
     for order, (repair, row, weight) in enumerate(_repair_candidates(broken)):
         put = [word.type for word in repair.put]
         reached = (
+            # The reach of a change of another stack is not known, and this change is sure.
             broken.reach(repair.keep, put, row) if repair.kept is None else goal + _WORDS_AHEAD
         )
+        # Beyond the next line all changes count alike, so that the order of candidates decides.
         ranked = (min(reached, goal + _WORDS_AHEAD), -order, repair)
         if reached > goal:
             (likely if weight < 2 else last).append(ranked)

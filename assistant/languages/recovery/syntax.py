@@ -71,6 +71,7 @@ class Scanner:
                 continue
             begin, end = match.span()
             yield Lexeme(type, match[0], begin, end, _begins_line(text, begin))
+        # Blanks and comments at the end of the text are not part of it.
         end = _code_end(text, start) if end < 0 else end
         yield Lexeme(END, "", end, end, True)
 
@@ -148,6 +149,7 @@ class Layout:
         if not begins:
             return self.code_end(text, at)
         open_blocks: list[tuple[int, str]] = []
+        # Depths at which some line is deeper than its opener: only there indentation is reliable.
         indented: set[int] = set()
         for start, far, word, rest in _code_lines(text, begins[0], at):
             if open_blocks and far > open_blocks[-1][0]:
@@ -158,11 +160,13 @@ class Layout:
                     indented.discard(len(open_blocks))
                     open_blocks.pop()
                     continue
+                # The end of an outer block, in its column, while an inner one is open.
                 if (far, closed) in open_blocks and len(open_blocks) in indented:
                     return self.code_end(text, start)
                 while open_blocks and open_blocks.pop()[1] != closed:
                     pass
                 continue
+            # A line as far out as the opener shows that the block has ended above.
             outside = open_blocks and far <= open_blocks[-1][0] and len(open_blocks) in indented
             if outside and word not in self.clauses:
                 return self.code_end(text, start)

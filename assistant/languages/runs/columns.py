@@ -20,6 +20,7 @@ from assistant.base.columns import Chosen, Decimal, Integer, Piece
 
 MOST_DIGITS: Final = 15
 """Digits of a running number; of longer ones the digits stay with the stem."""
+# A number without leading zeros, so that stem and number give the name back.
 _NUMBER: Final = re.compile(r"(?<![0-9])(?:0|[1-9][0-9]*)\Z", re.ASCII)
 
 
@@ -49,6 +50,7 @@ class Names:
         """(n,) whether each name is that of the other column."""
         if not len(self):
             return np.empty(0, dtype=bool)
+        # The stems are few: compare each pair of them once, then look up the pair of each row.
         same = np.array([[a == b for b in other.stems] for a in self.stems], dtype=bool)
         found: Truths = same[self.stem, other.stem] & (self.number == other.number)
         return found
@@ -123,6 +125,7 @@ class NameIndex:
         self._order = np.lexsort((names.number, names.stem))
         self._numbers = names.number[self._order]
         stems = names.stem[self._order]
+        # The first sorted row of each stem.
         bounds = np.searchsorted(stems, np.arange(len(names.stems) + 1))
         self._slices: dict[bytes, list[slice]] = {}
         for at, stem in enumerate(names.stems):
@@ -153,6 +156,7 @@ def sorted_rows(known: Ints, wanted: Ints) -> Rows:
     """Return the row of each number among sorted ones, -1 for a number that is missing there."""
     if not len(known):
         return np.full(len(wanted), -1, dtype=np.intp)
+    # `searchsorted` gives the length for numbers beyond the last one.
     at = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
     return np.where(known[at] == wanted, at, -1)
 

@@ -28,6 +28,7 @@ class Stretch(NamedTuple):
 
 def path_kinds(arcs: Truths, plain: NDArray[np.integer]) -> NDArray[np.uint8]:
     """Return (rows,) a `Kind` each; an arc has two rows. plain: (n,) of moves that are not arcs."""
+    # The row at which each move ends; rows between are those that arcs go through.
     ends = np.cumsum(1 + arcs) - 1
     kinds = np.full(int(ends[-1]) + 1 if len(ends) else 0, Kind.VIA, dtype=np.uint8)
     kinds[ends] = np.where(arcs, Kind.END, plain)
@@ -50,6 +51,7 @@ def settings_of_parts(
 
     motion: of a part, by its place, and of its joint moves or of the others.
     """
+    # Two numbers for each part: its joint moves and its others have different settings.
     ways = [2 * at + (part != Kind.JOINT) for at, part in enumerate(kinds)]
     used, index = np.unique(np.concatenate(ways), return_inverse=True)
     return setting_columns([motion(way // 2, way % 2 == 0) for way in used.tolist()], index)
@@ -59,6 +61,7 @@ def setting_codes(path: Path) -> Ints:
     """(n,) a number for the settings of each row: rows with the same settings have the same."""
     code = np.zeros(len(path), dtype=np.int64)
     for name in _SETTINGS:
+        # The rows of all tables as digits of one number.
         code = code * len(getattr(path, name + "s")) + getattr(path, name)
     return code
 
@@ -109,6 +112,7 @@ class PathRows:
         self.names = ends
         if arcs.any():
             through = self.kinds == Kind.VIA
+            # Ends and vias in one column: the via of a move is that many rows further on.
             self.names = Names.joined([ends, vias]).rows(self.moves + len(ends) * through)
 
     def stretches(self, alone: Truths) -> Iterator[Stretch]:

@@ -54,6 +54,7 @@ def stretches(
     try:
         node = read(stretch.encode("ascii"))
     except ValueError:
+        # Rows handed out for the attempt are free again.
         store.taken = before
         middle = text.find("\n", start + (end - start) // 2, end - 1) + 1
         if middle > start:
@@ -71,6 +72,7 @@ def line_spans(data: bytes, end: bytes, *, ended: bool) -> Rows:
     text = np.frombuffer(data, dtype=np.uint8)
     ends = np.flatnonzero(text == end[0])
     starts = np.concatenate([[0], ends[:-1] + 1])
+    # Blanks in front of all rows at once, a column of characters each turn.
     while (blank := text[starts] <= _BLANK).any():
         starts += blank
     while not ended and (blank := text[ends - 1] <= _BLANK).any():
@@ -104,6 +106,7 @@ class Marks:
         mark_at = np.flatnonzero(signs != _POINT)
         before = mark_at - 1  # of the very first mark the last one, which is no point
         pointed = signs.take(before) == _POINT
+        # Each point has to be the one before a mark.
         if np.count_nonzero(pointed) + len(mark_at) != len(at):
             raise ValueError("a number has two points")
         self.signs, self.offsets = signs.take(mark_at), at.take(mark_at)
@@ -161,6 +164,7 @@ class NameWords:
         letters = fields.view(np.uint8).reshape(n, width)
         filled = letters != 0
         digit = (letters >= _ZERO) & (letters <= _NINE)
+        # Digits up to the end of each name: from the right, as long as there is nothing else.
         tail = np.logical_and.accumulate((digit | ~filled)[:, ::-1], axis=1)[:, ::-1] & filled
         count = tail.sum(axis=1)
         # leading zeros, and more digits than an integer holds, stay with the stem
@@ -208,9 +212,11 @@ def entries(
 
 def _distinct(values: NDArray[np.bytes_]) -> tuple[NDArray[np.int32], list[bytes]]:
     """Index of each value in the list of different ones, in order of first appearance."""
+    # Equal neighbours count once, which leaves few values to sort.
     change = np.concatenate([[True], values[1:] != values[:-1]])
     firsts = values[change]
     table, first, inverse = np.unique(firsts, return_index=True, return_inverse=True)
+    # `unique` sorts by value; the table keeps the order of appearance.
     order = np.argsort(first)
     rank = np.empty(len(table), dtype=np.int32)
     rank[order] = np.arange(len(table), dtype=np.int32)
@@ -314,6 +320,7 @@ class FewestDecimals:
 
     def pieces(self, values: Floats) -> list[Piece]:
         """A column (n,) of numbers."""
+        # A column of one value is printed once.
         if len(values) > 1 and (values == values[0]).all():
             return [rows_text(self.pieces(values[:1]), 1)]
         large = np.abs(values) >= _MOST_DECIMALS

@@ -196,6 +196,7 @@ class LaidOutLine:
         """Gives the line a comment. before: what stood before that on its line."""
         before = before.expandtabs(TAB)
         self.comment = comment
+        # At least one blank separates a comment from the code.
         self.column, self.gap = len(before), max(len(before) - len(before.rstrip()), 1)
 
 
@@ -217,6 +218,7 @@ def align_comments(
 
 
 def _columns(lines: Sequence[LaidOutLine], fits: Callable[[str], bool] | None) -> list[str]:
+    # The column that the longest code leaves room for, as near as one of the comments was.
     column = max(len(line.code) for line in lines) + min(line.gap for line in lines)
     texts = [line.lead + line.code.ljust(column) + line.comment for line in lines]
     if fits is None or all(map(fits, texts)):
@@ -357,6 +359,7 @@ class Cutter:
         seen = self._significant(read, start)
         at = next(seen)
         word = read[at].text.lower()
+        # A word such as LOCAL precedes the one that determines the kind.
         if word in self.scopes:
             at = next(seen, at)
             word = read[at].text.lower()

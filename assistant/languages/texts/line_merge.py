@@ -64,6 +64,7 @@ class LineMerger(abc.ABC):
                 found += self._of_line(item, at, -1)
             elif isinstance(item, self.table):
                 if len(item) > _MOST_ROWS:
+                    # A long table is compared as a whole, whatever its step numbers are.
                     key = f"table {hash(item.said({'steps'}))}"
                     bare = with_steps(item.rows(slice(None)), np.zeros_like(steps_of(item)))
                     found.append(Entry(key, self.table, None, at, -1, "", bare))
@@ -86,6 +87,7 @@ class LineMerger(abc.ABC):
         them, and settings that the lines state once are stated again after a changed one or not.
         """
         here, old, new = map(self.entries, (items, before, after))
+        # A file without a heading does not get one by a merge.
         if not any(entry.key.startswith(self.header[0]) for entry in here):
             old, new = map(self._headless, (old, new))
         place = tree_merge.matched_entries(old, here)
@@ -234,11 +236,13 @@ class DataMerger(abc.ABC):
         done: set[str] = set()
         for item in items:
             if isinstance(item, self.table):
+                # A table without such rows comes back as it is, and nothing is gathered.
                 lines = list(self._apart(item, old.keys() | new.keys()))
                 untouched = lines[0] is item
                 made += lines if untouched else self.gathered(self._changed(lines, old, new, done))
             else:
                 made += self._changed([item], old, new, done)
+        # A line that changed in the built program has no counterpart here.
         if (old.keys() & new.keys()) - done:
             return None
         return made + [line for name, line in new.items() if name not in done]
@@ -257,6 +261,7 @@ class DataMerger(abc.ABC):
                 ]:
                     whole = joined_runs(tables)
                     at = rows_of(getattr(whole, self.number), getattr(item, self.number))
+                    # Only rows that differ become lines: a table has thousands that do not.
                     item = item.rows(~whole.equal(at, item))
                 found += self.rows_as_lines(item)
             elif isinstance(item, self.line):

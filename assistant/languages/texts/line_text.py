@@ -110,6 +110,7 @@ def _changed_line(parts: _Parts, old: Line, new: Line, language: Code) -> str:
     if new.number != old.number:
         number = "" if new.number is None else str(new.number)
         indent = parts.indent
+        # A number that appears or disappears takes the blank after it along.
         if old.number is None:
             indent = " " + indent
         elif new.number is None:
@@ -138,6 +139,7 @@ def _changed_code(text: str, old: Any, new: Any, language: Code) -> str:
         return after
     before, here = language.words(language.printed(old)), language.words(text)
     edited = _edited_words(text, here, before, after, language.words(after), language.key)
+    # Edits of words may change the meaning of the line; then it is printed as a whole.
     return after if edited is None or not language.says(edited, new) else edited
 
 
@@ -154,6 +156,7 @@ def _edited_words(
     here: words of the text. after, new: the new line as it is printed, and its words. key: key by
     which words are compared. None if a changed part is not in the text as it is printed.
     """
+    # Which word of the text each word of the printed old line is.
     place: dict[int, int] = {}
     mine, theirs = ([key(word) for word in listed] for listed in (old, here))
     for block in SequenceMatcher(None, mine, theirs, autojunk=False).get_matching_blocks():
@@ -163,6 +166,7 @@ def _edited_words(
     for step, i1, i2, j1, j2 in steps.get_opcodes():
         if step == "equal":
             continue
+        # An insertion follows the word before it, which has to be in the text as well.
         first = i1 if i1 < i2 else i1 - 1
         if not all(at in place for at in (*range(i1, i2), first) if at >= 0):
             return None
@@ -180,6 +184,7 @@ def _edited_words(
             edits.append((start, end, put))
         else:
             return None
+    # From the last to the first, so that the offsets of those in front stay right.
     for start, end, put in reversed(edits):
         text = text[:start] + put + text[end:]
     return text
@@ -202,6 +207,7 @@ class _Indentation:
         """The blanks in front of a new line's code, as they are written around."""
         known = [one for one in self._known if one <= level]
         if not known:
+            # One blank after the step number, besides the indentation.
             return " " * (1 + INDENT * level)
         nearest = max(known)
         return self._known[nearest] + " " * (INDENT * (level - nearest))
@@ -341,7 +347,9 @@ def merged_run_text(
     if kept.all():
         return _gather_pieces(lines.text, lines.starts[at], lines.ends[at])
     printed = _RunLines.of(fresh(new.rows(~kept)))
+    # The two texts are joined: offsets of printed lines count from the end of the old text.
     base = len(lines.text)
+    # A line of which only the number changed has two pieces: its new number and its old rest.
     starts, ends = np.zeros((2, len(new), 2 if moved.any() else 1), dtype=np.int64)
     starts[kept, 0], ends[kept, 0] = lines.starts[at[kept]], lines.ends[at[kept]]
     starts[~kept, 0], ends[~kept, 0] = printed.starts + base, printed.ends + base
@@ -358,6 +366,7 @@ def _gather_pieces(text: bytes, starts: Ints, ends: Ints) -> str:
     for first in range(0, len(starts), _SEGMENTS):
         part = slice(first, first + _SEGMENTS)
         lengths = ends[part] - starts[part]
+        # Each byte of the result has an offset in the text: the shift of its piece plus its place.
         shifts = starts[part] - np.cumsum(lengths) + lengths
         index = np.repeat(shifts, lengths) + np.arange(lengths.sum())
         parts.append(letters[index].tobytes())
@@ -394,6 +403,7 @@ class _FileChanges:
             if at not in kept and (rows := lines.as_data(item)) is not None
         ]
         self._indents = _Indentation()
+        # The first line of each level counts, until a later one shows otherwise.
         for item, level in zip(old, self._levels(old), strict=True):
             if level not in self._indents:
                 self._note(item, self._source(item), level)
@@ -456,6 +466,7 @@ class _FileChanges:
         old, text = joined_runs([rows for rows, _ in fitting]), "".join(text for _, text in fitting)
         steps = isinstance(new, self._lines.table)
         number = "steps" if steps else self._lines.number
+        # With the same number of rows only the steps changed; otherwise steps identify the rows.
         if steps and len(old) == len(new):
             at = np.arange(len(new))
         else:

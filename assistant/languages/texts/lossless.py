@@ -82,6 +82,7 @@ class Original:
     def locate(self, pieces: list[Piece], extent: Extent) -> bool:
         """Locate the pieces in the source; False if their words are not the source's words."""
         at, waiting, first = extent.start, [], True
+        # The words before a block, or before the end, have to be those of the source up to there.
         for piece in [*pieces, None]:
             children = piece.what.children if piece and isinstance(piece.what, Block) else None
             if piece is not None and children is None:
@@ -105,6 +106,7 @@ class Original:
                 if children:
                     at = self.extent(children[-1]).end
                 waiting, first = [], False
+        # A block reaches from the word before it to the word after it.
         at = extent.start
         for piece, following in zip(pieces, [*pieces[1:], None], strict=True):
             if isinstance(piece.what, Block):
@@ -148,6 +150,7 @@ def render(source: SourceText, old: Any, new: Any, layout: Layout) -> str:
 class _Writer:
     def __init__(self, source: SourceText, layout: Layout) -> None:
         self._source, self._layout = Original(source, layout), layout
+        # New lines are indented as the first indented line of the source is.
         step = re.search(r"^[ \t]+(?=[^\s])", source.text, re.MULTILINE)
         self._step = step[0] if step else layout.indent
         self._spread: list[Spread] = []  # which keeps those nodes alive
@@ -165,6 +168,7 @@ class _Writer:
             sketches = self._layout.sketch(old), self._layout.sketch(new)
             if equal_sketches(*sketches):
                 return kept
+            # Long nodes are printed anew: comparing their words takes quadratic time.
             if sum(len(p) for s in sketches for p in s if isinstance(p, str)) < 8 * MOST_WORDS:
                 before, after = (pieces_of(self._layout, s) for s in sketches)
                 text = self._merged(before, after, extent) if before else None
@@ -189,6 +193,7 @@ class _Writer:
         for kind, i1, i2, j1, j2 in differences(before, after):
             removed, inserted = before[i1:i2], after[j1:j2]
             words = all(isinstance(p.what, str) for p in [*removed, *inserted])
+            # Words that take each other's place one by one leave the text between them as it is.
             if kind == "equal" or (len(removed) == len(inserted) and words):
                 for had, has in zip(removed, inserted, strict=True):
                     out.append(self._source.text[at : had.start])
@@ -207,6 +212,7 @@ class _Writer:
             out += self._replaced(removed, inserted, Extent(at, stop), following, base, newline)
             at = stop
         out.append(self._source.text[at : extent.end])
+        # If the words were not located, only blocks were exchanged: there are no words to compare.
         return _joined(out) if not located or self._says(out, after) else None
 
     def _replaced(
@@ -219,6 +225,8 @@ class _Writer:
         newline: str,
     ) -> Iterator[str | Piece]:
         """New pieces in place of old ones. room: from the last piece that stays to the next."""
+        # The gaps before, between and after the old pieces hold blanks, and comments that have to
+        # stay.
         marks = [room.start, *(at for p in removed for at in (p.start, p.end)), room.end]
         gaps = [self._source.text[a:b] for a, b in zip(marks[::2], marks[1::2], strict=True)]
         first, last = gaps[0] if removed else "", gaps[-1]
@@ -228,6 +236,7 @@ class _Writer:
             yield from (g for g in (first if self._layout.noted(first) else "", notes) if g)
             if self._layout.noted(last) or self._layout.noted(first) or notes:
                 yield last
+            # One of the two gaps that meet is enough.
             elif not (begins and not following) and not ends:
                 by_length = sorted((first, last), key=len)
                 yield by_length[1] if following else by_length[0]
@@ -276,6 +285,7 @@ class _Writer:
         if old.children is new.children or old.children == new.children:
             return self._source.text[room.start : room.end]
         entries = _Entries(self, room, base, base + self._step * new.depth)
+        # Equal ends are most of a long list, and cost no comparison.
         head, tail = common_ends(old.children, new.children)
         middle_old = old.children[head : len(old.children) - tail]
         middle_new = new.children[head : len(new.children) - tail]
@@ -415,6 +425,7 @@ class _Entries:
             return "".join([first, *(g for g in gaps[1:-1] if g.strip()), last])
         if _LINE_END in first and _LINE_END in last:
             return first[: first.rindex(_LINE_END) + 1] + last[last.index(_LINE_END) + 1 :]
+        # A line end counts more than any number of blanks.
         return max((first, last), key=lambda gap: (_LINE_END in gap, len(gap)))
 
     def _mended(self, gap: str, before: Any, after: Any, put: bool, newline: str) -> str:
@@ -499,6 +510,8 @@ class RunLayout(printed_trees.Layout):
         places = self._row_places(text, old, len(had))
         if places is None:
             return None
+        # With the same number of rows, those that differ are exchanged; otherwise all between the
+        # equal ends.
         if len(had) == len(has):
             differ = [k for k, (a, b) in enumerate(zip(had, has, strict=True)) if a != b]
             stretches = [(k, k + 1, k, k + 1) for k in differ]
@@ -572,6 +585,7 @@ class RunLayout(printed_trees.Layout):
         data = np.frombuffer(inner.encode("ascii"), dtype=np.uint8)
         ends = np.flatnonzero(data == ord(self.row_end)) + 1
         starts = np.concatenate([[0], ends[:-1]])
+        # Blanks in front of all rows at once, a column of characters each turn.
         while (blank := data[starts] <= ord(" ")).any():
             starts += blank
         return np.stack([starts, ends], axis=1) + place.start

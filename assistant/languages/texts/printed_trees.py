@@ -72,6 +72,7 @@ def aligned(
 
 def _rising(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     """The longest choice of the pairs whose second numbers rise."""
+    # ends: the least last number of a chain of each length; chosen: the pair that it ends with.
     ends: list[int] = []
     chosen: list[int] = []
     before: list[int] = []
@@ -102,6 +103,7 @@ def _unpaired_stretches(
 
 
 def _equal(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[int, int]]:
+    # Equal ends first: the comparison of the rest takes quadratic time.
     most = min(len(old), len(new))
     head = tail = 0
     while head < most and old[head] == new[head]:
@@ -118,6 +120,7 @@ def _equal(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[int, int]]:
 
 
 def _alike(old: Sequence[Any], new: Sequence[Any]) -> Iterator[tuple[int, int]]:
+    # The same number of nodes is paired in order, by the next step.
     if len(old) == len(new) or len(old) * len(new) > _MOST_RELATED:
         return
     at = 0
@@ -144,6 +147,7 @@ def _likeness(a: object, b: object) -> int:
             mine, other = getattr(a, field.name), getattr(b, field.name)
             if isinstance(mine, np.ndarray):
                 count += np.array_equal(mine, other)
+            # Tuples of nodes are alike if they share a node; comparing them in full is expensive.
             elif mine and isinstance(mine, tuple) and isinstance(other, tuple):
                 count += not {id(x) for x in mine}.isdisjoint(id(x) for x in other)
             else:
@@ -278,6 +282,7 @@ def name_blocks(before: list[Piece], after: list[Piece]) -> None:
     for piece in [*before, *after]:
         piece.key = piece.what if isinstance(piece.what, str) else id(piece)
     had, has = ([p for p in pieces if isinstance(p.what, Block)] for pieces in (before, after))
+    # The same number of blocks is paired in order.
     if len(had) == len(has):
         pairs = list(zip(had, has, strict=True))
     else:
@@ -425,11 +430,13 @@ class Templates:
 
 
 def _text_part(parts: Sequence[str | Part], optional: bool) -> Part:
+    # A text with `%s` for each field is filled in one step; other percent signs are doubled.
     form = "".join(p.replace("%", "%%") if isinstance(p, str) else "%s" for p in parts)
     says = [part for part in parts if not isinstance(part, str)]
     if optional:
 
         def whole(node: Any) -> str | None:
+            # One field without a text leaves the whole part out.
             said = tuple([say(node) for say in says])
             return None if None in said else form % said
 

@@ -103,6 +103,7 @@ class Edits:
             if at is not None:
                 self.replaced[at] = now
                 last = at
+            # Behind what was replaced last, so that the new entries keep their order.
             elif now is not None:
                 gap = self._gap(change.first, change.stop) if last is None else last + 1
                 if gap is None:
@@ -120,6 +121,7 @@ class Edits:
         for setting in said - {None}:
             following = range(change.stop, len(old))
             at = next((k for k in following if old[k].setting == setting), None)
+            # The setting is stated here, or the change itself states it again.
             if at is None or at in changed or at in self.place:
                 continue
             gap = self._gap(at, at + 1, forward=True)

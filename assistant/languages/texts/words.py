@@ -43,6 +43,7 @@ def wrapped_text(text: str, most: int, mark: str) -> list[str]:
     if _utf8_size(text) <= most:
         return [text]
     parts, line = list[str](), ""
+    # Each word keeps the blank after it, so that the joined parts are the text again.
     for piece in re.split(r"(?<= )", text):
         for part in piece if _utf8_size(piece) > most - _utf8_size(mark) else [piece]:
             if _utf8_size(line + part) > most:

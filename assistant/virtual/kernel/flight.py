@@ -105,6 +105,7 @@ def _goals_of(motions: Sequence[Moved], start: Floats, robot: Robot, strict: boo
         override=np.ones(count),
         acceleration=column([h.acceleration for h in how]),
         deceleration=column([h.deceleration for h in how]),
+        # A via point is passed on the arc, without a corner.
         entry=np.where(kinds == Kind.VIA, np.inf, column([m.blend for m in motions])),
         leaving=column(behind),
     )
@@ -120,6 +121,7 @@ def _set_times(
     speeds: tuple[Floats, Floats],
 ) -> None:
     """The speeds of motions that state how long they are to take."""
+    # The start counts as a row before the first, so that each difference is one motion.
     p, q = (np.concatenate([one, end]) for one, end in zip(rows.tip_at(start), tips, strict=True))
     lengths, turns = norms(np.diff(p, axis=0)), rotations.angle_between(q[:-1], q[1:])
     vias = np.flatnonzero(rows.kinds[: len(of)] == Kind.VIA)
@@ -132,6 +134,7 @@ def _set_times(
             own = of == i
             for values, speed in zip((lengths, turns), speeds, strict=True):
                 way = float(values[own].sum())
+                # Without a way there is no speed to keep: the other quantity sets the time.
                 speed[own] = way / seconds if way > 0.0 else math.inf
 
 
@@ -154,6 +157,7 @@ class _GoalRows:
             kinds.append(_KIND_OF_MOVE[motion.kind])
             tools.setdefault(motion.tool, len(tools))
         self.of, self.kinds = np.array(of), np.array(kinds, dtype=np.uint8)
+        # The last row of each motion: an arc has two, its via point and its end.
         self.last = np.searchsorted(self.of, np.arange(len(motions)), side="right") - 1
         self.mounts = tuple(Mount(Tool(tip), Frame()) for tip in tools)
         mount = np.array([tools[motion.tool] for motion in motions], dtype=np.int32)
@@ -173,6 +177,7 @@ class _GoalRows:
         for row in np.flatnonzero(named):
             given = motions[self.of[row]].joints
             assert given is not None
+            # RAPID states six robot axes; a longer arm gets zeros for those that it does not name.
             own = robot.own_joints((*given, *(0.0,) * 6)[: max(6, len(given))])
             if len(own) == len(robot.axes):
                 joints[row] = own
@@ -197,14 +202,19 @@ class _GoalRows:
     def _nearest(self, joints: Floats, rows: Rows, branch: Rows, start: Floats) -> None:
         """Sets rows to the joints in a branch, -1 for any, that are nearest to those before."""
         robot = self.robot
+        # All branches at once: the solver works in columns, only the choice goes from row to row.
         solved, excess = robot.solve(self.p[rows], self.q[rows])
         found = np.ascontiguousarray(np.moveaxis(solved, (2, 1), (0, 1)))
         found[excess.T >= CLOSING] = np.nan
         found[(branch[:, None] >= 0) & (np.arange(robot.branches) != branch[:, None])] = np.nan
         for place, row in enumerate(rows):
+            # Each row begins where the one before ends, so
+            # that the choice cannot be made in columns.
             at = joints[row - 1] if row else start
-            if not np.isfinite(at).all():
+            if not np.isfinite(at).all():  # unreachable before: no row after it can be chosen
                 return
+            # An axis that turns several times: the turn
+            # nearest to where it is, if the limits allow it.
             near = at + robot.wound(found[place] - at)
             both = np.concatenate([near, found[place]])
             far = np.abs(both - at).max(axis=1)
@@ -212,6 +222,7 @@ class _GoalRows:
             best = int(far.argmin())
             if np.isfinite(far[best]):
                 joints[row] = both[best]
+        # A solution beside the target, as the solver gives for poses out of reach, is none.
         joints[rows[~robot.closes(joints[rows], self.p[rows], self.q[rows])]] = np.nan
 
     def _refusal(self, row: int, joints: Floats) -> Refusal:
@@ -222,12 +233,14 @@ class _GoalRows:
             return Refusal(index, "joints", robot.axes[int(past.argmax())])
         if not self.known[row]:
             return Refusal(index, "nowhere")
+        # Reached in another branch: the configuration refuses it, not the reach.
         found, valid = robot.ik(self.p[row : row + 1], self.q[row : row + 1])
         if valid.any():
             return Refusal(index, "configuration")
         near = found[0][np.isfinite(found[0]).all(axis=1)]
         if not len(near):
             return Refusal(index, "reach")
+        # Of all branches, the one that is closest to its limits names the axis.
         low, high = robot.limits.T
         past = np.maximum(low - near, near - high).max(axis=1)
         best = near[int(past.argmin())]
@@ -242,6 +255,7 @@ class _GoalRows:
         for index, mount in enumerate(self.mounts):
             rows = np.flatnonzero((self.mount[:count] == index) & self.known[:count])
             p[rows], q[rows] = from_flange(self.p[rows], self.q[rows], mount.tool, mount.frame)
+            # A motion to joints without a pose: the pose follows from the joints.
             rows = np.flatnonzero((self.mount[:count] == index) & ~self.known[:count])
             p[rows], q[rows] = mount.tip(self.robot, joints[rows])
         return p, q
@@ -380,7 +394,9 @@ class Flight:
         stops = np.array([order.stops for order in orders])
         going_on = going_on and self.refusal is None and not stops[-1]
         stops[-1] |= not going_on
+        # Where the arm stops, no corner is cut on either side.
         rests = last[stops]
+        # Copies: the moves are planned again when the next order follows.
         entry, leaving = self._moves.entry.copy(), self._moves.leaving.copy()
         entry[rests] = leaving[rests] = 0.0
         moves = replace(self._moves, entry=entry, leaving=leaving)
@@ -394,6 +410,7 @@ class Flight:
             begin = end
         times = plan.passing(places[last]), plan.passing(ends[last])
         first = 0.0 if start.speed is None else _time_at(plan, orders[0].end / 2.0)
+        # A continued flight begins in the middle of its first order: its first half is over.
         guessed = tuple(np.unique(np.searchsorted(last, plan.course.knots.guessed)).tolist())
         return Planned(plan, start.time - first, first, *times, moves.joints[last], guessed)
 
@@ -403,6 +420,7 @@ class Flight:
         new = self.orders[known:]
         if not new or self.refusal is not None:
             return
+        # Solved orders stay as they are: the next ones begin at their end.
         start = self.start.joints if self._moves is None else self._moves.joints[-1]
         motions = [order.moved for order in new]
         goals = _goals_of(motions, start, self.model.robot, self.model.strict)
@@ -416,6 +434,7 @@ class Flight:
 
     def begin(self, index: int, start: Start) -> None:
         """The orders before one of them are over."""
+        # Rows of an arc are two, so that orders and rows have to be counted apart.
         self.start, self.orders = start, self.orders[index:]
         if index >= len(self._last):
             self._moves, self._last = None, self._last[:0]
@@ -432,6 +451,7 @@ class Flight:
         if self.model.drive is not None:
             return self.model.drive
         masses = [order.moved.how.mass for order in self.orders]
+        # Masses that are unknown for one motion leave the load unknown for the flight.
         known = [mass for mass in masses if mass is not None]
         return drive_of(self.model.robot, load=max(known) if len(known) == len(masses) else None)
 
@@ -449,14 +469,17 @@ def _corner_borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
     first = np.concatenate([[0], np.maximum.accumulate(outside)])[at]
     cut = course.corner[at]
     places = np.where(cut, knots[first] - course.room[first], ends)
+    # The last motion's corner is not planned: its zone tells where it would begin.
     own = course.row == n - 1
     if own.any() and moves.entry[-1] > 0.0:
         length = float(course.knots.length[course.step[own]].sum())
         turn = float(course.knots.turn[course.step[own]].sum())
         zone = moves.entry[-1]
+        # A turn on the spot has no length; its zone counts in degrees.
         if not (length > NO_STEP and length > ON_THE_SPOT * turn):
             zone *= TURN_OF_ZONE
         whole = float(course.distance[own].sum())
+        # No corner takes more than half of its motion.
         places[-1] = ends[-1] - min(zone, whole / 2.0)
     return places, ends
 
@@ -476,6 +499,7 @@ def trigger_time(planned: Planned, order: Order, at: OnWay) -> float:
             when = _time_at(planned.plan, end - at.amount)
         case "share":
             when = _time_at(planned.plan, begin + (end - begin) * at.amount / 100.0)
+    # A trigger placed outside of the motion fires at its beginning or its end.
     return min(max(when - at.ahead, first), last)
 
 
@@ -498,6 +522,7 @@ def cut_plan(planned: Planned, orders: Sequence[Order], index: int) -> tuple[Leg
     seconds = _time_at(plan, (order.begin + order.end) / 2.0)
     speed = plan.place(seconds)[1]
     start = Start(planned.joints[index - 1], planned.began + seconds, speed)
+    # The joints before the cut order: the new flight plans that order again from its start.
     return planned.leg(seconds), start
 
 
@@ -511,6 +536,7 @@ def stopped_leg(
     at = int(np.searchsorted(planned.ends, gone + NO_TIME))
     stood = min(gone, float(planned.ends[-1]))
     rest = list(orders[at:])
+    # The rest of an arc needs another via point, since the stop may be behind the first one.
     if rest and rest[0].moved.via is not None:
         middle = (gone + float(planned.ends[at])) / 2.0
         p, q = robot.fk(plan.at(np.array([middle])).joints)

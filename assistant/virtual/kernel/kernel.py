@@ -33,6 +33,7 @@ class Timer:
     """An action at a time; it is left out if it is cancelled by then."""
 
     time: float
+    # Timers of the same time fire in the order in which they were set.
     number: int
     action: Callable[[], None] = field(compare=False)
     cancelled: bool = field(default=False, compare=False)
@@ -58,6 +59,7 @@ class _Timers:
         """Has those act whose time has come."""
         while self._heap and self._heap[0].time <= clock:
             timer = heapq.heappop(self._heap)
+            # A cancelled timer stays in the heap: removing it there would cost a search.
             if not timer.cancelled:
                 timer.action()
         self.due = self._heap[0].time if self._heap else math.inf
@@ -94,6 +96,7 @@ class Signals:
         before = self.read(name)
         self.values[name] = value
         if before != value:
+            # A copy: a listener may end itself.
             for listener in tuple(self.listeners):
                 listener(name, before, value)
 
@@ -315,6 +318,7 @@ class Kernel:
 
     def task(self, name: str, body: Body, lines: int = 1, essential: bool = True) -> Task:
         """A program that runs beside those that there are; it begins at its next turn."""
+        # The new task begins now, not when the program that runs ahead thinks it does.
         self.catch_up()
         made = Task(self, name, body, lines, essential)
         self.tasks.append(made)
@@ -330,6 +334,7 @@ class Kernel:
 
     def drop(self, task: Task) -> None:
         """Ends a task where it is, on behalf of another one."""
+        # The coroutine dies into its parent: into the caller, not into the kernel's loop.
         task.coroutine.parent = getcurrent()
         task.kill()
         task.ended = task.ended or Ending()
@@ -346,6 +351,7 @@ class Kernel:
     def halt(self, task: Task, ending: Ending) -> None:
         """Ends the run out of a task, between two statements; it does not come back."""
         self.end(ending, task)
+        # The task never gets another turn, so that no statement follows.
         self.hub.switch()
 
     def run(self) -> Run:
@@ -394,6 +400,8 @@ class Kernel:
         for task in tuple(self.tasks):
             if task.ended is not None:
                 continue
+            # The task returns to the greenlet that runs the
+            # kernel, whichever dropped or woke it before.
             task.coroutine.parent = self.hub
             task.coroutine.switch()
             if task.ended is not None:
@@ -401,16 +409,19 @@ class Kernel:
             went |= not task.waiting
             if self.ending is not None:
                 return
+        # Before the clock is allowed to advance: real time has to come up first.
         self._keep_pace_with_outside()
         if self.live is not None:
             if not went and not self.stirred and before == self.steps and self.ending is None:
                 self._advance()
+        # Only others are left: the run ends as soon as the arm stands.
         elif not any(task.essential for task in self.tasks):
             rest = self.motion.rest()
             if rest <= self.clock:
                 self.end(Ending())
             elif not went and not self.stirred and not self._advance(rest):
                 self.end(Ending("stopped", "the arm is held on its way"))
+        # No task ran a statement, began to wait or was interrupted: only time can help now.
         elif not went and not self.stirred and before == self.steps:
             if not self._helped() and not self._advance():
                 self._stuck()
@@ -448,6 +459,7 @@ class Kernel:
     def now(self) -> float:
         """Simulated seconds, including those of the arm's commanded motions."""
         self.clocked = self.steps
+        # Asking for the time ends the lead of a program over its arm.
         if self.motion.behind:
             self.catch_up()
         return self.clock
@@ -479,6 +491,8 @@ class Kernel:
         In a live run it ends the task alone, and raises Broken.
         """
         if self.live is not None:
+            # In a live run the arm's fault may come from
+            # another task's turn than the one it belongs to.
             if task.coroutine is not getcurrent() and task in self.tasks:
                 task.kill()
                 task.ended = ending
@@ -514,7 +528,7 @@ class Kernel:
             self._pass_to(self.clock)
         if self.clock >= self._timers.due:
             self._timers.fire(self.clock)
-            if self.ending is not None:
+            if self.ending is not None:  # a timer may have ended the run
                 self.hub.switch()
         if self.clock > self.most_time:
             self.halt(task, Ending("time", f"more than {self.most_time:g} s"))
@@ -525,6 +539,7 @@ class Kernel:
 
     def _pass_while_busy(self) -> None:
         """Another statement runs: time passes if it did not for many of them."""
+        # Time passed by itself: the program is not polling without end.
         if self.clock != self._moved or self.motion.behind:
             self._idle = 0
         elif self._idle < _BUSY:
@@ -540,6 +555,7 @@ class Kernel:
         following = min([self._timers.due, latest, *wakes])
         if self._since is not None:
             real, then = self._since
+            # Not later than real time: what comes from outside must not find the clock ahead of it.
             passed = max(self.clock + _SLICE, then + time.monotonic() - real)
             following = min(following, passed)
         if self.live is not None and self._looks_outside():

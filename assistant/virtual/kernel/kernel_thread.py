@@ -76,6 +76,7 @@ class Live:
         """Has a command carried out between two statements; gives what it gives, raises what it
         raises. Raises RuntimeError if the controller is off, TimeoutError if it never has time.
         """
+        # A command from the kernel's own thread would wait for itself.
         if threading.current_thread() is self._thread:
             return command(self.kernel)
         future: Future[T] = Future()
@@ -90,6 +91,8 @@ class Live:
             raise RuntimeError("the controller is off")
         self._commands.append(act)
         self._ring()
+        # The kernel may have ended between the check
+        # above and the append: nobody would carry it out.
         if self._over:
             with suppress(ValueError):  # unless it was carried out at the very end
                 self._commands.remove(act)
@@ -108,10 +111,14 @@ class Live:
 
     def attend(self) -> None:
         """Carries out what other threads have asked for."""
+        # Before the commands: one that is added meanwhile rings again and is not lost.
         self._bell.clear()
         while self._commands:
             self._commands.popleft()(self.kernel)
+            # A command may have changed what a task waits
+            # for: no time passes before they have looked.
             self.kernel.stirred = True
+        # Events are told already; the log of a controller that runs for days must not grow.
         if len(self.kernel.log) > _MOST_ROWS and self.kernel.motion.stands():
             self.kernel.forget()
 
@@ -121,6 +128,7 @@ class Live:
         """
         rest = (moment - self.now()) / self.rate
         if rest > 0.0 and self._bell.wait(None if math.isinf(rest) else rest):
+            # Woken by a command: only as much time has passed as really did.
             return max(clock, min(moment, self.now()))
         return max(clock, moment)
 
@@ -140,6 +148,7 @@ class Live:
         try:
             self.kernel = self._make()
             self.kernel.live = self
+            # The clock may begin later than 0: real time counts from where it is.
             self._began = time.monotonic() - self.kernel.clock / self.rate
         except BaseException as error:  # noqa: BLE001 - `start` raises it
             self._over = True
@@ -149,6 +158,8 @@ class Live:
         try:
             self.kernel.run()
         finally:
+            # Commands that came last get an answer: `attend`
+            # carries them out, or their caller waits in vain.
             self._over = True
             self.attend()
 
@@ -213,6 +224,7 @@ class Stepped(Live):
         """Until time may pass to a moment; True if another thread asks for something before."""
         with self._turn:
             while self.now() < moment:
+                # The bell is not cleared here: `attend` does it before it takes the commands.
                 if self._bell.is_set():
                     return True
                 self._until = moment
@@ -224,6 +236,7 @@ class Stepped(Live):
 
     def _stands(self) -> bool:
         """True if all allowed events and all requests are done."""
+        # The kernel has reached the allowed time only if it waits for a later moment.
         waits = self._until is not None and self._until > self._allowed
         return self._over or (waits and not self._bell.is_set() and not self._commands)
 
@@ -231,5 +244,6 @@ class Stepped(Live):
         try:
             super()._run()
         finally:
+            # `advance` may wait for a kernel that has ended by now.
             with self._turn:
                 self._turn.notify_all()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 def words_of(line: str) -> set[str]:
     """Words of a line of a program that may be names, in lower case; none of a text or comment."""
+    # A name within a text or comment is no place that the motion visits.
     code = re.split(r"[!']", re.sub(r'"[^"]*"', "", line), maxsplit=1)[0]
     return set(re.findall(r"[a-z_]\w*", code.lower()))
 
@@ -139,6 +140,7 @@ def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText]) -> lis
     inputs = kernel.board.inputs
 
     def put(name: str, value: float) -> None:
+        # Inputs that change each other would otherwise run on without end in no time.
         kernel.spend()
         if inputs.read(name) != value:
             given.append(InputChange(kernel.now, name, value, len(kernel.log)))
@@ -171,6 +173,8 @@ def follow(kernel: Kernel, script: Script, sources: Sequence[SourceText]) -> lis
             kernel.at(row.time + one.after, partial(change, one))
 
     if counts:
+        # A program that runs ahead of its arm would be
+        # past the motion when the script reacts to it.
         kernel.reacts = True
         kernel.told.append(hear)
     kernel.person.answers.extend(script.answers)
@@ -238,6 +242,7 @@ class Panel:
     def key(self, task: Task, keys: Sequence[int]) -> int:
         """Waits for one of some keys, counted from 1: the first one that is pressed."""
         names = {key: KEY.format(key) for key in keys}
+        # A key that is still pressed from the last question is no answer: let go first.
         task.wait(lambda: all(self.read(n) == 0.0 for n in names.values()), what="keys let go")
         while True:
             task.wait(lambda: any(self.read(n) == 1.0 for n in names.values()), what="a key")

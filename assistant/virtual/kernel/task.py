@@ -81,6 +81,7 @@ class Task:
         self.looks: Callable[[], None] | None = None
         self.sampling: float | None = None
         self.ended: Ending | None = None
+        # Made at once, started by its first turn: a task may be looked at before.
         self.coroutine = greenlet(self._run, kernel.hub)
         self.waits_for = ""
         self.outside = False
@@ -102,6 +103,7 @@ class Task:
         self._left -= 1
         if self._left <= 0:
             self._left = self.lines
+            # A single task need not give its turn away, which costs two switches of coroutine.
             if kernel.shared:
                 self._pause()
 
@@ -139,8 +141,10 @@ class Task:
         meanwhile.
         """
         end = math.inf if seconds is None else self.kernel.now + seconds
+        # `stirred` keeps time from passing in this round; the wait is due for a check at once.
         self.kernel.stirred, self.wakes = True, -math.inf
         while True:
+            # Interrupts may change what is waited for: they come before the check.
             self.interrupted()
             if self.looks is not None:
                 self.looks()
@@ -172,6 +176,7 @@ class Task:
         """Return when to check a wait again that only time may interrupt; it counts as a
         statement.
         """
+        # A check that is still to come is not counted anew.
         if self.wakes > self.kernel.now:
             return min(end, self.wakes)
         self.kernel.spend()
@@ -200,11 +205,13 @@ class Task:
             self.ended = broken.ending
         except Exception as error:
             # Nobody's program may take the whole controller down with it.
+            # A program that breaks the interpreter ends alone in a controller that lives on.
             if self.kernel.live is None or traceback_wanted():
                 raise
             self.ended = Ending("unknown", internal_error(error).message)
 
     def kill(self) -> None:
         """Ends it where it is."""
+        # greenlet ends a coroutine by raising GreenletExit in it.
         if self.coroutine and not self.coroutine.dead:
             self.coroutine.throw()

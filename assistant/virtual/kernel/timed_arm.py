@@ -112,10 +112,14 @@ class Timed:
 
     def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
         kernel = self.kernel = task.kernel
+        # Outputs on the way need times, so that the program cannot run ahead of the arm here.
         on_way = [change for change in changes if change.at is not None]
         alone = kernel.alone and not on_way and not self._held
+        # The program runs ahead as long as nothing can see
+        # it; planning many motions at once is cheaper.
         if self.behind and (not alone or self._is_far_ahead(kernel)):
             self.catch_up(kernel)
+        # A new motion may come too late for the corner of the one before, which is a stop then.
         if not self.behind:
             self._close(task)
             self._shorten()
@@ -124,6 +128,7 @@ class Timed:
         order.stops = moved.blend <= 0.0
         order.changes = [Change(change) for change in on_way]
         if not self._flight.orders:
+            # A flight begins when its first motion is commanded, not when the arm came to rest.
             self._rise(kernel)
         self._flight.orders.append(order)
         if alone:
@@ -153,6 +158,7 @@ class Timed:
     def _wait(self, task: Task, order: Order) -> None:
         """Until an order lets its program go on."""
         kernel = task.kernel
+        # Other motions change the plan, and with it the time of this one: then wait anew.
         while (left := order.release - kernel.clock) > NO_TIME:
             other = partial(order.is_changed, order.release)
             task.wait(other, None if math.isinf(left) else left, "the arm to go on")
@@ -172,6 +178,7 @@ class Timed:
             return
         last = self._flight.orders[-1]
         if not last.stops and kernel.clock - last.release > _NEVER_LATE:
+            # Too late for the corner: the arm has stopped at the target.
             self._pass(self._to_rest(), len(self._flight.orders) - 1)
             if "rapid" in self.robot.languages:
                 kernel.tell(task, Noted(_CORNER_PATH_FAILURE), last.place)
@@ -188,6 +195,7 @@ class Timed:
         if self._flight.refusal is not None:
             self._refuse(kernel, self._flight.refusal)
         elif kernel.clock > kernel.most_time:
+            # Rows after the longest time were only logged since the program ran ahead.
             while kernel.log and kernel.log[-1].time > kernel.most_time:
                 kernel.log.pop()
             kernel.fail(last.task, last.place, Ending("time", f"more than {kernel.most_time:g} s"))
@@ -202,6 +210,7 @@ class Timed:
         latest = made.began + made.first
         for i, order in enumerate(orders[: len(made.ends)]):
             if math.isfinite(order.release):
+                # Planned and waited for before: its time is a fact.
                 latest = max(latest, order.release)
                 continue
             follows = orders[i + 1] if i + 1 < len(orders) else None
@@ -209,10 +218,13 @@ class Timed:
             spent = (kernel.clock if follows is None else follows.clock) - order.clock
             order.release = made.began + float(made.releases[i])
             for row in log[order.row : rows]:
+                # The rows are as long after the motion as the
+                # program was when it ran ahead; never backwards.
                 row.time = latest = max(latest, order.release + row.time - order.clock)
             latest = max(latest, order.release + spent)
             if order.stops and spent > 0.0:
                 end = float(made.ends[i])
+                # The arm stood while the program went on: the rest of the plan shifts by that time.
                 self.legs.append(made.leg(end))
                 made = replace(made, began=made.began + spent, first=end)
         kernel.clock = latest
@@ -234,6 +246,7 @@ class Timed:
         """A long flight is planned from one of its latest orders on, which the others do not
         change any more.
         """
+        # Every new motion plans the flight again, which would cost the square of its length.
         made, orders = self._flying, self._flight.orders
         if made is None or self._held or self.kernel is None:
             return
@@ -241,6 +254,7 @@ class Timed:
         at = min(int(np.searchsorted(made.ends, over)), len(orders) - _FEW_ORDERS)
         if len(orders) > _MOST_ORDERS:
             at = max(at, len(orders) - _LEAST_ORDERS)
+        # Cutting costs a plan; only many motions that are over are worth it.
         if at >= _FEW_ORDERS:
             leg, start = cut_plan(made, orders, at)
             self.legs.append(leg)
@@ -276,6 +290,7 @@ class Timed:
         self._flying, self._braking = made, None
         self._note(kernel, made)
         for order, release in zip(self._flight.orders, made.releases.tolist(), strict=True):
+            # Times that are over are facts; a later motion cannot change them.
             if order.release > kernel.clock:
                 early = 0.0 if order.stops else self.ahead
                 order.release = max(made.began + release - early, kernel.clock)
@@ -293,6 +308,7 @@ class Timed:
         """Has an output set when the arm comes to its place."""
         if change.done:
             return
+        # The plan has changed: the output comes at another time than planned before.
         change.cancel()
         what = change.what
         assert what.at is not None
@@ -309,6 +325,7 @@ class Timed:
         assert self._flying is not None
         if self._flight.orders[-1].stops:
             return self._flying
+        # Made on demand: most flights are never looked at while another motion may still follow.
         if self._braking is None:
             self._braking = self._flight.planned(going_on=False)
             assert self._braking is not None
@@ -317,7 +334,9 @@ class Timed:
     def _refuse(self, kernel: Kernel, refusal: Refusal) -> None:
         """Ends the run where a motion cannot be made."""
         order = self._flight.orders[refusal.index]
+        # Events after a refused motion did not happen: the program ran ahead of the refusal.
         del kernel.log[order.row :]
+        # A live run goes on with the motions before the refused one.
         if kernel.live is not None:
             self._flight.leave_out(refusal.index)
         text = _refusal_message(refusal, self.robot, order.place)
@@ -368,6 +387,7 @@ class Timed:
         kernel = task.kernel
         self.hold(kernel)
         for order in self._flight.orders:
+            # The program does not wait for a motion that will not be made.
             order.release = min(order.release, kernel.clock)
         self._flight, self._held = Flight(self.model, self._flight.start), False
         return self.where()
@@ -394,6 +414,7 @@ class Timed:
         start = Start(joints, kernel.clock)
         for order in self._flight.orders:
             if order.release > kernel.clock:
+                # The program waits for these until the arm goes on.
                 order.release = math.inf
             for change in order.changes:
                 change.cancel()
@@ -429,6 +450,7 @@ class Timed:
         return legs
 
     def forget(self) -> None:
+        # The last leg tells where the arm is while it still comes to rest.
         del self.legs[:-1]
 
 
@@ -463,7 +485,9 @@ def track_of(motion: Timed, log: Sequence[Logged], seconds: float, period: float
 
     seconds: that the run took.
     """
+    # Too many samples of a long run would fill the memory: the period grows instead.
     period = max(period, seconds / _MOST_SAMPLES)
+    # 1e-9 absorbs rounding: 0.29 / 0.01 is 28.999999999999996 in floats, and 29 periods.
     t = np.arange(int(seconds / period + 1e-9) + 1, dtype=np.float64) * period
     legs = motion.done()
     begins = np.array([leg.begin for leg in legs])
@@ -481,6 +505,8 @@ def track_of(motion: Timed, log: Sequence[Logged], seconds: float, period: float
         )
         speed[rows] = np.where(inside < leg.last, found.speeds, 0.0)
     names, signals = _signal_samples(log, t)
+    # Both signs of a quaternion are the same turn:
+    # neighbours get the same one, to interpolate well.
     quaternion = rotations.unflipped(quaternion)
     return Track(t, position, quaternion, joints, speed, signals, names)
 
@@ -511,6 +537,7 @@ class CrArm(Timed):
         """Ends all motions where the arm is."""
         if self.kernel is not None:
             self.hold(self.kernel)
+            # Leading to where the arm is forgets the held motions, which a reset does not resume.
             self.lead(self.kernel, self.where()[1])
 
 

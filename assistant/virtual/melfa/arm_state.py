@@ -119,6 +119,7 @@ def _element_pair(
         if a is None and b is None:
             return None
         raise Unknown("a sum with an element that is not defined")
+    # An additional axis that one side does not have counts as 0.
     return a if b is None else combine(0.0, b)
 
 
@@ -219,6 +220,7 @@ class Arm:
     # ------------------------------------------------------------------------------- moving
 
     def at_position(self, flange: Pose, flags: tuple[int | None, int | None]) -> None:
+        # The joints are solved on demand.
         self.flange, self.flags, self.joints = flange, flags, None
 
     def at_joints(self, joints: tuple[float, ...]) -> None:
@@ -248,6 +250,7 @@ class Arm:
             raise Failed(2602, "the position exceeds the limits")
         six = [0.0] * max(6, len(found))
         for place, value in zip(self.robot.places, found, strict=True):
+            # Axes in the places where positions count them; others stay 0.
             six[place] = float(value)
         return tuple(six)
 
@@ -299,6 +302,7 @@ def arm_now(world: World) -> Arm:
     """The arm as it stands or flies at this moment."""
     motion = world.task.kernel.motion
     standing = None if motion.stands() else motion.where()
+    # No motion, or one without time: the arm is at its target.
     if standing is None:
         return world.arm
     found = replace(world.arm)

@@ -64,6 +64,7 @@ def _begin_wth(m: Machine, append: s.Append) -> list[Switched]:
         place = _trigger_place(m, condition)
     elif condition is not None and not holds(expressions.value(m, condition)):
         return []
+    # Outputs are collected instead of being set: the motion sets them on its way.
     m.world.held = []
     try:
         execute(m, append.statement)
@@ -104,6 +105,7 @@ def _watch_condition(m: Machine, append: s.Append, run: Callable[[], None]) -> N
     on_way = condition is not None and _reads_any(condition, interrupts.ON_WAY)
     if on_way and not timed:
         raise Unknown("where a motion is when it is broken off")
+    # The condition is met before the motion begins: `Skip` leaves it out, `Hlt` holds before it.
     if condition is None or (not on_way and holds(expressions.value(m, condition))):
         if word == "SKIP":
             motion.settle(world.task)
@@ -115,9 +117,11 @@ def _watch_condition(m: Machine, append: s.Append, run: Callable[[], None]) -> N
 
     def monitor() -> None:
         if holds(expressions.value(m, condition)):
+            # Only once: what happens may look at conditions again.
             world.monitor = None
             _act_on_condition(m, append.statement, word)
 
+    # Only a motion with `Skip` changes M_SkipCq.
     world.skipped = world.skipped and word != "SKIP"
     world.monitor = monitor if timed else None
     interrupts.attend(m, condition)
@@ -160,6 +164,7 @@ def _trigger_place(m: Machine, condition: s.Expression) -> OnWay:
     """Return the position on the path where a condition becomes true; raises Unknown for all but
     plain comparisons.
     """
+    # A path has no single place at which a value becomes different.
     if isinstance(condition, s.Binary) and "<>" not in condition.operator:
         compared = condition.operator[:1]
         sides = (
@@ -326,6 +331,7 @@ def _motion_event(
     speed = percent = None
     if kind == "joint":
         percent = held.override * held.joint_override / 100.0
+    # At the optimum speed the controller chooses how fast the arm is.
     elif held.speed != OPTIMUM:
         speed = held.override * held.speed / 100.0
     made: Moved = Moved(
@@ -341,6 +347,7 @@ def _motion_event(
         how=How(
             acceleration=held.acceleration[0] / 100.0,
             deceleration=held.acceleration[1] / 100.0,
+            # Without a tool nothing hangs on the flange; what a tool weighs is not known.
             mass=0.0 if arm.tip == IDENTITY else None,
         ),
         external=() if at is None else tuple(at.values[AXES:]),
@@ -394,6 +401,7 @@ def _round_other_side(m: Machine, node: s.Motion) -> None:
     start, end, reference = _three_positions(m, node)
     _to_start(m, start)
     a, b, c = (_tool_point(m, p) for p in (start, end, reference))
+    # From start through the reference to the end; from there on to the start is the other side.
     circle = circle_through(a, c, b)
     if circle is None:
         _straight(m, end)
@@ -434,6 +442,7 @@ def _whole_circle(m: Machine, node: s.Motion) -> None:
         raise Failed(2803, "the places of a circle")
     kept = arm_state.pose_of(start, m.world.arm.robot)
     half = arm_state.position_of(Pose(_tuple_of(c), kept.quaternion), start)
+    # An arc has an end apart from its start, so the circle is two arcs with a corner between them.
     _move_by_point(m, circle.middle(a, c), half, passing=_PASSING_SPEED)
     _move_by_point(m, circle.middle(c, a), start)
 
@@ -486,6 +495,7 @@ def _set_tool_statement(m: Machine, node: s.Expression) -> None:
 
 def choose_tool(m: Machine, number: int) -> None:
     """A tool by its number, as the parameters MEXTL1 and so on give it."""
+    # The positions of the program come before the options of the run, as its cell states them.
     kept = _parameter_position(m, f"MEXTL{number}")
     _set_tool(m.world.arm, kept or _numbered_frame(m.world.options.tools, number, "tool"), number)
 
@@ -560,12 +570,14 @@ def _change_turns(m: Machine, node: s.Expression, axis: s.Expression | None = No
         raise Failed(3910, "JRC 0 of an axis of the arm")
     m.world.stand()
     arm = m.world.arm
+    # Joints that are not solved yet would not get the turn.
     if arm.robot is not None and arm.flange is not None:
         arm.shown_joints()
     if arm.joints is not None:
         arm.joints = (*arm.joints[:5], arm.joints[5] + 360.0 * turns, *arm.joints[6:])
     one, two = arm.flags
     if two is not None:
+        # `&` binds weaker than `+`: the sum is taken first, then its four bits.
         nibble = (two >> _TURN_SHIFT & 15) + turns & 15
         arm.flags = (one, two & ~(15 << _TURN_SHIFT) | nibble << _TURN_SHIFT)
 

@@ -139,6 +139,7 @@ def _rows(file: s.File) -> Iterator[Row]:
             case MoveRows():
                 line = _code_line(file, item.span)
                 for at in range(len(item)):
+                    # Rows of moves are lines that follow each other.
                     here = line + at if line else 0
                     yield Row(_move_row(item, at), "", int(item.steps[at]), function, here)
             case s.Unread(text=text):
@@ -216,6 +217,7 @@ def _blocks(code: Code, open_: list[Block], at: int, statement: s.Statement | No
         block = open_.pop()
         block.end = at
         code.closed.setdefault(at, []).append(block)
+    # The rows that open and close a block are outside of it.
     code.inside.append(open_[-1] if open_ else None)
     if kind:
         block = Block(kind, at)
@@ -237,6 +239,7 @@ def _scopes(code: Code) -> None:
     marked: dict[str, Kind] = {}
     before = True
     for row in code.rows:
+        # Variables named before the first function belong to the program.
         before = before and not isinstance(row.statement, s.Function)
         scope = code.scopes[row.function] if row.function else code.main
         _declare_variables(code, scope, row.statement)
@@ -247,6 +250,7 @@ def _scopes(code: Code) -> None:
                 if before:
                     code.main.declared.add(node.key)
     code.main.declared.update(name for name, _, _ in code.data)
+    # A mark states the type for all parts of the program, unless a definition does.
     for scope in (code.main, *code.scopes.values()):
         for name, kind in {**marked, **code.main.kinds}.items():
             scope.kinds.setdefault(name, kind)

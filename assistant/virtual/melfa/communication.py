@@ -63,12 +63,14 @@ def _number_record(value: float, options: Options) -> str:
     if abs(value) >= _ALL_DIGITS:
         return f"{value:.0f}"
     made = f"{value:.{options.printed}g}"
+    # `g` turns to exponents for small numbers; `Print #` writes none.
     return made if "e" not in made else f"{value:.12f}".rstrip("0").rstrip(".")
 
 
 def _bracket_text(values: Elements, options: Options) -> str:
     """Elements up to the last one that is defined."""
     count = max((i + 1 for i, v in enumerate(values) if v is not None), default=0)
+    # Adding 0.0 makes 0.0 of -0.0.
     made = ("" if v is None else f"{v + 0.0:.{options.places}f}" for v in values[:count])
     return f"({','.join(made)})"
 
@@ -80,6 +82,7 @@ def _padded_text(text: str, width: int) -> str:
 
 # ------------------------------------------------------------------------------------ reading
 
+# Up to the next comma that is not inside brackets.
 _ITEM: Final = re.compile(r"(?:\([^()]*\)|[^,()])*")
 _POSITION_ITEM: Final = re.compile(r"\s*\(([^()]*)\)\s*(?:\(([^()]*)\))?\s*")
 
@@ -170,6 +173,7 @@ class Channel:
         self._buffer += self.line.receive().decode("latin-1")
         while _RECORD_END in self._buffer:
             one, self._buffer = self._buffer.split(_RECORD_END, 1)
+            # The line feed after the carriage return of the line before.
             one = one.removeprefix("\n")
             if self.prefixed and not one.startswith(_PREFIX):
                 continue  # a command to the controller, none of whose programs reads it
@@ -265,6 +269,7 @@ def _print_record(m: Machine, node: s.Print) -> None:
             made = _padded_text(made, options.columns)
         if item is not None:
             made += _record_text(expressions.value(m, item), options)
+    # Columns count from the beginning of the line, of which a part was sent before.
     new = made[len(channel.unfinished) :] + ("" if goes_on else _RECORD_END)
     channel.unfinished = made if goes_on else ""
     line = channel.line

@@ -143,6 +143,7 @@ class Stream:
             return b""
         except OSError:
             data = b""
+        # Reading nothing means that the other end has closed.
         if not data:
             self._gone()
         return data
@@ -150,6 +151,7 @@ class Stream:
     def _flush(self) -> None:
         while self._unsent and self.connected():
             try:
+                # The rest stays for the next attempt.
                 del self._unsent[: self._write(bytes(self._unsent))]
             except BlockingIOError:
                 return
@@ -179,6 +181,7 @@ class _Tcp(Stream):
         """Not any more once the other end has closed and all that it sent was taken."""
         if self._peer is not None:
             try:
+                # Peeking leaves the byte for the next read.
                 there = self._peer.recv(1, socket.MSG_PEEK) != b""
             except BlockingIOError:
                 there = True
@@ -225,6 +228,7 @@ class TcpServer(_Tcp):
         if super().connected():
             return True
         if self._open:
+            # No client is there yet; one that came before `open` is served now.
             with suppress(BlockingIOError):
                 self._peer = self._server.accept()[0]
                 self._peer.setblocking(False)
@@ -274,6 +278,7 @@ class Serial(Stream):
         self._port: int | None = None
 
     def open(self) -> None:
+        # Not as the controlling terminal, and without waiting for a carrier or for data.
         port = os.open(self._path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         try:
             set_rate(port, self._rate)
@@ -324,6 +329,7 @@ class Descriptor(Stream):
 
     def _read(self) -> bytes:
         data = os.read(self._descriptor, _AT_ONCE)
+        # A pseudo terminal without data is not closed: clients come and go.
         if not data:
             raise BlockingIOError
         return data
@@ -380,6 +386,7 @@ class Terminal:
 
 def _link(link: Path, target: str) -> None:
     """Replaces a link to a terminal that is gone; raises OSError for anything else there."""
+    # Only a link that leads nowhere, or to this very terminal, is replaced.
     if link.is_symlink() and (not link.exists() or str(link.readlink()) == target):
         link.unlink()
     try:
@@ -435,8 +442,10 @@ def set_rate(port: int, rate: Rate) -> None:
         settings[2] = flags | (termios.CSTOPB if rate.stops == 2 else 0)
         settings[4] = settings[5] = baud
         termios.tcsetattr(port, termios.TCSANOW, settings)
+    # This error is no OSError, which callers handle.
     except termios.error as error:
         raise OSError(*error.args) from None
+    # The system has no such rate.
     except AttributeError as error:
         raise OSError(f"{error}") from None
 

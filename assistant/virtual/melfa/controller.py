@@ -138,12 +138,15 @@ class Slot:
         controller, world = self.controller, self.world
         assert world is not None
         paused = arm_state.pause_arm(world, late=False)
+        # Remember whose motion is paused: the arm is free for other slots meanwhile.
         controller.paused = self if paused else controller.paused
         had = controller.release(self)
+        # A slot that waits for its start does not keep the run from ending.
         self._held, self._stops, task.essential = True, False, False
         task.wait(lambda: not self._held, what=f"slot {self.number} waits for its start")
         task.essential = self.condition == "START"
         if had:
+            # Going on needs the arm, which another slot may have taken.
             controller.get(self, 1)
         if paused:
             if controller.paused is not self:
@@ -172,6 +175,7 @@ class Slot:
         machine = controller.machine(self.program, world)
         if machine is None:
             raise Failed(4140, f"there is no program {self.program}")
+        # Slot 1 has the arm from the beginning (COSIROP: GETM).
         if self.number == 1 and controller.owner is None:
             controller.get(self, 1)
         if self.first_line is not None:
@@ -181,6 +185,7 @@ class Slot:
             machine.run()
             if self.mode == "CYC":
                 return
+            # It would begin again for ever without giving other slots a turn.
             if controller.kernel.steps == before:
                 raise Failed(3286, f"the program {self.program} is empty")
 
@@ -358,6 +363,7 @@ class Controller:
             if self._made is not None:
                 self._made(name, self._machines[name])
         machine = self._machines[name]
+        # A program keeps its variables, but runs in the world of the slot that runs it now.
         if machine.world is not world:
             if machine in machine.world.running:
                 raise Failed(4180, f"the program {name} runs in another slot")
@@ -374,6 +380,7 @@ class Controller:
             raise Failed(3870, f"there is no mechanism {mechanism}")
         if self.owner is not None:
             raise Failed(3830, f"slot {self.owner.number} has mechanism {mechanism}")
+        # The new owner may move the arm, so a motion that is paused will not go on.
         if self.paused is not slot:
             self.end_motion(self.paused)
         self.owner = slot

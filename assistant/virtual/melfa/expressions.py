@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 def unary(sign: str, operand: Value) -> Value:
     if sign == "NOT":
+        # A truth turns as a whole, a number bit by bit.
         return not operand if isinstance(operand, bool) else ~whole(operand, "what NOT turns")
     if isinstance(operand, Position):
         return operand if sign == "+" else arm_state.scaled(operand, -1.0)
@@ -89,6 +90,7 @@ _EXACT_INTEGERS: Final = 1 << 53
 def _in_range(made: int | float) -> int | float:
     """A result in double precision; raises Unknown where that has no number for it."""
     if isinstance(made, int):
+        # The controller has double precision, which larger whole numbers do not fit into.
         return made if abs(made) < _EXACT_INTEGERS else float(made)
     if not math.isfinite(made):
         raise Unknown("a number that is not finite")
@@ -120,6 +122,7 @@ def _quotient(options: Options, left: float, right: float) -> int:
             )
         if options.quotients == "floor":
             return a // b
+    # Python rounds quotients down; this one goes to 0.
     return abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
 
 
@@ -146,6 +149,7 @@ def _shifted(options: Options, left: float, right: float, sign: int) -> int:
         raise open_point("a shift beyond fifteen bits", "bits")
     if bits is None:
         return a << b if sign > 0 else a >> b
+    # Fill with zeros, then take the bits that fit as a number with a sign.
     made = a % (1 << bits) << b if sign > 0 else a % (1 << bits) >> b
     half = 1 << (bits - 1)
     return (made + half) % (2 * half) - half
@@ -226,6 +230,7 @@ def value(m: Machine, node: s.Expression | None) -> Value:
             return variable(m, node)
         case s.Unary(operator=sign, operand=operand):
             return unary(sign.upper(), value(m, operand))
+        # The mask takes the sign bit away, so no option is needed to know what it means.
         case s.Binary(operator=sign, left=s.Variable() as read, right=s.Number(value=mask)) if (
             sign.upper() == "AND" and 0 <= mask < _SIGN_BIT and (low := _bits(m, read)) is not None
         ):

@@ -162,6 +162,7 @@ def _based_digits(options: Options, of: Value, base: str, count: Value | None = 
     given, wanted = whole(of), None if count is None else whole(count)
     if given < 0:
         bits = options.bits
+        # The last four digits are the same in 16 and in 32 bits.
         if bits is None and base == "X" and wanted is not None and wanted <= _SURE_DIGITS:
             bits = 16
         if bits is None:

@@ -68,6 +68,7 @@ class Interrupts:
 
     def look(self) -> None:
         """Runs what is due now."""
+        # Evaluating a condition may run statements, which check interrupts in turn.
         if self._looks:
             return
         while (due := self._due()) is not None:
@@ -75,6 +76,7 @@ class Interrupts:
 
     def _due(self) -> Act | None:
         """The first of those that may interrupt what runs."""
+        # A lower number may interrupt the subroutine of a higher one.
         rank = self._ranks[-1] if self._ranks else _NUMBERS.stop
         if rank > COM:
             for file in sorted(self.coms):
@@ -88,10 +90,12 @@ class Interrupts:
 
     def _holds(self, act: Act) -> bool:
         m, node = self._m, act.node
+        # Stop type `L` lets the motion come to its end first.
         if isinstance(node, s.DefAct) and node.stop == "L" and m.began and _moves(m):
             return False
         kernel = m.world.task.kernel
         self._looks = kernel.looking = True
+        # The condition names variables of the function that defines it.
         m.frames.append(act.frame)
         try:
             met = holds(expressions.value(m, act.condition))
@@ -125,6 +129,7 @@ class Interrupts:
         channel.pull()
         before, seen = self._seen.get(file, (channel, 0))
         seen = seen if before is channel else 0
+        # One interrupt for each line that comes.
         self._seen[file] = channel, min(seen + 1, channel.arrived)
         return channel.arrived > seen
 
@@ -222,6 +227,7 @@ def attend(m: Machine, *more: s.Expression | None) -> None:
     parts = [part for condition in conditions for part in nodes(condition)]
     asked = {part.key for part in parts if isinstance(part, s.Variable)}
     flies = bool(asked & ON_WAY) and task.kernel.motion.where() is not None
+    # Time changes the arm and the timers without any event, so look again in each cycle.
     task.sampling = _CYCLE if flies or "M_TIMER" in asked else None
     if known is not None or m.world.monitor is not None:
         task.looks = lambda: look(m.world)

@@ -131,6 +131,7 @@ class Machine:
 
     def go_on(self, until: Frame) -> None:
         """Runs until a frame is left; the last row of a program is its end."""
+        # Statements and machine need each other, so this import waits until it is used.
         from assistant.virtual.melfa.statements import execute
 
         self.nest += 1
@@ -138,6 +139,7 @@ class Machine:
             if self.at >= len(self.code.rows):
                 raise Ended
             self.here, self.began = self.at, False
+            # The next row unless the statement jumps.
             self.at += 1
             statement = self.code.rows[self.here].statement
             if statement is None:
@@ -152,6 +154,7 @@ class Machine:
 
     def _redirect(self, elsewhere: Redirected) -> None:
         """Goes on where an interrupt says, in the run of rows that it is of."""
+        # Runs of rows are nested calls: leave those inside the one that is meant.
         if elsewhere.nest != self.nest:
             self.nest -= 1
             raise elsewhere
@@ -159,6 +162,7 @@ class Machine:
 
     def interrupting(self, where: Frame) -> Frame:
         """The frame of an interrupt's subroutine: it has the variables of its definition."""
+        # It shares variables and loops, so that the interrupted lines find them changed.
         frame = Frame(where.function, where.memory, loops=where.loops, called_from=self.here)
         frame.interrupts = True
         self.frames.append(frame)
@@ -191,6 +195,7 @@ class Machine:
         frame = self.frame
         if not frame.function:
             return self.main
+        # Parameters and own variables first, then static ones, then those of the program.
         if name in frame.memory.places:
             return frame.memory
         scope = self.code.scopes[frame.function]
@@ -275,6 +280,7 @@ class Machine:
             name = parameter.name.upper()
             memory.places[name] = self._argument(parameter, argument, memory.scope)
         frame = Frame(node.key, memory, called_from=self.here)
+        # The function runs in the same machine, whose place is put back afterwards.
         back = self.here, self.at
         self.frames.append(frame)
         self.at = block.start + 1
@@ -325,11 +331,13 @@ class Machine:
             cell = memory.place(parameter.key)
             cell.set(expressions.value(self, argument))
         frame = self.frame
+        # The parameters hide variables of the same names while the expression is evaluated.
         names = {name: frame.memory.places.get(name) for name in memory.places}
         frame.memory.places.update(memory.places)
         try:
             found = expressions.value(self, definition.value)
         finally:
+            # Put the hidden variables back, also after an error.
             for name, before in names.items():
                 if before is None:
                     del frame.memory.places[name]
@@ -390,6 +398,7 @@ def _program_levels(machine: Machine) -> list[Level]:
         groups = _data_groups(machine, frame)
         for back in reversed(frame.back):
             found.append(Level("GoSub", machine.code.place(at), groups))
+            # The call is in the row before the one that it returns to.
             at = back - 1
         found.append(Level(frame.function or "Main", machine.code.place(at), groups))
         at = frame.called_from

@@ -145,6 +145,7 @@ def _read_option(hint: object, value: object) -> object | None:
         return _read_frames(value)
     for kind in _option_types(hint):
         if get_origin(kind) is Literal:
+            # `True == 1`, so the types have to agree as well.
             if any(value == one and type(value) is type(one) for one in get_args(kind)):
                 return value
         elif kind in (bool, int) and type(value) is kind and (value or kind is bool):

@@ -73,8 +73,10 @@ def circle_through(a: Floats, b: Floats, c: Floats) -> Circle | None:
     p, q = b - a, c - a
     normal = np.cross(p, q)
     size = float(np.linalg.norm(normal))
+    # Relative to the chords, so that the limit is the same for arcs of any size.
     if size <= _FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
         return None
+    # Centre of the circle, seen from a.
     to = (p @ p * np.cross(q, normal) + q @ q * np.cross(normal, p)) / (2.0 * size**2)
     return Circle(a + to, normal / size)
 
@@ -139,6 +141,7 @@ def _right_angle(angle: float) -> float:
     if abs(quarters - math.floor(quarters) - 0.5) < _HALF_TURN_LIMIT:
         raise Unknown(f"which right angle is nearest to {angle:g} degrees")
     near = 90.0 * round(quarters)
+    # Within half a turn; adding 0.0 makes 0.0 of -0.0.
     while abs(near) > 180.0:
         near -= math.copysign(360.0, near)
     return near + 0.0
@@ -205,6 +208,7 @@ def _in_capsule(_: World, value: Value, one: Value, other: Value, radius: Value)
     p, a, b = _point_of(value), _point_of(one), _point_of(other)
     along = b - a
     length = float(along @ along)
+    # The nearest point of the line, not beyond its ends.
     share = 0.0 if length == 0.0 else min(1.0, max(0.0, float((p - a) @ along) / length))
     return int(float(np.linalg.norm(p - a - share * along)) <= within)
 
@@ -263,6 +267,7 @@ def _is_reached(world: World, value: Value) -> int:
         raise Unknown("whether a constant is a position or joints")
     if isinstance(value, Joints):
         given = tuple(v for v in value.values if v is not None)
+        # Axes that the constant leaves out are 0.
         own = robot.own_joints((*given, *(0.0,) * 6)[: max(6, len(given))])
         return int(bool(robot.inside(np.array([own]))[0]))
     arm, wanted = Arm(robot), position(value)
@@ -308,6 +313,7 @@ def _with_posture(_: World, value: Value, letters: Value) -> Position:
 
 def _read_turns(_: World, value: Value, axis: Value) -> int:
     """RdFl2: four bits of each axis, with a sign."""
+    # Four bits with a sign: 8 to 15 are -8 to -1.
     nibble = _posture_flag(value, 1) >> _turn_shift(axis) & 15
     return nibble - 16 if nibble > 7 else nibble
 
@@ -483,8 +489,10 @@ def pallet_point(of: Grid | None, number: int, at: int) -> Position:
         return _arc_position(of, at)
     along, rows = of.counts
     row, column = divmod(at - 1, along)
+    # Every other row runs backwards.
     if of.direction == _ZIGZAG_PALLET and row % 2:
         column = along - 1 - column
+    # A single row or column has no step.
     i = column / (along - 1) if along > 1 else 0.0
     j = row / (rows - 1) if rows > 1 else 0.0
     place = tuple(_grid_mean(of, axis, i, j) for axis in range(3))

@@ -109,6 +109,7 @@ def begin_for(m: Machine, node: s.For) -> None:
     place, index = expressions.reference(m, node.variable)
     place.set(first, index)
     m.frame.loops[m.here] = Loop(last, step)
+    # A variable of whole numbers rounds what it is given, so the test reads it back.
     runs = _loop_continues(number(place.get(index)), last, step)
     m.took(0 if runs else 1)
     if not runs:
@@ -126,6 +127,7 @@ def _loop_bounds(m: Machine, node: s.For) -> tuple[float, float]:
 
 def next_turn(m: Machine, _: s.Next) -> None:
     """Count on and return to the first statement of the loop, or continue after it."""
+    # `Next M1,M2`: the outer loop counts on once the inner one is over.
     for closed in m.code.closed[m.here]:
         statement = m.code.rows[closed.start].statement
         assert isinstance(statement, s.For)
@@ -145,11 +147,13 @@ def _follow_bounds(m: Machine, node: s.For, loop: Loop) -> None:
     and they change.
     """
     way = m.world.options.bounds
+    # Bounds in plain numbers cannot change.
     if isinstance(node.last, s.Number) and (node.step is None or isinstance(node.step, s.Number)):
         return
     if way == "each":
         loop.last, loop.step = _loop_bounds(m, node)
     elif (
+        # Evaluating the bounds once more must have no effect, which a function may have.
         way is None
         and not _calls_function(m, node)
         and _loop_bounds(m, node) != (loop.last, loop.step)
@@ -252,6 +256,7 @@ _EXTERNAL_VARIABLES: Final = 3
 
 def _number_variables(m: Machine, external: bool) -> Iterator[Storage]:
     """Numeric variables that the program uses, or that all programs share."""
+    # By identity, as a program may be among those that it may call.
     machines = {id(x): x for x in (m, *m.programs.values())}.values() if external else (m,)
     for machine in machines:
         known = {*machine.code.signals, *machine.code.definitions, *machine.code.constants}
@@ -394,6 +399,7 @@ def _delay(m: Machine, node: s.Expression) -> None:
     seconds = float(expressions.plain(m, node, "the time"))
     if seconds < 0:
         raise out_of_range(f"a time of {seconds} seconds")
+    # The move before may have to end at its target, without its corner.
     m.world.stand()
     m.world.task.delay(seconds)
 
@@ -402,6 +408,7 @@ def _wait(m: Machine, node: s.Expression) -> None:
     """Wait for a condition; one with a timer is evaluated again and again, as the timer runs on."""
     task = m.world.task
     m.world.stand()
+    # Time alone may meet the condition, and the kernel has no event for that.
     if any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):
         since = task.kernel.now
         while not holds(expressions.value(m, node)):
@@ -504,6 +511,7 @@ def _assign(m: Machine, node: s.Assign) -> None:
         _assign_result(m, target, value)
     elif m.world.commands and f"{key}=" in m.world.commands:
         m.world.given(f"{key}=", (*expressions.values(m, target.arguments or ()), value))
+    # A function's own variable hides a name of the program or the controller.
     elif not m.is_own(key) and key in m.code.signals:
         first, width, mask = expressions.io_of(m, m.code.signals[key])
         _switch_signals(m, node, first, width, whole(value), mask)
@@ -559,6 +567,7 @@ def _switch_signals(
     seconds = float(expressions.plain(m, node.delay, "the time of a pulse"))
     if seconds < 0:
         raise out_of_range("the time of a pulse")
+    # The manuals do not state whether such an output is set back afterwards.
     if before == value:
         raise Unknown("a pulse of an output that is as it would be set")
     m.world.pulse(first, value, before, seconds)

@@ -138,6 +138,7 @@ def whole(value: Value, what: str = "the value") -> int:
         return given
     if not math.isfinite(given):
         raise Unknown(f"{what} is not finite")
+    # `round` would take halves to the even number.
     return math.floor(given + 0.5) if given >= 0 else math.ceil(given - 0.5)
 
 
@@ -188,6 +189,7 @@ def fitted(value: Value, kind: Kind, what: str, options: Options) -> Value:
         return rounded
     if options.overflow == "error":
         raise Failed(None, f"{rounded} does not fit into {what}")
+    # The bits that fit, as a number with a sign.
     return (rounded + bound) % (2 * bound) - bound
 
 

@@ -248,6 +248,7 @@ class World:
             return
         outputs = self.task.kernel.board.outputs
 
+        # The pulse begins as the motion sets the output, which its listener waits for.
         def begun(name: str, _: float, level: float) -> None:
             """The motion sets the output on its way."""
             if name == str(number) and level == value:
@@ -274,6 +275,7 @@ class World:
 
     def set_timer(self, number: int, value: float) -> None:
         self.timers[number] = self.clock - value
+        # Waits for a timer look again.
         if self.task.kernel.timed is not None:
             self.task.kernel.timed()
 

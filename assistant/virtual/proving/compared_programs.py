@@ -143,6 +143,7 @@ def _begin_rapid(side: Side, kernel: Kernel) -> None:
     if side.shared:
         kernel.kept = lambda: _held_in_rapid(controller, side.shared)
     there, loaded = _separate_loaded(side.trees)
+    # Files that a program loads are on the disk of the controller, not in its memory.
     for tree in loaded:
         name = _file_name(tree)
         controller.disk.path(name).write_text(tree.source.text, encoding="utf-8")
@@ -180,6 +181,7 @@ def _separate_loaded(trees: Sequence[Any]) -> tuple[tuple[Any, ...], list[Any]]:
     rapid = languages.get("rapid")
     called = (name for tree in trees if tree.modules for name in rapid.called_files(tree))
     names = {PurePath(name.replace("\\", "/")).name.lower() for name in called}
+    # The first tree is the entry, and is there from the start whatever loads it.
     loaded = [tree for tree in trees[1:] if tree.source and _file_name(tree).lower() in names]
     there = tuple(tree for tree in trees if not any(tree is one for one in loaded))
     return there, loaded
@@ -245,6 +247,7 @@ def _melfa_constants(text: str) -> Iterator[tuple[Pose, Printed]]:
 
     for written in re.findall(r"\(((?:[-+]?\d+\.\d+,){5}[-+]?\d+\.\d+)\)", text):
         numbers = written.split(",")
+        # A printed decimal is at most half a unit of its last digit away from the value.
         halves = [0.5 * 10.0 ** -len(number.partition(".")[2]) for number in numbers]
         pose = pose_of(Position(eight(tuple(map(float, numbers)))))
         yield pose, Printed(max(halves[:3]), sum(halves[3:]))
@@ -284,6 +287,7 @@ def with_equipment(family: str, tree: object, cell: Cell) -> tuple[SourceText, s
     source = getattr(tree, "source", None) or SourceText("")
     changes, found = _FAMILIES[family](tree, source.text, cell)
     text = source.text
+    # From the end to the start: earlier spans stay valid.
     for span, value in sorted(changes, key=lambda change: -change[0].start):
         text = text[: span.start] + value + text[span.end :]
     return replace(source, text=text), found
@@ -313,6 +317,8 @@ def _equip_rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set
     changes: list[Change] = []
     found: set[str] = set()
     for node in nodes(tree.parts if isinstance(tree, rapid.File) else ()):
+        # A unit that carries a work piece stands still in
+        # the other cell: its frame becomes a fixed one.
         stands = cell.standing.get(still_frame_name(carrying_unit(node)).lower())
         if stands is not None and isinstance(node, rapid.AggregateNode):
             values = zip(node.items[1:4], ("TRUE", '""', _listed_numbers(stands)), strict=True)
@@ -330,6 +336,7 @@ def _equip_rapid(tree: object, text: str, cell: Cell) -> tuple[list[Change], set
             for place, pose in given:
                 parts[place] = _listed_numbers(pose)
                 found.add(name)
+            # The value belongs before the semicolon, if the span holds it.
             end = node.span.end - text[node.span.start : node.span.end].endswith(";")
             changes.append((Span(end, end), f":=[{','.join(parts)}]"))
             continue
@@ -349,6 +356,7 @@ def _listed_numbers(pose: Pose) -> str:
 
 
 def _number_text(value: float) -> str:
+    # No exponent, which positions may not have; 12 decimals keep a quaternion exact enough.
     return f"{value:.12f}".rstrip("0").rstrip(".")
 
 
@@ -366,6 +374,7 @@ def _equip_melfa(tree: object, text: str, cell: Cell) -> tuple[list[Change], set
     for name in (*cell.tools, *cell.frames):
         own = short.get(name, f"P?{name}" if _TOOL_PARAMETER.fullmatch(name) else name)
         pose = cell.tools[name] if name in cell.tools else cell.frames[name].pose
+        # Base takes the robot as seen from the frame: the inverse of the frame's pose.
         if name not in cell.tools and re.search(rf"(?i)\bBase\s+{own}\b", text):
             pose = pose.inverse()
         values = ",".join(f"{v:+.9f}" for v in position_of(pose).values[:6] if v is not None)

@@ -222,10 +222,12 @@ class Driver(Mapping[str, float]):
         """Return the present value of an input, and count it as a reading."""
         self.reads.add(name)
         self._recent.append((name, Moment(self.beat, self.idles)))
+        # Readings since the last statement are those that a branch of this statement hangs on.
         if self.kernel.steps != self._step:
             self._step = self.kernel.steps
             self._here.clear()
         self._here[name] = Moment(self.beat, self.idles)
+        # Read for an interrupt, not by the program: no loop that waits for an answer.
         if self.kernel.looking:
             self.watched.setdefault(name, {})[Moment(self.beat)] = None
         elif self._asking:
@@ -250,6 +252,7 @@ class Driver(Mapping[str, float]):
             self._since = self.kernel.clock
         self._polled[place, name] = count = self._polled.get((place, name), 0) + 1
         if count == POLLS:
+            # All names that were read nearly as often belong to the same loop.
             again = [key for key, c in self._polled.items() if 2 * c >= POLLS]
             names = tuple(dict.fromkeys(name for _, name in again))
             if not self._idle(self.kernel.tasks[0], names, place, self._since):
@@ -263,6 +266,7 @@ class Driver(Mapping[str, float]):
         match row.what:
             case Moved() | Stopped():
                 self._next()
+            # Waits of no time and longest times differ between languages, and are no beats.
             case Waited(seconds=seconds, limit=False) if seconds > 0.0:
                 self._next()
             case Switched() | Waited(limit=True):
@@ -290,6 +294,7 @@ class Driver(Mapping[str, float]):
             iterations.append(here)
         if (file, at, way) not in self.taken:
             self.taken[file, at, way] = Taken((file, at, way), self.recent, here)
+        # Only a condition that shortly follows a reading of the time may hang on a timer.
         if self.kernel.steps - self.kernel.clocked <= _READ_BEFORE:
             self._evaluated((file, at), way)
 
@@ -300,6 +305,7 @@ class Driver(Mapping[str, float]):
         if way == before:
             self.timing[place] = since, way, count + 1
             self._hasten(kernel.tasks[0], since, count)
+        # A change after a few evaluations is a plain branch; after many it is the end of a wait.
         elif count >= _TIMED:
             self.ended_by_timer = True
             self._lasted(kernel.tasks[0], since, count)
@@ -315,6 +321,7 @@ class Driver(Mapping[str, float]):
         """Let time pass faster in a wait for a timer after many checks."""
         if count < _MANY_EVALUATIONS:
             return
+        # Longer the longer it lasts: a wait of hours ends after some hundreds of evaluations more.
         waited = self.kernel.clock - since
         if waited > LONG:
             self.kernel.halt(task, Ending("stopped", task.waits_for or NEVER))
@@ -336,6 +343,8 @@ class Driver(Mapping[str, float]):
     def _met(self, task: Task, until: Callable[[], bool]) -> None:
         place = task.where(), task.where() in self._waiting
         if place not in self.met:
+            # Evaluating the condition once more reads its
+            # inputs again, which is no reading of the program.
             before = self._recent.copy()
             moment = Moment(self.beat, self.idles)
             self.met[place] = tuple((name, moment) for name in self._looked_at(until))
@@ -355,6 +364,7 @@ class Driver(Mapping[str, float]):
         given = self.scenario.at(moment)
         if task.until is None or task.until in self._silent:
             return False
+        # A limited wait is met a second time: no input came for it, and its time is to run out.
         if given is None and ends and task.until in self._seen:
             given = ()  # whoever plays this again is to leave this wait alone from here on
             self.scenario = self.scenario.changed(moment, {})
@@ -374,6 +384,7 @@ class Driver(Mapping[str, float]):
 
     def would(self, change: Mapping[str, float], until: Callable[[], bool]) -> bool:
         """True if a condition would be met with other inputs."""
+        # The inputs are put back: this only asks, and must not wake listeners.
         before = dict(self.state)
         self.state.update(change)
         self._asking = True
@@ -410,6 +421,8 @@ class Driver(Mapping[str, float]):
                     self.ended.setdefault(ends, moment)
         if change:
             self._still()
+            # The polls of a loop took time of the simulated
+            # clock, which the awaited input would not take.
             if since is not None:
                 self.kernel.clock = since
             self.kernel.tell(task, Awaited(tuple(sorted(change.items()))))
@@ -425,8 +438,10 @@ class Driver(Mapping[str, float]):
         changed = {wire for wire, value in change.items() if self.state.get(wire, 0.0) != value}
         if not changed:
             return
+        # A copy: a listener may end itself.
         listeners = tuple(self.kernel.board.inputs.listeners)
         names = [n for n in (*self.wiring.named, *changed) if changed & set(self.wiring.wires(n))]
+        # A name may be a group of several wires: its value is compared as a complete number.
         before = {name: self.wiring.value(name, self.state) for name in names} if listeners else {}
         self.state.update(change)
         for name, value in before.items():
@@ -479,6 +494,8 @@ class Answers:
             if bits == 1:
                 yield wiring.spread(name, 1.0 - wiring.value(name, state))
                 continue
+            # Numbers of the program and their neighbours:
+            # these tell apart <, <= and = of a comparison.
             near = {n + by for n in self.numbers for by in (0, 1, -1)} | {
                 0,
                 (1 << min(bits, PLAIN_ANSWERS)) - 1,

@@ -171,6 +171,7 @@ def _number(sign: str, left: float, right: float) -> float:
 
 def _quotient(left: float, right: float) -> float:
     a, b = whole_of(left, "an operand of div"), whole_of(right, "an operand of div")
+    # Division in floats is exact for operands below 2^53; a // b rounds down, not towards 0.
     return float(math.trunc(a / b)) if abs(a) < 2**53 and b else float(a // b)
 
 
@@ -179,6 +180,7 @@ def _remainder(left: float, right: float) -> float:
     a, b = whole_of(left, "an operand of mod"), whole_of(right, "an operand of mod")
     if b == 0:
         raise ZeroDivisionError
+    # fmod keeps the sign of the dividend; + 0.0 turns -0.0 into 0.0.
     return math.fmod(a, b) + 0.0
 
 

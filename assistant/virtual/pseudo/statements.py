@@ -59,12 +59,14 @@ class Interrupts:
 
     def look(self) -> None:
         """Runs what is due now."""
+        # An interrupt's own call changes what others see: look again until none is due.
         while not self.busy and (due := self._due()) is not None:
             self._answer(*due)
 
     def _due(self) -> tuple[p.Interrupt, Call] | None:
         if not self.open:
             return None
+        # The first one defined has the highest priority.
         for name, (node, frame) in self.known.items():
             if name in self.on and self._within(frame, partial(self._holds, node)):
                 return node, frame
@@ -81,6 +83,7 @@ class Interrupts:
     def _within(self, frame: Call, does: Callable[[], Any]) -> Any:
         """Evaluate a function in the call in which an interrupt was defined."""
         calls, self.busy = self.machine.calls, True
+        # Names of the condition are those of the procedure that defined the interrupt.
         calls.append(frame)
         try:
             return does()
@@ -91,6 +94,7 @@ class Interrupts:
     def _answer(self, node: p.Interrupt, frame: Call) -> None:
         kernel = self.machine.task.kernel
         stands = kernel.motion.stands()
+        # The arm stops on its way for the call, and goes on afterwards.
         if not stands:
             kernel.motion.hold(kernel)
         before = self.machine.flange
@@ -100,6 +104,7 @@ class Interrupts:
             raise Over
         if stands:
             return
+        # The interrupted move could only go on from where it was stopped.
         if self.machine.flange is not before:
             raise NotRun("a move in an interrupt that came on the way of another one")
         kernel.motion.resume(kernel)
@@ -108,6 +113,7 @@ class Interrupts:
         """Has statements, waits and moves look for interrupts."""
         task = self.machine.task
         nodes = [node.condition for node, _ in self.known.values()]
+        # Only a condition with a timer needs to be sampled; the others change with events.
         timed = any(isinstance(part, Elapsed) for part in records(tuple(nodes)))
         task.looks, task.sampling = self.look, _LOOK_PERIOD if timed else None
 
@@ -214,6 +220,7 @@ def _call_statement(m: Machine, node: p.Call) -> None:
 
 def _follow_path(m: Machine, node: p.Follow) -> None:
     for number, _ in enumerate(motion.follow(m, node.path)):
+        # The first point is part of the statement that runs; each further one is a step.
         if number:
             m.task.step()
 
@@ -257,6 +264,7 @@ def _set_signal(m: Machine, node: p.SetSignal) -> None:
         raise Fault(f"a pulse of {seconds:g} seconds")
     back = float(value == 0.0)
     kernel, task, name = m.task.kernel, m.task, node.signal.lower()
+    # Motions without time leave no later: the end of the pulse goes into the record of the run.
     if isinstance(kernel.motion, Instant):
         task.switch(name, back, after=seconds)
     else:
@@ -302,6 +310,7 @@ def _if(m: Machine, node: p.If) -> None:
 def _while(m: Machine, node: p.While) -> None:
     while condition(m, node.condition):
         _execute(m, node.body)
+        # An empty loop has to count as steps, or it never ends.
         m.step(node)
 
 
@@ -436,6 +445,7 @@ def start_program(
                 raise Fault("the program has no procedure to begin with")
             call(machine, entry, ())
             for _ in range(cycles - 1):
+                # A cycle without statements must let the others have their turn.
                 task.step()
                 call(machine, entry, ())
         except Fault as fault:
@@ -463,6 +473,7 @@ def _declare_variables(machine: Machine) -> None:
         constant = variable.storage == "constant"
         shared[name.lower()] = Cell(first_value(variable, first), constant)
     for name, tool in program.tools.items():
+        # A variable of the program hides a tool or frame of the same name.
         shared.setdefault(name.lower(), Cell(tool.tip))
     for name, frame in program.frames.items():
         shared.setdefault(name.lower(), Cell(frame.pose))

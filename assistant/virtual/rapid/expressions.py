@@ -49,14 +49,11 @@ LONGEST_TEXT: Final = 80
 
 def infix(sign: str, left: Value, right: Value) -> Value:
     """The value of two operands; raises Fault where a controller stops or refuses them."""
-    # Numbers first: they are most of what programs work out.
     if isinstance(left, float) and isinstance(right, float) and sign in _NUMBER_OPERATORS:
         one, two, kind = paired(left, right)
         found = _NUMBER_OPERATORS[sign](one, two)
-        # Comparisons are truths, to which no limits of numbers apply.
         if found is True or found is False:
             return found
-        # Most results are within the range of a num, which needs no further check.
         if -LARGEST <= found <= LARGEST:
             return single(found) if kind is float else kind(found)
         return kind(_finite(found, kind))
@@ -89,7 +86,6 @@ def prefix(sign: str, value: Value) -> Value:
 
 def joined(text: str) -> str:
     """A text that was put together; raises Fault where it is too long for a string."""
-    # The limit of 80 characters holds for every string of RAPID.
     if len(text) > LONGEST_TEXT:
         raise Fault(f"a string of {len(text)} characters", "ERR_STRTOOLNG")
     return text
@@ -118,7 +114,7 @@ def _remainder(left: float, right: float) -> float:
     a, b = whole(left, "an operand of MOD"), whole(right, "an operand of MOD")
     if b == 0:
         raise Fault("division by zero", "ERR_DIVZERO")
-    # + 0.0 makes -0.0 to 0.0, which would be written with its sign.
+    # + 0.0 turns -0.0 into 0.0, which would be written with its sign.
     return math.fmod(a, b) + 0.0
 
 
@@ -158,7 +154,6 @@ def _float(value: Value) -> float:
 
 
 def _finite(value: float, kind: type[float]) -> float:
-    # An overflow of a num is an error; an infinite value was given as one, and goes on as it is.
     if math.isnan(value) or (kind is float and abs(value) > LARGEST and not math.isinf(value)):
         raise Fault(f"the number {value:g}, which is too large", "ERR_NUM_LIMIT")
     return value
@@ -203,7 +198,6 @@ def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | Non
     """
     worth = _WORTH.get(type(node))
     if worth is None:
-        # The type of a node instead of `match`: this runs once per operand of every expression.
         raise NotSimulated(f"{type(node).__name__} in an expression")
     return worth(machine, node, wanted)
 
@@ -338,7 +332,6 @@ def _element(machine: Machine, array: Place, indices: _Indices) -> Place:
     found = array
     while values and values[0] is not None:
         found = _item(found, values.pop(0) or 0)
-    # `a{*, 2}` as a target would be spread over several arrays; as a value `_column` copies it.
     if any(value is not None for value in values):
         raise NotSimulated("a column of an array that is changed")
     return found
@@ -355,7 +348,6 @@ def _variable(machine: Machine, node: s.NameRef, _: Shape | None) -> Value:
     meaning = machine.meaning(node.name)
     if type(meaning) is Cell and meaning.pending is None:
         value = meaning.value
-        # A handle may stand for a signal, whose value is read instead.
         if value is not None and type(value) is not Handle:
             return value
     if isinstance(meaning, Signal):
@@ -370,7 +362,6 @@ def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
     if isinstance(node, s.Element) and isinstance(node.indices[0], s.Whole):
         return _column(machine, place(machine, node.value).get(), node.indices)
     found = place(machine, node).get()
-    # A component may hold a function's exact value; read back, it is a num.
     if type(found) is float:
         return single(found)
     if isinstance(found, Handle) and found.type in SIGNAL_TYPES:
@@ -433,8 +424,6 @@ def _aggregate(machine: Machine, node: s.AggregateNode, wanted: Shape | None) ->
             Place(array, i, element, "VAR").set(evaluate(machine, item, element))
         return array
     if machine.types.is_unlisted(wanted.type):
-        # No component names are known for this type: the
-        # record holds enough to be compared and shown.
         first = node.items[0] if node.items else None
         number = evaluate(machine, first) if isinstance(first, s.NumberLiteral) else 0.0
         return Record(wanted.type, {FIRST_VALUES: number, ALL_TYPES: repr(node.items)})

@@ -49,7 +49,6 @@ def run_with_recovery(
     execute: runs the statements of a handler. row: its line, from 0, in a run of moves.
     """
     frame = machine.frame
-    # A fresh run of the statement has all its retries; RETRY counts them down.
     left = machine.controller.options.retries
     while True:
         machine.step(node, row)
@@ -72,11 +71,9 @@ def leave_handler(machine: Machine, frame: Frame, fault: Fault) -> None:
     # The routine's own handlers are past: `_recover` of the same frame must not take it again.
     fault.leaves = frame
     if fault.goal is None and fault.number is not None:
-        # Frames further out only; the nearest point that names the error takes it in one step.
         below = machine.frames[: machine.frames.index(frame)]
         points = (one for one in reversed(below) if _is_point(machine, one, fault.number))
         fault.goal = next(points, None)
-        # A booked error that no point names ends here unless the controller propagates it further.
         if fault.goal is None and not (
             machine.controller.options.propagates or frame.handling is fault
         ):
@@ -102,7 +99,6 @@ def _recover(machine: Machine, frame: Frame, fault: Fault, left: int, execute: E
         raise fault
     if fault.goal is not None and fault.goal is not frame:
         raise fault
-    # Errors in a handler are not recovered from, by whatever handler.
     if frame.handling is not None:  # not recovered from, by whatever handler
         fault.number = None
         raise fault
@@ -122,7 +118,6 @@ def _recover(machine: Machine, frame: Frame, fault: Fault, left: int, execute: E
     except Again:
         if frame.retries > 0:
             return True
-    # The labels of a routine cannot be reached from its handler.
     except Jump as jump:
         raise Fault(f"there is no label `{jump.label}` in the handler") from None
     else:
@@ -130,7 +125,6 @@ def _recover(machine: Machine, frame: Frame, fault: Fault, left: int, execute: E
         raise Fault(f"the handler leaves the error as it is: {fault}")
     finally:
         frame.handling = None
-    # RETRY without any retries left: the excess is an error in its own right.
     over = Fault(f"more than {machine.controller.options.retries} retries", "ERR_EXCRTYMAX")
     over.at, over.row = fault.at, fault.row
     if machine.controller.options.retries_raise and fault.number != over.number:
@@ -213,7 +207,6 @@ def _raise_booked(given: Given) -> None:
     number = whole(given.number(1), "the number of a message")
     machine.task.tell(Reported("warning", str(number), texts))
     fault = Fault(f"the error {name} is raised", number=int(cell.value))
-    # Outside of a handler it goes through that of this routine first, like RAISE.
     if machine.frame.handling is None:
         raise fault
     fault.at = machine.at
@@ -298,7 +291,6 @@ def _listen_signal(given: Given, index: int, hears: Callable[[float, float], boo
     """hears: whether a change of the signal, from one value to another, is an interrupt."""
     machine, signal = given.machine, given.signal(0)
     board = machine.task.kernel.board
-    # A program may watch what it sets itself; outputs and inputs have listeners of their own.
     side = board.outputs if signal in machine.signals.outputs else board.inputs
 
     def begin(occur: _Occur) -> Cancel:
@@ -409,7 +401,6 @@ def _order_persistent(given: Given) -> None:
 
 def _interrupt_number(given: Given) -> int:
     variable = place(given.machine, given.required[0]).get()
-    # IDelete and its kin accept a variable that was never connected.
     return int(variable) if isinstance(variable, float) else 0
 
 

@@ -93,7 +93,6 @@ def _tool_frame(tool: Record) -> tuple[Pose, bool]:
 
 def _object_frame(frame: Record, held: bool) -> Pose:
     """User and object frame in one: in the base, or on the flange beside a tool in the room."""
-    # robhold of the tool and of the object have to differ: one is carried, the other is fixed.
     if truth(frame.parts["robhold"]) is held:
         raise Fault("either the tool or the work object is held by the robot, not both or neither")
     if not truth(frame.parts["ufprog"]) or frame.parts["ufmec"] != "":
@@ -133,7 +132,6 @@ class Signals:
 
     def set_later(self, name: str, value: float, seconds: float) -> None:
         """While the program goes on; instead of what still is to become of the signal."""
-        # A controller has one pending change per signal: the new one replaces it.
         if name in self.later:
             self.later[name].cancelled = True
         # The place of the statement now: the program is elsewhere when the change happens.
@@ -183,7 +181,6 @@ class Interrupts:
             raise Fault("an interrupt that has a trap routine is connected", "ERR_ALRDYCNT")
         if len(self.table) >= _MOST_QUEUED:
             raise Fault(f"more than {_MOST_QUEUED} interrupts", "ERR_INOMAX")
-        # Numbers are never reused, so that an old variable does not reach a new interrupt.
         self.count += 1
         self.table[self.count] = Interrupt(self.count, trap)
         return self.count
@@ -302,7 +299,6 @@ class Machine:
     def meaning(self, name: str) -> Meaning | None:
         """Return the meaning of a name here; None if it is not declared."""
         key, frame = name.lower(), self.frames[-1]
-        # Scopes from the inside: routine, module, task, predefined.
         for names in (frame.names, frame.unit.names, self.named, self.predefined):
             if key in names:
                 return names[key]
@@ -339,7 +335,6 @@ class Machine:
     def go(self, moved: Moved, before: Pose | None) -> None:
         """Commands a motion. before: the flange where it begins, None if that is not known."""
         self.task.kernel.motion.go(self.task, moved, ordered_triggers(moved, before, self.on_way))
-        # Interrupts come during a motion, not only at the next statement.
         self.task.interrupted()
 
     def settle(self) -> None:

@@ -57,7 +57,6 @@ def _move_absolute(given: Given) -> None:
     """MoveAbsJ: no displacement and no work object changes where the joints go."""
     arm, target = given.machine.arm, given.record(0, "jointtarget")
     tool, frame, before = _tool_argument(given, 3), _frame_argument(given), arm.flange
-    # Targets are reached without the displacement: MoveAbsJ goes to joints.
     arm.joints = joints_of(target)
     arm.flange = flange_of(given.machine, arm.joints)
     arm.tool, arm.frame = tool, frame
@@ -110,7 +109,6 @@ def _motion_style(given: Given, index: int) -> How:
         acceleration=share,
         deceleration=share,
         seconds=given.optional_number("t"),
-        # The manual marks an undefined load by a mass of -1.
         mass=mass if mass >= 0.0 else None,
     )
 
@@ -127,7 +125,6 @@ def _configuration(arm: Arm, kind: str) -> tuple[int, ...] | None:
 @lru_cache(256)
 def _neutral_configuration(*stated: float) -> tuple[int, ...] | None:
     """The columns of a configuration in whole numbers."""
-    # Only whole numbers in this range are quadrants; others are no configuration that can be kept.
     if not all(part.is_integer() and abs(part) < 128 for part in stated):
         return None
     return tuple(from_confdata([[int(part) for part in stated]])[0].tolist())
@@ -145,7 +142,6 @@ def _frame_argument(given: Given) -> Record:
 
 
 def _persistent_argument(place: Place, type: str) -> Record:
-    # A controller refuses a tool or a work object that a routine could change in mid-motion.
     if place.storage == "VAR":
         raise Fault(f"a VAR as {type}, which has to be persistent")
     return record(copied(place.get()), type)
@@ -156,7 +152,6 @@ def _speed(given: Given, index: int) -> float | None:
     there is.
     """
     stated = number(given.record(index, "speeddata").parts["v_tcp"])
-    # The time of the motion takes the place of its speed.
     if given.has("t"):
         return None
     own = given.optional_number("v")
@@ -221,7 +216,7 @@ def _path_place(move: Callable[[Given], None], place: int) -> Callable[[Given], 
         machine.on_way = changes
         try:
             move(given)
-        finally:  # Also after an error: the next move must not set them again.
+        finally:
             machine.on_way = ()
 
     return does
@@ -251,7 +246,6 @@ def _set_up_trigger(delay: bool) -> Callable[[Given], None]:
         signal_ = signal(given.machine, node)
         value = given.number(3 if delay else 2)
         at = OnWay(_trigger_measure(given), given.number(1), given.number(2) if delay else 0.0)
-        # Any number but 0 switches a digital output on; groups and analog outputs take it as it is.
         digital = outputs[0] == "dop"
         trigger.change = Switched(signal_, float(value != 0.0) if digital else value, at)
 
@@ -392,7 +386,6 @@ def _displace_on(given: Given) -> None:
         there = arm.reading(tool, frame)
     if given.has("rot"):
         arm.displacement = there @ programmed.inverse()
-    # Without \Rot the displacement only shifts: the axes of the targets keep their directions.
     else:
         x, y, z = (a - b for a, b in zip(there.position, programmed.position, strict=True))
         arm.displacement = Pose((x, y, z))

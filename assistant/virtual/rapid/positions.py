@@ -51,7 +51,6 @@ def _current_target(given: Given) -> Pose:
     frame = given.optional_record("wobj", "wobjdata")
     if frame is None:
         frame = given.machine.arm.frame or wobj0()
-    # The arm stands elsewhere than the latest target while a motion still runs.
     standing = _arm_standing(given)
     return given.machine.arm.reading(tool, frame, None if standing is None else standing[0])
 
@@ -73,7 +72,6 @@ def _arm_standing(given: Given) -> Standing | None:
 def present_target(given: Given) -> Record:
     """CRobT: in the tool and work object of its options."""
     arm, machine, standing = given.machine.arm, given.machine, _arm_standing(given)
-    # Where the arm stands is exact; without it the latest target tells.
     joints = arm.joints if standing is None else standing[1]
     configuration = arm.configuration
     if joints is not None and (configuration is None or standing is not None):
@@ -140,8 +138,8 @@ def _solved_joints(
     stated = [[int(number(part)) for part in configuration.parts.values()]]
     found = robot.joints_of(*_joint_rows(flange), from_confdata(stated))[0]
     if bool(np.isnan(found).any()):
-        # RAPID has six joints always; an arm with fewer leaves the others at 0.
         return None
+    # RAPID has six joints always; an arm with fewer leaves the others at 0.
     joints = [0.0] * 6
     for place, joint in zip(robot.places, found, strict=True):
         joints[place] = float(joint)
@@ -305,7 +303,7 @@ def _mirrored_target(given: Given) -> Record:
     frame = given.optional_record("wobj", "wobjdata")
     into = plane.inverse() @ (Pose() if frame is None else _mirror_place(frame))
     seen = into @ pose_of(target)
-    # Mirrored axes are left-handed; the axis without the mirror's switch is built anew below.
+    # Mirrored axes are left-handed; the third axis follows from the other two below.
     axes = rotations.to_matrix(seen.quaternion) * MIRROR[:, None]
     if given.has("miry"):
         axes[:, 0] = np.cross(axes[:, 1], axes[:, 2])
@@ -388,7 +386,6 @@ def _object_target(given: Given) -> Record:
     if not given.has("inpdisp"):
         target = moved_target(target, arm.displacement @ pose_of(target))
     else:
-        # A copy without change: functions never hand out the data of their arguments.
         target = moved_target(target, pose_of(target))
     if not given.has("ineoffs"):
         target.parts["extax"] = extjoint_of(target.parts["extax"], arm.offsets)

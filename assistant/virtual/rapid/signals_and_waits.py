@@ -89,12 +89,10 @@ def _alias_signal(given: Given) -> None:
     target, source = given.place(1).get(), given.required[0]
     if not isinstance(target, Handle) or target.type not in SIGNAL_TYPES:
         raise Fault("an alias of what is no data of a signal", "ERR_ALIASIO_DEF")
-    # The first argument is a signal by its name, or data with the name as a text.
     name = given.signal(0) if _names_signal(given, source) else given.text(0).lower()
     if not name:
         raise Fault("an alias of a signal without a name", "ERR_ALIASIO_DEF")
     controller = given.machine.controller
-    # From now on the name is a signal to every task.
     controller.known.add(name)
     if target.type in OUTPUT_TYPES:
         controller.outputs.add(name)
@@ -181,7 +179,6 @@ def _wait_for_condition(given: Given, is_met: Callable[[], bool], what: str) -> 
         return is_met()
 
     longest = given.optional_number("maxtime")
-    # Once without waiting: a condition that holds already takes no time.
     met = asked() or _is_met_in_time(given, asked, math.inf if longest is None else longest, what)
     if flag is not None:
         place(machine, flag).set(not met)

@@ -96,7 +96,6 @@ class Link:
         own = self.open()
         if self.status != "listening":
             raise Fault("a socket accepts that does not listen", "ERR_SOCK_NOT_BOUND")
-        # The socket inside would leak, and no reference states what a controller does.
         if client.own is not None:
             raise NotSimulated("SocketAccept into a socket that is not closed")
         came: list[tuple[socket.socket, str]] = []
@@ -130,7 +129,7 @@ class Link:
             if code not in (errno.EINPROGRESS, errno.EALREADY, errno.EWOULDBLOCK):
                 self.close()
                 self.create()
-                again = time.monotonic() + _RETRY_PERIOD  # The other end may listen soon.
+                again = time.monotonic() + _RETRY_PERIOD
             return False
 
         _wait_for_link(task, is_connected, seconds, f"a connection to port {port}")
@@ -224,8 +223,6 @@ class _Peer(Link):
     def accept(self, client: Link, task: Task, seconds: float | None) -> str:
         if self.status != "listening":
             raise Fault("a socket accepts that does not listen", "ERR_SOCK_NOT_BOUND")
-        # The client is a peer as well, which needs no
-        # address: it hands over its texts once connected.
         client.connect("", 0, task, seconds)
         return "127.0.0.1"
 
@@ -253,8 +250,6 @@ class _Peer(Link):
         found, rest = text[:most], text[most:]
         if rest:
             self._left.appendleft(rest)
-        # The end of a text is no part of what a program
-        # reads, as with a real peer that sends lines.
         return found.removesuffix(b"\r")
 
     def waiting(self) -> int:
@@ -361,7 +356,6 @@ def _byte_format(given: Given) -> str:
 def _pack_raw(given: Given) -> None:
     value = given.value(0)
     if given.has("ascii"):
-        # A number stands for the character of that code.
         found = value if isinstance(value, str) else chr(whole(number(value), "a character") % 256)
         packed = found.encode(_HEX_CODES, "replace")
     else:
@@ -379,7 +373,6 @@ def _unpack_raw(given: Given) -> None:
     if given.has("ascii"):
         count = whole(given.optional_number("ascii") or 0.0, "a number of characters")
         found = raw.take(start, count).decode(_HEX_CODES)
-        # Into a number: the code of the first character.
         target.set(found if target.shape.type == "string" else float(ord(found[:1] or "\0")))
         return
     if target.shape.type == "string":
@@ -459,7 +452,6 @@ def _socket_address(given: Given) -> tuple[str, int]:
     if port not in _PORT_RANGE:
         raise Fault(f"the port {port}", "ERR_SOCK_ADDR_INVALID")
     options = given.machine.controller.options
-    # Peers of a comparison need no real address, and must not reach one.
     if given.machine.task.kernel.peers is not None:
         return "", port
     if not options.sockets:
@@ -511,7 +503,6 @@ def _message_bytes(given: Given) -> bytes:
     if not isinstance(array, Array):
         raise Fault("a socket sends nothing")
     numbers = [whole(records.number(item), "a byte") for item in array.items]
-    # struct and the wire know bytes only; larger numbers would be cut silently.
     if len(numbers) > _MOST_BYTES or not all(0 <= number < 256 for number in numbers):
         raise Fault(f"what is sent are {_MOST_BYTES} bytes from 0 to 255 at most")
     return bytes(numbers)
@@ -523,7 +514,6 @@ def _receive_message(given: Given) -> None:
     least = 1 if asked is None else whole(asked, "a count of bytes")
     if not 1 <= least <= most:
         raise Fault(f"{least} bytes are asked for, of 1 to {most}")
-    # Without a number, whatever has come by then is taken, up to the most.
     wanted = most if asked is None else least
     data = _socket_link(given).receive(wanted, least, given.machine.task, _socket_timeout(given))
     if (node := given.options.get("norecbytes")) is not None:

@@ -47,7 +47,6 @@ def _welding(move: Move, points: int, part: str) -> Move:
         # others weld, at the speed of the weld data.
         if part != "Start":
             given.required[points] = s.AggregateNode((_process_speed(weld), *_TURNING))
-        # The arc starts and ends at a stop point (manual Arc).
         if part:
             given.required[points + 1] = _FINE_ZONE
         move(given)
@@ -68,7 +67,6 @@ def _process_speed(weld: s.Expression) -> s.Expression:
 
 def _spotting(move: Move, *, several: bool) -> Move:
     def does(given: Given) -> None:
-        # The gun and its data leave the arguments, so that those of a plain move remain.
         spots = dict(_several_guns(given) if several else [_single_gun(given)])
         given.required.insert(2, _FINE_ZONE)
         # Evaluated before the move, as all arguments of an instruction are.
@@ -76,7 +74,6 @@ def _spotting(move: Move, *, several: bool) -> Move:
         move(given)
         signals = given.machine.signals
         for gun, program in numbers.items():
-            # The program is chosen before the gun starts.
             signals.set(f"{gun}_program", program)
         wide = [f"{gun}_retract" for gun in spots if given.has("retract")]
         starts = [f"{gun}_start" for gun in spots]
@@ -91,7 +88,6 @@ def _spotting(move: Move, *, several: bool) -> Move:
                 None,
                 f"`{ready}` is 0, 1 is waited for",
             )
-        # In reverse order: the gun is still wide while its start goes off.
         for name in (*starts, *wide):
             signals.set(name, 0.0)
 
@@ -228,7 +224,6 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
         seen = {"tool": tool} | {x: node for x, node in options.items() if x == "wobj"}
         here = partial(present_target, Given(given.machine, [], seen))
         hits = 0
-        # Stopped at the first hit, the arm has one place.
         if any(map(given.has, _STOP_SWITCHES)):
             if move_until(given.machine.task, asks.hit, lambda: move(plain)):
                 hits = 1
@@ -245,7 +240,6 @@ def _search(move: Callable[[Given], None]) -> Callable[[Given], None]:
 
             look()
             watched_move(given.machine.task, look, lambda: move(plain))
-        # Without a stop the move goes on, and counts further hits for \Sup.
         if not hits or (hits > 1 and given.has("sup")):
             found = "nothing is found" if not hits else "more than one place is found"
             raise Fault(f"a search in which {found}", "ERR_WHLSEARCH")
@@ -269,7 +263,6 @@ class _SearchWatch:
     """last: what was seen last."""
 
     def __init__(self, active: Callable[[], bool], flank: str) -> None:
-        # Without a switch the positive edge counts.
         self.active, self.flank, self.last = active, flank or "posflank", active()
 
     def hit(self) -> bool:
@@ -322,7 +315,6 @@ def _clear_path(given: Given) -> None:
     """The arm stays where it is; it is still stopped."""
     machine = given.machine
     standing = machine.task.kernel.motion.cut(machine.task)
-    # Without motions that take time there is nowhere between: the arm is at its target.
     if standing is not None:
         machine.arm.flange, machine.arm.joints = standing[0], standing[1][:6]
         machine.task.kernel.motion.hold(machine.task.kernel)
@@ -347,7 +339,6 @@ def _is_stopped(given: Given) -> bool:
     held = given.machine.controller.held
     if held not in (None, given.machine.task):
         raise NotSimulated("whether another task moves an arm")
-    # Seen from a task without an arm, nothing of its own is stopped.
     return held is not None and not given.has("fromnonmovetask")
 
 

@@ -65,7 +65,7 @@ def execute(machine: Machine, body: Body) -> None:
         except Jump as jump:
             found = _label_index(body, jump.label)
             if found is None:
-                raise  # The label may be in a list further out.
+                raise
             start = found
         else:
             return
@@ -90,7 +90,6 @@ def _run_statement(machine: Machine, node: s.StatementNode) -> None:
 
 def _assign(machine: Machine, node: s.Assignment) -> None:
     target = place(machine, node.target)
-    # The target first: its shape gives an aggregate its type.
     target.set(evaluate(machine, node.value, target.shape))
 
 
@@ -114,7 +113,6 @@ def call_late(machine: Machine, name: str, arguments: Sequence[s.Argument]) -> N
             # and global data only if it is of that module.
             found = unit.names.get(own.lower()) or machine.named.get(own.lower())
             meaning = found if isinstance(found, Known) and found.unit is unit else None
-    # Late binding reaches built-in instructions too, by name alone.
     if meaning is None and own.lower() not in INSTRUCTIONS:
         raise Fault(f"a call of `{name}`, which there is not", "ERR_REFUNKPRC")
     if meaning is not None and not (isinstance(meaning, Known) and meaning.node.kind == "PROC"):
@@ -211,7 +209,6 @@ def _for(machine: Machine, node: s.ForLoop) -> None:
     try:
         value = first
         while (value <= last) if step > 0.0 else (value >= last):
-            # A new cell each time: a program may not assign to it, and its change would not last.
             names[name] = Cell(kind, "LOOP", value)
             execute(machine, node.body)
             # Counts the head of the loop: an empty body would otherwise never come to an end.
@@ -230,7 +227,6 @@ def _loop_count(machine: Machine, node: s.ForLoop) -> list[float]:
     values = [evaluate(machine, one) for one in nodes]
     of = Double if any(isinstance(value, Double) for value in values) else single
     first, last, *steps = [of(number(value)) for value in values]
-    # Without STEP the direction follows from the bounds.
     step = steps[0] if steps else 1.0 if first <= last else -1.0
     if step == 0.0:
         raise NotSimulated("a FOR whose step is 0")
@@ -241,7 +237,6 @@ def _while(machine: Machine, node: s.WhileLoop) -> None:
     while condition(machine, node.condition):
         machine.took(node, 0)
         execute(machine, node.body)
-        # An empty loop has to count as steps, or a run that waits for nothing never ends.
         machine.step(node)
     machine.took(node, 1)
 
@@ -304,11 +299,8 @@ def call_routine(machine: Machine, known: Known, arguments: Sequence[s.Argument]
     try:
         value = _run_routine(machine, known.node)
     except Fault as fault:
-        # Only a routine that the error passes by is undone; one whose own handler takes it is not.
         if fault.goal is not None:
             undo_handler(machine, frame, execute)
-        # The system deals with errors of a trap routine;
-        # handlers of the interrupted routine do not.
         if known.node.kind == "TRAP":  # its errors are dealt with by the system
             fault.number = None
         raise
@@ -317,7 +309,6 @@ def call_routine(machine: Machine, known: Known, arguments: Sequence[s.Argument]
         raise
     finally:
         machine.frames.pop()
-    # Behind the call the calling statement is at hand again, for messages.
     machine.at = at
     return value
 
@@ -359,7 +350,6 @@ def _routine_result(machine: Machine, routine: s.Routine, value: Value | None) -
     wanted = Shape(machine.types.name(routine.type))
     if value is None or not is_like(value, wanted):
         raise Fault(f"`{routine.name}` does not give {routine.type}")
-    # A copy: the value may be data that outlives the call.
     return fitted(copied(value), wanted)
 
 

@@ -288,6 +288,7 @@ class Answer:
 
     def of(self, *kinds: str) -> tuple[Row, ...]:
         """The rows of these classes, with or without the `-li` of a list."""
+        # Rows of a list have `-li` after their class, single ones have not.
         wanted = {kind.removesuffix("-li") for kind in kinds}
         return tuple(row for row in self.rows if row.kind.removesuffix("-li") in wanted)
 
@@ -301,6 +302,7 @@ def parse_answer(data: bytes) -> tuple[tuple[Row, ...], str, int | None, str]:
 
 
 def _of_xhtml(text: str) -> tuple[tuple[Row, ...], str, int | None, str]:
+    # A plain document type is harmless; any other declaration could expand entities.
     text = _DOCTYPE.sub("", text, count=1)
     if "<!" in text.replace("<!--", ""):  # no entity of a stranger is ever expanded
         raise ValueError("it declares entities")
@@ -334,6 +336,7 @@ def _spans(item: ElementTree.Element, depth: int = 0) -> Iterator[tuple[str, str
         name = _local(below)
         if name == "span":
             yield below.get("class", ""), "".join(below.itertext()).strip()
+        # Items inside have their own row, and the text of a link is no value.
         elif name not in ("li", "a"):
             yield from _spans(below, depth + 1)
 
@@ -376,6 +379,7 @@ def _objects(node: object, depth: int) -> Iterator[Row]:
             }
             title = str(node.get("_title", ""))
             yield Row(str(node["_type"]), title, _href(node, "self"), values)
+        # Links are addresses of other resources, not resources.
         for name, value in node.items():
             if name != "_links":
                 yield from _objects(value, depth + 1)

@@ -94,6 +94,7 @@ class Transport:
         single = {} if trust else {"Connection": "close"}
         user, password = credentials.user, credentials.password
         self._client = httpx.Client(
+            # Digest keeps the password off a plain line; TLS protects it by itself.
             auth=httpx.BasicAuth(user, password) if trust else httpx.DigestAuth(user, password),
             # Plain HTTP needs no authorities, which take 20 ms to load: this one has none.
             verify=trust or ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT),
@@ -123,6 +124,7 @@ class Transport:
             except (KeyError, NotImplementedError, ValueError) as error:
                 # A way of logging in that httpx has not, or a header that is none.
                 raise Broken(f"the answer cannot be used: {error}") from error
+            # Busy: 503 comes for more than 20 requests a second, which pass.
             if response.status != _BUSY or time.monotonic() + _AGAIN_AFTER > until:
                 return response
             time.sleep(_AGAIN_AFTER)
@@ -141,6 +143,7 @@ class Transport:
         request = self._client.build_request(
             method, self._root + address, content=body, headers=said, timeout=granted
         )
+        # Closing the client is the only way to end a request that trickles byte by byte.
         with TransferDeadline(_WAITS * granted, self._client.close):
             response = self._client.send(request, stream=True)
         pieces: list[bytes] = []
@@ -152,6 +155,7 @@ class Transport:
         finally:
             response.close()
         location = response.headers.get("Location", "")
+        # Without a marked end, a cut line looks like the end of the data.
         ends = {"content-length", "transfer-encoding"} & set(response.headers)
         framed = bool(ends) or response.status_code == 204
         return Response(response.status_code, framed, location, b"".join(pieces))
@@ -159,6 +163,7 @@ class Transport:
     def _keep_cookies(self, response: httpx.Response) -> None:
         for line in response.headers.get_list("set-cookie"):
             name, _, value = line.partition(";")[0].partition("=")
+            # A line end in a cookie would start another header.
             if name.strip() and "\r" not in line and "\n" not in line:
                 self.cookies[name.strip()] = value.strip()
 
@@ -269,6 +274,8 @@ class Session:
 
     def close(self) -> None:
         """Logs out: a controller has 70 sessions at most. A lost session gets one more try."""
+        # A lost session still counts among the 70 of the
+        # controller: log it out over a new connection.
         if self._transport is None and self._cookies:
             self._transport = self._connection(min(self.timeout, _FAREWELL))
         if self._transport is not None and self._cookies:
@@ -321,8 +328,10 @@ class Session:
         operation = self.dialect.operations[name]
         found = [self.ask(name, doing=doing, at=at)]
         address = _path(operation, at)
+        # Pages that refer to each other would never end.
         seen: set[str] = set()
         while found[-1].next and sum(len(page.rows) for page in found) < enough:
+            # A relative address counts from the page that names it.
             following = found[-1].next  # written beside the one that names it
             address = following if following.startswith("/") else urljoin(address, following)
             if not re.match("/(?!/)", address):  # the password goes to no other host
@@ -363,6 +372,7 @@ class Session:
         if missing or importlib.util.find_spec("websockets") is None:
             raise Refused(rules.NEEDS_RWS(place=str(self.address)), exit_status=2)
         user, password = self._credentials.user, self._credentials.password
+        # Digest quotes the user: a quotation mark would end it, a control character the header.
         if re.search(r'[\x00-\x1f\x7f"\\]', user) or re.search(r"[\x00-\x1f\x7f]", password):
             self._not_let_in("a control character or quotation mark in the user or the password")
 
@@ -401,6 +411,7 @@ class Session:
         for accept in self._accepted(operation):
             headers = {"Accept": accept, **content}
             response = self._sent(operation.method, address, body, headers, doing, state)
+            # 406: not in this form; the next one is tried.
             if response.status != 406:
                 break
         return self._judged(operation, response, doing, state)
@@ -409,6 +420,7 @@ class Session:
         own = self.dialect.accept if operation.method == "GET" else self.dialect.accept_written
         if not self.dialect.secure:
             return (ANYTHING if operation.accept == ANYTHING else own,)
+        # XHTML and then anything, for resources that lack a JSON form.
         first = operation.accept or own
         return (
             tuple(dict.fromkeys((first, XHTML, ANYTHING)))
@@ -435,6 +447,7 @@ class Session:
             acted = method in ("POST", "DELETE") and state != _UNCHANGED
             self.lost(doing, str(error), f"{state}{_UNLESS}" if acted else state)
         finally:
+            # Cookies outlive the connection: a new one goes on with the session.
             if self._transport is not None:
                 self._cookies = self._transport.cookies
 
@@ -446,11 +459,13 @@ class Session:
         answer = Answer(
             response.status, location=response.location, data=response.data, framed=response.framed
         )
+        # Files and written resources answer with data, not with rows.
         if good and (operation.accept == ANYTHING or operation.method in ("PUT", "DELETE")):
             return answer
         try:
             rows, following, number, text = parse_answer(response.data)
         except ValueError as error:
+            # A good status without rows that can be read is garbage; a refusal needs none.
             if good:
                 raise self.garbled(doing, str(error), state) from None
             rows, following, number, text = (), "", None, ""
@@ -537,11 +552,13 @@ class Mastership:
         self._held.append(name)
         try:
             yield
+        # After a cut the mastership may still be held by the session: give it back over a new line.
         except rules.Lost as error:
             self._held.remove(name)
             raise self._after_cut(name, error) from None
         except BaseException:
             self._held.remove(name)
+            # The error of the operation tells more than one of giving back.
             self._quietly_back(name)
             raise
         else:
@@ -578,6 +595,8 @@ class Mastership:
             if not self._by_station:
                 try:
                     self._session.ask("take", doing=said, at={"domain": name})
+                # 410: RobotWare 8 has no domains; it asks for
+                # a registered station and one write access.
                 except NoLongerThere:
                     self._by_station = "register" in self._session.dialect.operations
                     if not self._by_station:
@@ -645,6 +664,7 @@ GRANTED: Final = frozenset({"modify", "exec", "exclusive"})
 def ask_remote_access(session: Session, wait: float) -> None:
     """Returns when the leave to write has been given; raises Refused if it was not in time."""
     doing = "asking for remote access in manual mode"
+    # Granted before: no second question on the pendant.
     if _granted(session):
         return
     session.ask("ask privilege", doing=doing, form={"privilege": "modify"})

@@ -135,6 +135,7 @@ class Panel:
             w, i, j, k = numbers(pose, ("q1", "q2", "q3", "q4"))
         except ValueError as error:
             raise self._session.garbled(doing, str(error)) from None
+        # External axes are J7 and on: axes that the robot lacks are filled in before them.
         padding = (None,) * (6 - len(axes)) if outside else ()
         return Position(
             joints=(*axes, *padding, *outside),
@@ -168,6 +169,7 @@ def _external(joints: Row, total: int | None, inside: int) -> tuple[float | None
         return ()
     names = [f"eax_{axis}" for axis in _EXTERNAL_AXES if f"eax_{axis}" in joints.values]
     values = [value if abs(value) < _UNUSED else None for value in numbers(joints, names)]
+    # Trailing axes that are missing are left out; those in between keep their place.
     while values and values[-1] is None:
         values.pop()
     return tuple(values)
@@ -336,6 +338,7 @@ class Signals:
         doing = f"looking for the signal `{name}`"
         found = self._session.ask("find signal", doing=doing, form={"name": name})
         pages = [found]
+        # The search is by a part of the name: its first page may lack the exact one.
         if found.next and not any(
             _checked_signal_name(r).lower() == name.lower() for r in found.rows
         ):
@@ -419,6 +422,7 @@ class Configuration:
         if name.lower() not in {known.lower() for known in self.values((name,))}:
             raise self._session.refusal(f"set `{name}`", "there is none", "check its name")
         doing = f"setting `{name}`"
+        # RWS 2.0 takes a list of value and index.
         written = f"[{value},1]" if self._session.dialect.secure else value
         self._mastership.ask(
             "set instance",
@@ -458,6 +462,7 @@ def _attributes(page: Answer) -> dict[str, str]:
     instance = ""
     for row in page.rows:
         if row.kind.startswith("cfg-dt-instance"):
+            # Rows of attributes follow the row of their instance.
             instance = _checked_parameter_part(row)
         elif row.kind.startswith("cfg-ia-t") and instance:
             found[f"{instance}/{row.title}"] = row.get("value")

@@ -90,5 +90,6 @@ def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diag
         of_file = undamaged_findings(
             findings(CHECKS, look, lacks, compiled=look.compiled), damage, tree.source
         )
+        # Findings that several rules make alike are given once.
         found += sorted(dict.fromkeys(of_file), key=lambda f: (f.line or 0, f.column or 0))
     return tuple(found)

@@ -57,6 +57,7 @@ class Calls(CachedResults):
 
     def __init__(self, trees: Sequence[s.File]) -> None:
         self.trees = trees
+        # The first tree of a name wins, so it has to be put in last.
         named = ((program_name(tree).upper(), tree) for tree in reversed(trees))
         self.by_name = {name: tree for name, tree in named if name}
 
@@ -133,6 +134,7 @@ class Look(LineView):
     @cached_property
     def _including(self) -> tuple[list[s.File], bool]:
         found, lacking = [self.tree], False
+        # The list grows while it is read: included files include others.
         for tree in found:
             for _, include in lines_with(tree.items, s.Include):
                 other = self.calls.by_name.get(program_key(include.program))
@@ -225,6 +227,7 @@ def _take_file(look: Look, found: Known) -> None:
             case s.FPrm(variables):
                 found.declared |= {v.key for v in variables}
             case s.Function(_, name, _, parameters):
+                # The result of a function is a variable of its name.
                 given.add(name.upper())
                 names = {p.name.upper() for p in parameters or ()}
                 given |= names

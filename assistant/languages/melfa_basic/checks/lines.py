@@ -79,6 +79,7 @@ def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:
     spoils = Needs.WHOLE
     if not all(map(_runs_on, code)):
         spoils |= Needs.ORDER
+    # A damaged head of a function moves the lines after it to another scope, with their names.
     hidden = Needs.ORDER in spoils and any(map(_has_functions, trees))
     if hidden or any("#" in line or _is_broken(line) for line in code):
         spoils |= Needs.NAMES
@@ -161,6 +162,7 @@ def step_lengths(look: Look) -> Found:
     most = look.dialect.line
     for line in look.lines:
         text = look.text_of(line)
+        # A character has four bytes at most, so short lines need no encoding.
         if len(text) * 4 <= most:
             continue
         length = len(text.encode(encoding, "replace"))
@@ -177,6 +179,7 @@ def jump_labels(look: Look) -> Found:
         lines = look.lines_of(scope)
         for line in repeated(lines, _label_of):
             yield look.at(rules.TWO_LABELS, line, f"*{line.label}", name=line.label)
+        # Jumps inside of a function reach its own labels only.
         labels = set(map(_label_of, lines))
         for line in lines:
             yield from _missing_targets(look, line, labels, inside=scope.function is not None)
@@ -264,12 +267,14 @@ def _irregular_moves(look: Look) -> dict[int, Truths]:
         if not isinstance(item, MoveRows):
             before = item.number or before
             continue
+        # Steps go on ascending from the line before the table.
         steps = np.concatenate([[before], item.steps])
         single = (steps[1:] <= steps[:-1]) | (item.steps > LAST_STEP)
         arc = item.kinds == MVR
         for numbers, counts in ((item.end, ~arc | arc), (item.via, arc), (item.start, arc)):
             targets = Names.numbered(item.stem.encode("ascii"), numbers)
             odd = zeros.among(targets) | _too_long(look, item.stem, numbers)
+            # Files that were not read may hold the position.
             if not look.has_strangers:
                 odd |= ~names.among(targets)
             single |= counts & odd
@@ -281,6 +286,7 @@ def _irregular_positions(look: Look) -> dict[int, Truths]:
     """The same of tables of positions."""
     tables = [item for item in look.data if isinstance(item, PositionRows)]
     found = {}
+    # A position among the steps is a finding, which needs a line.
     among = {id(item) for item in before_last_step(look) if isinstance(item, PositionRows)}
     for rows in tables:
         zero = (rows.values == 0).all(axis=1)
@@ -296,6 +302,7 @@ def _irregular_positions(look: Look) -> dict[int, Truths]:
 
 def _too_long(look: Look, stem: str, numbers: Ints) -> Truths:
     """(n,) whether names are longer than the version takes."""
+    # Numbers with more digits than the stem leaves room for.
     room = look.dialect.longest - len(stem)
     return np.asarray(numbers >= 10 ** max(room, 0))
 

@@ -412,6 +412,5 @@ def pulses_at_a_time(look: Look) -> Found:
             count = 0
         if isinstance(statement, s.Assign) and statement.delay is not None:
             count += 1
-            # Once for a row of pulses, at the first one too many.
             if count == MOST_PULSES + 1:
                 yield look.finding(values.MANY_PULSES, item, most=MOST_PULSES)

@@ -177,7 +177,6 @@ def _near_status(key: str) -> str:
     if key[2:].isdigit():
         return ""
     for name, row in vocabulary.variables().items():
-        # Cheap tests first: the distance is expensive, and short names are near others by chance.
         if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > _SHORT_NAME:
             if typing_distance(name, key, 1) <= 1:
                 return row.name

@@ -168,7 +168,7 @@ def _opened_twice(look: Look) -> Found:
                 busy -= {n for value in numbers if (n := literal(value)) is not None}
                 if not numbers or any(literal(value) is None for value in numbers):
                     busy.clear()
-            # What runs there may close lines, and the lines below may be reached another way.
+            # These may close lines, and the lines below may be reached on another path.
             case s.Command("End") | s.Jump() | s.CallP() | s.Call() | s.If():
                 busy.clear()
 
@@ -255,7 +255,7 @@ class _SharedSlots:
             return None
         key, _ = self.waits.get(node, ("", 0.0))
         # A value left in the variable from the last run would end the wait at once. Only a variable
-        # that was set in this run tells what its setters have done.
+        # that was set in this run shows which variables its setters have set.
         gained = self.gains.get(node, _NO_KEYS) if key in found else _NO_KEYS
         return found | _all_keys(known) | gained
 
@@ -267,7 +267,7 @@ class _SharedSlots:
             for place in places:
                 before[place].append(node)
         entries = set(chain.from_iterable(self.calls.values()))
-        # What a call sets depends on the calls inside it: repeat until that is stable.
+        # The result of a call depends on the calls inside it: repeat until all are stable.
         while True:
             back = Dataflow[Node, _Keys](before, self.behind, _common_keys)
             back.spread((end, _NO_KEYS) for end in self.ends)
@@ -276,7 +276,8 @@ class _SharedSlots:
             if made == self.surely:
                 break
             self.surely = made
-        # Each wait first tells everything; rounds take back what some setter does not support.
+        # Assume first that each wait proves everything; each round drops what a setter does not
+        # support.
         self.gains = dict.fromkeys(self.waits, frozenset(self.gives))
         started = {start.program for start in self.starts}.union(*self.called.values())
         roots = [begin for of, begin in self.begins.items() if of not in started]
@@ -360,7 +361,6 @@ def started_early(look: Look) -> Found:
         entry = found.facts.found.get((start.node, "begins"))
         line, name = found.line(start.node), start.name
         if start.node[0] != own or entry is None or not isinstance(line, s.Line):
-            # Each file reports the starts that are in it.
             continue
         inner = found.with_called(start.program)
         facts = found.flow([(found.begins[start.program], entry)])
@@ -408,7 +408,7 @@ def _setter(found: _SharedSlots, start: Start, key: str) -> str:
     here = [node for node in givers if node[0] in task and (node, "begins") in found.facts.found]
     if here:
         later = found.flows_into(start.node)
-        # Most telling first: a line that follows the start, one of this file, the first one.
+        # In this order: a line that follows the start, a line of this file, the first one.
         best = min(here, key=lambda node: (node not in later, node[0] != own, node))
         return f"line {_line_reference(found, best, own)}" + (" here" if best[0] == own else "")
     for other in found.starts:
@@ -422,7 +422,6 @@ def _line_reference(found: _SharedSlots, node: Node, program: int) -> str:
     """The number of a line, with the name of its file if that is not the program's."""
     tree, line = found.trees[node[0]], found.line(node)
     number = first_step(line)
-    # Lines without step numbers are named by their line in the text.
     if number is None and line.span is not None and tree.source is not None:
         number = tree.source.text.count("\n", 0, line.span.start) + 1
     return f"{number}" if node[0] == program else f"{number} of `{program_name(tree).upper()}`"
@@ -547,7 +546,7 @@ class _Reader:
         if ours:
             found.reads[node] = [use.variable for use in ours if use.role == "read"]
         for one in statements_in(statement):
-            # An `If` sets nothing itself; its branches come as statements of their own.
+            # An `If` sets nothing itself; its branches follow as separate statements.
             for use in () if isinstance(one, s.If) or not ours else filter(self.shared, uses(one)):
                 if use.role in ("written", "either"):
                     number = literal(one.value) if isinstance(one, s.Assign) else None
@@ -570,7 +569,6 @@ class _Reader:
             case s.Motion(append=s.Append(during, condition)):
                 moved = self._plain(replace(statement, append=None))
                 yield from (moved | outcome for outcome in self._outcomes(during))
-                # With a condition, the appended statement may not run at all.
                 if condition is not None:
                     yield moved
             case s.Jump("GoSub", target):

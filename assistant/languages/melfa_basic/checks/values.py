@@ -160,7 +160,6 @@ def _kind_of_variable(look: Look, variable: s.Variable) -> Kind:
         return _certain_kind(function.result)
     if key in look.functions:
         return _kind_of_function(look.functions[key])
-    # Functions of `Def FN` have their type in the letter after the prefix.
     if key.startswith("FN"):
         return _certain_kind(key[2:3])
     if (status := vocabulary.status(key)) is not None:
@@ -760,7 +759,6 @@ def incomplete_poses(tree: s.File) -> Iterator[IncompletePose]:
 
     One whose elements the program sets, or that anything else may change, is left aside.
     """
-    # Positions with missing elements, as the variable lines and the assignments give them.
     given: dict[str, tuple[s.Line | s.Data, s.Variable, s.Constant]] = {}
     for item in tree.items:
         if isinstance(item, s.Data) and item.variable.arguments is None:

@@ -51,6 +51,7 @@ def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
     looks = [Look(tree, DIALECTS[tree.dialect], calls) for tree in trees]
     given = {key for look in looks for key in _externals(look)}
     for at, (tree, look) in enumerate(zip(trees, looks, strict=True)):
+        # Lines that are not there may give any name a value.
         if look.has_strangers:
             continue
         before = f"{program_name(tree)}_" if at else ""
@@ -63,6 +64,7 @@ def wanted(trees: Sequence[s.File]) -> tuple[Wanted, ...]:
         ):
             external = one.name[1:2] == "_"
             shared = external or one.kind in ("tool", "frame", "routine")
+            # Another program sets it before it is read.
             if external and one.name.upper() in given:
                 continue
             name = one.name if shared else before + one.name
@@ -105,6 +107,7 @@ def _variables(look: Look) -> Iterator[Wanted]:
             or key in names.dimensioned
         ):
             continue
+        # A component that is set leaves the others of the position without a value.
         if not external and key in names.given and key not in empty and not variable.component:
             continue
         kind, type, nothing = _KINDS[types.get(key, key[0] if key[0] in "PJC" else "M")]

@@ -384,7 +384,7 @@ def with_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
                 if name in missing or _is_partly_missing(name, missing)
             }
         else:
-            # Refuse each `If` that crosses other blocks even without the other new ones.
+            # Refuse each `If` that crosses other blocks even if it is the only new block.
             known = {*ends.values(), *refused}
             left = {name for name in ends.values() if _crosses(lines, known - {name})}
             # None is at fault alone: which one to refuse is not clear, so all jumps stay.
@@ -502,12 +502,10 @@ def _select_at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Ite
     names = [f"{name}C{number}" for number in range(1, len(heads) + 1)]
     starts = [labels.get(one, -1) for one in names]
     edges = [*starts, last]
-    # The cases have to be after the row, in its order, with the end after the last.
     if sorted(edges) != edges or edges[0] < after:
         return None
     bodies: list[list[s.Item]] = []
     for low, high in pairwise(edges):
-        # Each case has to leave for the end; otherwise it would run on into the next one.
         if not jumps_to(lines[high - 1], name + "Z") or high - 1 <= low:
             return None
         bodies.append(lines[low + 1 : high - 1])
@@ -614,7 +612,6 @@ def _with_breaks(items: Sequence[s.Item], blocks: Blocks, ends: Mapping[int, str
         label = leaving.get(inner.first) if inner is not None and at not in inner.parts else None
         made.append(item if label is None else _break_line(item, label))
     wanted = set(labels_named(made))
-    # Labels after blocks are left out once no jump names them.
     return [item for at, item in enumerate(made) if below.get(at, "") in {"", *wanted}]
 
 

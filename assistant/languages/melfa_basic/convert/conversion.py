@@ -216,7 +216,6 @@ class _ConvertedFile:
     def down(self) -> None:
         items, self.memory = dialect_words.take_original_names(self.items)
         items, made = with_labelled_jumps(items)
-        # Labels that came from step numbers become step numbers again.
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
         items = _with_lone_labels(_without_steps(items))

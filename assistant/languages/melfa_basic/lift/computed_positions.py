@@ -102,7 +102,6 @@ def _pallet_grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | Non
         or rows < 1
     ):
         return None
-    # An array of targets needs a known branch of the arm.
     if columns * rows > _MOST_POINTS or known[0].flags is None:
         return None
     if any(any(corner.values[6:]) for corner in known):
@@ -125,7 +124,6 @@ def unchanged_position(node: s.Expression | None, symbols: Symbols) -> s.Constan
     """The value of a position that no line changes; other programs change shared ones."""
     if not isinstance(node, s.Variable) or node.arguments is not None or node.component:
         return None
-    # External variables have `_` as second letter; other programs may change them.
     if node.key[1:2] == "_" or node.key in symbols.constants.assigned:
         return None
     constant = symbols.positions.constant(node.name)
@@ -223,7 +221,7 @@ def _defined_variables(
         _declare_variable(names[part], Variable("integer"), lift.m)
         made.append(p.Assign(e.Name(names[part]), lift.rounded(count)))
     counts = tuple(e.Name(names[part]) for part in _COUNTS)
-    # Counts that are worked out are checked as the program runs, as the controller does.
+    # Counts that the program computes are checked as it runs, as the controller does.
     if not all(isinstance(lift.m.constants.value(one), float) for one in node.arguments[5:]):
         failed = e.Binary("=", e.Apply(VENDOR_ONLY_NAME.format(_PALLET_FAILS), counts), e.Number(1))
         made.append(p.If((p.Branch(failed, (p.Stop(end=True),)),)))
@@ -265,7 +263,6 @@ def pallet_position(number: int, point: s.Expression, lift: PalletReader) -> e.E
         four: e.Expression = e.Binary("-", e.Binary("+", two, three), one)
         if pallet.opposite:
             four = e.Member(corner["opposite"], field)
-        # A direction that is not known beforehand is looked at as the program runs.
         if function == _PALLET_SHIFT and pallet.direction is None:
             axis = e.Number(_LENGTHS.index(field))
             return e.Apply(VENDOR_ONLY_NAME.format(_PALLET_STEP), (axis, *ends, four, *counts, at))
@@ -372,7 +369,7 @@ def position_product(left: e.Expression, right: s.Expression, lift: ElementReade
     if not isinstance(by, e.Name | e.Index) or _has_sliding_axis(lift.m):
         raise Unliftable
     x, y, z, a, b, c = (_pose_member(by, at) for at in range(6))
-    # The product turns about z first, `relative` about x: each turn is a shift of its own.
+    # The product turns about z first, `relative` about x: each turn is a separate shift.
     moved = e.Apply("relative", (left, x, y, z, _ZERO, _ZERO, c))
     tilted = e.Apply("relative", (moved, _ZERO, _ZERO, _ZERO, _ZERO, b))
     return e.Apply("relative", (tilted, _ZERO, _ZERO, _ZERO, a))
@@ -445,7 +442,6 @@ def _position_element(node: s.Expression, at: int, lift: ElementReader) -> e.Exp
 def _element_sum(sign: str, one: e.Expression, other: e.Expression) -> e.Expression:
     if other == _ZERO:
         return one
-    # Adding a negative constant is written as a difference.
     if isinstance(other, e.Number) and other.value < 0:
         return _element_sum("-" if sign == "+" else "+", one, e.Number(-other.value))
     return e.Binary(sign, one, other)  # type: ignore[arg-type]
@@ -496,7 +492,6 @@ def computed_position(given: Sequence[s.Expression], lift: ElementReader) -> e.E
         raise Unliftable
     places = [lift.number(value) for value in given[:3]]
     turned = built_joints(given[3:], lift)
-    # Angles that an orientation would change are set after the place.
     known = turned is not None and _reads_back((0.0, 0.0, 0.0, *turned))
     angles = turned if turned is not None and known else (0.0, 0.0, 0.0)
     start = lift.m.value_of(s.Constant((0.0, 0.0, 0.0, *angles), (None, None)), "position")
@@ -573,7 +568,6 @@ def shift_amounts(operator: str, constant: s.Constant, symbols: Symbols) -> list
         # Rounding takes away the noise of the conversion.
         values[3:6] = [round(float(v), 9) + 0.0 for v in rotations.to_euler(whole, "XYZ")]
     used = values[:6] if any(turned) else values[:3]
-    # Angles of zero at the end are left out, as in the text that is read back.
     while len(used) > 3 and used[-1] == 0.0:
         used.pop()
     return used

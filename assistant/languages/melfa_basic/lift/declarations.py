@@ -270,7 +270,6 @@ def array_elements(file: SourceFile, symbols: Symbols) -> None:
 
 def _filled_up(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
     texts = any(isinstance(value, e.Text) for value in given.values())
-    # What the list leaves out is empty: no text, or zero.
     return lambda at: given.get(at, e.Text("") if texts else e.Number(0))
 
 

@@ -247,7 +247,6 @@ class Expressions:
         read: Callable[[s.Expression], e.Expression] | None = None,
     ) -> e.Verbatim:
         """The text of an expression. read: what was tried, and is tried for other languages."""
-        # MELFA-BASIC IV writes its words in capitals.
         upper = self.m.dialect.endswith("-4")
         text = printer.expression(node, upper)
         self.m.in_texts |= {part.key for part in nodes(node) if isinstance(part, s.Variable)}
@@ -461,7 +460,6 @@ class Expressions:
             raise Unliftable
         made = tuple(self.number(a) for a in given)
         for parameter, value in zip(parameters, made, strict=True):
-            # An argument by reference receives a value, so it has to be a variable.
             if parameter.mode == "inout" and not isinstance(value, e.Name | e.Member | e.Index):
                 raise Unliftable
         return made
@@ -592,8 +590,7 @@ class Expressions:
                 if isinstance(turned, e.Number):
                     return e.Number(-turned.value)
                 return e.Unary("-", turned)
-            # Each term is converted alone: `Rad(10)` in a sum becomes 10, not 10 degrees through
-            # radians.
+            # Each term is converted alone, so that `Rad(10)` in a sum becomes plain 10.
             case s.Binary(operator=("+" | "-") as sign, left=left, right=right):
                 return e.Binary(sign, self.degrees(left), self.degrees(right))
             case s.Binary(operator=("*" | "/") as sign, left=left, right=right) if self.is_angle(
@@ -741,7 +738,6 @@ def _library_function(
         case "M_HNDCQ", (hand,) if isinstance(known := lift.m.value(hand), float):
             if 1 <= round(known) <= HAND_CHECKS:
                 return e.Name(lift.m.signal("M_IN", FIRST_HAND_CHECK - 1 + round(known)))
-        # Hand checks are inputs with fixed addresses.
         case "ZONE", (_, _, _):
             elements = (
                 e.Member(_position_with_elements(one, lift), field)

@@ -115,6 +115,7 @@ def exported(program: Program) -> Adapted:
     texts = [record.text for record in records(program) if _is_vendor_text(record)]
     if not texts:
         return Adapted(program, tuple(findings))
+    # Nothing in the program makes the arm soft, so commands that end softness change nothing.
     stiff = {key for key, soft in _STIFFNESS_WORDS.items() if not any(map(soft.search, texts))}
     losses = {**_LOSSES, **dict.fromkeys(stiff, _STIFF_ALREADY)}
 
@@ -148,6 +149,7 @@ def _with_stated_lines(program: Program) -> Program:
     ends: dict[int, set[tuple[str, int]]] = {}
     for match in texts:
         ends.setdefault(int(match[1]), set()).add((match[2], int(match[3])))
+    # A line with two addresses is not known to connect to one of them.
     known = {line: next(iter(found)) for line, found in ends.items() if len(found) == 1}
 
     def opened(part: Any) -> Any:
@@ -258,6 +260,7 @@ def _is_vendor_text(record: Any) -> bool:
 
 def _loss_key(node: p.Opaque) -> str:
     """The word of the one command that a text says, with `On` or `Off` where it is about motors."""
+    # A text of several lines is no single command.
     line = read_statement(node.text) if _is_vendor_text(node) and "\n" not in node.text else None
     if line is None or line.label is not None or not isinstance(line.statement, s.Command):
         return ""

@@ -84,6 +84,7 @@ def _circle_of(
     """
     first, via, last = _taught_points(points, symbols)
     start, other, end = (np.array(t.pose.position) for t in (first, via, last))
+    # The circle is halved at its third point; each half needs a point on its way.
     back = arc_middle_across(end, start, other)
     there = None if back is None else arc_middle_across(start, end, back)
     if back is None or there is None:
@@ -129,6 +130,7 @@ def _lift_triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tu
         raise Unliftable
     measure, amount = _trigger_place(append.condition, lift)
     match lift_assignment(append.statement, lift, runs):
+        # A pulse is lifted only where the move begins, the one place at which `Wth` has it.
         case [p.SetSignal(signal, e.Number() as value, (None | e.Number()) as pulse)] if (
             pulse is None or append.condition is None
         ):
@@ -142,6 +144,7 @@ def _trigger_place(
     match condition:
         case None:
             return "start", e.Number(0)
+        # `5 > M_RDst` means the same as `M_RDst < 5`.
         case s.Binary(operator, left, place) if _is_measured_place(
             place
         ) and not _is_measured_place(left):
@@ -159,6 +162,7 @@ def _trigger_place(
 def _is_steady(bound: s.Expression, amount: e.Expression) -> bool:
     """True if a bound does not change while the robot moves: it has no input, timer or state."""
     read = (x.key for x in nodes(bound) if isinstance(x, s.Variable))
+    # Status variables that are read may change while the robot moves.
     return is_steady(amount) and not any(key.startswith("M_") for key in read)
 
 
@@ -227,6 +231,7 @@ class Moves:
         self.runs.arc_pending = False
         joint = word == "Mov"
         kind = self.expressions.type_of(target)
+        # A move whose target is not a plain variable leaves no known start for an arc.
         self.runs.previous = None
         if kind == "joints":
             if not joint or distance is not None:
@@ -259,6 +264,7 @@ class Moves:
             blend = p.ComputedBlend(self._worked_out(blend))
         elif isinstance(blend, Followed):
             corner = self._worked_out(blend)
+            # Below 0 no corner is meant: the move stops.
             blend = p.ComputedBlend(corner, e.Binary("<", corner, e.Number(0)))
         return p.Motion(pace, blend, mount_text(values[TOOL]), mount_text(values[FRAME]))
 
@@ -274,6 +280,7 @@ class Moves:
 
         via: None for a straight line.
         """
+        # Before anything is lifted, as that changes where the robot is.
         here = self.runs.is_here(start, values)
         goal, motion = self.expressions.plain(end), self.motion(False, values)
         made: p.Statement = p.Move("linear", goal, motion)
@@ -294,6 +301,7 @@ class Moves:
         here = self.runs.is_here(start, values)
         before = [] if here else [self.to("Mvs", start, None, values)]
         self.runs.arc_pending, self.runs.previous = False, robot_place(start, values)
+        # Between the halves of a circle the robot must not stop.
         passing = motion if motion.blend != FINE else replace(motion, blend=corner)
         return [
             *before,

@@ -126,7 +126,6 @@ class Runs:
         arc = rows.kinds == MVR
         first = np.where(arc, rows.via, rows.end)
         alone = ~(self.allowed(rows.stem, first) & self.allowed(rows.stem, rows.end)) | (not known)
-        # The two points of an arc have to be neighbours, as rows of a path are.
         alone |= arc & (rows.via != rows.end - 1)
         apart = arc & (rows.start != rows.via - 1)
         if not self.own:  # where a path may begin with an arc from anywhere
@@ -295,7 +294,7 @@ class Runs:
 
     def _lone(self, chunk: _Chunk) -> list[p.Statement]:
         """A single move is no path."""
-        # Where the robot is has been followed beyond this move already.
+        # The robot's position is known beyond this move already.
         previous = self.previous
         word = "Mov" if chunk.kinds[0] == Kind.JOINT else "Mvs"
         target = s.Variable(f"{self.stem}{self.first}")
@@ -335,7 +334,7 @@ def positions_used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
     for item in code:
         if isinstance(item, MoveRows):
             arc = item.kinds == MVR
-            # The start of an arc is a mention of its own unless it is the row above.
+            # The start of an arc is a separate mention unless it is the row above.
             apart = arc & (item.start != item.via - 1)
             parts = [item.end, item.via[arc], item.start[apart]]
             seen.setdefault(item.stem.upper(), []).append(np.concatenate(parts))

@@ -135,8 +135,8 @@ class _AngleNumbers:
             skipped: list[e.Expression] = []
             if len(group) > 1 or _sets_angle(node):
                 assert isinstance(node, p.Assign)
-                # Turning on needs no stored angle, and three sets together replace what was there
-                # before.
+                # A relative turn needs no stored angle, and three sets together replace the old
+                # angles.
                 key = self.key(node.target)
                 turns = _turning(node)
                 if turns is not None:
@@ -347,7 +347,7 @@ class _AngleNumbers:
         def once(x: Any) -> Any:
             if not isinstance(x, e.Index) or self.key(x) not in self.beside:
                 return x
-            # An index that may change is worked out once, so that position and numbers get the same
+            # An index that may change is computed once, so that position and numbers get the same
             # element.
             if all(is_steady(index, self.inputs) for index in x.indices):
                 return x
@@ -382,7 +382,7 @@ class _AngleNumbers:
 
     def raw(self, pose: Pose, name: str = "", indices: tuple[int, ...] = ()) -> _ThreeAngles:
         """The angles of a position as the source writes them."""
-        # A constant of the source with the same orientation tells the angles as they were written.
+        # A constant of the source with the same orientation has the angles as they were written.
         for values in self._written(name, indices):
             if _have_same_angles(plain_pose(values), pose):
                 x, y, z = ((value or 0.0) + 0.0 for value in (*values, *(0.0,) * 6)[3:6])
@@ -393,7 +393,7 @@ class _AngleNumbers:
 
     def _written(self, name: str, indices: tuple[int, ...]) -> Iterator[tuple[float | None, ...]]:
         trees = self.program.origin.trees if self.program.origin is not None else ()
-        # A position may have got a number behind its name to be unique.
+        # A position may have got a number after its name to be unique.
         names = [name.upper(), name.upper().rpartition("_")[0]] if name else []
         for tree in trees:
             known = Positions(tree)

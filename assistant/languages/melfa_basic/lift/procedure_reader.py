@@ -76,6 +76,7 @@ class Reader(Control):
                 taken.add(name)
         self.own_labels = self.label_names
 
+    # Each pass is a part of the procedure under its settings, with its own labels.
     def in_passes(self, head: Form) -> list[p.Statement]:
         """The statements of a divided procedure."""
         order = head.in_order()
@@ -129,6 +130,7 @@ class Reader(Control):
         return p.Return(None if result is None else e.Name(result))
 
     def body(self, low: int, high: int) -> tuple[p.Statement, ...]:
+        # A block may be entered and left on several ways, so where the robot is is not known.
         self.runs.forget()
         made = tuple(self.statements(low, high))
         self.runs.forget()
@@ -157,6 +159,7 @@ class Reader(Control):
         called = self.form.called.get(at, {}).items()
         functions = ((self.regions[callee].function, made.name) for callee, made in called)
         self.symbols.variants = {f.name.upper(): name for f, name in functions if f is not None}
+        # Jumps from this line lead to the pass that has its settings.
         for to in self.form.goes.get(at, {}).values():
             label = self.code[to.places[0]].label
             if label is not None:
@@ -170,9 +173,11 @@ class Reader(Control):
         if isinstance(item, MoveRows):
             self.runs.rows(item, values, made)
             return at + 1
+        # A comment stays at its place, so the path of moves ends before it.
         if item.comment is not None:
             self.runs.flush(made)
             made.append(p.Comment(simple_statements.comment_text(item.comment), span=item.span))
+        # A wait takes several lines, so the check for it precedes that for the first line alone.
         found = simple_statements.wait_at(self.code, at, high, self.expressions, self.named)
         if found is not None:
             self.runs.flush(made)
@@ -213,6 +218,7 @@ class Reader(Control):
             lifted: list[p.Statement] = [self.opaque(node, reason, told or ())]
         else:
             lifted = self.or_text(node, lambda: self.simple(node), self.refused.get(at))
+        # An expression that stays vendor text depends on the settings as a statement does.
         if not isinstance(node, s.Motion) and _has_vendor_expression(lifted):
             self.note_dependence(node)
         return [simple_statements.with_span(statement, span) for statement in lifted]

@@ -144,7 +144,6 @@ def procedure_regions(
 
 def _without_end(code: Code, low: int, high: int, label: str | None) -> Region:
     """Without the `End` or `Return` that it ends with."""
-    # The last `End` or `Return` is implied by the end of a procedure.
     stop = high
     while stop > low and _is_blank(code[stop - 1]):
         stop -= 1
@@ -237,7 +236,6 @@ def _function_regions(code: Code) -> list[Region] | None:
         for k, (start, end, f) in enumerate(spans)
     ]
     made[-1] = replace(made[-1], behind=(above, len(code)))
-    # Without `Main`, the lines above the functions are what runs first.
     if main is None:
         return [Region(0, prefix), *made]
     return [made[main], *made[:main], *made[main + 1 :]]
@@ -418,7 +416,6 @@ def in_order(code: list[s.Entry]) -> list[s.Entry]:
     spans = list(itertools.starmap(range, itertools.pairwise(edges)))
     whole = _joined_runs(code, spans)
     main = whole[0]
-    # The runs of the main program come first already.
     if [k for k, part in enumerate(whole) if part == main] == list(range(whole.count(main))):
         return code
     wanted = called_labels(code) | set(_interrupt_handlers(code))
@@ -578,8 +575,8 @@ class _Separating:
         for k, at in enumerate(part):
             made.append(self._renamed(self.code[at], names))
             after = part[k + 1] if k + 1 < len(part) else None
-            # At the end of the file the controller ends the program; lines moved elsewhere must say
-            # so.
+            # At the end of the file the controller ends the program; lines moved elsewhere need an
+            # `End`.
             if after != at + 1 and self._at_end(at):
                 made.append(s.Line(statement=s.Command("End"), span=self.code[at].span))
         return made

@@ -386,8 +386,8 @@ def setting_lines(
         made = does(statement)
         if not watched or (len(made) == 1 and isinstance(made[0], Sets)):
             return made
-        # A called procedure may change any variable, before or after it makes settings. Only
-        # by-value parameters that the call does not name stay as they are.
+        # A called procedure may change any variable, before or after it makes settings. By-value
+        # parameters that the call does not name stay as they are.
         if any(True for _ in calls_in(made)):
             named = frozenset(x.key for x in nodes(statement) if isinstance(x, s.Variable))
             any_other = Changes(None, own - named)
@@ -405,7 +405,6 @@ def setting_lines(
         if isinstance(statement, s.OnJump):
             return (Either((*((Calls((one,), inside),) for one in calls), ())),)
         before: Steps = (Calls(calls, inside),) if calls else ()
-        # The condition is always worked out, each branch only sometimes.
         if isinstance(statement, s.If) and statement.then is not None:
             return (*before, Either((steps(statement.then), steps(statement.otherwise))))
         if isinstance(statement, s.Motion) and statement.append is not None:

@@ -305,7 +305,7 @@ def lift_print(node: s.Print, lift: Expressions) -> list[p.Statement]:
     given = [value for _, value in node.items if value is not None]
     marks = [mark for mark, _ in node.items[1:]]
     columns = any(mark != ";" for mark in marks)
-    # Columns count from the begin of the line, which an unfinished `Print` moves.
+    # Columns count from the beginning of the line, which an unfinished `Print` moves.
     if columns and (lift.m.goes_on or not lift.m.telling):
         raise Unliftable
     if len(given) + goes_on != len(node.items):

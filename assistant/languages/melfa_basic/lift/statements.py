@@ -182,13 +182,12 @@ class Control:
     def simple(self, node: s.Statement) -> list[p.Statement]:
         """Lift a statement that is not a block; raises Unliftable."""
         if (effect := self.effect(node)) is not None:
-            # Other languages follow settings in variables, because moves there name them.
+            # For other languages, variables hold the settings that are not certain at a move.
             if self.expressions.m.telling:
                 given = followed_assignment(node, effect[1], self.followed, self.expressions)
                 return [] if given is None else [given]
             if self.at in self.kept:
                 raise Unliftable(vendor_statements.DEPENDED_ON)
-            # The moves below carry the setting themselves, so the statement disappears.
             if effect[1] is not UNKNOWN or isinstance(node, s.Command):
                 return []  # how the moves that follow are made
         lift = self.lifts.get(type(node))
@@ -390,7 +389,7 @@ class Control:
         here.
         """
         found, item = self.blocks.get(at), self.code[at]
-        # A block that ends beyond the range is read line by line, as its parts belong to others.
+        # A block that ends beyond the range is read line by line: its parts belong to other blocks.
         if found is None or found[-1] > high or len(self.leaving) > _DEEPEST:
             return 0
         self.leaving.append(_OpenBlock(block_word(item.statement).opens, found[1:]))

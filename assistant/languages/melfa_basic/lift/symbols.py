@@ -73,7 +73,6 @@ def scope_of(items: Iterable[s.Entry], functions: Iterable[str]) -> Scope:
                 scope.names.setdefault(node.key, node.name)
                 if node.suffix:
                     marked.setdefault(node.key, MARK_VALUE_TYPES[node.suffix])
-    # A declaration counts more than a mark.
     scope.types = {**marked, **scope.types}
     return scope
 
@@ -167,7 +166,6 @@ class Constants:
             return
         value = self.value(node)
         if value is not None:
-            # A variable of whole numbers rounds what it is given.
             whole = variable.suffix in ("%", "&") and isinstance(value, float)
             self.values[key] = float(round(value)) if whole else value  # type: ignore[arg-type]
 
@@ -246,7 +244,6 @@ def _unchanged_arguments(key: str, kept: KeptArguments) -> Sequence[bool]:
     known = function(key)
     if known is not None and key not in kept:
         last = [not argument.assigned for argument in known.arguments]
-        # Arguments beyond those that are listed are like the last one.
         return [*last, *last[-1:] * 16]
     return kept.get(key, ())
 

@@ -128,6 +128,7 @@ def reason_for(node: s.Statement, found: Reason | None) -> Reason:
     if isinstance(node, s.Motion | s.Command):
         return _BY_WORD.get(node.keyword.split()[0], kept.NO_EQUIVALENT)
     if isinstance(node, s.If) and node.then is not None:
+        # The first branch with a specific reason determines the reason of the line.
         for branch in (node.then, node.otherwise):
             if branch is not None and not isinstance(branch, s.Target):
                 inner = reason_for(branch, None)

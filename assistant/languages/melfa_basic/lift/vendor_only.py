@@ -227,7 +227,6 @@ class _NumberedSignals:
         known = {
             one.number
             for one in self.program.signals.values()
-            # Signals that differ from the wanted one only by their number.
             if one.number is not None and replace(one, number=signal.number) == signal
         }
         chooser.numbers |= numbers or known

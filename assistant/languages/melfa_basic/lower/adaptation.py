@@ -134,7 +134,6 @@ def _dialect_has(node: s.Expression, dialect: Dialect) -> bool:
             if known is not None and dialect.level not in known.dialects:
                 return False
         mark = record.suffix if isinstance(record, s.Variable | s.Number) else ""
-        # Every version has `$`, the mark of a text.
         if mark not in ("", "$") and mark not in dialect.suffixes:
             return False
     return True
@@ -350,7 +349,6 @@ class _NumberedChannels(Rewording):
         self.lines: dict[str, int] = {}
         self.told: set[str] = set()
         places = ((x.kind, x.place) for x in job.program.statements() if isinstance(x, p.Attach))
-        # Lines that the program names itself are not given to ports.
         self.taken = set[int]()
         for place in places:
             match place:

@@ -246,7 +246,6 @@ class Expressions:
         return timer_variable(self.word(TIMER_WORD), number)
 
     def text(self, text: str) -> s.String:
-        # A text has no escape for a quote.
         if '"' in text or not text.isprintable() or len(text) > _LONGEST_TEXT:
             raise Unsayable(f"a text of over {_LONGEST_TEXT} characters", "shorten it")
         return s.String(text)

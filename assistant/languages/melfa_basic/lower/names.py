@@ -120,6 +120,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
             variables = [*((q.name, q) for q in procedure.parameters), *procedure.variables.items()]
         for name, variable in variables:
             letter = LETTERS[variable.type]
+            # Other programs know an external variable by its name, which must not change.
             if isinstance(variable, Variable) and is_external(name, variable):
                 names.variables[owner, name.lower()] = name.upper()
                 taken.add(name.upper())
@@ -129,6 +130,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
             short = _variable(name, "M", dialect, taken)
             names.loops[owner, name.lower()] = short
             names.original_loops[short] = name
+    # Functions and variables share one space of names, subroutines have one with the labels.
     labels = taken if dialect.functions else TakenNames(RESERVED_WORDS)
     labels.add(MAIN)
     for entry in program.procedures:
@@ -146,6 +148,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     names.channels = numbered_channels(program, FILE_NUMBERS, channels_open_together)
     names.interrupts = numbered_interrupts(program, INTERRUPTS)
     names.defined = frozenset(one.name.lower() for one in interrupts(program))
+    # Numbered positions that are made get numbers above all that the program has.
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names
@@ -232,6 +235,7 @@ def _variable(given: str, letter: str, dialect: Dialect, taken: set[str]) -> str
 
 def _label(given: str, dialect: Dialect, taken: set[str]) -> str:
     plain = _plain(given, dialect.mixed)
+    # Labels that the compiler makes must not clash with others, and labels begin with a letter.
     if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain.upper()):
         plain = "L" + plain
     return free_name(_unshared(plain), dialect.labels, taken)
@@ -253,6 +257,7 @@ def _plain(given: str, mixed: bool = False) -> str:
 
     mixed: as they are spelled, and with `_` between them.
     """
+    # Accents are taken off, other letters are left out.
     ascii = unicodedata.normalize("NFKD", given).encode("ascii", "ignore").decode()
     if mixed:
         return re.sub(r"[^A-Za-z0-9_]", "", ascii).strip("_")

@@ -162,7 +162,7 @@ def _vendor_texts(node: p.Statement) -> Iterator[str]:
         if isinstance(part, p.Opaque) and part.language in DIALECTS:
             yield part.text
         elif isinstance(part, e.Verbatim) and part.language in DIALECTS:
-            # As an assignment, an expression can be read as a statement.
+            # An assignment makes a statement of the expression, which the reader takes.
             yield f"M1={part.text}"
 
 
@@ -335,7 +335,6 @@ class UnitLines(Writer):
         """The variable lines: named positions first, then those of the paths."""
         for kind, table, members in _named_members(self):
             for name in members:
-                # The controller has this tool or frame under its number.
                 if table[name.lower()] in self.names.numbers:
                     continue
                 yield s.Data(s.Variable(table[name.lower()]), self._constant(kind, name))

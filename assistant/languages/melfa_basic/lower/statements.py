@@ -432,7 +432,6 @@ def appended_statement(w: Writer, move: p.MoveStatement) -> s.Append | None:
     pulse = None if one.pulse is None else w.expressions.of(one.pulse)
     assignment = output_assignment(w, one, pulse)
     if is_at_start(one):
-        # `Wth` alone acts where the move begins; a condition is needed only further along.
         return s.Append(assignment)
     name = _MEASURE_WORDS[one.measure]
     place, operator = s.Variable(w.expressions.word(name)), TRIGGER_MEASURES[name][1]
@@ -570,7 +569,6 @@ def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
         return _target_in_frame(w, s.Variable(w.previous[0]), frame)
     name = w.owner.name if w.owner else "main"
     w.report(rules.ARC_AT_START(name=name, about=Declared(name, "procedures", in_full=True)))
-    # An arc names its start. Where it is not known, the program reads it as it runs.
     start = s.Variable(ARC_START)
     w.add(s.Assign(start, s.Variable(w.expressions.word("P_Curr"))))
     return start
@@ -587,7 +585,6 @@ def _write_segment(w: Writer, path: Path, start: int, stop: int, first: int) -> 
         known = f"P{first + start - 1}"
         if start == 0 or w.previous != (known, tool, frame):
             begin = _arc_start(w, tool, frame)
-            # The arc takes two rows: the point on the way and the end.
             numbers = (first + start, first + start + 1)
             ends = (_target_in_frame(w, s.Variable(f"P{n}"), frame) for n in numbers)
             w.add(s.Motion("Mvr", (begin, *ends)))
@@ -619,7 +616,7 @@ def path_segments(path: Path) -> Iterator[tuple[int, int]]:
     yield from itertools.pairwise(edges)
 
 
-# By number of `Kind`; rows with a point on the way have no move of their own.
+# By number of `Kind`; rows with a point on the way are part of the next row's move.
 _ROW_KINDS: Final = np.array([MOV, MVS, -1, MVR], dtype=np.int64)
 
 

@@ -51,6 +51,7 @@ def _with_supplied_functions(
         made += found or parse(SourceText(_function_text(one, value)), dialect).items
     code = [at for at, item in enumerate(tree.items) if isinstance(item, s.Entry)]
     ends = [at for at in code if getattr(tree.items[at], "statement", None) == _FUNCTION_END]
+    # Functions go below the last one, or else below the code.
     below = (ends or code or [-1])[-1] + 1
     bare = (replace(item, number=None, span=None) for item in made if isinstance(item, s.Line))
     return replace(tree, items=(*tree.items[:below], *bare, *tree.items[below:]))
@@ -117,6 +118,7 @@ def with_supplied(
             own = own and _is_wanted_by(wanted, tree)
             if value is None or wanted.kind == "routine" or not (shared or own):
                 continue
+            # The parameter keeps no tool or base at all, so no position has to hold it.
             if wanted.name in LAST_SET_PARAMETERS.values() and value in _NO_MOUNTS:
                 continue
             name = wanted.name if external else wanted.name[len(before) :]
@@ -151,6 +153,7 @@ def _with_first_settings(tree: s.File, before: s.File, given: Supplied) -> s.Fil
             NEUTRAL_SETTINGS[word] if values[name] in _NO_MOUNTS else parameter_position(name),
         )
     ]
+    # Declarations stay in front of what acts.
     first = next((n for n, item in enumerate(tree.items) if _is_acting(item)), None)
     if not lines or first is None:
         return tree
@@ -183,6 +186,7 @@ def _without_lines(tree: s.File) -> s.File:
 
 def _read_again(tree: s.File) -> s.File:
     items = tuple(x for x in tree.items if not isinstance(x, s.Line) or x.span is not None)
+    # Lines that were added have no place in the text.
     return tree if len(items) == len(tree.items) else replace(tree, items=items)
 
 
@@ -219,6 +223,7 @@ def _with_routine_calls(tree: s.File, routines: Mapping[str, object]) -> s.File:
         node.target.key
         for item in tree.items
         for node in nodes(item.statement if isinstance(item, s.Line) else None)
+        # Such a state cannot go through an orientation, which changes its angles.
         if isinstance(node, s.Assign) and _is_no_turn(node.value)
     }
 
@@ -292,6 +297,7 @@ def _with_lines(tree: s.File, lines: Mapping[str, str], dialect: str) -> s.File:
     """A line without a value gives its place to the one that has it; others stand at the end."""
     source = tree.source or SourceText("")
     text, left = source.text, dict(lines)
+    # From the last line to the first, so that the offsets of those in front stay right.
     for item in reversed(tree.items):
         if isinstance(item, s.Data) and item.span is not None and item.variable.key in left:
             if item.variable.arguments is None:
@@ -300,5 +306,6 @@ def _with_lines(tree: s.File, lines: Mapping[str, str], dialect: str) -> s.File:
                 new = left.pop(item.variable.key)
                 text = text[: item.span.start] + new + end + text[item.span.end :]
     if left:
+        # The last character ends files of old systems.
         text = text.rstrip("\r\n\x1a") + "\n" + "\n".join(left.values()) + "\n"
     return parse(replace(source, text=text), dialect)

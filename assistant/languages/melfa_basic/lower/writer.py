@@ -299,7 +299,6 @@ class Writer:
         ):
             known = table.get(name.lower(), self.expressions.word(status))
             number = names.numbers.get(known)
-            # A stored tool or base is set by its number.
             self._set(word, name, s.Variable(known) if number is None else s.Number(number))
 
     def changed_tool(self, place: e.Expression) -> None:

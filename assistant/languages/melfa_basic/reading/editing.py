@@ -126,6 +126,7 @@ def _words(line: str) -> Iterator[Word]:
     while found := _WORD.search(line, at):
         kind: WordKind = found.lastgroup  # type: ignore[assignment]
         text, start, at = found[0], *found.span()
+        # A label begins a line or follows a jump; anywhere else `*` multiplies.
         if kind == "label" and not (before in ("", ":") or before in _BEFORE_LABELS or jumps):
             kind, text, at = "operator", "*", start + 1
         elif kind == "name":
@@ -136,6 +137,7 @@ def _words(line: str) -> Iterator[Word]:
                 kind = "keyword"
                 jumps = jumps or low in _JUMPS
         yield Word(kind, start, at, text)
+        # A step number at the beginning is no word of the statement.
         if not (kind == "number" and not before):
             before = text.lower() if kind != "label" else "*"
 

@@ -33,6 +33,7 @@ def recognises(data: bytes, level: int, suffix: str = "") -> bool:
     stated = _LEVELS.get(suffix)
     if data.startswith(TOKENISED):
         return stated in (level, None)
+    # The mark of a text in UTF-8, as Latin-1 reads it.
     text = data[:_LOOKED_AT].decode("latin-1").removeprefix("\xef\xbb\xbf")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if marked := _MARK.search(text):
@@ -56,6 +57,7 @@ def _is_program(text: str, *, named: bool = False) -> bool:
         if found is not None:
             likely += 1
             sure += found["sure"] is not None or found["step"] is not None
+    # One line that no other language has, and half of all that could be of this one.
     return (sure > 0 or (named and lines > 0)) and likely >= _LEAST * lines
 
 
@@ -98,11 +100,13 @@ def version(text: str) -> int:
     """The oldest version that a text may be: IV is numbered and in upper case throughout."""
     if _SIX.search(text):
         return 6
+    # Comments and texts may hold any word.
     code = _QUIET.sub("", text)
     least = max((at for pattern, at in _newer() if pattern.search(code)), default=4)
     words = _NUMBERED.findall(code)
     if words and all(word.isupper() for word in words):
         return least
+    # A position list has no word that shows the version.
     listed = not words and "=(" in text and not re.search(r"(?i)\b(mov|mvs|if)\b", code)
     return least if listed else max(least, 5)
 

@@ -39,7 +39,7 @@ def _number_of(text: str, suffix: str = "") -> s.Number:
         return s.Number(_whole(text[2:], 16), 16, suffix)
     if mark == "&B":
         return s.Number(_whole(text[2:], 2), 2, suffix)
-    # More digits are not exact in a number of the controller, so they are read as a float.
+    # Longer numbers are not all exact in double precision, so they are read as floats.
     if text.isdigit() and len(text) <= _INTEGER_LIMIT:
         return s.Number(int(text), 10, suffix)
     return s.Number(_finite(text), 10, suffix)
@@ -58,7 +58,7 @@ def _constant_of(text: str, span: Span | None = None) -> s.Constant:
 
 def _whole(digits: str, base: int) -> int:
     value = int(digits, base)
-    # Later steps calculate with floats.
+    # Later steps calculate with floats, which the value has to fit into.
     if value > sys.float_info.max:
         raise ValueError(f"{digits} is too large")
     return value
@@ -211,7 +211,7 @@ def keywords() -> Mapping[str, tuple[str, ...]]:
     found = {word.upper(): terminals for word, terminals in grammar().words.items()}
     found["ELSEIF"] = found["ELSE IF"] = ("_ELSEIF",)
     for word in words("motion"):
-        # Where a move may begin, its word is one before it is anything else.
+        # A word that may begin a move is a move before it is anything else.
         found[word.upper()] = ("MOTION", *found.get(word.upper(), ()))
     for word in words("command"):
         found[word.upper()] = (*found.get(word.upper(), ()), "COMMAND")

@@ -28,6 +28,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.line_repairs import LineReader, LineSyntax, Missing, Phrase
 from assistant.languages.recovery.mistakes import Slip
 
+# Words of several parts would need blanks in the pattern.
 _WORDS: Final = "|".join(word for word in statements() if word.isalnum())
 
 MISTAKES: Final = (
@@ -199,6 +200,7 @@ _PHRASES: Final = (
 )
 
 _BRANCH: Final = re.compile(r"\b(?:Then|Else|Wth)\b|^[ \t]*\*\w+[ \t]*:", re.IGNORECASE)
+# Three words or more: a short line may be a misspelled statement.
 _PROSE: Final = re.compile(r"[ \t]*([^\W\d]+)(?:[ ,]+[^\W\d][\w'-]*){2,}[ \t.!?:]*$")
 _OPERAND: Final = re.compile(r"\d|[PJMC]\w*\d|[PJ]\w{2}", re.IGNORECASE)
 
@@ -237,6 +239,7 @@ def _parted(written: str) -> int | None:
     """Return the length of a word that its operand follows without a blank: `MOVP1`, `GOTO100`,
     `DLY1`.
     """
+    # The longest word first, as `MVR2` begins with `MVR`.
     for size in range(len(written) - 1, 1, -1):
         known = statement(written[:size])
         if known is not None and known.role != "part" and _OPERAND.match(written, size):

@@ -59,6 +59,7 @@ def surroundings(program: FilePath, read: Texts) -> ControllerConfiguration:
         robot = common.get("MECHA1", [""])[0]
         file = lists.get(f"{robot.lower()}#1{SUFFIX}")
         others = [path for name, path in lists.items() if name.endswith(f"#1{SUFFIX}")]
+        # Without a name of the arm, the only list of a robot there is the one meant.
         if file is None and not robot and len(others) == 1:
             file = others[0]
             robot = file.name[: -len(f"#1{SUFFIX}")]
@@ -105,6 +106,7 @@ def _lists(folder: FilePath) -> list[FilePath]:
 
 def _rows(file: FilePath | None, read: Texts) -> dict[str, list[str]]:
     text = None if file is None else read(file)
+    # The first line states the format; other programs have files with this suffix, too.
     if text is None or HEAD not in text.partition(";")[0]:
         return {}
     joined = text.replace("\r\n", "\n").replace("\r", "\n")
@@ -146,6 +148,7 @@ def _arm(told: str) -> str | None:
     while name:
         if name in known:
             return name
+        # Drop the last part of the name, which states the controller or the variant.
         name = name.rpartition("-")[0]
     return None
 
@@ -158,6 +161,7 @@ def _lines(rows: Mapping[str, list[str]]) -> Iterator[tuple[int, CommunicationLi
             if device.startswith("RS232"):
                 yield number, ("serial", number, "")
             continue
+        # The first element of NETPORT is the port of the controller itself.
         at = int(found[1])
         port = int(_at(rows, "NETPORT", at, str(_FIRST_PORT + at)))
         if _at(rows, "NETMODE", at - 1, _SERVER) == _SERVER:

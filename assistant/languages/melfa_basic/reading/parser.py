@@ -52,6 +52,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
         if isinstance(node, Stop):
+            # Recovery is expensive to load, and most files need none.
             from assistant.languages.melfa_basic.reading.mistakes import recovery_reader
 
             item, found = recovery_reader().read(source, start, stop, node, len(findings))
@@ -104,6 +105,7 @@ def _with_data(items: list[s.Item]) -> list[s.Item]:
     In a source without step numbers they are what follows the last other statement. A number or a
     text that the program comes to is assigned there; what it cannot come to is a variable line.
     """
+    # In a file with step numbers, lines without them are variable lines.
     numbered = any(isinstance(item, s.Line) and item.number is not None for item in items)
     first = 0
     if not numbered and not any(isinstance(item, MoveRows) for item in items):
@@ -136,6 +138,8 @@ def _datum(item: s.Item) -> s.Data | None:
     """An unnumbered assignment of a constant, or declaration of one, as a variable line."""
     match item:
         case s.Line(None, None, s.Assign(s.Variable(component="") as target, value, None), None):
+            # A line with the name of a status variable would set it, except for positions that are
+            # taught.
             if status(target.name) is not None and target.name.upper() not in TAUGHT_STATUS:
                 return None
             match value:
@@ -168,6 +172,7 @@ def mended(tree: File, dialect: str) -> File | None:
     if source is None or any(f.code not in CERTAIN_FINDINGS or f.span is None for f in errors):
         return None
     text = source.text
+    # From the last finding to the first, so that the offsets of those in front stay right.
     for finding in sorted(errors, key=lambda f: -f.span.start if f.span else 0):
         text = _replaced(text, finding)
     again = parse(replace(source, text=text), dialect)

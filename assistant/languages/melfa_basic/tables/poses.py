@@ -60,13 +60,16 @@ def to_values(
     else:
         angles = rotations.to_euler(quaternions, "ZYX")[..., ::-1]
     used = ~np.isnan(external[:, :2])
+    # L2 alone cannot be written: L1 comes before it.
     count = 2 if used[:, 1].any() else 1 if used[:, 0].any() else 0
     extra = np.nan_to_num(external[:, :count])
+    # Adding 0.0 makes 0.0 of -0.0.
     return np.round(np.column_stack([positions, angles, extra]), places) + 0.0
 
 
 def from_values(values: Floats, robot: Robot | None) -> tuple[Floats, Floats, Floats]:
     """Positions (n, 3), quaternions (n, 4) and external axes (n, 6) of (n, 6 … 8) values."""
+    # In a table with additional axes, NaN is kept for those that a row does not state.
     values = np.nan_to_num(values) if values.shape[1] <= 6 else values
     positions, angles = np.nan_to_num(values[:, :3]), np.nan_to_num(values[:, 3:6])
     if robot is not None and robot.five_axis:
@@ -92,6 +95,7 @@ def configurations_of(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
     """Return (n, 6) columns of (n, 2) flags, without the bits that have no meaning for the arm."""
     configurations = from_flags(flags if robot is None else flags & (robot.arm.flags, -1))
     if robot is not None and robot.five_axis:
+        # The wrist of five axes cannot flip.
         configurations[:, FLIP] = 0
     return configurations
 
@@ -131,5 +135,6 @@ def plain_values(pose: Pose) -> tuple[float, ...]:
 
 def plain_pose(values: tuple[float | None, ...]) -> Pose:
     """A tool or frame of six values."""
+    # From C back to A: the order of the rotations.
     six = np.array([v or 0.0 for v in (*values, *(0.0,) * 6)[:6]])
     return Pose.of(six[:3], rotations.from_euler(six[:2:-1], "ZYX"))

@@ -128,7 +128,9 @@ def free_name(name: str, most: int, taken: set[str]) -> str:
     """
     found = name[:most].rstrip("_")
     if found.upper() in taken:
+        # A number after a digit would read as one number, so a letter separates them.
         mark = "Z" if name[-1:].isdigit() else ""
+        # Counting continues from the last number of the same beginning instead of trying all again.
         counts = taken.counts if isinstance(taken, TakenNames) else {}
         key = found.upper(), mark, most
         count = counts.get(key, 2)

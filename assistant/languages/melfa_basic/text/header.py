@@ -125,6 +125,7 @@ def packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
     """Lines `kind: entry, entry …`, as many entries on each as there is room for."""
     line = ""
     for entry in entries:
+        # Room for the step number and the mark of the comment.
         if line and len(line) + 2 + len(entry) > EMITTED_LINE - 10:
             yield line
             line = ""
@@ -143,6 +144,7 @@ def bounds(texts: Sequence[str]) -> tuple[int, int] | None:
     return start, texts.index(END, start)
 
 
+# A comment can hold anything, so each pattern limits the length of its numbers and names.
 _PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+)(?: = ({ASCII_NAME}))?")
 _PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({ASCII_NAME})")
 _SIGNAL: Final = re.compile(
@@ -219,6 +221,7 @@ def parameter_value(name: str, values: tuple[float | None, ...]) -> str:
 
 def with_stated_parameters(tree: s.File) -> s.File:
     """Return the tree with the controller's values from its heading, where it has no value."""
+    # Values that the file has itself count more than those of the heading.
     own = {item.variable.key for item in tree.items if isinstance(item, s.Data)}
     more = tuple(data for data in _stated_positions(tree) if data.variable.key not in own)
     return replace(tree, items=(*tree.items, *more)) if more else tree

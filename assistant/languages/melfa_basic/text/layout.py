@@ -85,6 +85,7 @@ def _code_text(listed: Sequence[Word], upper: bool) -> str:
 
 def _spaced(listed: Sequence[Word], upper: bool) -> Iterator[str]:
     for before, token, at in zip([None, *listed], listed, range(len(listed)), strict=False):
+        # Blanks surround `Is` and the comparison after it: `Is <= 5`.
         within_is = at > 0 and "_IS" in (listed[at - 1].kind, listed[at - 2].kind if at > 1 else "")
         if before is not None and (within_is or _are_apart(before, token)):
             yield " "
@@ -104,11 +105,13 @@ def _is_keyword(token: Word) -> bool:
 
 def _are_apart(before: Word, token: Word) -> bool:
     """True if a blank separates two neighbours."""
+    # Before a clause a blank also follows an argument that is left out.
     if token.kind in _CLAUSES and before.kind != "COLON":
         return True
     if token.kind in _TIGHT_BEFORE or before.kind in _TIGHT_BEHIND:
         return False
     if token.kind == "COMMA":
+        # The first argument is left out, and the comma would run into the word.
         return before.kind in _HEADS
     if _is_keyword(before):
         return not (before.kind == "_COM" and token.kind == "LPAR")
@@ -219,6 +222,7 @@ def _decimals(items: Sequence[s.Item]) -> list[int]:
 
     They print every number without loss, as far as any decimals do.
     """
+    # Neighbours of one table have the same decimals, so that their columns line up.
     places: list[int] = []
     for _, group in groupby(items, _table_kind):
         together = list(group)

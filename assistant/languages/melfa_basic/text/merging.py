@@ -59,6 +59,7 @@ def _all_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
     """The items with every line that is to be a step marked as one, blank lines included."""
     numbered = [len(steps_of(item)) > 0 for item in items]
     code = [at for at, item in enumerate(items) if isinstance(item, s.Entry)]
+    # In a file without step numbers, blank lines up to the last step become steps as well.
     last = code[-1] if code and not any(numbered) else -1
     made: list[s.Item] = []
     for at, item in enumerate(items):
@@ -88,6 +89,7 @@ def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], 
     says: whether a tree says what `after` does.
     """
     old, new = (_named_as(file, tree) for file in (before, after))
+    # The strategies place new lines differently; the first result with the right meaning is taken.
     for lines in _LINES.merged(tree.items, old, new):
         items = _DATA.merged(lines, old, new)
         numbered = (
@@ -143,6 +145,7 @@ class _Data(DataMerger):
         ):
             return replace(here, value=new.value)
         three = zip(mine.values, was.values, now.values, strict=True)
+        # Only numbers that differ are exchanged; the others keep their spelling.
         values = tuple(m if w == n else n for m, w, n in three)
         flags = mine.flags if was.flags == now.flags else now.flags
         return replace(here, value=s.Constant(values, flags))
@@ -171,6 +174,7 @@ def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
     for item in file.items:
         if isinstance(item, PositionRows | MoveRows):
             stem = item.stem.upper()
+            # Most tables have no name that is spelled in another way, and stay one item.
             if not any(n.startswith(stem) and n[len(stem) :].isdigit() for n in known):
                 named.append(item)
                 continue

@@ -54,6 +54,7 @@ def constant(node: s.Constant, places: int | None = None) -> str:
 
 
 def _unsigned_zero(text: str) -> str:
+    # Rounding may leave a minus before zeros.
     return "+" + text[1:] if text.startswith("-") and not text.strip("-0.") else text
 
 
@@ -66,6 +67,7 @@ def number(node: s.Number) -> str:
     if node.base == 2:
         return f"&B{int(node.value):b}" + node.suffix
     value = float(node.value)
+    # From there on the digits of a whole number are not all exact.
     whole = value.is_integer() and abs(value) < 1e15
     return (str(int(value)) if whole else repr(value).upper()) + node.suffix
 
@@ -105,6 +107,7 @@ def _binary(to: Templates, node: s.Binary) -> str:
     left = _operand(to, node.left, binding)
     if operator == "^":
         return f"{left}^{_exponent(to, node.right)}"
+    # Operators associate to the left, so an equal one on the right needs brackets.
     right = _operand(to, node.right, binding + 1)
     mark = f" {to.word(operator.capitalize())} " if operator.isalpha() else operator
     return left + mark + (_apart(right) if operator in _SYMBOLS else right)

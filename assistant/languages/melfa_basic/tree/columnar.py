@@ -138,6 +138,7 @@ FLAGS: Final = range(-(2**31), 2**32)
 """Range of a flag, with a sign or without: 32 bits, four for the turns of each axis."""
 _NATURAL: Final = r"(?:0|[1-9][0-9]{0,8})"
 _REAL: Final = r"[+-]?[0-9]{1,9}(?:\.[0-9]{0,9})?"
+# Possessive and atomic parts: a line that does not fit is not tried in other ways again.
 _SPACE: Final = r"[ \t]*+"
 _STEM: Final = r"([A-Za-z][A-Za-z_]*)"
 
@@ -180,6 +181,7 @@ def rows_at(text: str, at: int) -> PositionRows | MoveRows | None:
         if found:
             rows = _table(found, partial(_positions, _groups_of(elements)))
             inside = (rows.flags >= FLAGS.start) & (rows.flags < FLAGS.stop)
+            # Flags beyond 32 bits are errors, which the line reader reports.
             return rows if inside.all() else None
     return None
 
@@ -188,6 +190,7 @@ def _table(found: re.Match[str], read: Callable[[bytes], R]) -> R:
     data = found.group().encode("ascii")
     ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n")) + 1
     places = np.stack([np.concatenate([[0], ends[:-1]]), ends], axis=1)
+    # Without blanks, marks are all that separates the numbers.
     rows = in_parts(data.translate(None, b" \t\r"), read)
     return replace(rows, span=Span(found.start(), found.end()), places=places)
 
@@ -210,8 +213,10 @@ def _moves(data: bytes) -> MoveRows:
     text = Slots(data)
     marks = Marks(text, b",", b"\n")
     words = after_digits(text.bytes, marks.rows)
+    # Clearing the bit of lower case: the letter counts in any case.
     letter = text.bytes[words + 2] & 0xDF
     kinds = np.select([letter == ord("V"), letter == ord("S")], [MOV, MVS], MVR)
+    # The three words are of one length.
     arc, begins = kinds == MVR, words + len(KEYWORDS[MVR])
     commas = marks.offsets[marks.first[arc, None] + np.arange(2)]
     start, via = np.full((2, len(kinds)), -1, dtype=np.int64)

@@ -154,6 +154,7 @@ def graph_of(
 def targets_in(items: Iterable[object]) -> Iterator[s.Target]:
     """Every jump target of some lines."""
     for item in items:
+        # The shared value for no exits is by far the most frequent.
         if (exits := exits_of(statement_of(item))) is not ON:
             yield from exits.targets
 
@@ -272,12 +273,14 @@ def _branch_lines(
     while True:
         then, other = f"{name}T{branch}", f"{name}N{branch}"
         after = labels.get(other, -1)
+        # A line that is not where the compiler puts it is a user's own.
         if not _is_branch_test(lines[at], then, other) or labels.get(then) != at + 1:
             return None
         if not at + 2 <= after - 1 < end or not jumps_to(lines[after - 1], name + "Z"):
             return None
         places += [at, after - 1, after]
         branch += 1
+        # Another `If` right below the label is the next branch.
         if labels.get(f"{name}T{branch}") != after + 2:
             return [*places, end]
         at = after + 1

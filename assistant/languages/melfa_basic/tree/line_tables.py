@@ -60,6 +60,7 @@ def gathered(items: Iterable[s.Item]) -> Iterator[s.Item]:
     for item in alike.gather_runs(
         listed, map(_table_row, listed), _table_of_rows, lambda _, run: run, FEWEST
     ):
+        # A table that is left with a single row is a line, as the parser would read it.
         if isinstance(item, MoveRows | PositionRows) and 0 < len(item) < FEWEST:
             yield from rows_as_lines(item)
         else:
@@ -75,6 +76,7 @@ def _table_row(item: s.Item) -> alike.Row | None:
             return (MoveRows, stem), item
         case PositionRows(stem=stem, values=values) if len(item):
             return (PositionRows, stem, values.shape[1]), item
+        # Labels, comments and appended statements have no column.
         case s.Line(
             label=None,
             statement=s.Motion(keyword=keyword, arguments=arguments, type=None, append=None),
@@ -84,6 +86,7 @@ def _table_row(item: s.Item) -> alike.Row | None:
             wanted = 3 if keyword == KEYWORDS[MVR] else 1
             if len({stem for stem, _ in found}) != 1 or not len(arguments) == len(found) == wanted:
                 return None
+            # Moves other than arcs have no start and no via, which -1 stands for.
             stem, numbers = found[0][0], [-1, -1, *(number for _, number in found)][-3:]
             row = [item.number or 0, KEYWORDS.index(keyword), *numbers]
             return (MoveRows, stem), (stem, row)
@@ -163,6 +166,7 @@ class Positions:
                 case PositionRows():
                     self.tables.setdefault(item.stem.upper(), []).append(item)
                 case s.Data(variable=variable, value=s.Constant() as constant):
+                    # The tools write a position that was never taught with zeros and empty flags.
                     undefined = constant.flags == (None, None) and not any(constant.values)
                     if variable.arguments is None and not undefined:
                         self.names.setdefault(variable.key, (variable.name, constant))
@@ -189,6 +193,7 @@ class Positions:
             wide = np.full((len(rows), 8), np.nan)
             wide[:, : rows.values.shape[1]] = rows.values
             parts.append(replace(rows, values=wide))
+        # A table holds positions; joints are found by their names alone.
         for at, constant in single if stem[0] == "P" else ():
             parts.append(PositionRows(stem, np.array([at]), *_constant_row(constant)))
         table = joined_runs(parts)
@@ -262,6 +267,7 @@ def _constant_row(constant: s.Constant) -> tuple[Floats, Ints]:
 def configurations(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
     """(n, 6) neutral columns; UNSTATED where there are no flags."""
     absent = flags[:, 0] == NO_FLAGS
+    # Rows without flags need any valid ones for the conversion; they are marked below.
     columns = poses.configurations_of(np.where(absent[:, None], 7, flags), robot)
     columns[absent] = (UNSTATED, 0, 0, 0, 0, 0)
     return columns
@@ -278,6 +284,7 @@ def target_of(constant: s.Constant, robot: Robot | None) -> Target:
 def joints_of(constant: s.Constant, robot: Robot | None) -> JointTarget:
     values = [0.0 if v is None else v for v in constant.values]
     joints, more = values[:6], values[6:8]
+    # Arms of fewer axes leave places of their joints empty.
     if robot is not None and len(robot.axes) < 6 and len(joints) > max(robot.places):
         joints = [joints[place] for place in robot.places]
     return JointTarget(tuple(joints), tuple([*more, *[UNUSED_AXIS] * 6][:6]))

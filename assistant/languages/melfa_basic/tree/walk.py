@@ -171,6 +171,7 @@ def uses(node: Any, role: Role = "read") -> Iterator[Use]:
 
     The arguments of a call may receive a value. role: where the node states no other.
     """
+    # A stack instead of recursion: every check runs through all nodes of a program.
     left: list[tuple[Any, Role]] = [(node, role)]
     while left:
         node, role = left.pop()
@@ -178,6 +179,8 @@ def uses(node: Any, role: Role = "read") -> Iterator[Use]:
         if kind is s.Variable:
             yield Use(node, role)
             if node.arguments and role != "declared":
+                # The value of an array's subscript is read, but a function may return something in
+                # its argument.
                 left.append((node.arguments, "either" if _gives_results(node.key) else "read"))
         elif kind is tuple:
             left += [(inner, role) for inner in reversed(node)]
@@ -229,6 +232,7 @@ def timer_number(node: Any) -> int | None:
     """The number of the timer that a node is: 0 for one that is worked out, None for none."""
     match node:
         case s.Variable(key="M_TIMER", arguments=(s.Number(value=number),)):
+            # Only a plain number names one timer; anything else may be any of them.
             return int(number) if float(number).is_integer() and number >= 1 else 0
         case s.Variable(key="M_TIMER"):
             return 0

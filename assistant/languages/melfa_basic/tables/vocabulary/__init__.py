@@ -225,5 +225,6 @@ def _rows(table: str) -> Iterator[tuple[str, ...]]:
     """The cells of each line of a table that says something."""
     text = files(__name__).joinpath(table + ".txt").read_text("utf-8")
     for line in text.splitlines():
+        # `#Include` is a word of the language, not a comment.
         if line and not line.startswith("# ") and line != "#":
             yield tuple(cell.strip() for cell in line.split("|"))
