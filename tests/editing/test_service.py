@@ -12,6 +12,7 @@ from assistant.editing.answers import MARKS, SORTS
 from assistant.editing.service import Place, Workspace
 from assistant.editing.text_lines import Lines
 from tests.editing.typing import kept
+from tests.tables import every_row
 
 SAMPLES = Path(__file__).parent.parent.parent / "samples"
 EVERY = kept()
@@ -115,7 +116,7 @@ def test_a_local_name_hides_a_global_one():
         service.rename(document, Place(6, 6), "y")
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("name", "word", "new", "code"),
     [
         ("samples-palletising.mod", "pHome:=", "main", "ED002"),
@@ -184,7 +185,7 @@ def test_a_position_of_five_axes_is_read_as_one(tmp_path):
     assert j6 == pytest.approx(20.0 + j1 * 0.866025, abs=0.02)  # A, with the cosine of B
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("name", "line", "wanted"),
     [
         ("samples-palletising.mod", "        Pick", "PickBox"),

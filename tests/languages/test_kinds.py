@@ -3,6 +3,7 @@
 import pytest
 
 from assistant.languages.checks.values import Kind, Operators
+from tests.tables import every_row
 
 NUMBERS = frozenset({"small", "large"})
 OPERATORS = Operators(
@@ -18,7 +19,7 @@ OPERATORS = Operators(
 )
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("operator", "left", "right", "made"),
     [
         ("+", "small", "small", "small"),
@@ -38,7 +39,7 @@ def test_arrays_are_not_joined():
     assert OPERATORS.joined("+", Kind("small", 1), Kind("small", 1)) is None
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("given", "wanted", "fits"),
     [
         (Kind("small"), Kind("small"), True),

@@ -16,6 +16,7 @@ from assistant.languages.line_blocks import (
     blocks_of,
     graph_of,
 )
+from tests.tables import every_row
 
 WORDS = {
     "routine": BlockWord(bounds="begins"),
@@ -94,7 +95,7 @@ def test_one_word_closes_several_blocks() -> None:
     assert [block.first for block in found.closing[2]] == [1, 0]
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "after"),
     [
         ("if/a/endif/b", {0: [1, 2], 1: [2], 2: [3], 3: [EXIT]}),

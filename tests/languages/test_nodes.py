@@ -8,6 +8,7 @@ import pytest
 
 from assistant.base.diagnostics import Span
 from assistant.languages.nodes import Nodes, row, without_place
+from tests.tables import every_row
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Made(
 PLACE = Span(1, 3)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("rule", "children", "node"),
     [
         ("routine", ["LOCAL", "a", "END", "x"], Routine("PROC", True, "A", (), "x", PLACE)),

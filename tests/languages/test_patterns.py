@@ -5,8 +5,6 @@ The language of these tests has calls, numbers, and names, which are texts.
 
 from __future__ import annotations
 
-import pytest
-
 from assistant.languages.patterns import (
     Called,
     FunctionRow,
@@ -19,6 +17,7 @@ from assistant.languages.patterns import (
 )
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from tests.tables import every_row
 
 Node = Called["Node"] | float | str
 
@@ -91,7 +90,7 @@ BOTH_WAYS: list[tuple[Called[Node], object]] = [
 ]
 
 
-@pytest.mark.parametrize(("said", "record"), BOTH_WAYS)
+@every_row(("said", "record"), BOTH_WAYS)
 def test_a_row_is_read_and_written(said: Called[Node], record: object) -> None:
     assert ROWS.read(said, READING) == record
     assert ROWS.write(record, WRITING) == said
@@ -111,7 +110,7 @@ def test_a_row_that_is_only_read_is_not_written() -> None:
     assert p.Assign not in ROWS.records
 
 
-@pytest.mark.parametrize(
+@every_row(
     "said",
     [
         call("Other"),
@@ -131,7 +130,7 @@ def test_what_fits_no_row_is_not_read(said: Called[Node]) -> None:
     assert ROWS.read(said, READING) is None
 
 
-@pytest.mark.parametrize(
+@every_row(
     "record",
     [
         p.Stop(end=True),  # a field that no slot says

@@ -12,6 +12,7 @@ from assistant.program import statements as p
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Path, Speed
 from assistant.program.program import Procedure, Program
+from tests.tables import every_row
 
 WILD = (
     Pose((math.nan, 0.0, 0.0)),
@@ -27,8 +28,8 @@ def refused(program: Program, language: str) -> list[str]:
     return [f.message for f in found if f.severity is Severity.ERROR]
 
 
-@pytest.mark.parametrize("language", names())
-@pytest.mark.parametrize("pose", WILD)
+@every_row("language", names())
+@every_row("pose", WILD)
 def test_a_pose_of_no_numbers_is_refused_by_name(pose: Pose, language: str) -> None:
     for program in (
         Program("job", entry=None, targets={"corner": Target(pose)}),
@@ -38,8 +39,8 @@ def test_a_pose_of_no_numbers_is_refused_by_name(pose: Pose, language: str) -> N
         assert any("`corner`" in message for message in refused(program, language))
 
 
-@pytest.mark.parametrize("language", names())
-@pytest.mark.parametrize("pose", WILD)
+@every_row("language", names())
+@every_row("pose", WILD)
 def test_a_path_with_such_a_pose_is_refused_at_its_row(pose: Pose, language: str) -> None:
     known = Pose((300.0, 0.0, 200.0), (0.0, 1.0, 0.0, 0.0))
     rows = (known, known, pose, known)
@@ -56,8 +57,8 @@ def test_joints_of_no_numbers_are_refused_by_name(language: str) -> None:
     assert any("`rest`" in message for message in refused(program, language))
 
 
-@pytest.mark.parametrize(("count", "errors"), [(6, 0), (7, 1)])
-@pytest.mark.parametrize("language", names())
+@every_row(("count", "errors"), [(6, 0), (7, 1)])
+@every_row("language", names())
 def test_an_arm_has_six_joints(language: str, count: int, errors: int) -> None:
     joints = {"rest": JointTarget((1.0,) * count)}
     program = Program("job", entry=None, joint_targets=joints)

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assistant.base.columns import CHUNK, Chosen, Decimal, Integer, read_numbers, rows_text
+from tests.tables import every_row
 
 VALUES = st.lists(
     st.one_of(
@@ -89,9 +90,7 @@ def test_long_texts_are_read_in_parts():
     np.testing.assert_array_equal(read_numbers(text), np.round(values, 4))
 
 
-@pytest.mark.parametrize(
-    "text", [b"1.2.3", b"1-2", b"abc", b"-", b".", b"1e", b"--1", b"1 +", b"1,x", b"0x1F"]
-)
+@every_row("text", [b"1.2.3", b"1-2", b"abc", b"-", b".", b"1e", b"--1", b"1 +", b"1,x", b"0x1F"])
 def test_what_is_no_number_is_refused(text):
     with pytest.raises(ValueError):
         read_numbers(text)

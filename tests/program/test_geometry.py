@@ -19,6 +19,7 @@ from assistant.program.geometry import (
     Pose,
     Target,
 )
+from tests.tables import every_row
 
 HALF = math.sqrt(0.5)
 
@@ -70,7 +71,7 @@ def test_an_object_frame_stands_in_the_user_frame() -> None:
     assert frame.pose.position == pytest.approx((100.0, 10.0, 5.0))
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("quadrant", "turn"),
     [(-7, -2), (-6, -1), (-3, -1), (-2, 0), (-1, 0), (0, 0), (1, 0), (2, 1), (5, 1), (6, 2)],
 )
@@ -118,7 +119,7 @@ def test_a_quaternion_of_any_length_is_a_rotation(length: float) -> None:
 SHEAR = [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("given", "position", "said"),
     [
         (np.eye(2), None, "a matrix"),

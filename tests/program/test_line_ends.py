@@ -68,7 +68,7 @@ def test_a_file_may_end_its_lines_in_one_of_three_ways(name: str, newline: str) 
     assert language.lift(tree).procedures == language.lift(sound).procedures
 
 
-@pytest.mark.parametrize("character", list(LINE_ENDS), ids=[hex(ord(c)) for c in LINE_ENDS])
+@every_row("character", list(LINE_ENDS))
 def test_a_comment_of_a_tree_is_written_on_one_line(character: str) -> None:
     rapid = languages.get("rapid")
     tree = rapid.parse("! a\r\nMODULE m\r\nENDMODULE\r\n")

@@ -19,6 +19,7 @@ from assistant.program.motion import (
     configuration_row,
 )
 from tests.strategies import configurations, paths
+from tests.tables import every_row
 
 TURN = [1.0, 0.0, 0.0, 0.0]
 
@@ -42,7 +43,7 @@ def test_missing_columns_hold_for_every_row() -> None:
     assert path.target(1) == Target(path.pose(1), None, NO_EXTERNAL)
 
 
-@pytest.mark.parametrize(
+@every_row(
     "changes",
     [
         {"speed": [0, 2, 0]},

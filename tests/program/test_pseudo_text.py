@@ -98,7 +98,7 @@ def test_what_is_written_by_hand_prints_one_way(written: str, printed: str | Non
 A, B, C = Name("a"), Name("b"), Name("c")
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "meant"),
     [
         ("a - b - c", Binary("-", Binary("-", A, B), C)),

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from assistant.base.columns import WORD, Slots
 from tests.examples import drawn
+from tests.tables import every_row
 
 NUMBER = st.one_of(
     st.integers(-999, 9999).map(str),
@@ -32,7 +33,7 @@ def test_slots_hold_the_doubles_that_are_written(written: list[str]) -> None:
     assert read.tolist() == [float(w) for w in finite]
 
 
-@pytest.mark.parametrize("text", ["", "-", ".", "1-2", "1e", "x1", "+-5"])
+@every_row("text", ["", "-", ".", "1-2", "1e", "x1", "+-5"])
 def test_a_slot_without_a_number_is_refused(text: str) -> None:
     slots = Slots(text.encode() + b",")
     start, end = np.array([WORD]), np.array([WORD + len(text)])

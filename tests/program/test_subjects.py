@@ -16,13 +16,14 @@ from assistant.base.diagnostics import (
     SomeTargets,
     Subject,
 )
+from tests.tables import every_row
 
 ODD = Rule("XX101", Severity.WARNING, "`{name}` is odd")
 GONE = Rule("XX102", Severity.ERROR, "nothing declares `{name}` beside `{other}`", misses=True)
 SOME = SomeTargets("seam", 6, 9, (Neighbours(PathRow("seam", 1), PathRow("seam", 4)),), 2)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("about", "words"),
     [
         (Declared("n"), "n"),

@@ -10,12 +10,13 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program
 from assistant.program.undeclared_names import numbered_timers, timer_in_seconds
+from tests.tables import every_row
 
 TIMER = e.Elapsed("t")
 COUNTED = e.Binary("*", TIMER, e.Number(1000))
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("operator", "left", "right", "said"),
     [
         (">", COUNTED, e.Number(2500), e.Binary(">", TIMER, e.Number(2.5))),

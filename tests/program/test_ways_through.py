@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
-
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import Dataflow, postorder, reachable
 from assistant.program.analysis.definite_assignment import AssignmentAnalysis
 from assistant.program.expressions import Effect
 from assistant.program.program import Procedure, Program
+from tests.tables import every_row
 
 LOOP = {1: [2], 2: [3, 5], 3: [4], 4: [2], 5: [], 6: [5]}
 
@@ -48,7 +47,7 @@ READ_A = p.Assign(e.Name("b"), e.Name("A"))
 IF_C = p.Branch(e.Name("c"), (GIVE_A,))
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("body", "read", "given"),
     [
         ((GIVE_A, READ_A), "", "ab"),

@@ -14,6 +14,7 @@ from assistant.base.source_text import SourceText
 from assistant.compiler.loader import load_text
 from assistant.languages.melfa_basic.convert.conversion import Converted, convert
 from assistant.languages.melfa_basic.tree import syntax as s
+from tests.tables import every_row
 
 IV, V, VI = "melfa-basic-4", "melfa-basic-5", "melfa-basic-6"
 
@@ -99,7 +100,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", CASES)
+@every_row("case", list(CASES))
 def test_the_first_dialect_says_it(case: str) -> None:
     text, expected = CASES[case]
     assert said(text, V, IV) == expected
@@ -113,7 +114,7 @@ KEPT = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", KEPT)
+@every_row("case", list(KEPT))
 def test_it_comes_back_as_it_was(case: str) -> None:
     text, _ = CASES[case]
     there = converted(text, V, IV)
@@ -170,7 +171,7 @@ UNSAYABLE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("text", UNSAYABLE)
+@every_row("text", list(UNSAYABLE))
 def test_what_the_first_dialect_lacks_is_an_error(text: str) -> None:
     found = errors(text + "\n", V, IV)
     assert any(UNSAYABLE[text] in message for message in found), found

@@ -8,6 +8,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import FINE, Blend
 from assistant.program.program import Parameter, Procedure
+from tests.tables import every_row
 
 from .lifting import body, lifted, moves, opaque
 
@@ -62,7 +63,7 @@ def test_a_setting_that_is_worked_out_leaves_moves_as_they_are(setting: str) -> 
     assert opaque(program) == [setting, "Mvs P1"]
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "known"),
     [
         ("Spd M1*2\nMvs P1\nMvs P2\n", [True, True]),

@@ -17,6 +17,7 @@ from assistant.program import statements as p
 from assistant.program.geometry import Tool
 from assistant.program.motion import Speed
 from assistant.program.program import Parameter, Signal
+from tests.tables import every_row
 
 from .lifting import AGAIN, body, lifted, moves, opaque
 
@@ -46,7 +47,7 @@ def value(text: str) -> e.Expression:
     return last.value
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "meant"),
     [
         ("Sin(Rad(30))", e.Apply("sin", (e.Number(30),))),

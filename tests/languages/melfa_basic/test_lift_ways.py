@@ -6,7 +6,6 @@ import contextlib
 from collections.abc import Sequence
 from typing import cast
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,6 +15,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Procedure, Program
+from tests.tables import every_row
 
 POSITIONS = "".join(f"P{i}=({i}00,0,300,180,0,180)(7,0)\n" for i in range(1, 4))
 MOST = 60
@@ -252,7 +252,7 @@ def test_a_move_tells_which_settings_meet() -> None:
     )
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("line", "word"),
     [
         ("Def Act 1,M_In(1)=1 GoTo *L", "interrupt"),

@@ -122,7 +122,7 @@ def test_lines_are_read_and_kept(line: str) -> None:
     read(line)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("line", "statement"),
     [
         ("GOTO 100", s.Jump("GoTo", s.Target(100))),

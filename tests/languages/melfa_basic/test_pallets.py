@@ -13,6 +13,7 @@ from assistant.compiler.translation import translate
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program
+from tests.tables import every_row
 
 from .lifting import lifted, opaque
 
@@ -115,7 +116,7 @@ def test_postures_of_the_start(direction: int) -> None:
     assert np.allclose(points(fixed), points(alike), atol=1e-9)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("definition", "more"),
     [
         ("Def Plt 1,PS,PA,PB,,4,3,4", ""),  # no direction

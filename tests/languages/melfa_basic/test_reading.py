@@ -152,7 +152,7 @@ def test_checks(lines: str, code: str) -> None:
     assert all(f.cure for f in found)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("statement", "code"),
     [
         (p.SetSignal("bare", e.Number(1)), "MB201"),
@@ -204,7 +204,7 @@ def test_names_of_another_world_do_no_harm() -> None:
     assert FOUR.file_name(adapted).isascii()
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "code"),
     [
         ("Mov P1\nM_Out(2)=1\nP1=(400,0,400,180,0,180)(7,0)\n", 2),

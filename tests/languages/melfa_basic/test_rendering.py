@@ -19,6 +19,7 @@ from tests.examples import drawn
 from tests.languages.melfa_basic.files import files
 from tests.languages.melfa_basic.layouts import scattered
 from tests.languages.melfa_basic.statements import simple
+from tests.tables import every_row
 
 LEVELS = (4, 5, 6)
 FIVE = languages.get("melfa-basic-5")
@@ -32,7 +33,7 @@ def with_items(tree: s.File, items: Any) -> s.File:
     return replace(tree, items=tuple(items))
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("line", "statement", "after"),
     [
         ("20  Spd 100   ' slow", "Spd 50", "20  Spd 50   ' slow"),
@@ -54,7 +55,7 @@ def test_within_a_line_only_what_changed_is_written(line: str, statement: str, a
     )
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("change", "after"),
     [
         ({"number": 7}, "7   *L : Mov  P1   ' go\n"),

@@ -18,7 +18,7 @@ from tests.tables import every_row
 SAMPLES = Path(__file__).parents[3] / "samples"
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("texts", "expected"),
     [
         (['CallP "B"'], ["MB123 1:7"]),

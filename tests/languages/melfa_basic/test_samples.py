@@ -12,6 +12,7 @@ from assistant.base.diagnostics import Severity
 from assistant.compiler.loader import load
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
+from tests.tables import every_row
 
 SAMPLES = Path(__file__).parents[3] / "samples" / "melfa"
 NAMES = ("MULTITASK", "DATALINK", "CONTROLLINK")
@@ -28,7 +29,7 @@ def steps(name: str) -> dict[int, str]:
     }
 
 
-@pytest.mark.parametrize("name", [*NAMES, *(f"datalink/{name}" for name in (*NAMES, "MEASURE"))])
+@every_row("name", [*NAMES, *(f"datalink/{name}" for name in (*NAMES, "MEASURE"))])
 def test_a_sample_is_sound_and_laid_out(name: str) -> None:
     source = melfa.read(SAMPLES / f"{name}.prg")
     tree = melfa.parse(source)

@@ -43,7 +43,7 @@ def test_identity_of_all_lines_together() -> None:
         assert FIVE.render(tree) == text
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("line", "column"),
     [
         ("10 MOV P1 P2", 11),

@@ -9,6 +9,7 @@ from assistant.base.source_text import SourceText
 from assistant.compiler import translate
 from assistant.compiler.loader import load_text
 from assistant.virtual import melfa
+from tests.tables import every_row
 
 DATA = """
 P1=(+310.00,+20.00,+400.00)
@@ -49,7 +50,7 @@ def errors(text: str) -> list[str]:
     return [one.code for one in found if one.code == "MB622"]
 
 
-@pytest.mark.parametrize("name", WRONG)
+@every_row("name", list(WRONG))
 def test_it_is_an_error_and_not_translated(name: str) -> None:
     text = text_of(WRONG[name])
     assert errors(text)

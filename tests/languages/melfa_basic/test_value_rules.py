@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from tests.languages.melfa_basic.ruled import Row, found, numbered, taught
 from tests.tables import every_row
 
@@ -154,7 +152,7 @@ def test_what_the_oldest_version_lacks(text: str, expected: list[str]) -> None:
     assert found(4, numbered(text), *chain, numbered("END")) == expected
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("version", "text", "expected"),
     [
         (5, "1 If M_In(1)=1 Then 2\n2 End", ["MB121 1:21"]),

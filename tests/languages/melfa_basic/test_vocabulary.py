@@ -7,9 +7,10 @@ import pytest
 from assistant import languages
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from tests.tables import every_row
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("word", "spelled", "levels"),
     [
         ("mvs", "Mvs", {4, 5, 6}),

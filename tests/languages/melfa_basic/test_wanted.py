@@ -15,6 +15,7 @@ from assistant.compiler.translation import translate
 from assistant.program.geometry import Frame, Pose, Target
 from assistant.program.undeclared_names import Wanted
 from assistant.sources.cell_values import read_cell
+from tests.tables import every_row
 
 FIVE = languages.get("melfa-basic-5")
 PLACES = "P1=(400,0,400,180,0,180)(7,0)\n"
@@ -24,7 +25,7 @@ def wanted(text: str) -> list[Wanted]:
     return list(FIVE.wanted([FIVE.parse(SourceText(text, "JOB.prg"))]))
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "found"),
     [
         ("Mvs P1\nMvs P2\n" + PLACES, [("P2", "position")]),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lark.exceptions import UnexpectedInput
@@ -21,6 +20,7 @@ from tests.examples import drawn
 from tests.languages.lark_trees import everything, node_of
 from tests.languages.rapid.layouts import scattered
 from tests.languages.rapid.modules import files
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 LARK = lark(read_grammar("rapid.lark"), ("start",))
@@ -60,7 +60,7 @@ def test_sound_texts_are_read_alike(tree: s.File, seed: int) -> None:
     assert driven(cut) == by_lark(cut)
 
 
-@pytest.mark.parametrize(
+@every_row(
     "statement",
     [
         "a:=b<exp>c;",

@@ -16,6 +16,7 @@ from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.texts.words import Word
 from tests.examples import drawn
 from tests.languages.rapid.modules import files
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 CASES = re.findall(
@@ -43,7 +44,7 @@ def comments(text: str) -> list[str]:
     return [t.text.rstrip() for t in words(text) if t.kind == "comment"]
 
 
-@pytest.mark.parametrize(("name", "given", "wanted"), CASES, ids=[case[0] for case in CASES])
+@every_row(("name", "given", "wanted"), CASES)
 def test_layout(name: str, given: str, wanted: str) -> None:
     assert laid_out(given) == wanted
     assert laid_out(wanted) == wanted

@@ -15,6 +15,7 @@ from assistant.program.program import Program, Variable
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
 from tests.languages.rapid.sameness import differences
+from tests.tables import every_row
 
 RAPID = get("rapid")
 
@@ -199,7 +200,7 @@ def test_a_mistaken_comparison_stays_as_it_is_written() -> None:
     assert procedure.body == (p.If((p.Branch(condition, (p.Stop(),)),)),)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("condition", "written"),
     [
         ("n", "n<>0"),

@@ -11,6 +11,7 @@ import pytest
 from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Severity
 from tests.languages.rapid.mutations import KINDS, PROGRAMS, Mutation, mutations
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 LEAST = 0.95
@@ -28,7 +29,7 @@ def findings_of(text: str) -> list[Diagnostic]:
     return [f for f in RAPID.check([tree]) if f.severity is not Severity.INFO]
 
 
-@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+@every_row("path", PROGRAMS)
 def test_the_undamaged_programs_have_no_findings(path: Path) -> None:
     assert findings_of(path.read_text(encoding="utf-8")) == []
 

@@ -20,6 +20,7 @@ from assistant.languages.rapid.tree import syntax as s
 from tests.examples import drawn
 from tests.languages.rapid.changes import change, settled
 from tests.languages.rapid.modules import files
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 
@@ -191,7 +192,7 @@ def in_body(text: str, put: Callable[[tuple[Any, ...]], tuple[Any, ...]]) -> lis
 STOP = s.ProcedureCall("Stop")
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "put", "lines"),
     [
         ("  a:=1 ;  ! c\r\n\r\n  b;", lambda b: b[:1] + b[2:], ["-  a:=1 ;  ! c", "+  a:=1 ;"]),

@@ -224,7 +224,7 @@ FUNCTIONS = {
 }
 
 
-@pytest.mark.parametrize(("text", "expected"), FUNCTIONS.values(), ids=FUNCTIONS)
+@every_row(("text", "expected"), FUNCTIONS)
 def test_functions(text: str, expected: list[tuple[str, int]]) -> None:
     assert found(routine(text, "FUNC", "num f(num a)")) == expected
 
@@ -353,8 +353,8 @@ ARCS = {
 }
 
 
-@pytest.mark.parametrize("count", [0, 9])
-@pytest.mark.parametrize(("a", "b", "c", "expected"), ARCS.values(), ids=ARCS)
+@every_row("count", [0, 9])
+@every_row(("a", "b", "c", "expected"), ARCS)
 def test_arcs(
     a: tuple[int, int], b: tuple[int, int], c: tuple[int, int], expected: list[str], count: int
 ) -> None:
@@ -464,7 +464,7 @@ BOOKING = {
 }
 
 
-@pytest.mark.parametrize("case", BOOKING)
+@every_row("case", list(BOOKING))
 def test_errors_that_nothing_books(case: str) -> None:
     data, body, severity = BOOKING[case]
     tree = RAPID.parse(module(f"{data}\nPROC main()\n{body}\nENDPROC"))
@@ -551,7 +551,7 @@ UNKNOWN_ERRORS = {
 }
 
 
-@pytest.mark.parametrize("case", UNKNOWN_ERRORS)
+@every_row("case", list(UNKNOWN_ERRORS))
 def test_errors_that_nothing_declares(case: str) -> None:
     data = "VAR errnum ERR_JAM:=1;\nVAR errnum seen;"
     body = UNKNOWN_ERRORS[case]

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-import pytest
-
 from assistant import languages
 from assistant.base.diagnostics import has_errors
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 DATA = Path(__file__).parent / "data"
@@ -15,7 +14,7 @@ def said(text):
     return [form for form, _ in RAPID.said(text)]
 
 
-@pytest.mark.parametrize("file", sorted(DATA.rglob("*.mod")), ids=lambda file: file.name)
+@every_row("file", sorted(DATA.rglob("*.mod")))
 def test_the_layout_of_a_module_says_nothing(file):
     source = RAPID.read(file)
     tree = RAPID.parse(source)
@@ -26,7 +25,7 @@ def test_the_layout_of_a_module_says_nothing(file):
         assert said("\r".join(source.text.upper().splitlines())) == said(source.text.upper())
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("one", "other"),
     [
         ("PERS num a:=1.50;", "pers NUM A := 1.5;"),
@@ -46,7 +45,7 @@ def test_these_say_the_same(one, other):
     assert said(one) == said(other)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("one", "other"),
     [
         ("PERS num a:=1264.86;", "PERS num a:=1264.87;"),

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from assistant.languages.rapid.reading.controller_backup import signals_file, signals_of_file
 from assistant.program.program import Signal
+from tests.tables import every_row
 
 HEAD = "EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n\n"
 
@@ -17,7 +16,7 @@ def one(row: str) -> Signal:
     return signal
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("row", "signal"),
     [
         ('-Name "a" -SignalType "DI" -DeviceMap "3"', Signal("digital", "input", 3)),

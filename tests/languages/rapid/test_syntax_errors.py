@@ -52,7 +52,7 @@ def test_a_usual_mistake_has_one_finding_with_its_cure(cure: str, example: str) 
     assert RAPID.render(RAPID.parse(text)) == text
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("example", "right"),
     [
         ("FOR i FROM 1 TO 3 DO\n  b;\n¦NEXT i", "ENDFOR"),

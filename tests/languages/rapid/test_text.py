@@ -182,7 +182,7 @@ def test_a_long_table_is_one_node() -> None:
     assert [type(node) for node in routine.body] == [s.MoveRunNode]
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "line", "cure"),
     [
         ("", 1, "MODULE"),

@@ -23,6 +23,7 @@ from assistant.program.passes.procedure_forms import units
 from assistant.program.program import Procedure, Program, Signal, Variable
 from tests.examples import drawn
 from tests.languages.rapid.programs import full, path
+from tests.tables import every_row
 
 RAPID = languages.get("rapid")
 PRINTED = Tolerance(RAPID.precision.position * 2, RAPID.precision.angle, RAPID.precision.number)
@@ -162,7 +163,7 @@ def test_a_pulse_to_zero_ends_by_a_delayed_output() -> None:
     assert re.search(r"SetDO out,0;\s+SetDO\\SDelay:=1,out,1;", text(program))
 
 
-@pytest.mark.parametrize(
+@every_row(
     "bad",
     [
         main(p.Opaque("melfa-basic-5", "Hlt")),
@@ -278,7 +279,7 @@ def test_what_people_write_is_understood_and_nothing_is_lost() -> None:
     proved(program)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("line", "code"),
     [
         ("CONST num a:=1; VAR num A;", "RA201"),

@@ -18,6 +18,7 @@ from assistant.program.program import Program
 from assistant.program.pseudo.statements import statement_text
 from assistant.program.rewriting import rewrite
 from tests.languages.rapid.test_rules import found
+from tests.tables import every_row
 
 UNUSED = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 HEAD = f"""MODULE m
@@ -51,7 +52,7 @@ def kept(program: Program) -> list[str]:
 L = "TriggL p2,v100,a,fine,tool0;"
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("setup", "said"),
     [
         ("TriggIO a,20\\DOp:=do1,1;", "do1 = 1 at 20 mm before end"),
@@ -98,7 +99,7 @@ STAYS = {
 OTHER = "PROC other()\nTriggIO a,7\\DOp:=do1,1;\nENDPROC"
 
 
-@pytest.mark.parametrize("case", STAYS)
+@every_row("case", list(STAYS))
 def test_what_is_not_certain_stays_and_says_why(case: str) -> None:
     program = lifted(STAYS[case], OTHER if "other" in STAYS[case] else "")
     moves = [x for x in program.statements() if isinstance(x, p.Opaque) and "Trigg" in x.text]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -331,7 +330,7 @@ def test_no_name_is_a_slip_of_itself_with_another_number(name: str) -> None:
     assert misspelt(name + "1", [name + "2", name + "12"]) == ""
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("name", "meant"),
     [
         ("WaitTiem", "WaitTime"),

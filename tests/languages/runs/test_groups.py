@@ -16,6 +16,7 @@ from assistant.languages.runs.row_text import (
     decimals_needed,
     numbered_names,
 )
+from tests.tables import every_row
 
 SQUARE = Groups((3, 1, 2), b"[[", b"],[", b"]]", known=((b"9E9", 9e9),))
 ROUND = Groups((3, 1, 2), b"(", b")(", b")")
@@ -54,7 +55,7 @@ def test_what_is_printed_is_read_again(groups: Groups, between: bytes, count: in
     assert np.array_equal(found, values(count))
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("old", "new"),
     [
         (b"],[", b",[["),

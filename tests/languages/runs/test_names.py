@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from assistant.base.columns import rows_text
 from assistant.languages.runs.columns import NameIndex, Names, rows_of, split_name
+from tests.tables import every_row
 
 WRITTEN = ("p1", "p10", "P1", "q", "p1_2", "p007", "a0", "x1234567890123456", "p1", "home")
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("name", "stem", "number"),
     [
         ("p12", b"p", 12),

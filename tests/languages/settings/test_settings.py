@@ -26,6 +26,7 @@ from assistant.languages.settings_flow import (
     UnknownSettings,
 )
 from assistant.languages.settings_forms import MOST_FORMS, CalledForms, PassLabels, divided_flow
+from tests.tables import every_row
 
 SPEED, TOOL = range(2)
 INITIAL: State = (Held(10.0), Held("flange"))
@@ -84,7 +85,7 @@ def values(state: State) -> tuple[object, ...]:
     return tuple(held.value for held in state)
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "speed"),
     [
         ("move", INHERITED),

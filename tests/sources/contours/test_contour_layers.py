@@ -28,6 +28,7 @@ from assistant.sources.contours.layer_program import contour_program as layer_pr
 from assistant.sources.process import Defaults, Layer, Process
 from tests.examples import drawn
 from tests.sources.contours.whole import pose, whole_paths
+from tests.tables import every_row
 
 MOTION = Motion(Speed(50.0), Blend(1.0), "nozzle", "table")
 GLUE = Layer("gluing", MOTION, (("glue", 1.0),), (("glue", 0.0),), delay=0.25)
@@ -191,7 +192,7 @@ NASTY = [
 ]
 
 
-@pytest.mark.parametrize("layer", NASTY)
+@every_row("layer", NASTY)
 def test_layer_names_never_become_code(layer):
     procedures, findings = contour_program(square(layer), process(**{layer: GLUE}), taken=set())
     (procedure,) = procedures
@@ -202,7 +203,7 @@ def test_layer_names_never_become_code(layer):
     assert {"NM001"} <= set(codes(findings))
 
 
-@pytest.mark.parametrize("layer", NASTY)
+@every_row("layer", NASTY)
 def test_findings_about_layers_are_one_printable_line(layer):
     _, findings = contour_program(
         [*square(layer), *square(layer)], process(GLUE=GLUE, **{layer + "q": GLUE}), taken=set()

@@ -87,7 +87,7 @@ def test_the_side_can_be_stated(side, low, high):
     assert (way[:, :2].min(), way[:, :2].max()) == pytest.approx((low, high))
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("way_round", "outline", "hole"),
     [
         ("climb", -1, 1),
@@ -97,7 +97,7 @@ def test_the_side_can_be_stated(side, low, high):
         ("drawn", 1, 1),
     ],
 )
-@pytest.mark.parametrize("offset", [0, 3])
+@every_row("offset", [0, 3])
 def test_ways_round(way_round, outline, hole, offset):
     keys = f'way_round = "{way_round}"' + (f"\noffset = {offset}" if offset else "")
     (inner, outer), _ = ways([*box(40.0), ring(8.0, (20.0, 20.0))], keys)

@@ -278,7 +278,7 @@ def test_all_that_is_wrong_is_found_at_once_in_order_of_lines():
     assert [f.column for f in findings] == [1] * 6
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "line"),
     [
         ("[motion", 1),

@@ -23,6 +23,7 @@ from assistant.sources.process import NO_PROCESS, Defaults
 from assistant.sources.process.file import parse_process
 from assistant.sources.process.placement import placement_by_marks, placement_of_options
 from tests.examples import drawn
+from tests.tables import every_row
 
 MARKS = [[0.0, 0.0, 0.0], [200.0, 0.0, 0.0], [40.0, 100.0, 0.0]]
 
@@ -145,7 +146,7 @@ def test_the_misfit_that_is_allowed_is_a_key():
     assert process(text + "misfit = 1.6").placement == Pose()
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "code"),
     [
         ("drawing = [[0, 0], [100, 0], [200, 0]]\ncell = [[0,0,0], [100,0,0], [200,0,0]]", "CT361"),
@@ -190,7 +191,7 @@ def test_options_place_instead_of_the_file(drawing: Path):
     assert placement_of_options(None, ()) is None
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("place", "marks", "code"),
     [
         ("1,2", [], "CT366"),

@@ -19,6 +19,7 @@ from assistant.sources.tables.taught import (
     new_file_text,
     with_target,
 )
+from tests.tables import every_row
 
 SAMPLE = Path(__file__).parents[3] / "samples" / "taught.toml"
 POSE = {"position": [1.0, 2.0, 3.5], "quaternion": [0.0, 1.0, 0.0, 0.0]}
@@ -113,7 +114,7 @@ def test_an_old_branch_goes_with_its_place():
     assert reading.program.targets["a"].configuration is None
 
 
-@pytest.mark.parametrize(
+@every_row(
     ("text", "one", "again", "code"),
     [
         ('[[targets]]\nname = "A"\njoints = [1]\n', target("a", POSE), False, "TB509"),
