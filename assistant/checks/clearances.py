@@ -140,6 +140,7 @@ def placed_clearances(
         yield no_robot(solution.robot, scene), None
         return
     holding = CarriedBodies.at_first(scene, placed)
+    # Carried bodies change what is close: a simulation without them does not serve.
     if simulation is None or holding.places:
         simulation = simulate(solution, carried=holding if holding.places else None)
     yield from _told_of(solution, scene, closeness(simulation, scene, placed.name))
@@ -173,6 +174,7 @@ def _told_of(
             finding = replace(finding, severity=Severity.WARNING)
         told.append((finding, one))
     for key, one in _worst(solution, (one for one in near if not one.touches)).items():
+        # A contact makes the margin of the same two bodies irrelevant.
         if key not in touched:
             rule = _NOT_PROVEN if one.bound <= 0.0 else NEAR
             told.append((_told(solution, scene, one, rule), one))

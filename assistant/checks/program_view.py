@@ -100,7 +100,9 @@ class Moves:
     def turn(self) -> Floats:
         """(m,) degrees of reorientation."""
         q0, q1 = self.quaternions[self.starts + 1], self.quaternions[self.rows + 1]
+        # Both signs of a quaternion are one rotation: the shorter turn counts.
         q1 = np.where(np.einsum("ij,ij->i", q0, q1)[:, None] < 0.0, -q1, q1)
+        # Half of the chord between unit quaternions is the sine of a quarter of the turn.
         half = norms(q1 - q0) / 2.0
         return np.asarray(4.0 * np.degrees(np.arcsin(np.minimum(half, 1.0))))
 
@@ -127,6 +129,7 @@ class Moves:
     @cached_property
     def through(self) -> tuple[Truths, Truths]:
         """(m,) whether a move begins, and whether it ends, without a stop."""
+        # The position before the run counts as a stop.
         passing = np.append(False, self.radii[self.run.pace.blend] > 0.0)
         return passing[self.starts + 1], passing[self.rows + 1]
 
@@ -294,6 +297,7 @@ def _peak(moves: Moves, extremes: Extremes, at: Rows, joints: Floats) -> None:
         )
         p, q = moves.poses_at(at, part)
         joints, excess = joints_along(robot, joints[:, 0], branches, (p, q))
+        # Paths that leave the reach of their branch tell nothing.
         reached = (excess < CLOSING / 2.0).all(axis=1)
         needed = _steps(robot, joints).max(axis=1) * PeakSampling.CLOSER_PARTS / width[:, None]
         axis = needed.argmax(axis=1)
@@ -301,6 +305,7 @@ def _peak(moves: Moves, extremes: Extremes, at: Rows, joints: Floats) -> None:
         before = extremes.seconds[at]
         more = seconds > before
         extremes.axis[at[more]], extremes.seconds[at[more]] = axis[more], seconds[more]
+        # Only where a closer look has found more is another one worth its time.
         on = seconds > PeakSampling.FASTER * before
         at, branches, joints = at[on], branches[on], joints[on]
         begin, width = begin[on], width[on]
@@ -344,6 +349,7 @@ def _pieces(moves: Moves, extremes: Extremes) -> Iterator[tuple[Rows, Floats]]:
     parts = counts[np.searchsorted([most for most, _ in PeakSampling.PARTS], wide[wanted])]
     many = parts.sum()
     most = _most_places(moves.robot)
+    # Too many positions: all moves get fewer parts, in proportion.
     if many > most:
         parts = np.maximum(parts * most // many, PeakSampling.LEAST_PARTS)
     for one in np.unique(parts):
@@ -435,6 +441,7 @@ def _update_extremes(robot: Robot, extremes: Extremes, at: Rows, joints: Floats)
     if elbow is not None:
         angle = _within_a_turn(elbow).reshape(k, places)
         first, last = angle[:, :-1], angle[:, 1:]
+        # A jump by more than half a turn is the wrap of the angle, no passage through 0.
         stretched = (first * last < 0.0) & (np.abs(last - first) < np.pi)
         least = np.where(stretched.any(axis=1), 0.0, np.inf)
         least = np.minimum(least, np.degrees(np.abs(angle)).min(axis=1))

@@ -79,6 +79,7 @@ def _speed_text(moves: Moves, at: int, seconds: float) -> str:
 def _between_stops(run_view: RunView) -> Floats:
     """(m,) seconds that the joints need from the stop before a move to the one after it."""
     moves = run_view.moves
+    # The slower of program and joints; `fmax` leaves NaN out where the program states no speed.
     needed = np.fmax(run_view.seconds, run_view.extremes.seconds)
     begins, ends = moves.through
     joined = np.append(False, ends[:-1] & begins[1:] & (moves.rows[:-1] == moves.starts[1:]))
@@ -138,6 +139,7 @@ _NEAR_SHOULDER: Final = info(
 def _singularities(view: ProgramView) -> Iterator[Diagnostic]:
     for run_view in view.run_views:
         extremes, rows = run_view.extremes, run_view.moves.rows
+        # Moves through the singularity are reported by another rule.
         wrist = np.where(extremes.crossed, np.inf, extremes.wrist)
         within = np.flatnonzero(extremes.crossed & ~extremes.by_ends)
         for group, worst in run_view.groups(rows[within], -extremes.wrist[within]):

@@ -346,6 +346,7 @@ def _check_texts(
         checked.texts[text.path or ""] = CheckedText(text, language.comment_mark, complete)
     folder = FilePath(texts[0].path or "").absolute().parent
     beside_it = [] if beside is None else read_companions(language, trees, beside)
+    # Companions are checked with the program, but their findings belong to other files.
     strangers = {tree.source.path for tree in beside_it}
     said = with_project_settings(language, folder).check([*trees, *beside_it])
     found += (finding for finding in said if finding.path not in strangers)
@@ -364,6 +365,7 @@ def _check_texts(
         places.finding,
         _check_meaning(loaded.program, stands, places, [one.path or "" for one in texts], checked),
     )
+    # Findings of the meaning that restate one of the text are left out.
     return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 
 

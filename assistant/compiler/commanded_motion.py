@@ -124,6 +124,7 @@ def _check_flange_path(joints: np.ndarray, jog: Jog, position: Position, robot: 
     p = np.array([pose.position for pose in way])
     q = np.array([pose.quaternion for pose in way])
     found, valid = robot.ik(p, q)
+    # On the branch of the present joints: another one would turn the arm over.
     branch = int(robot.branch_of(robot.configuration(joints[None]))[0])
     wrong = np.flatnonzero(~valid[:, branch])
     if len(wrong):

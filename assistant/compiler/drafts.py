@@ -189,6 +189,7 @@ def _without_parts(
     own = {declaration.span for declaration in program.declarations}
     alone = {span for span in spans if span not in own}  # else it is of another part of a record
     tables: dict[str, Any] = {}
+    # Data of procedures first, so that those of the program replace them.
     inner_first = sorted(places.parts(), key=lambda part: not part.owner)
     parts = {part.name.lower(): part for part in inner_first if part.name}
     for table in DATA_TABLES:
@@ -202,6 +203,7 @@ def _without_parts(
             part = parts.get(name.lower())
             heads += _quoted_text(part.span if part else None, places, name)
     procedures = tuple(_procedure_without(q, spans, names, places) for q in program.procedures)
+    # Settings that serve vendor text have no effect once none is left.
     if not kept and all(map(_serves_vendor_text, filter(_vendor_text, records(procedures)))):
         procedures = tuple(replace(q, body=_without_settings(q.body)) for q in procedures)
     return replace(
@@ -288,6 +290,7 @@ def _path_pieces(
     if not out or lines is None:
         yield follow
         return
+    # A line ends with its last row, of an arc with the END.
     ends = np.flatnonzero(np.append(follow.path.kinds[1:], 0) != Kind.END) + 1
     firsts = [0, *ends[:-1].tolist()]
     start = 0
@@ -305,6 +308,7 @@ def _path_piece(follow: p.Follow, start: int, stop: int) -> p.Follow:
     first, last = follow.row_span(start), follow.row_span(stop - 1)
     name = follow.path.name if not start else f"{follow.path.name}_from_{start + 1}"
     path = follow.path.rows(start, stop, name)
+    # Places count from the start of the new statement.
     moved = None if path.places is None else path.places - path.places[0, 0]
     return p.Follow(replace(path, places=moved), span=span_over(first, last))
 

@@ -217,6 +217,7 @@ class _Grouping:
     def tasks(self) -> Iterator[Task]:
         groups: list[_Group] = []
         spread = {room for room in self.rooms if self.loading.shared(room)}
+        # Nothing but shared folders: they hold tasks as others do.
         if spread == set(self.rooms):
             spread = set()
         for room, units in self.rooms.items():
@@ -320,8 +321,11 @@ class _Grouping:
                     group.add(unit)
                     pending.append(unit)
             for name in sorted(one.mentions - group.declared):
+                # A file with a start of its own is another task.
                 found = [u for u in self.owners.get(name, ()) if not u.begins and group.takes(u)]
                 near = [u for u in found if u.room == room]
+                # Outside of closed tasks only routines are looked for elsewhere, and only if one
+                # file has them.
                 if not near and open_ended:
                     near = [
                         u for u in found if name in u.routines and not self.loading.closed(u.room)
@@ -351,6 +355,7 @@ class _Grouping:
         for name in sorted(one.loads):
             found = [unit for unit in self.files.get(name, ()) if unit is not one]
             near = [_folder_distance(unit, one) for unit in found]
+            # Of two files equally near, neither is surely meant.
             if near and near.count(min(near)) == 1:
                 yield found[near.index(min(near))]
 
@@ -476,6 +481,7 @@ def programs_in(
             left[file] = why
         else:
             found.append(file)
+    # Copies, and files that are no text, are taken if there is nothing else.
     if not found:
         found = [file for file, why in left.items() if why in (_WHY_COPY, _WHY_NO_TEXT)]
         left = {file: why for file, why in left.items() if file not in found}

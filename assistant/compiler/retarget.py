@@ -334,6 +334,7 @@ def _converted_joints(
     from assistant.robots.retargeting import joints_on_other_arm
 
     own = {target: source.own_joints(target.joints) for target in targets}
+    # Joints that are missing or not finite have no pose.
     whole = [t for t, j in own.items() if len(j) == len(source.axes) and np.isfinite(j).all()]
     out = {t: _ConvertedJoints(None, {"there": "not known"}) for t in own}
     if not whole:
@@ -341,6 +342,7 @@ def _converted_joints(
     given = np.array([own[target] for target in whole])
     there, _ = source.fk(given)
     joints = joints_on_other_arm(given, source, arm)
+    # Targets out of reach are NaN: any pose will do, as none is shown for them.
     here, _ = arm.fk(np.nan_to_num(joints))
     for row, target in enumerate(whole):
         said = {"there": _joints_text(there[row])}
@@ -403,6 +405,7 @@ def with_converted_joint_speeds(
     from assistant.robots.retargeting import convert_joint_speeds
 
     before = solution if taught is not None and taught.name == solution.robot.name else None
+    # The times on the taught arm set the speeds: it is solved there if that is another arm.
     if before is None and taught is not None:
         before = robots.solve_program(replace(source, robot=taught.name), taught)
     program, changes = convert_joint_speeds(solution.program, solution, before, percent=percent)
@@ -560,6 +563,7 @@ def solve(
     places = Places(loaded.program, loaded.text)
     ways = with_planned_travels(program, arm, arms.scene, places)
     solution = robots.solve_program(replace(ways.program, robot=arm.name), arm)
+    # Without planned travels, findings would be about moves that are not made.
     also = () if has_errors(ways.findings) else solution.findings
     changed = (*located, *sights, *changed, *map(places.finding, ways.findings))
     at_lines = map(places.finding, at_moves(also, solution.program, places))

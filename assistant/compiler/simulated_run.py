@@ -210,6 +210,7 @@ def _run_part(spoken: Language[Any], group: Group) -> Part:
     folder = FilePath(group.files[0]).parent if group.beside else None
     trees = read_trees(spoken, texts, beside=folder)
     if folder is not None:
+        # Companions may be named as well: each file runs once.
         known = {_tree_path(tree) for tree in trees}
         trees += [t for t in read_companions(spoken, trees, folder) if _tree_path(t) not in known]
     _refuse_errors(trees)

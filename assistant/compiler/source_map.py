@@ -71,6 +71,7 @@ class Places:
             if one is source:
                 break
             before += one.line_count
+        # The end is exclusive: at a line end it would count the next line.
         last = max(local.start, local.end - 1)
         first, last = (before + source.line_column(at)[0] for at in (local.start, last))
         return first, last
@@ -151,6 +152,7 @@ class Places:
         if not isinstance(known, Declared) or known.table in (None, "procedures", "paths"):
             return None
         spans = self._data.get((known.owner.lower(), known.name.lower()), [])
+        # Of several declarations of a name it is not known which one is meant.
         return spans[0] if len(spans) == 1 else None
 
     @cached_property
@@ -197,6 +199,7 @@ def at_moves(
         if isinstance(finding.about, Repeated):
             parts = finding.about.parts
             spans = [_span_of(part, program) for part in parts]
+            # No part has a place: the finding stays one.
             if not any(spans):
                 parts, spans = (finding.about,), [None]
         for part, span in zip(parts, spans, strict=True):
@@ -278,6 +281,7 @@ class Trace:
         if span not in self._paths or self._there is None:
             return self.written(span)
         mine, its = self._paths[span]
+        # A line has one row, or the two of an arc.
         rows = np.flatnonzero(np.append(mine.path.kinds[1:], 0) != Kind.END)
         there = its.row_span(int(rows[line]))
         place = None if there is None else self._there.of(there)

@@ -146,10 +146,12 @@ def fill_template(template: SourceText, values: Mapping[str, str]) -> list[tuple
 
     Raises Refused for a template that cannot be read or filled in.
     """
+    # The characters of placeholders must not come from the template itself.
     if own := _PRIVATE_CHARACTERS.search(template.text):
         line, character = template.text.count("\n", 0, own.start()) + 1, escaped_character(own[0])
         raise Refused(finding_at_line(template, line, _NOT_WRITABLE, character=character))
     known = set(_PLACEHOLDER.findall(template.text)) <= values.keys()
+    # Nothing but placeholders: no need for Jinja2.
     if known and not re.search(r"\{[{%#]", _PLACEHOLDER.sub("", template.text)):
         if len(template.text) > _MOST_TEMPLATE_TEXT:
             raise Refused(
@@ -190,6 +192,7 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
         fields = {"name": name[1], "known": " or ".join(f"`{one}`" for one in near or values)}
         raise Refused(finding_at_line(template, at, _TEMPLATE_WITHOUT_VALUE, **fields)) from None
     except (TemplateError, TypeError, ValueError, ArithmeticError, LookupError) as wrong:
+        # Refused is a ValueError; `within` turns OverflowError into a finding.
         if isinstance(wrong, Refused | OverflowError):
             raise
         reason = str(wrong) or type(wrong).__name__
@@ -198,6 +201,7 @@ def _by_jinja(template: SourceText, values: Mapping[str, str]) -> list[tuple[int
         ) from None
     found, at = [], 1
     for line in _numbered_lines(text):
+        # A line without a mark comes from the same line of the template as the one before.
         if marks := _LINE_MARKS.findall(line):
             at = int(marks[0])
         found.append((at, _LINE_MARKS.sub("", line).rstrip()))
@@ -222,6 +226,8 @@ def _line_of(raised: BaseException) -> int:
     """Return the line of the template in which an exception was raised."""
     found, trace = 1, raised.__traceback__
     while trace is not None:
+        # A rewritten traceback has the lines of the template, an original one those of the compiled
+        # module.
         if trace.tb_frame.f_code.co_filename == "<template>":
             found = trace.tb_lineno
         elif (made := trace.tb_frame.f_globals.get("__jinja_template__")) is not None:
@@ -256,6 +262,7 @@ def jinja_environment() -> SandboxedEnvironment:
                 yield Token(token.lineno, "data", "\n".join(marked))
 
     class Sandbox(SandboxedEnvironment):
+        # A short template could ask for gigabytes or hours with these.
         intercepted_binops = frozenset(("*", "**", "%"))
 
         def is_safe_callable(self, obj: Any) -> bool:
@@ -275,6 +282,7 @@ def jinja_environment() -> SandboxedEnvironment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    # Without globals such as `range`, a template calls nothing but its own macros.
     made.globals.clear()
     made.filters = {name: made.filters[name] for name in _SAFE_FILTERS}
     return made
@@ -523,6 +531,7 @@ def _check(
                     other=last,
                     language=language.title,
                 )
+    # The complete set of sections that the template comes nearest to decides which are missing.
     whole = max(outline.complete, key=lambda parts: len(seen.keys() & set(parts)))
     for part in whole:
         if part not in seen:

@@ -95,6 +95,7 @@ def teach_target(
         name, _target_values(position, robot, own, wanted), _more_keys(wanted), arm
     )
     changed, reading = _taught_text(file, target, wanted)
+    # The file states the tool and frame of the target, so it is read before the pose is checked.
     if robot is not None and own is not None and not wanted.joints:
         _check_pose(file, position, robot, own, reading, name)
     _write_taught(file, changed)
@@ -190,6 +191,7 @@ def _check_pose(
     motion = _motion_to(program, name)
     tool_name, frame_name = str(motion.tool), str(motion.frame)
     tool, frame = program.tools.get(tool_name), program.frames.get(frame_name)
+    # The flange alone does not give the pose of a stationary tool or of held work.
     if (tool is not None and not tool.held) or (frame is not None and frame.held):
         return
     positions, quaternions = robot.fk(np.array([own]))
@@ -388,6 +390,7 @@ def check_reached(place: ShownTarget, reached: Pose) -> tuple[float, float]:
     """
     distance = float(np.linalg.norm(np.subtract(place.tip.position, reached.position)))
     angle = float(rotations.angle_between(place.tip.quaternion, reached.quaternion))
+    # The negation refuses NaN as well.
     if not (distance <= _MOST_REST_OFFSET and angle <= _MOST_REST_TURN):
         finding = _ARM_RESTS_ELSEWHERE(
             place=place.name,
@@ -435,6 +438,7 @@ def _flange_in_plane(flange: Pose, tool: Pose, robot: Robot) -> tuple[Pose, tupl
     from assistant.robots.arms.closed_form import from_ab, to_ab
 
     tip, wished = flange @ tool, flange.quaternion
+    # Turning the flange moves it, and with it its plane: repeated until it stays.
     for _ in range(_MOST_PLANE_ROUNDS):
         place = [flange.position]
         turn = Pose.of(np.zeros(3), from_ab(place, to_ab(place, [wished]))[0])

@@ -186,6 +186,7 @@ class _TravelPlanner:
                     break  # what comes behind it begins elsewhere
             if new:
                 continue
+            # All are planned: each must still begin where its motion was planned from.
             for number, statement in enumerate(self.statements):
                 theirs = [arrival for arrival in found if arrival.number == number]
                 if not theirs:

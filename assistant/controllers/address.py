@@ -121,6 +121,7 @@ def parse(text: str) -> Address:
     A password in it is refused and never repeated in the finding, however mistyped it is.
     """
     shown = without_password(text)
+    # Before all else: every later message shows parts of the text.
     if holds_password(text):
         raise Refused(rules.PASSWORD_IN_ADDRESS(place=shown), exit_status=2)
     if re.search(r"[\x00-\x1f\x7f]", text):
@@ -162,8 +163,10 @@ def _wrong(parts: SplitResult, port: int | None, scheme: _Scheme) -> str | None:
         (not parts.hostname, "it names no host"),
         (port == 0, "port 0 cannot be connected to"),
         ("@" in parts.path + (parts.username or ""), "one `@` may stand there, others are `%40`"),
+        # A second @ usually belongs to a password.
         (bool(parts.hostname and re.search(r"[\s%/\\]", parts.hostname)), "the host is no name"),
         (bool(re.search(r"[\x00-\x1f\x7f]", said)), "it holds a control character"),
+        # `..` is looked for after decoding: `%2e%2e` would pass otherwise.
         (".." in unquote(parts.path).split("/"), "the folder must not lead upwards"),
         (not scheme.login and parts.username is not None, "this controller knows no users"),
         (not scheme.login and parts.path not in ("", "/"), "this controller has no folders"),
@@ -191,6 +194,7 @@ def _wrong_options(parts: SplitResult, scheme: _Scheme) -> str | None:
     except ValueError:
         return f"what follows the `?` must be of {known}"
     for name, value in pairs:
+        # `(?!)` matches nothing: an unknown option is refused whatever its value.
         if not re.fullmatch(scheme.options.get(name, "(?!)"), value):
             return f"what follows the `?` must be of {known}"
     return None if len(dict(pairs)) == len(pairs) else "an option stands twice"
@@ -221,6 +225,7 @@ def holds_password(text: str) -> bool:
     password. RFC 7617 has the same rule for HTTP.
     """
     rest = text[_beginning(text) :]
+    # `/`, `?` and `#` may belong to a password: both ways of reading the text are tried.
     inside = re.split(r"[/?#]", rest, maxsplit=1)[0]
     user = inside.rpartition("@")[0]
     return bool(
@@ -241,6 +246,7 @@ def without_password(text: str) -> str:
         return text
     start = _beginning(text)
     place, *options = re.split(r"[?#]", text[start:], maxsplit=1)
+    # Quoted characters are decoded first: `%40` hides an @.
     _, at, rest = _plain(place).rpartition("@")
     mark = "?***" if options else ""
     if not _HARMLESS.fullmatch(rest):
@@ -271,6 +277,7 @@ def _beginning(text: str) -> int:
 
 def _plain(text: str) -> str:
     """The text without any `%` that stands for a character, however often it was quoted."""
+    # Quoting may be nested: decode until nothing changes.
     while (once := unquote(text)) != text:
         text = once
     return text
@@ -298,6 +305,7 @@ def clear_text_finding(address: Address) -> Diagnostic | None:
 
 def _is_this_computer(host: str) -> bool:
     """True if data for this host never leaves this computer."""
+    # A name may resolve to anything; only `localhost` is known to stay here.
     try:
         return ip_address(host).is_loopback
     except ValueError:
@@ -364,6 +372,7 @@ def find_credentials(
         lambda: _from_keyring(f"{name}@{address.host}"),
         lambda: ask(f"Password of {name} on {address.host}: ") if ask else None,
     )
+    # In this order, and lazily: the user is only asked if nothing else states it.
     secret = next((found for source in sources if (found := source()) is not None), None)
     if secret is None:
         missing = rules.NO_PASSWORD(place=str(address), address=address, user=name)

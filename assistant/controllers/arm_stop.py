@@ -94,9 +94,8 @@ def _watched(session: Controller) -> Rest:
 def _same(one: Position, other: Position) -> bool:
     if len(one.joints) != len(other.joints):
         return False
+    # An arm without this axis reports None each time.
     pairs = zip(one.joints, other.joints, strict=True)
     return all(
-        # An arm without this axis reports None each time.
-        a == b or (a is not None and b is not None and abs(a - b) <= _STANDS)
-        for a, b in pairs
+        a == b or (a is not None and b is not None and abs(a - b) <= _STANDS) for a, b in pairs
     )

@@ -101,6 +101,7 @@ def _seal(folder: FilePath, kind: str) -> None:
 
 
 def _digest(data: bytes) -> str:
+    # Version control may have converted line ends.
     return hashlib.sha256(data.replace(b"\r\n", b"\n")).hexdigest()
 
 

@@ -44,9 +44,12 @@ class TransferDeadline:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: object, traceback: object) -> None:
+        # Under the lock, the watching thread cuts either before this line or not at all.
         with self._deciding:
             self._done.set()
         # Also where the last byte came just before the cut: the line is of no use any more.
+        # The last byte may have come just before the cut: the line is of no
+        # use any more. Ctrl-C and the like are not hidden by a time-out.
         if (kind is None or issubclass(kind, Exception)) and self._over.is_set():
             raise TimeoutError from None
 
@@ -112,6 +115,8 @@ def tls_context(certificate: str | FilePath | None, shown: Callable[[], bytes]) 
         known = {ssl.PEM_cert_to_DER_cert(found) for found in _PEM_CERTIFICATE.findall(text)}
     except (OSError, ValueError) as error:
         raise BadCertificateFile(reason_of(error)) from None
+    # The same certificate as in the file: its key is trusted. Names and forms
+    # of certificates that controllers make do not hold to the standards.
     if shown() in known:
         trusted.check_hostname = False
         trusted.verify_flags &= ~ssl.VERIFY_X509_STRICT  # what controllers make is not strict

@@ -60,6 +60,8 @@ class _Other:
                 async with self.changed:
                     self.come += data
                     self.changed.notify_all()
+                    # No further reading while much waits: the other
+                    # end must not fill this computer's memory.
                     await self.changed.wait_for(lambda: len(self.come) < _MOST_WAITING)
         except OSError:
             pass
@@ -73,8 +75,11 @@ class _Other:
         wait: milliseconds at most, behind which it raises TimeoutError.
         """
         async with self.changed:
+            # The condition also ends by the end of the
+            # other side, or the wait would never come back.
             enough = self.changed.wait_for(lambda: len(self.come) >= least or self.over)
             await asyncio.wait_for(enough, None if wait >= _FOR_EVER else wait / 1000)
+            # Bytes that came before the end are still handed out.
             if len(self.come) < least:
                 return None
             taken = bytes(self.come[:most])
@@ -131,6 +136,7 @@ class _Words:
             piece, self.taken = self.taken[:_PIECE], self.taken[_PIECE:]
             return "D" + piece.hex().upper()
         if word == "P":
+            # Four hexadecimal digits hold no larger count.
             return f"B{min(len(self.other.come), 0xFFFF):04X}"
         raise ValueError(word)
 

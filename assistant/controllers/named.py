@@ -161,6 +161,7 @@ class _Reader:
             table.say(
                 rules.PASSWORD_IN_FILE, key, name=name, variable=password_variable(name, "PASSWORD")
             )
+        # Keys that may hold a password are reported alone, and never read.
         kept = {key: value for key, value in table.content.items() if key not in secrets}
         found = replace(table, content=kept).read(self.keys)
         if "address" not in table.content and isinstance(given, dict):
@@ -168,6 +169,7 @@ class _Reader:
         address = self._address(found["address"], (name, "address")) if "address" in found else None
         if address is None:
             return None
+        # A colon or the like in a user: the text after it may be a password.
         if _NO_USER.search(found.get("user", "")):
             table.say(
                 rules.PASSWORD_IN_FILE,
@@ -212,6 +214,7 @@ class _Reader:
         """Report names whose environment variables would be identical."""
         seen: dict[str, str] = {}
         for name in self.table.content:
+            # Environment variables replace `-` by `_` and ignore case, so that names may coincide.
             other = seen.setdefault(password_variable(name, ""), name)
             if other != name:
                 self.table.say(rules.SAME_VARIABLE, name, name=name, other=other)
@@ -226,6 +229,7 @@ def _virtual(text: str) -> str | None:
 def _as_rule(finding: Diagnostic) -> Rule:
     """A rule that says what a finding says, at another place."""
 
+    # The message is filled in already: its braces must not be taken for fields again.
     def plain(text: str) -> str:
         return text.replace("{", "{{").replace("}", "}}")
 

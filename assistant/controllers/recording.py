@@ -37,6 +37,7 @@ class Recording:
         self.fields = {name: tuple(parts) for name, parts in fields.items()}
         self._widths = {name: max(1, len(parts)) for name, parts in self.fields.items()}
         self._width = sum(self._widths.values())
+        # One flat array: a row of Python objects for each status would take many times the memory.
         self._numbers = array("d")
 
     def __repr__(self) -> str:
@@ -130,6 +131,7 @@ def _csv(columns: Mapping[str, Floats]) -> bytes:
     writer = csv.writer(text)
     writer.writerow(columns)
     for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+        # repr() gives the shortest text that reads back to the same number.
         writer.writerow("" if math.isnan(value) else repr(value) for value in row)
     return text.getvalue().encode()
 

@@ -80,6 +80,7 @@ class Arm:
     @property
     def part(self) -> float:
         """Part of its full speed that keeps to `speeds` and `share`."""
+        # The axis with the least share of its speed limits the percentage of all.
         return min(self.share, float((self.speeds / self.full).min()))
 
     @property
@@ -267,6 +268,7 @@ class _JogCarrier:
         return self.joints()
 
     def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the percentage tells
+        # A step below the written digits would be a jog of nothing, which controllers refuse.
         if float(np.abs(to - self.joints()).max()) < _LEAST_JOG:
             return
         goal = dict(zip(self._arm.axes, to.tolist(), strict=True))
@@ -307,7 +309,9 @@ class DataLinkCarrier:
         self.period, self.speeds = period, arm.slow
         self._controller, self._arm = controller, arm
         limits = arm.numbered(arm.limits.T, np.nan).T
+        # An axis that the arm lacks gets any range: its value never changes.
         limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
+        # Positions are rounded: a step at the limit may come out slightly larger.
         farthest = float((self.speeds * _LONGEST_STEP).max()) + _STEP_TOLERANCE
         self._mode = ControlMode(
             controller,
@@ -417,6 +421,7 @@ class _PoseCarrier:
         return self._near
 
     def move(self, to: Floats, seconds: float) -> None:  # noqa: ARG002 - the module tells how fast
+        # The answer has no joints: the search for them begins at the target, in its branch.
         self._near = np.array(to)
         self._take(self._exchange.move_to(self._arm.pose_of(to)).pose)
 
@@ -462,6 +467,7 @@ class CyclicCarrier:
 
     def __enter__(self) -> Self:
         arm = self._arm
+        # A step that comes late is caught up with at a little more than its speed.
         full = np.minimum(_CATCH_UP_SPEED * arm.speeds, arm.full)
         limits = Limits(
             tuple(arm.numbered(full, 1.0).tolist()),
@@ -469,6 +475,7 @@ class CyclicCarrier:
             tuple(arm.numbered(arm.limits[:, 0], -1.0).tolist()),
             tuple(arm.numbered(arm.limits[:, 1], 1.0).tolist()),
         )
+        # What was opened is closed again if the loop does not begin.
         with ExitStack() as opening:
             self._leading = opening.enter_context(self._made(limits, opening))
             self._open = opening.pop_all()
@@ -543,6 +550,7 @@ def by_mxt(controller: Controller, arm: Arm, wishes: LinkOptions) -> CyclicCarri
         opening.enter_context(mxt_installed(controller, wishes))
         controller.load(MXT_PROGRAM)
         controller.start()
+        # A program that was started must not wait for packets after a failure.
         opening.push(lambda kind, *_: controller.stop() if kind is not None else None)
         opening.enter_context(mxt)
         return mxt.leading()

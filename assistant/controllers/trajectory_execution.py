@@ -57,6 +57,7 @@ class TimedMotion:
 
     def numbered(self, values: Floats, missing: float) -> Floats:
         """Values of axes (…, a) with a column for each number; missing: of the others."""
+        # At least six columns: protocols count six axes even where the arm has fewer.
         width = max(6, max(self.places) + 1)
         found = np.full((*values.shape[:-1], width), missing)
         found[..., self.places] = values
@@ -218,6 +219,7 @@ def lines_of(session: Programs, wishes: LinkOptions) -> tuple[str, str]:
 
     address, named = session.address, wishes.lines
     is_device = SCHEMES[address.scheme].device
+    # On a serial line the controller link uses the line itself: it is no line of data as well.
     if is_device and (len(named) < 2 or address.host in named):
         reason = "its address is a serial line, which tells no host and stays in use"
         raise _not_here(session, reason, "name two other lines of data, the control line first")
@@ -247,6 +249,7 @@ def _has_lines(session: Programs, wishes: LinkOptions) -> None:
     devices = [part.strip() for part in text.split(",")]
     for number, target in enumerate(targets):
         device = devices[number] if number < len(devices) else ""
+        # Another host may be a converter at the serial line: the device is then a serial one.
         if target.rpartition(":")[0] == own and not device.startswith("OPT"):
             name = f"`COM{number + 1}:` of its programs is {device or 'no line'} (COMDEV = {text})"
             raise _not_here(session, f"{name}, to which {target} does not lead", _LINES_NEEDED)
@@ -284,6 +287,7 @@ def _data_link(
     limits = led.numbered(led.limits.T, np.nan).T
     limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
     points = led.numbered(led.joints, np.nan)
+    # NaN columns belong to axes that the arm lacks.
     farthest = float(np.nan_to_num(np.abs(np.diff(points, axis=0))).max()) + _STEP_TOLERANCE
     mode = ControlMode(
         controller, control, status, limits=limits, most_step=farthest, replace=wishes.replace
@@ -331,6 +335,7 @@ def _mxt(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Pro
                     end=True,
                     watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
                 )
+        # A program that was started must not wait for packets after a failure.
         except BaseException:
             controller.stop()
             raise
@@ -367,6 +372,8 @@ def _own_address(host: str) -> str:
     """The address of this computer as the host sees it; nothing is sent."""
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as probe:
         try:
+            # Connecting a UDP socket sends nothing: it
+            # only makes the system choose its own address.
             probe.connect((host, 9))
         except OSError as error:
             reason = error.strerror or str(error)

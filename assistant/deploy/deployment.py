@@ -109,10 +109,13 @@ class Transfer:
     def forward(self, entries: Iterable[Entry], progress: Progress | None = None) -> None:
         """Installs them one by one; raises Refused at the first that fails."""
         entries = tuple(entries)
+        # All at once, before the first is loaded: two modules may exchange a name.
         self._make_room([(entry.name, entry.after, entry.before) for entry in entries])
         for entry in entries:
             if progress is not None:
                 progress(entry)
+            # The line is on the disk before the controller is
+            # touched: after a crash it tells what may differ.
             self.journal.add(Step.WRITING, entry.name)
             self.states[entry.name] = FileState.UNKNOWN
             self.site.put(entry.name, entry.after, entry.before)
@@ -127,6 +130,7 @@ class Transfer:
         """
         entries = tuple(entries)
         room = partial(self._make_room, [(e.name, e.before, e.after) for e in entries])
+        # Rests first: a file set aside could otherwise pass for another user's program later.
         whole, connected = self._insisted(self.clear_rests, connected)
         if whole:
             whole, connected = self._insisted(room, connected)
@@ -135,6 +139,8 @@ class Transfer:
                 restore = partial(self._restore, entry)
                 touched = self.site.insist(restore, self.patience, connected=connected)
             except Refused as refusal:
+                # The others are still put back: each program
+                # that is right again is one less to look after.
                 whole = connected = False
                 self.findings += refusal.findings
                 self.findings.append(self._not_put_back(entry))
@@ -157,6 +163,7 @@ class Transfer:
             now = self.site.held(name, old.file)
             if memory is None or old.loaded is None or now.loaded is None:
                 continue
+            # Only what is still the old module: a changed one is not this deployment's to remove.
             if self.site.forms(now).loaded == self.site.forms(old).loaded:
                 self.journal.add(Step.WRITING, name)
                 self.states[name] = FileState.UNKNOWN
@@ -383,6 +390,7 @@ def carry_out(
     once no other computer can deploy to the controller. The findings of the returned transfer
     describe the failures. Raises Refused if nothing could be begun.
     """
+    # Before anything is touched: pointers that are lost are told by comparison.
     stood = tasks(site)
     with raise_on_termination(once=True) as ending:
         site.waiting = partial(_waiting, ending, leave or (lambda: False))
@@ -392,6 +400,7 @@ def carry_out(
             try:
                 carrying.forward(journal.entries, progress)
                 settle(carrying)
+                # From here on all is done: an interruption must not take it back.
                 ending.hold()
             except Refused as refusal:
                 ending.hold()
@@ -434,15 +443,20 @@ def _begun(
 ) -> Journal:
     """Everything that is written down before a program is touched, here and there."""
     try:
+        # First the claim, then the check: nobody can change anything between them.
         claim(site, record, patience)
         check()
         earlier = site.controller.read(RECORD) if site.disk is not None else None
+        # The journal is on this disk before the first byte goes to the controller.
         journal = create_journal(place, record, entries, earlier)
         if site.disk is not None:
+            # The archive lets another computer end the deployment if this one dies.
             site.controller.write(UNDER_WAY, pack_journal(journal))
+        # Once more after the archive: another user may have taken this deployment for dead.
         check_claim(site, record)
     except BaseException as caught:
         ending.hold()
+        # An exception other than a refusal leaves the session in the middle of a command.
         lost = not isinstance(caught, Refused) or isinstance(caught, Lost)
         held = _abandon(site, place, record, patience, connected=not lost)
         if held and isinstance(caught, Refused):
@@ -455,6 +469,7 @@ def _abandon(
     site: Site, place: FilePath, record: Record, patience: float, *, connected: bool
 ) -> list[Diagnostic]:
     """Ends a deployment before anything was changed; a finding if it may still hold the site."""
+    # A journal that cannot be written leaves a deployment without steps, which counts as not begun.
     with suppress(Refused):
         journal = open_journal(place)
         if journal is not None and journal.record.name == record.name:
@@ -489,6 +504,7 @@ def take_back(carrying: Transfer, *, connected: bool) -> None:
     with suppress(Refused):  # a full disk here is no reason to leave the controller as it is
         journal.add(Step.TAKING_BACK)
     begun = [entry for entry in journal.entries if entry.name in carrying.states]
+    # The claim stays if something could not be put back: nobody else may deploy over it.
     if carrying.back(reversed(begun), connected=connected):
         try:
             journal.add(Step.TAKEN_BACK)

@@ -163,14 +163,17 @@ def new_folder(place: FilePath, fill: Callable[[FilePath], None]) -> FilePath:
     """
     with report_file_errors(place):
         file_access.make_folders(place)
+        # Whoever holds the lock is alone here: unnumbered folders are of dead processes.
         for rest in place.glob(f"{_UNNUMBERED_PREFIX}*"):
             shutil.rmtree(rest, ignore_errors=True)
         new = FilePath(tempfile.mkdtemp(prefix=_UNNUMBERED_PREFIX, dir=place))
         try:
             fill(new)
+            # Contents first, then folders: the rename below must never show a half-written journal.
             for folder in (*(new / part for part in _PARTS), new):
                 if folder.is_dir():
                     file_access.sync_folder(folder)
+            # mkdtemp makes a folder for its owner alone; a history may be shared.
             new.chmod(0o755)
             folder = _numbered(new, place)
             file_access.sync_folder(place)
@@ -344,6 +347,7 @@ def pack_journal(journal: Journal) -> bytes:
         for file in sorted(journal.folder.rglob("*")):
             if file.is_file() and file.name != _STEPS_FILE:
                 name = file.relative_to(journal.folder).as_posix()
+                # ZipInfo without a time: the same journal gives the same bytes.
                 archive.writestr(zipfile.ZipInfo(name), read_file(file), zipfile.ZIP_DEFLATED)
     return data.getvalue()
 
@@ -360,6 +364,7 @@ def unpack_journal(data: bytes, place: FilePath, name: str) -> Journal | None:
 
         def fill(new: FilePath) -> None:
             _fill_folder(new, files)
+            # Read before the folder gets its number: a damaged one never appears in the history.
             read_journal(new)
 
         return read_journal(new_folder(place, fill))
@@ -392,6 +397,7 @@ def _journal_files(data: bytes) -> dict[str, bytes]:
         raise ValueError("the archive on the controller is too long")
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         rows = archive.infolist()
+        # Stated sizes are checked before anything is unpacked.
         whole = sum(row.file_size for row in rows)
         if whole > MOST_ARCHIVE_BYTES or len(rows) > _MOST_ARCHIVE_FILES:
             raise ValueError("the archive on the controller is too long")

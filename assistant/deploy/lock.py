@@ -63,6 +63,7 @@ def claim(site: Site, record: Record, patience: float) -> None:
         return
     if not site.disk.claim(CLAIM):
         one = holder(site)
+        # The claim of this very deployment: `--resume` goes on with it.
         if one.name != record.name:
             there = str(site.address)
             raise Refused(rules.BUSY_THERE(place=there, who=one.who, time=one.time, name=one.name))
@@ -102,6 +103,7 @@ def unclaim(site: Site, name: str) -> None:
     """
     if site.disk is not None:
         site.disk.release(CLAIM)
+        # Unless another deployment has written its name in between.
         if holder(site).name in ("", name):
             site.controller.remove(CLAIMANT)
 
@@ -114,9 +116,11 @@ def held_by(site: Site) -> Holder | None:
     if site.disk is None:
         return None
     one = holder(site)
+    # The claim is free if it can be taken: then it is given back at once.
     if site.disk.claim(CLAIM):
         unclaim(site, one.name)
         return None
+    # The folder comes before the name: its owner may be about to write it.
     if not one.name:
         time.sleep(min(BETWEEN, site.patience))
         one = holder(site)

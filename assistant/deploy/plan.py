@@ -154,6 +154,7 @@ class _Classifier:
         in_memory = loads and (self.load or before.loaded is not None)
         after = Held(data, data if in_memory else None)
         now, wanted = self.site.forms(before), self.site.forms(after)
+        # A program that is gone, or that is as planned already, is no conflict, whoever changed it.
         reason = (
             "" if before == NOTHING_INSTALLED or now == wanted else self._not_ours(name, before)
         )
@@ -230,6 +231,7 @@ class _Classifier:
             (forms[0].file == forms[1].file, files),
             (forms[0].loaded == forms[1].loaded, loaded),
         ):
+            # One part may be as it was left: then only the other one has to be brought home.
             if same:
                 continue
             if base is None or there is None or sent is None:
@@ -258,6 +260,7 @@ def gathered(paths: Sequence[str | FilePath], controller: Programs) -> list[str]
         files += inside
     for path in [file for file in files if file.lower().endswith(controller.lists)]:
         files += _listed_files(path, spoken[0])
+    # Two spellings of one file count once; reversed, so that the first spelling stays.
     places = {FilePath(file).absolute(): file for file in reversed(files)}
     return [file for file in dict.fromkeys(files) if places[FilePath(file).absolute()] == file]
 
@@ -394,6 +397,7 @@ def plan(
     if not files:
         raise Refused(rules.NO_FILES())
     data = {str(file): read_bytes(file) for file in files}
+    # Lists after the files that they name, which have to be there when a list is stored.
     ordered = sorted(data, key=lambda path: path.lower().endswith(controller.lists))
     names = controller_names(ordered, controller)
     site = Site(controller, task)

@@ -121,6 +121,7 @@ def read_record(data: bytes, place: str) -> Record:
         if len(data) > LONGEST_RECORD:
             raise ValueError("it is too long")
         content = json.loads(data)
+        # Taken out before the comparison: the digest covers all the rest.
         told = content.pop("digest")
         if content.get("format") != _FORMAT:
             raise ValueError("it is of another version of this program")
@@ -154,6 +155,7 @@ def _user() -> str:
 
 
 def _text(content: Mapping[str, Any]) -> str:
+    # Sorted and indented: the digest is of this very text.
     return json.dumps(content, indent=2, sort_keys=True) + "\n"
 
 
@@ -181,6 +183,7 @@ def check_meant(identity: Identity | None, meant: Identity, place: str) -> tuple
             rules.NOT_MEANT(place=place, what="the robot", wanted=meant.robot, told=told.robot)
         )
     what, wanted, there = "the serial number", meant.serial.strip(), told.serial.strip()
+    # Serial numbers are written in either case.
     if wanted and there and wanted.casefold() != there.casefold():
         refused.append(rules.NOT_MEANT(place=place, what=what, wanted=wanted, told=there))
     if refused:
@@ -227,6 +230,7 @@ def _same_robot(one: str, other: str) -> bool:
         found = next((there for there in left if _similar_words(word, there)), None)
         if found is None:
             return False
+        # Each word counts once: `6-6` needs two sixes.
         left.remove(found)
     return True
 

@@ -89,10 +89,13 @@ def rollback(
         site.tell = tell or site.tell
         journal, freed = _open(site, place)
         if journal is not None:
+            # An open deployment has to be ended before others are taken back.
             if number not in (None, journal.number):
                 still = rules.STILL_OPEN(place=str(journal.folder), name=journal.record.name)
                 raise Refused(still)
             return _finish(site, journal, replace, patience, back=True)
+        # The deployment that held the controller was meant:
+        # it is over, and changed nothing or is undone.
         if freed is not None and number is None and freed.how is not Step.DONE:
             return Deployment(controller.address, {}, (freed.finding,), None, back=True)
         done = _undo(site, _chosen(controller, place, number), place, history, replace, patience)
@@ -160,6 +163,8 @@ def _open(site: Site, place: FilePath) -> tuple[Journal | None, _Freed | None]:
     """
     here = open_journal(place)
     if here is not None:
+        # This history may be out of date: others can end
+        # the deployment from the controller's archive.
         _check_not_ended_elsewhere(site, here)
         return here, None
     one = held_by(site)
@@ -244,6 +249,7 @@ def _undo(
     left: dict[str, Held] = {}
     for journal in past:
         for entry in journal.entries:
+            # The oldest deployment has what was before all of them, the latest what is there now.
             wanted.setdefault(entry.name, entry.before)
             left[entry.name] = entry.after
     memories = {one.record.task for one in past if any(map(_loads, one.entries))}
@@ -265,6 +271,7 @@ def _undo(
     changes = [
         rules.CHANGED_BETWEEN(place=name, name=name)
         for name, held in now.items()
+        # As it was left, or already as it is to be: an interrupted rollback is repeated.
         if not any(site.same(held, one) for one in (left[name], wanted[name]))
         and not {name.lower(), EVERY} & allowed
     ]
@@ -281,6 +288,7 @@ def _undo(
     told = check_clashes(site, entries, sent=False)
     record = changed(begun, programs=programs)
 
+    # Checked again under the claim: programs were read before it was taken.
     def check() -> None:
         since = [name for name, held in there().items() if not site.same(held, now[name])]
         if since:

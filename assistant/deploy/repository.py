@@ -42,6 +42,7 @@ def commit_of(folder: FilePath) -> str:
     """Return the commit of the repository around a folder, `-dirty` with changes, "" without
     one.
     """
+    # --always: the commit itself where no tag is near; --exclude keeps tags out of the text.
     commit = _told(folder, "describe", "--always", "--abbrev=40", "--exclude=*")
     changed = _has_changes(folder) if commit else None
     return "" if commit is None or changed is None else commit.strip() + "-dirty" * changed
@@ -51,6 +52,7 @@ def is_committed(path: FilePath) -> bool | None:
     """True if a repository has the file in its present form; None outside of one, or without
     git.
     """
+    # --ignored: a file that git ignores is in no repository, although status has no other row.
     said = _compared(path.absolute().parent, "--ignored", "--", path.name)
     return None if said is None or said.startswith("!!") else not said.strip()
 
@@ -65,10 +67,12 @@ def _has_changes(folder: FilePath, depth: int = 0) -> bool | None:
         return True
     place = FilePath(top.rstrip("\n"))
     rows = (_told(place, "ls-files", "--stage", "-z") or "").split("\0")
+    # Mode 160000: a submodule.
     inner = [place / row.partition("\t")[2] for row in rows if row.startswith("160000 ")]
     there = [one for one in inner if (one / ".git").exists()]
     if there and depth == _DEEPEST:
         return None
+    # Each with its own filters switched off: `status` of the outer one would run them.
     each = [_has_changes(one, depth + 1) for one in there]
     return None if None in each else True in each
 
@@ -96,6 +100,7 @@ def _told(folder: FilePath, *words: str) -> str | None:
     git = shutil.which("git")
     if git is None or not FilePath(git).is_absolute():  # one that lies in the working folder
         return None
+    # GIT_DIR and the like would lead to another repository; the user's GIT_CONFIG… are kept.
     theirs = {
         name: value
         for name, value in without_passwords().items()

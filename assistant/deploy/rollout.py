@@ -156,6 +156,7 @@ class _Rollout:
     outcomes: dict[int, Outcome] = field(default_factory=dict)
 
     def done(self, canary: str) -> Rollout:
+        # Everything is planned before anything is deployed: a conflict anywhere begins nothing.
         self._each(self._plan, self._chains())
         planned = [self.outcomes[index] for index in range(len(self.cells))]
         first = next((one for one in planned if one.state is CellState.FAILED), None)
@@ -216,6 +217,7 @@ class _Rollout:
         begun = time.monotonic()
         try:
             plan = outcome.plan
+            # The plan of a chain's later cells is older than the deployments before them.
             if plan is None or self._is_changed(index):
                 plan = self.cells[index].plan()
             outcome = replace(outcome, plan=plan)
@@ -275,6 +277,7 @@ def _wait(under_way: Sequence[Future[None]], halt: Halt) -> None:
     noticed = halt.asked
     while True:
         try:
+            # A wait without end cannot be interrupted on every system.
             if not wait(under_way, timeout=_DONE_POLL).not_done:
                 break
             if halt.asked and not noticed:

@@ -52,6 +52,7 @@ def module_difference(
 @lru_cache(maxsize=32)
 def _module_pieces(data: bytes, language: str) -> tuple[tuple[str, str], ...]:
     spoken = languages.get(language)
+    # Latin-1 decodes any bytes: a controller's text is compared even if it is misspelt.
     return tuple(spoken.said(decode(data, None, (*spoken.encodings, "latin-1")).text))
 
 
@@ -149,6 +150,8 @@ class Site:
                 if time.monotonic() + BETWEEN > end:
                     raise
                 connected = connected and not isinstance(refusal, Lost)
+                # Only while the line is lost may the wait be
+                # interrupted: otherwise a step is in progress.
                 with self.waiting() if not connected else nullcontext():
                     time.sleep(BETWEEN)
             else:
@@ -172,6 +175,7 @@ class Site:
     def _connect_anew(self, patience: float) -> None:
         """Raises Lost at once where that was tried in vain for as long as the patience lasts."""
         silent, unreachable = self._silent, self._unreachable
+        # The next action does not wait again for a controller that never answered.
         if silent is not None and unreachable is not None:
             if time.monotonic() > silent + patience:
                 raise unreachable
@@ -242,6 +246,7 @@ class Site:
         """
         now = self.held(name, wanted.file or wanted.loaded)
         if self.memory is not None and not self.is_list(name):
+            # Other modules first: both would be loaded for a moment otherwise, with the same names.
             self._put_out_others(self.memory, wanted, instead)
             self._put_in_memory(self.memory, name, now, wanted)
             now = self.held(name, wanted.file or wanted.loaded)
@@ -274,6 +279,7 @@ class Site:
                 memory.put_out(now.loaded, self.task)
             return
         before = None if now.loaded is None else memory.stored_in_memory(now.loaded)
+        # Loaded only if it differs: loading resets program pointers and taught values.
         if before != memory.stored_in_memory(wanted.loaded):
             self.controller.write(name, wanted.loaded, as_it_was=True)
             memory.take_in(name, self.task)

@@ -76,6 +76,7 @@ def verify(
     with Site(controller) as site:
         record, told = last_record(site, history)
         stranger = of_another(site.identity(), record)
+        # The record came with the disk of another controller: its programs count as foreign.
         if stranger is not None:
             record, told = None, (*told, stranger)
         there = [name for name in site.controller.names() if not of_deployments(name)]

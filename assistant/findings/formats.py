@@ -69,6 +69,7 @@ def github_line(finding: Diagnostic) -> str:
         "line": finding.line,
         "col": finding.column,
         "endLine": finding.end_line,
+        # GitHub takes columns only within a single line.
         "endColumn": finding.end_column if finding.end_line == finding.line else None,
         "title": finding.code,
     }
@@ -90,6 +91,7 @@ def gitlab(findings: Sequence[Diagnostic], root: FilePath) -> list[dict[str, Any
     for finding in findings:
         path = _relative(finding.path or "", root)
         same = (finding.code, path, finding.place, finding.message, finding.excerpt)
+        # Equal findings are counted, so that each has a fingerprint of its own.
         seen[same] += 1
         digest = hashlib.sha256(repr((*same, seen[same])).encode(errors="backslashreplace"))
         text = " ".join(part for part in (finding.place, finding.message) if part)
@@ -187,6 +189,7 @@ def _artifact(path: str, root: FilePath) -> dict[str, str]:
     file = root / path
     if file.is_relative_to(root) and ".." not in file.parts:
         inside = file.relative_to(root).as_posix()
+        # File names are bytes: those that are no text are quoted as well.
         return {"uri": quote(os.fsencode(inside)), "uriBaseId": BASE}
     return {"uri": FilePath(file).resolve().as_uri()}
 

@@ -82,11 +82,13 @@ class Severities:
 
     def of(self, finding: Diagnostic) -> Diagnostic | None:
         """The finding as the project wants it, None if it is off."""
+        # The longest beginning wins: RA211 before RA2.
         beginnings = (finding.code[:n] for n in range(len(finding.code), 0, -1))
         chosen = next((b for b in beginnings if b in self.levels), None)
         if chosen is None:
             return finding
         level = self.levels[chosen]
+        # Only adjustable findings may be lowered; raising is always allowed.
         if _is_lower(level, finding.severity) and not rulebook.is_adjustable(finding):
             return finding
         return None if level is None else replace(finding, severity=level)
@@ -248,6 +250,7 @@ def _ignoring(source: SourceText, mark: str) -> Iterator[_Comment]:
         line, column = source.line_column(word.start())
         text = source.line_text(line)
         begin = comment_start(text, mark)
+        # Only a comment that begins with the word ignores anything.
         if begin is None or text[begin + len(mark) : column - 1].strip():
             continue
         lines: tuple[int, ...] | None = (line,)

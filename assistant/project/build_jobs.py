@@ -112,6 +112,7 @@ _AUDITED: Final[list[bool]] = []
 
 
 def _add_audit_hook() -> None:
+    # An audit hook cannot be removed: one serves all recordings.
     if not _AUDITED:
         _AUDITED.append(True)
         sys.addaudithook(_on_audit_event)
@@ -125,6 +126,7 @@ def _on_audit_event(event: str, arguments: tuple[object, ...]) -> None:
     if not isinstance(path, str | bytes | os.PathLike):
         return  # a descriptor that was opened before
     is_folder = event != "open"
+    # Files that are written are no inputs.
     if is_folder or not (isinstance(arguments[2], int) and arguments[2] & WRITE_FLAGS):
         name = os.fsdecode(path)
         for seen in _recorders:
@@ -225,6 +227,7 @@ def _make_or_refuse(order: BuildOrder, name: str) -> MadeProgram:
         finding = rules.NOT_KEPT(file=error.filename or name, reason=reason)
         return MadeProgram(findings=(finding,), unreadable=True)
     except Exception as error:
+        # One program that fails must not end the build of the others.
         if traceback_wanted():
             raise
         return MadeProgram(findings=(internal_error(error),), unreadable=True)
@@ -251,6 +254,7 @@ def _output_language(order: BuildOrder, spoken: str | None) -> str:
         return order.recipe.language
     arm = robot_of(order.arm)
     runs = order.taken if arm is None else tuple(x for x in arm.languages if x in order.taken)
+    # A language that the arm and the controller take stays as it is.
     if spoken in (runs or order.taken):
         return str(spoken)
     if len(order.taken) == 1:
@@ -266,6 +270,7 @@ def _copied_source(order: BuildOrder, name: str) -> MadeProgram | None:
     recipe = order.recipe
     spoken = _source_language(recipe)
     plain = Recipe(recipe.name, recipe.source, recipe.language, recipe.robot, from_language=spoken)
+    # Any further option changes the program: then it has to be compiled.
     if spoken is None or replace(recipe, from_language=spoken) != plain:
         return None
     if _output_language(order, spoken) != spoken:

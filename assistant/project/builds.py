@@ -132,6 +132,7 @@ def read_build(project: Project) -> BuildEntries:
 
 
 def _checked_key(told: str) -> str:
+    # The name becomes a folder below `build`.
     if PROJECT_NAME.fullmatch(told.partition("/")[0]) is None:
         raise ValueError("a name of a target leads elsewhere")
     return told
@@ -284,6 +285,7 @@ class _BuildRun:
         with working(len(set(stale.values()))):
             made = make_all(list(stale.values()), jobs)
         told: set[Diagnostic] = set()
+        # Each order once, as targets may share a program.
         for order in dict.fromkeys(stale.values()):
             self.findings += [f for f in made[order].findings if f not in told]
             told.update(made[order].findings)
@@ -330,6 +332,7 @@ class _BuildRun:
             self.findings += refused.findings
             self.status = 2
             return Built(target, program, State.FAILED)
+        # Files of other programs with the same name stay.
         stay = {file.lower() for files in (new, *others.values()) for file in files}
         _remove_built(folder, {file: old[file] for file in old if file.lower() not in stay})
         self.entries[name] = BuildEntry(wanted, made.inputs, new, made.origins)

@@ -440,6 +440,7 @@ class _Reader:
         given = table.read(_readers_of(TARGET_KEYS))
         wanted = given.get("controller", name)
         controller = self.controllers.get(wanted)
+        # A value that its reader refuses has a finding already.
         if controller is None and ("controller" in given or "controller" not in table.content):
             at = "controller" if "controller" in given else None
             self._unknown(table, at, "controller", wanted, list(self.controllers))
@@ -510,6 +511,7 @@ class _Reader:
         cure = f"there are: {listed(list(known))}"
         if near:
             cure = f"write {' or '.join(f'`{one}`' for one in near)}"
+        # A name with such characters may be an address with a password.
         said = without_password(name) if set(name) & set(":?=@#") else name
         table.say(rules.UNKNOWN, key, kind=kind, name=shown(said), cure=cure)
 
@@ -523,6 +525,7 @@ def path_inside(folder: FilePath, text: str) -> FilePath | None:
     parts = PurePosixPath(text.replace("\\", "/"))
     if "\0" in text or not parts.parts or parts.is_absolute() or ".." in parts.parts:
         return None
+    # Drive letters and streams of Windows.
     if ":" in parts.parts[0]:
         return None
     file = folder.joinpath(*parts.parts)

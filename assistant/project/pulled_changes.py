@@ -80,6 +80,7 @@ def _changed_targets(
         lift_texts(language, [language.decode(data, file.path)], robot).program
         for data in (base, there)
     )
+    # Everything but the targets must be equal.
     moved = replace(new, targets=old.targets, joint_targets=old.joint_targets, origin=None)
     same_names = old.targets.keys() == new.targets.keys()
     same_names &= old.joint_targets.keys() == new.joint_targets.keys()
@@ -115,6 +116,7 @@ def _with_targets(
     for change in changes:
         program = _read_program(source, text)
         place = _target_of(program, change.name)
+        # The source must still have the target as it was deployed.
         if place is None or not _same_target(place, change.before, precision):
             finding = rules.OTHER_TARGET(
                 path=str(source), target=change.name, name=name, source=source
@@ -122,6 +124,7 @@ def _with_targets(
             raise Refused(finding)
         with_it = _with_taught_target if suffix == _TAUGHT_SUFFIX else _with_pseudo_target
         text = with_it(source, text, program, change, place)
+        # Read back: the edit must have led to this place.
         now = _target_of(_read_program(source, text), change.name)
         if now is None or not _same_target(now, change.after, precision):
             finding = rules.OTHER_TARGET(
@@ -161,6 +164,7 @@ def _same_target(one: _AnyTarget, other: _AnyTarget, precision: Precision) -> bo
 def _with_taught_target(
     source: FilePath, text: SourceText, program: Program, change: _ChangedTarget, place: _AnyTarget
 ) -> SourceText:
+    # Both editors of sources take the same arguments.
     del program, place
     entries = read_toml(text).content.get("targets", [])
     entry = next(one for one in entries if one["name"].lower() == change.name.lower())
@@ -332,6 +336,7 @@ class _Pull:
         other = self.site.forms(now)
         in_file = now.file is not None and (one is None or one.file != other.file)
         loaded = now.loaded is not None and (one is None or one.loaded != other.loaded)
+        # Changed in the file and in memory: only the same change is clear.
         if in_file and loaded and not self._are_one(now):
             raise Refused(rules.TWO_CHANGES(path=file.path, name=file.name))
         if loaded and now.loaded is not None:
@@ -348,6 +353,7 @@ class _Pull:
         self, file: PlannedFile, base: bytes | None, own: bytes, there: bytes, form: StoredForm
     ) -> bytes:
         """Our text with what was changed there."""
+        # Programs in memory may have lost their comments.
         in_memory = there == file.before.loaded and there != file.before.file
         mark = languages.get(self.site.language).comment_mark if in_memory else ""
         if base is not None and form(base) != form(own):

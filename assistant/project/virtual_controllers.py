@@ -168,4 +168,5 @@ def _load_memory(memory: Memory, file: FilePath) -> None:
         rows = json.loads(read_file(file))
         texts = [(str(row["file"]), str(row["text"]).encode(_MEMORY_ENCODING)) for row in rows]
         memory.restore([one for name, text in texts for one in read_module(name, text)])
+    # Set last, so that restoring does not write the file.
     memory.keep = lambda changed: _save_memory(changed, file)

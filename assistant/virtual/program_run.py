@@ -155,6 +155,7 @@ def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
             start=home(settings.robot),
             controller=controller,
             kind="normal" if part.essential else "semistatic",
+            # Only of the first task it is known that it moves the arm.
             moves=True if number == 0 else None,
         )
 
@@ -219,6 +220,7 @@ def _lines(kernel: Kernel, given: Mapping[str, str]) -> dict[str, Line]:
         try:
             lines[f"{name.rstrip(':')}:"], leave = line_to(target)
         except OSError as wrong:
+            # Lines that are open already are closed again: the run never begins.
             for close in kernel.leaving:
                 close()
             raise Refused(_NO_LINE(name=name, reason=wrong), exit_status=2) from None

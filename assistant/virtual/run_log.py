@@ -159,6 +159,7 @@ def log_rows(
     """
     left = deque(given)
     for number, row in enumerate(log, first):
+        # An input that changed before an event is listed before it.
         while left and left[0].row <= number:
             yield left.popleft()
         yield row
@@ -191,6 +192,7 @@ def end_finding(run: Run, sources: Sequence[SourceText]) -> Diagnostic | None:
         return None
     message = run.message
     if run.place is not None:
+        # The message begins with the place, which the finding shows by itself.
         message = message.removeprefix(f"{run.place[0]}:{run.place[1]}: ")
     message = message.strip().rstrip(".") or "nothing tells why"
     return _finding_at(rule, run.place, sources, message=message)
@@ -327,6 +329,7 @@ def _signal_steps(changes: Sequence[tuple[float, int, float]], t: Floats) -> Flo
     """(k, n) what each of n signals is at each time, by their changes in order."""
     found = np.zeros((len(t), 1 + max((column for _, column, _ in changes), default=-1)))
     for time, column, value in changes:
+        # 1e-9 absorbs rounding: a change at the time of a sample belongs to it.
         found[np.searchsorted(t, time - 1e-9) :, column] = value
     return found
 

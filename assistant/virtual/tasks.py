@@ -192,9 +192,11 @@ def _backup_groups(backup: dict[str, Path], inside: dict[Path, list[str]]) -> It
     for key, path in sorted(backup.items()):
         if key == _SHARED_TASK:
             continue
+        # Without a name in the backup the first task has the usual one.
         name = names.get(key) or (_DEFAULT_TASK if key == "TASK1" else key)
         modules = (*_folder_modules(str(path), inside[path]), *shared)
         found.append(Group(name, modules, essential=name not in beside, beside=False))
+    # The task that moves the robot comes first; sorted() keeps the order of the others.
     yield from sorted(found, key=lambda group: group.name not in moving)
 
 
@@ -216,6 +218,7 @@ def _task_rows(text: str) -> Iterator[dict[str, str]]:
     table = _TASK_TABLE.search(text)
     if table is None:
         return
+    # A backslash at the end of a line continues it; each row begins with its name.
     for row in re.split(r"(?m)^\s*(?=-Name\b)", table[1].replace("\\\n", " ")):
         if attributes := dict(_ATTRIBUTE.findall(row)):
             yield attributes

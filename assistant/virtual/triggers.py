@@ -39,8 +39,11 @@ def ordered_triggers(
 
 
 def _from_end(at: OnWay, move: Moved, length: float | None) -> OnWay | None:
+    # 0 and 100 % are the ends of the path, whatever its length.
     if at.measure == "share" and at.amount in (0.0, 100.0):
         at = replace(at, measure="start" if at.amount == 0.0 else "end", amount=0.0)
+    # A known length turns each position into mm before
+    # the end, so that measures of two languages compare.
     if length and at.amount != 0.0 and at.measure in ("start", "share"):
         done = at.amount if at.measure == "start" else length * at.amount / 100.0
         at = replace(at, measure="end", amount=length - done)
@@ -83,6 +86,7 @@ def move_until(
     if holds():
         motion.settle(task)
         return True
+    # Motions that take no time have no path to stop on.
     if motion.where() is None:
         go()
         return holds()
@@ -106,8 +110,10 @@ def watched_move(
     kernel, before = task.kernel, (task.looks, task.sampling)
 
     def both() -> None:
+        # Interrupts of the program are checked first.
         if before[0] is not None:
             before[0]()
+        # Readings of this check are not those of a program that polls, see `Kernel.looking`.
         kernel.looking = True
         try:
             look()

@@ -148,6 +148,7 @@ class Keeper:
         remembered = {memories[path]: data for path, data in files.items()}
         there = {path: bytes_of(path) for path in files}
         before = {path: bytes_of(memories[path]) for path in files}
+        # Edited: neither what is compiled now nor what was compiled before.
         edited = [
             path for path, data in files.items() if there[path] not in (None, data, before[path])
         ]
@@ -159,6 +160,7 @@ class Keeper:
                 for path in edited
             ]
             return Kept(files, remembered, findings=tuple(found))
+        # Without the compiled output of before, edits cannot be told from changes of the source.
         foreign = [path for path in edited if before[path] is None]
         if foreign:
             told = tuple(rules.FOREIGN(path=str(path), file=path) for path in foreign)

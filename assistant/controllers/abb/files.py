@@ -100,10 +100,9 @@ def told_name(name: str) -> str:
 
 TEXTS: Final = (".mod", ".modx", ".sys", ".sysx", ".prg", ".pgf", ".cfg")
 """Suffixes of what an ABB controller reads as programs and parameters."""
+# A byte order mark may stand before MODULE.
 MODULE: Final = re.compile(
-    # A byte order mark may stand before MODULE.
-    rb"^(?:\xef\xbb\xbf)?[ \t]*MODULE\s+([A-Za-z]\w{0,31})\b",
-    re.I | re.M | re.A,
+    rb"^(?:\xef\xbb\xbf)?[ \t]*MODULE\s+([A-Za-z]\w{0,31})\b", re.I | re.M | re.A
 )
 
 

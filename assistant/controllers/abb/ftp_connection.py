@@ -44,6 +44,7 @@ class BoundedFtp(ftplib.FTP):
 
     def putline(self, line: str) -> None:
         try:
+            # surrogateescape gives back bytes that were no UTF-8 exactly as they came.
             data = line.encode(self.spelling, "surrogateescape")
         except UnicodeEncodeError:
             data = line.encode("utf-8", "replace")
@@ -75,6 +76,7 @@ class BoundedFtpTls(BoundedFtp, ftplib.FTP_TLS):
 
     def prot_p(self) -> str:
         """Without ftplib's own, which would encrypt transfers as new sessions."""
+        # ftplib's own `prot_p` would wrap transfers itself, as new sessions.
         self.voidcmd("PBSZ 0")
         answer = self.voidcmd("PROT P")
         self.private = True
@@ -88,6 +90,7 @@ class BoundedFtpTls(BoundedFtp, ftplib.FTP_TLS):
             return channel, size
         session = self.sock.session if isinstance(self.sock, ssl.SSLSocket) else None
         try:
+            # The session of the commands proves that the same client opens the transfer.
             wrapped = self.context.wrap_socket(channel, server_hostname=self.host, session=session)
         except BaseException:
             channel.close()
@@ -98,6 +101,7 @@ class BoundedFtpTls(BoundedFtp, ftplib.FTP_TLS):
 def cut_line(channel: socket.socket) -> None:
     """Ends a line in both directions, below TLS, so that whoever waits for it meets its end."""
     with suppress(OSError):
+        # Below TLS: its own closing would wait for the other side.
         socket.socket.shutdown(channel, socket.SHUT_RDWR)
 
 
@@ -158,6 +162,7 @@ def enter_home_folder(session: FolderSession, ftp: BoundedFtp) -> None:
     else:
         return
     start = ftp.pwd() or "/"
+    # A folder that was stated is entered as it is, from the root at most: no other one is guessed.
     if folder != SCHEMES[address.scheme].folder:
         if not _enters(ftp, f"/{folder}"):
             raise Refused(
@@ -166,14 +171,17 @@ def enter_home_folder(session: FolderSession, ftp: BoundedFtp) -> None:
             )
         _found(session, f"/{folder}")
         return
+    # The login begins in the folder itself.
     if start.rstrip("/").rpartition("/")[2].upper() in (HOME, f"{HOME}:"):
         _found(session, start)
         return
+    # From the likeliest to the dearest: each try is a round trip, the disk takes many.
     for place in _HOME_PLACES:
         if _enters(ftp, place):
             _found(session, ftp.pwd() or place)
             return
     homes = _homes_of_systems(session, ftp, start)
+    # Several installed systems: only the user knows which one runs.
     if len(homes) > 1:
         listed = ", ".join(f"`{home}`" for home in homes)
         first = homes[0].lstrip("/")

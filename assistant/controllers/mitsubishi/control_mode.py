@@ -128,6 +128,7 @@ class _StatusStream:
             self._stopping.set()
             with self._news:
                 self._news.wait_for(lambda: self._gone, timeout)
+        # One more connection, and only once: the programs may still wait for the stop.
         if again and self.failure is not None and not self.ended and not self._tried:
             self._tried = True
             with suppress(Refused):
@@ -161,6 +162,7 @@ class _StatusStream:
         return self.ended or self.failure is not None
 
     def _run(self) -> None:
+        # Assumed until `_hear` returns: whatever ends the thread, those who wait get a failure.
         failure: Refused | None = self._lost("listening", "nobody listens any more")
         try:
             self._hear()
@@ -175,10 +177,12 @@ class _StatusStream:
 
     def _hear(self) -> None:
         began = heard = time.monotonic()
+        # The first message is sent at once.
         said, word = -_WATCH_INTERVAL, ""
         while not self._over.is_set():
             now = time.monotonic()
             asked = _STOP_MESSAGE if self._stopping.is_set() else _WATCH_MESSAGE
+            # A stop is sent at once, not at the next interval.
             if now - said >= _WATCH_INTERVAL or asked != word:
                 said, word = now, asked
                 self.link.send(word)
@@ -191,12 +195,14 @@ class _StatusStream:
                 return
             if line is not None and self._take(line, now - began):
                 heard = now
+            # The first record may take as long as the program needs to begin.
             allowed = self.silence if self.latest is not None else self.link.timeout
             if now - heard > allowed:
                 self._fail(rules.SILENT, seconds=allowed)
 
     def _take(self, line: str, seconds: float) -> bool:
         """True if the line is a record; raises Lost for a line that the program never prints."""
+        # READY comes once, before the first record.
         if line == _READY_WORD and self.latest is None:
             return False
         try:
@@ -290,6 +296,7 @@ def _checked_points(joints: ArrayLike, limits: Floats, most_step: float | None) 
         raise _bad_points(
             "an angle is no number", "leave an axis out (NaN) of all points or of none"
         )
+    # Checked as they will arrive: rounded to the decimals that are sent.
     points = points.round(DECIMALS)
     outside = (points < limits[:, 0]) | (points > limits[:, 1])
     if outside.any():
@@ -312,6 +319,7 @@ def _checked_points(joints: ArrayLike, limits: Floats, most_step: float | None) 
 
 def _check_steps(points: Floats, most: float, first: int = 2) -> None:
     """Raise Refused for a step that is too large. first: number of the second point."""
+    # NaN - NaN is NaN, which no comparison finds: an axis that the arm lacks does not move.
     steps = np.nan_to_num(np.abs(np.diff(points, axis=0)))
     if (far := steps > most).any():
         row, axis = np.argwhere(far)[0]
@@ -521,6 +529,8 @@ class ControlMode(Streaming):
             return _STOPPED_REASON
         said = self._stream.stop(_STOPPING_TIMEOUT, again=self.controller is None)
         if self.controller is not None:
+            # The controller knows whether the programs have
+            # ended; without its word the stream is tried again.
             stands = self._stop_through(self.controller, said)
             said = stands or self._stream.stop(_STOPPING_TIMEOUT, again=True)
         self._stopped = said
@@ -538,12 +548,16 @@ class ControlMode(Streaming):
             self._before = BorrowedState.of(self.controller, PROGRAM_NAMES, _SHARED_VARIABLES)
             _install_programs(self.controller, replace=self._replace)
             self.controller.load(_STARTING_PROGRAM)
+            # Set before the start: a failure in between must stop the programs.
             self._started = True
             self.controller.start()
+        # The programs open their lines when they run;
+        # this computer may listen before, see `prepare`.
         self._stream.link.open()
         self._control.open()
         self._started = True
         self._stream.start()
+        # Points of an earlier use of the programs are counted already.
         self._sent, self._last = self.status.taken, None
 
     def _end(self, error: BaseException | None) -> str:
@@ -605,6 +619,7 @@ class ControlMode(Streaming):
     def _is_at(self, now: Status, goal: Floats) -> bool:
         there = np.array(now.commanded.values[: len(goal)])
         away = np.nan_to_num(np.abs(there - goal))
+        # All points have to be taken: an earlier one may be at the same position.
         return now.taken == self._sent and bool((away <= _ARRIVAL_TOLERANCE).all())
 
     def _stalled(self, left: int, count: int) -> Refused:
@@ -613,6 +628,7 @@ class ControlMode(Streaming):
 
     def _stop_through(self, controller: Controller, said: bool) -> bool:
         """True if no program runs any more; stop the programs unless they end unaided."""
+        # Programs that reported their end get time for it.
         end = time.monotonic() + (_STOPPING_TIMEOUT if said else 0.0)
         try:
             while controller.state().running and time.monotonic() < end:

@@ -105,6 +105,7 @@ def _parts(text: str) -> list[str]:
 
 def _near(one: str, two: str) -> bool:
     if re.fullmatch(NUMBER_PATTERN, one) and re.fullmatch(NUMBER_PATTERN, two):
+        # Numbers with two decimals were rounded by the controller; others have more digits.
         rounded = any(map(_TWO_DECIMALS.fullmatch, (one, two)))
         most = _RELATIVE_ROUNDING * max(abs(float(one)), abs(float(two)))
         return abs(float(one) - float(two)) <= (max(_SHOWN_ROUNDING, most) if rounded else most)
@@ -193,6 +194,7 @@ def write_saved_variables(session: Session, program: str, changed: Mapping[str, 
             command = f"VAL={name}={value}"
             session.ask(command, doing=doing, state=state, slot=slot, shape=BARE_ANSWER)
         session.ask("SAVE", doing=doing, state="they may or may not be set", shape=BARE_ANSWER)
+    # Read again after SAVE: the edit slot would show its own copy.
     with editing(session, program, f"reading variables of `{program}`", UNCHANGED):
         for name, value in wanted.items():
             back = _value(session, "VAL", name, slot)
@@ -251,6 +253,7 @@ def _value(session: Session, command: str, name: str, slot: int) -> str:
     if not text.strip():
         raise Refused(session.alarm(4340, doing))
     told, sign, value = text.partition("=")
+    # The answer names the variable: a late answer to another command is recognised.
     if not sign or told.strip().upper() != name:
         session.garbled(doing, text)
     return value.strip().removesuffix(";")
@@ -283,6 +286,7 @@ def _read_signals(session: Session, command: str, names: Sequence[str]) -> dict[
     numbers = {name: number_of(name) for name in names}
     bits: dict[int, float] = {}
     for number in sorted(set(numbers.values())):
+        # A word of 16 signals may hold later ones already.
         if number not in bits:
             doing = f"reading {'inputs' if command == 'IN' else 'outputs'} from {number}"
             word = int(session.ask(f"{command}{number}", doing=doing, shape=_SIGNAL_WORD).text, 16)
@@ -315,6 +319,7 @@ def hand(session: Session, number: int, *, is_open: bool) -> None:
     """Open or close a hand; raises Refused if no hand has that number."""
     doing = f"{'opening' if is_open else 'closing'} hand {number}"
     there = _hand_states(session)
+    # Only a controller that reports its hands can tell that one is missing.
     if number not in _HANDS or (there is not None and there.get(number) is None):
         raise bad_value(
             number, "a hand", "the controller has none of that number", "the number of a hand"

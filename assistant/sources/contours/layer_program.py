@@ -283,6 +283,7 @@ def _layer_procedure(
                 thinned, dropped = max(thinned, rows.deviation), dropped + rows.dropped
             taken.add(f"{stem}_{count}")
             lower = way.lower(layer)
+            # Without a home the program ends above the last contour.
             stays = process.home is None and way is followed[-1][1]
             made = follow_contour(
                 f"{stem}_{count}", rows, lower, placed, wound, process, taken, top,
@@ -318,6 +319,7 @@ def _remaining_holders(around: Sequence[int], shaped: Sequence[ShapedContour | N
     number = {row: i for i, row in enumerate(rows)}
 
     def holder(row: int) -> int:
+        # A holder that is left out is replaced by the next one around it.
         while (row := around[row]) != NO_HOLDER:
             if row in number:
                 return number[row]
@@ -343,7 +345,9 @@ def _path_name_stem(layer: str, taken: TakenNames) -> str:
     base = identifier(layer.lower())[:_LONGEST_NAME_STEM].rstrip("_")
     candidate, counted = base, ("stem", base)
     if candidate in taken.stems:
+        # From the last number on, as many layers may share a stem.
         count = taken.counts.get(counted, 2)
+        # Without underscores: `glue_2` could be a row of `glue`.
         while (candidate := f"{base.replace('_', '')}{count}") in taken.stems:
             count += 1
         taken.counts[counted] = count

@@ -281,6 +281,7 @@ def contour_motion_of(table: Table, found: dict[str, Any]) -> dict[str, Any]:
         "above": ContourTravel(**above),
         "switching": OutputSwitching(**switching),
     }
+    # Only tables that state something, so that the defaults of the layer stay.
     return {key: value for key, value in made.items() if value != type(value)()}
 
 
@@ -301,6 +302,7 @@ def check_contour_motion(table: Table, layer: Layer, *, planned: bool) -> None:
         approach, retract = min(approach, above.height), above.height
     if blend > lowest:
         table.say(TRAVEL_BLEND_TOO_WIDE, "travel_blend", blend=blend, length=lowest)
+    # The plunge has the slower of both speeds, see `follow_contour`.
     slow = min(speed.tcp, travel) if isinstance(speed, Speed) else travel
     if (before := switching.on_before) is not None:
         wanted, how = before.mm + before.seconds * slow, f" at {slow:g} mm/s"
@@ -671,6 +673,7 @@ def _read_placement(table: Table) -> Pose | None:
     wrong = placement_fault(table.content)
     if wrong is not None:
         table.say(ONE_PLACEMENT, what=wrong)
+    # A key that was refused has its finding already.
     if wrong is not None or len(found) < len(table.content):
         return None
     if "drawing" not in found:
@@ -693,6 +696,7 @@ def _read_pose(name: str, table: Table, found: Mapping[str, Any], position: str)
 
 def _read_line(name: str, table: Table) -> Iterator[tuple[int, ChannelLine]]:
     found, number = table.read(LINE_KEYS), re.fullmatch(r"(?i)line_([1-8])", name)
+    # A serial line has no address.
     if number is None or len(found) < len(LINE_KEYS) - (found.get("role") == "serial"):
         table.say(NO_LINE, name=name)
     else:

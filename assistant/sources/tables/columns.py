@@ -159,6 +159,7 @@ def table_of(cells: Cells, columns: list[Column], process: Process) -> ColumnTab
     for group, what in (("joints", "the joint"), ("external", "the external axis")):
         if _first_column(columns, group) is not None:
             known = _group_columns(columns, values, group, MOST_JOINTS)
+            # Empty cells are no fault here.
             known[np.isnan(known)] = 0.0
             findings += position_findings(known, _locate(cells, columns, group), what)
     kinds, wrong = _move_kinds(cells, columns, of_joints, process)
@@ -183,6 +184,7 @@ def _number_columns(cells: Cells, columns: list[Column]) -> tuple[Floats, list[D
     wanted = [i for i, c in enumerate(columns) if c.group not in _TEXT_GROUPS]
     blend = _first_column(columns, "blend")
     findings: list[Diagnostic] = []
+    # Only a blend column with the word `fine` is read as text.
     if blend is not None and _FINE_CELL.search(cells.data):
         wanted.remove(blend)
         values[:, blend], findings = _blend_words(cells, blend)
@@ -341,6 +343,7 @@ def _row_motions(
     speed, blend = (motions.speed, motions.speeds), (motions.blend, motions.blends)
     quantities = ("speed", "rotation", "joint")
     for group, rule, minimum in (
+        # More than 0: the least number above it.
         *((g, rows.TOO_SLOW, np.nextafter(0.0, 1.0)) for g in quantities),
         ("blend", rows.NEGATIVE, 0.0),
         ("wait", rows.NEGATIVE, 0.0),

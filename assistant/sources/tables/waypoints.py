@@ -122,6 +122,7 @@ def _array_of(poses: Any) -> Floats:
         items = []
         for pose in poses:
             found = getattr(pose, "A", pose)
+            # An SE3 of many poses is a list of matrices itself.
             items.extend(found if isinstance(found, list) and hasattr(pose, "A") else [found])
     else:
         raise Refused(_NO_SE3(given=type(poses).__name__))
@@ -185,6 +186,7 @@ def _read_json(data: bytes, path: str, stem: str, process: Process) -> Reading:
         shows = excerpt if excerpt.isprintable() and len(excerpt) <= 200 else None
         raise Unreadable(replace(found, excerpt=shows)) from None
     except Refused:
+        # Refused is a ValueError, and has its finding already.
         raise
     except (RecursionError, ValueError) as error:
         reason = "too many levels" if isinstance(error, RecursionError) else "a number too long"
@@ -291,6 +293,7 @@ def _program_of_arrays(
         path_name = names.of(key, {"path": path, "place": shown(key)}, shown(key)) if key else name
         one, found = _path_of(path_name, array, process, unit, path, key, first=key == first)
         findings += found
+        # A path that begins where the one before ends would begin with a stop.
         if process.merges and paths and len(one) > 1 and _begins_where(paths[-1], one):
             findings.append(rows.REPEATED(path=path, place=f"{key}[0]", count=1, first="row 0"))
             one = one.rows(1, len(one), one.name)

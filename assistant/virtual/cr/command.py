@@ -44,6 +44,7 @@ def fixed(text: str) -> Command:
 
 def whole(text: str, low: int, high: int, error: int = 4460) -> int:
     """A decimal number of an argument; raises CrRefusal."""
+    # The length is limited before the conversion, whose time grows with it.
     if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or not low <= int(text) <= high:
         raise CrRefusal(error)
     return int(text)
@@ -78,6 +79,7 @@ def place(
         top: 0,
         end: max(len(keys) - 1, 0),
         "+1": following,
+        # `following` is behind the one listed last: two back is the one before it.
         "-1": max(following - 2, 0),
         "": following,
     }
@@ -93,6 +95,7 @@ def at_once(lines: Sequence[str], separator: str = VT) -> list[str]:
     size = 0
     for line in lines:
         size += len(line) + len(separator)
+        # One line always goes, however long.
         if listed and size > _MOST_LISTED:
             break
         listed.append(line)

@@ -90,6 +90,7 @@ def _execute(session: CrSession, text: str) -> str:
     head = re.match(r"(\d*);(\d*); *", text, re.ASCII)
     if head is None or _LINE_ENDS.search(text):
         raise CrRefusal(6010)
+    # Three digits are more than any number that there is; int() of thousands is slow.
     if int(head[1][:3] or 1) > _MOST_ROBOTS:
         raise CrRefusal(5430)
     session.slot = int(head[2][:3] or 1)
@@ -333,6 +334,7 @@ class VirtualCr:
     def _start_machinery(self) -> None:
         serial = None
         if self._serial is not None and self.state.parameters["CPRC232"] == (_DATA_LINK,):
+            # The programs read this line, so that no thread may take commands from it.
             serial, self._serial_thread = Descriptor(self._serial.descriptor), None
         self._data = _DataLines(
             self.state.parameters,
@@ -341,6 +343,7 @@ class VirtualCr:
             serial,
             without=self._equipment.lines,
         )
+        # Lines of the caller replace those of the controller.
         lines = {**self._data.lines, **self._real_time.lines, **self._equipment.lines}
         commands = {**self._real_time.commands, **(self._equipment.commands or {})}
         try:
@@ -362,6 +365,7 @@ class VirtualCr:
         if server is None or self._thread is None:
             return
         server.shutdown()
+        # The threads of the clients end, for which server_close() waits.
         server.hang_up()
         if self._serial is not None and self._serial_thread is not None:
             self._serial.hang_up()
@@ -430,6 +434,7 @@ class VirtualCr:
         """`QoK…` or `QeR…` for one command, third letter lower case in an error state."""
         text = command.decode(_ENCODING)
         with self.state.lock:
+            # A command that takes long is no silence of the client.
             session.heard = math.inf
             try:
                 if len(command) > MOST_BYTES:
@@ -519,6 +524,7 @@ class _Server(socketserver.ThreadingTCPServer):
     def process_request(self, request: object, client_address: object) -> None:
         assert isinstance(request, socket.socket)
         with self._guard:
+            # Before the thread starts: `verify_request` of the next client counts it.
             self._open.add(request)
         super().process_request(request, client_address)
 
@@ -526,6 +532,7 @@ class _Server(socketserver.ThreadingTCPServer):
         del client_address
         assert isinstance(request, socket.socket)
         try:
+            # Short answers are not held back.
             request.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._converse(request)
         finally:
@@ -536,4 +543,5 @@ class _Server(socketserver.ThreadingTCPServer):
         with self._guard:
             for connection in self._open:
                 with contextlib.suppress(OSError):
+                    # shutdown() wakes the thread that reads; close() would not.
                     connection.shutdown(socket.SHUT_RDWR)

@@ -38,10 +38,12 @@ def _run_program(session: CrSession, argument: str) -> str:
         now = state.machinery.slot_now(slot)
         if now.runs:
             raise CrRefusal(5640)
+        # A paused program keeps its slot: only the same one may go on.
         if not now.waits:
             state.machinery.select(slot, program)
         elif now.program != program:
             raise CrRefusal(5120)
+    # Another session edits it: what would run is not what that session sees.
     if state.is_edited(state.machinery.slot_now(slot).program):
         raise CrRefusal(4170)
     state.machinery.run(slot, _CYCLE_MODES.get(number, "REP"))
@@ -109,6 +111,7 @@ def _start_statement(session: CrSession, argument: str) -> str:
 def _run_statement(session: CrSession, argument: str) -> str:
     """Answers when it is done: with its error number if it ended so."""
     done = _started_statement(session, argument)
+    # The lock is free meanwhile: a stop must get through.
     with session.state.unlocked():
         number = done.result(_LONGEST_STATEMENT)
     if number is not None:
@@ -319,6 +322,7 @@ def _select_neighbour(session: CrSession, by: int) -> str:
     if not names:
         raise CrRefusal(4140)
     selected = session.state.selected.get(session.slot)
+    # Without a selection the next one is the first, the previous one the last.
     at = names.index(selected) + by if selected in names else min(by, 0)
     _choose_program(session, names[at % len(names)])
     return ""

@@ -57,11 +57,14 @@ class Jogging:
     def jog(self, mode: int, negative: int, positive: int, inch: int) -> None:
         """Start the requested jog, or continue it; raises CrRefusal if it is impossible."""
         asked = (mode, negative, positive, inch)
+        # The same request again: the jog goes on, and its
+        # time begins anew. An inch is never prolonged.
         if self._task is not None and asked == self._asked and inch == 0:
             self._until = self._kernel.now + _GRACE * self._rate
             return
         if negative & positive or mode not in (JOINT, _WORLD, TOOL) or inch not in (0, *_INCHES):
             raise CrRefusal(5410)
+        # A new direction begins from rest.
         self.stop()
         signs = [(positive >> i & 1) - (negative >> i & 1) for i in range(8)]
         if not any(signs):
@@ -70,6 +73,7 @@ class Jogging:
         goal = joints if joints is not None else self._line_goal(signs, inch, mode)
         self._asked = asked
         self._begin(self._moved(goal, linear=mode != JOINT))
+        # Without another request the jog stops: the line may be cut, or the key released.
         if inch == 0:
             self._until = self._kernel.now + _GRACE * self._rate
             self._kernel.at(self._until, self._look)
@@ -85,6 +89,8 @@ class Jogging:
         pose = self._tip()
         matrix = rotations.to_matrix(np.array(pose.quaternion))
         made = np.zeros((3, 3))
+        # Three times the largest element that shares no
+        # row or column with those taken: the nearest axes.
         for _ in range(3):
             used = np.abs(made)
             taken = np.maximum(used.max(1)[:, None], used.max(0)[None, :])
@@ -129,6 +135,7 @@ class Jogging:
         """The time for another request is over, or was set anew."""
         if self._task is None:
             return
+        # Set anew by another request meanwhile; 1e-6 absorbs rounding of the clock.
         if self._until > self._kernel.now + 1e-6:
             self._kernel.at(self._until, self._look)
         else:
@@ -177,6 +184,7 @@ class Jogging:
         away = np.array(signs[:3], dtype=np.float64) * mm
         turn = np.array(signs[3:6], dtype=np.float64) * degrees
         start = self._tip()
+        # Looked ahead in steps, to find how far the line can be followed.
         poses = [_moved(start, away * k, turn * k, mode) for k in range(1, 2 if inch else FAR + 1)]
         found = self._solved(poses)
         return np.asarray(found[-1]) if len(found) else self._now()
@@ -193,6 +201,7 @@ class Jogging:
             np.repeat(stated, len(flanges), axis=0),
         )
         bad = np.isnan(found).any(axis=1)
+        # Only up to the first gap: poses behind it may be in reach again.
         return np.asarray(found[: int(np.argmax(bad)) if bad.any() else len(found)])
 
 
@@ -200,6 +209,7 @@ def _moved(start: Pose, away: Floats, turn: Floats, mode: int) -> Pose:
     """A pose moved along and about the axes of the base, or of itself."""
     angle = float(np.linalg.norm(turn))
     turned = rotations.about(turn / angle if angle else np.array([0.0, 0.0, 1.0]), angle)
+    # The axes of the tool turn with it; those of the base do not.
     if mode == TOOL:
         return start @ Pose.of(away, turned)
     quaternion = rotations.multiply(turned, np.array(start.quaternion))

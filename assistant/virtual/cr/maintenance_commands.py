@@ -205,6 +205,7 @@ def _read_level_history(session: CrSession, argument: str) -> str:
 def _history_entry(session: CrSession, where: str, level: str, detail: str) -> str:
     """TOP is the newest; +1 goes to older ones."""
     entries = session.state.log.of(whole(level, 0, 3), detail)
+    # Each session has its own place in the listing.
     at = place(where, session.following.get("errors", 0), range(len(entries)))
     session.following["errors"] = min(at + 1, len(entries))
     return entries[at].fields if at < len(entries) else ""
@@ -304,6 +305,7 @@ def _set_parameter(session: CrSession, argument: str, *, all_levels: bool) -> st
 def _read_changed(session: CrSession, argument: str) -> str:
     """0 begins anew, 1 goes on; the answer tells first whether more follow."""
     if whole(argument, 0, 1) == 0:
+        # A new listing takes the names of this moment; going on must not skip any.
         session.listed = session.state.parameters.changed
     names = at_once(session.listed)
     session.listed = session.listed[len(names) :]
@@ -343,6 +345,7 @@ def _set_slot_row(session: CrSession, argument: str) -> str:
         raise CrRefusal(4460)
     lines = whole(priority, 1, _MOST_PRIORITY)
     values = VALUE_SEPARATOR.join([program, mode, condition, str(lines)])
+    # The table is a protected parameter, which this command may write.
     session.state.parameters.write(_slot_row_name(session), values, all_levels=True)
     return ""
 

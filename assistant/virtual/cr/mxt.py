@@ -137,11 +137,13 @@ class MxtArm:
     def command(self, joints: Floats) -> None:
         """Takes a command; raises Refusal if it is out of range or too far for one cycle."""
         low, high = self.robot.limits.T
+        # `for` with `raise` takes the first axis that is out of range, if there is one.
         for axis in map(int, np.flatnonzero(joints > high + _LIMIT_ROUNDING)):
             raise _Refusal(_BEYOND + self._number(axis))
         for axis in map(int, np.flatnonzero(joints < low - _LIMIT_ROUNDING)):
             raise _Refusal(_BELOW + self._number(axis))
         filtered = self.filtered + self._part * (joints - self.filtered)
+        # Single precision of the packet may exceed the limit by rounding.
         most = self.robot.speeds * self.cycle * (1.0 + _LIMIT_ROUNDING) + _LIMIT_ROUNDING
         for axis in map(int, np.flatnonzero(np.abs(filtered - self.filtered) > most)):
             raise _Refusal(SPEED + self._number(axis))
@@ -149,6 +151,7 @@ class MxtArm:
 
     def follow(self) -> None:
         """One cycle of the servos."""
+        # A fixed part of the way each cycle: the arm lags its command as real servos do.
         self.fed_back = self.fed_back + self._servo * (self.filtered - self.fed_back)
 
     def rest(self) -> None:
@@ -181,6 +184,7 @@ class MxtArm:
         if not valid.any():
             raise _Refusal(_NO_SOLUTION)
         solutions = found[0][valid[0]]
+        # An angle may be a full turn away: the one nearest to the command counts.
         turns = np.round((self.commanded - solutions) / 360.0) * 360.0
         near = np.where(self._turning, solutions + turns, solutions)
         away = np.abs(near - self.commanded).max(axis=1)
@@ -317,10 +321,13 @@ class MxtControl:
         moment = time.monotonic()
         try:
             while not stop.is_set():
+                # From the planned moment, so that delays do not add up.
                 moment += cycle
                 rest = moment - time.monotonic()
                 if rest > 0.0:
                     time.sleep(rest)
+                # More than a cycle late: go on from now, or
+                # packets of lost cycles would be taken at once.
                 elif rest < -cycle:
                     result.overrun += 1
                     moment = time.monotonic()
@@ -390,6 +397,7 @@ class MxtControl:
             if self._record:
                 self.result.track.append(joints.tolist())
             self.arm.follow()
+        # These commands move nothing, whatever position they hold.
         elif command in (_NULL, END):
             self.arm.rest()
         else:
@@ -431,6 +439,7 @@ class MxtControl:
         reply["BitTop"] = packet["BitTop"]
         if wanted in (1, 2):
             reply["IoData"] = self._signals.read(wanted, int(packet["BitTop"]))
+        # Fields of 16 and 32 bits wrap.
         reply["TCount"] = result.missed & 0xFFFF
         reply["CCount"] = result.replies & 0xFFFFFFFF if self._counts else 0
         for i in (1, 2, 3):
@@ -456,6 +465,7 @@ class MxtControl:
             self._out(data, sender)
 
     def _out(self, data: bytes, sender: tuple[str, int]) -> None:
+        # The clock of arrivals, see `_STAMP`: delays are differences of both.
         self._sent = time.time()
         try:
             self._socket.sendto(data, sender)
@@ -481,6 +491,7 @@ class MxtControl:
         if kind >= 10:
             return values.tobytes()
         arm = self.arm
+        # 1 to 3 commanded, 4 to 6 filtered, 7 to 9 fed back; of each pose, joints, pulses.
         joints = (arm.commanded, arm.filtered, arm.fed_back)[(kind - 1) // 3]
         name = ("place", "angles", "pulses")[(kind - 1) % 3]
         if name == "place":

@@ -96,6 +96,7 @@ def _put_line(session: CrSession, argument: str) -> str:
 
 def _put_lines(session: CrSession, argument: str) -> str:
     program, lines = session.edit, argument.split(VT)
+    # Line by line only if something is wrong, to find which line it is.
     known = _are_correct(session.state.language, lines)
     for number, line in enumerate(lines, start=1):
         try:
@@ -278,6 +279,7 @@ _VARIABLE_CLASSES: Final = "MCPJ"
 def _write_variable(session: CrSession, argument: str) -> str:
     """A variable of the program that is open for editing."""
     name, value = assignment(argument)
+    # A name with an underscore as its second character is a variable of all programs.
     if _EXTERNAL_NAME.match(name):
         session.state.set_variable(None, name, value)
     else:
@@ -317,6 +319,7 @@ def assignment(text: str) -> tuple[str, str]:
     if not made:
         raise CrRefusal(4220)
     given = class_of(f"{name}={made}")
+    # A position without flags looks like joint angles; the name says which it is.
     if given == "J" and kind == "P":
         made += "(0,0)"
         given = "P"
@@ -475,6 +478,7 @@ def _set_path(session: CrSession, argument: str) -> str:
 def _copy_file(session: CrSession, argument: str) -> str:
     old, new = _file_and_new_name(session, argument, missing=7000)
     program = session.state.store[old].copy()
+    # A copy is not protected.
     program.protected = set()
     session.state.store.save(new, program)
     return ""
@@ -532,6 +536,7 @@ def _protect_file(session: CrSession, argument: str) -> str:
 def _delete_all(session: CrSession) -> str:
     """All programs are gone."""
     state = session.state
+    # All are checked before the first is deleted.
     for name in state.store:
         _refuse_in_use(session, name)
     for name in list(state.store):
@@ -584,6 +589,7 @@ def _write_block(session: CrSession, argument: str) -> str:
 
 def _close_file(session: CrSession) -> str:
     """Store the written data as a program; raises CrRefusal 4160 if it is not a program."""
+    # The file is closed even if its content is refused below.
     block, session.block = session.block, None
     if block is None:
         raise CrRefusal(6050)

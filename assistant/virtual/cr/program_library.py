@@ -54,6 +54,7 @@ def _listed_variables(memory: Memory) -> Iterator[tuple[str, str]]:
     for name, place in memory.places.items():
         if not isinstance(place, Cell):
             continue
+        # A text variable carries its mark in listings.
         mark = "$" if place.kind == "text" else ""
         for index, value in sorted(place.values.items()):
             at = f"({','.join(map(str, index))})" if index else ""
@@ -105,6 +106,7 @@ def set_variable(memory: Memory, name: str, value: str) -> None:
 def with_values(program: CrProgram, memory: Memory) -> CrProgram:
     """A program with the values that its variables have by now."""
     made = program.copy()
+    # Protection is for clients: the run itself may change variables.
     made.protected = set()
     for name, value in _listed_variables(memory):
         made.keep(name, value)
@@ -123,6 +125,7 @@ def _give_variables(program: CrProgram, memory: Memory, names: Collection[str]) 
 def _take_back_variables(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
     """Gives a program the variables of some names as they are by now."""
     for name, value in _listed_variables(memory):
+        # `q` protects the values of variables as well.
         if _base_name(name) in names and "q" not in program.protected:
             program.keep(name, value)
 
@@ -240,6 +243,7 @@ def parse_statement(language: str, text: str) -> Code:
     file = languages.get(language).parse(f"1 {text.strip()}")
     assert isinstance(file, s.File)
     if has_errors(file.findings):
+        # The statement is parsed behind the step number `1 `, which its columns do not count.
         wrong = next(f for f in file.findings if f.severity is Severity.ERROR)
         raise CrRefusal(4220, max((wrong.column or 3) - 2, 1))
     try:
@@ -281,6 +285,7 @@ class DirectCommands:
     def stop(self) -> None:
         """Ends them all where they are."""
         for direct in self._slots.values():
+            # Taken first: dropping the task runs its `finally`, which would otherwise clear it.
             task, direct.task = direct.task, None
             if task is not None and task.ended is None:
                 self._controller.kernel.drop(task)
@@ -307,10 +312,12 @@ class DirectCommands:
             controller.get(slot, 1)
         ending = Ending()
         try:
+            # After an error the commands behind it are refused.
             while direct.waiting and ending.ended == "end":
                 ending = self._run(world, slot, direct, direct.waiting.popleft())
         finally:
             direct.task = None
+            # Clients wait for each of these: none may be forgotten.
             while direct.waiting:
                 direct.waiting.popleft().done.set_result(_AFTER_ERROR)
             world.close_files()
@@ -327,6 +334,7 @@ class DirectCommands:
         return direct.memory
 
     def _run(self, world: World, slot: Slot, direct: _Direct, command: Waiting) -> Ending:
+        # In case the task is dropped in mid-command.
         number: int | None = 5650
         ending = Ending()
         machine = Machine(command.code, world, {})
@@ -349,6 +357,7 @@ class DirectCommands:
         except Unknown as unknown:
             number = UNKNOWN
             ending = Ending("unknown", str(unknown))
+        # Also after an error: variables that the command has set are taken over.
         finally:
             world.running.clear()
             if command.edit is not None:

@@ -91,6 +91,7 @@ def mxt_commands(
         robot = given.arm.robot
         if robot is None:
             raise Unknown("Mxt without a robot")
+        # Poses of packets are those of the flange here; a tool or base would shift them.
         if kind == 0 and (given.arm.tip != IDENTITY or given.arm.foot != IDENTITY):
             raise Unknown("Mxt with positions, where a tool or a base is set")
         kernel = given.task.kernel
@@ -111,6 +112,7 @@ def mxt_commands(
                 timeout=timeout(),
                 signals=words,
                 record=False,
+                # A stopped program stops looking: the arm then holds, and packets are not answered.
                 halted=lambda: time.monotonic() - looked[0] > _HALT_SIGNAL,
             )
         except OSError as error:
@@ -125,6 +127,7 @@ def mxt_commands(
                 given.task.wait(
                     lambda: not thread.is_alive(), _LOOK_PERIOD, "packets of Mxt", outside=True
                 )
+                # Outputs change between two statements, in the program's own task.
                 while words.set:
                     given.task.switch(*words.set.popleft())
                 kernel.motion.lead(kernel, _whole_argument(arm))
@@ -137,6 +140,7 @@ def mxt_commands(
         given.task.tell(led)
         number = control.result.number
         if number:
+            # The last digit is the number of an axis.
             said = _ERROR_NUMBERS.get(number) or _ERROR_NUMBERS.get(
                 number // 10 * 10, "an error of Mxt"
             )
@@ -278,6 +282,7 @@ class MxtMonitor:
                 continue
             packet = np.frombuffer(data, MONITOR_PACKET)[0]
             if int(packet["Command"]) == _MONITOR_START:
+                # The client that asked last gets the packets.
                 asked = (packet, sender)
             elif int(packet["Command"]) == _MONITOR_END:
                 asked = None
@@ -306,6 +311,7 @@ class MxtMonitor:
         arm = self._arm()
         joints = arm.fed_back if kind in _FEEDBACK else arm.commanded
         numbers = np.zeros(10, dtype="<f4")
+        # Types from 1001 on are the same data in degrees.
         match kind % _DEGREES:
             case 1 | 7:
                 pose = arm.pose(joints)

@@ -47,6 +47,8 @@ class Framing:
     def feed(self, data: bytes) -> list[bytes]:
         """The commands that end in the data, without their ends."""
         *whole, rest = re.split(rb"[\r\n]", self._rest + data)
+        # A client that has ended a command by a code will
+        # do so again: silence ends none of its commands.
         self._ended_once = self._ended_once or bool(whole)
         self._rest = rest[: MOST_BYTES + 1]  # what never ends takes no more room than this
         return [command[: MOST_BYTES + 1] for command in whole if command]
@@ -132,6 +134,7 @@ class SerialPort:
             self.path = target
             self.descriptor = os.open(target, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
             set_rate(self.descriptor, rate or Rate())
+        # A pipe wakes up `select`: closing the descriptor from another thread would not.
         self._woken, self._wake = os.pipe()
 
     def receive(self, seconds: float | None) -> bytes:
@@ -191,6 +194,7 @@ class Faults:
         """The number that a command is answered with, None for as it should be."""
         body = command.split(";", 2)[-1].lstrip()
         found = [name for name in self.errors if body.startswith(name)]
+        # The longest beginning wins: `PRGLOAD=` before `PRG`.
         return self.errors[max(found, key=len)] if found else None
 
     def answers(self, text: bytes, terminator: bytes) -> list[bytes]:
@@ -208,6 +212,7 @@ class Faults:
         with self._lock:
             if self.broken:
                 marks = enumerate(data, start=self._sent + 1)
+                # Counted over all bytes of all lines, so that every answer may be hit.
                 data = bytes(
                     b ^ _SPOILED_ANSWERS if at % self.broken == 0 else b for at, b in marks
                 )
@@ -255,6 +260,7 @@ class Plain:
         framing = Framing()
         while True:
             try:
+                # Only a client without end codes is timed out: others may pause within a command.
                 data = port.receive(self._quiet if framing.ends_by_silence else None)
             except TimeoutError:
                 commands = framing.silence()
@@ -287,6 +293,7 @@ class Procedural:
                 continue
             text = answer(command)
             for piece in self._faults.answers(text, b""):
+                # A frame holds 254 bytes: a longer answer is refused by its error.
                 self._reply(port, piece if len(piece) <= _MOST_FRAMED else _TOO_LONG)
 
     def _command(self, port: Port) -> bytes | None:
@@ -303,6 +310,7 @@ class Procedural:
             reply = _NAK
             if code == _STX:
                 text = from_frame(_STX + self._until(port, _ETX))
+                # A damaged frame does not replace a good one that came before.
                 found, reply = (found, _NAK) if text is None else (text, _ACK)
         return None
 
@@ -314,6 +322,7 @@ class Procedural:
             taken = False
         _send_answer(port, _EOT, self._faults)
         if not taken:
+            # What the client sent meanwhile belongs to the exchange that failed.
             self._come = b""
 
     def _insist(self, port: Port, data: bytes) -> bool:
@@ -343,6 +352,7 @@ class Procedural:
         """
         data, end = b"", time.monotonic() + _LOOK_PERIOD
         while (byte := self._byte(port, end)) != code:
+            # Text without end is read to its end, but not kept.
             if len(data) <= 2 * MOST_BYTES:
                 data += byte
         return data

@@ -72,12 +72,14 @@ class _Stepping:
 
     def watch(self, task: Task) -> None:
         """Before each statement: whether its slot is to hold there."""
+        # Tasks with other names are commands of the link, which do not stop.
         if not (self._left or self.breakpoints) or not task.name.isdigit():
             return
         slot = self._controller.slot(int(task.name))
         left = self._left.get(task.name)
         if left:
             self._left[task.name] = left - 1
+        # None left: this is the statement behind the one that was asked for.
         elif left is not None:
             del self._left[task.name]
             slot.hold()
@@ -196,6 +198,7 @@ class Machinery:
         """Has something done between two statements; raises OSError if the controller is off."""
         try:
             return self._live.do(lambda _: action())
+        # The thread of the kernel has ended.
         except RuntimeError:
             raise ConnectionAbortedError from None
         except Failed as failed:
@@ -233,6 +236,7 @@ class Machinery:
 
     def _look_for_contact(self, kernel: Kernel) -> None:
         self._feel()
+        # The period is real time, the kernel's clock is simulated.
         later = kernel.now + _CONTACT_PERIOD * self._equipment.rate
         kernel.at(later, lambda: self._look_for_contact(kernel))
 
@@ -289,12 +293,14 @@ class Machinery:
 
     def _ended(self, task: Task, ending: Ending) -> None:
         """A task is over; an error of one stops the others."""
+        # Commands of the link are tasks without a slot.
         slot = self.controller.slot(int(task.name)) if task.name.isdigit() else None
         if slot is not None:
             self.stepping.all_statements(slot)
             if slot.number in self._ends_cycle:
                 self._ends_cycle.discard(slot.number)
                 slot.mode = "REP"
+            # Only a cycle that came to its end has a cycle time.
             if ending.ended == "end" and task.name in self._began:
                 passed = self.controller.kernel.now - self._began[task.name]
                 self.told.cycle_over(slot.program, round(1000.0 * passed))
@@ -330,6 +336,7 @@ class Machinery:
             runs=slot.state == "runs",
             waits=slot.state == "waits",
             ends_cycle=slot.number in self._ends_cycle,
+            # Without an owner the arm is that of slot 1.
             moves=self.controller.owner is slot or (number <= 1 and self.controller.owner is None),
             is_task=1 <= number < self._slots,
         )
@@ -421,6 +428,7 @@ class Machinery:
         if slot.state == "reset":
             slot.mode = mode or slot.mode
             self._ends_cycle.discard(slot.number)
+            # For this start only: the next cycle begins at the top.
             slot.first_line = self._first.pop(slot.number, None)
             self._began[str(slot.number)] = self.controller.kernel.now
             self.controller.error = None
@@ -456,6 +464,7 @@ class Machinery:
             self.direct.stop()
             if not self.arm.stands():
                 self.arm.halt()
+            # The next motion begins where the arm stands, and not at the goal that it was sent to.
             self.controller.arm.at_joints(self.arm.where()[1])
 
     def stop_cycles(self) -> None:
@@ -489,6 +498,7 @@ class Machinery:
 
         def act() -> None:
             kernel = self.controller.kernel
+            # Off may be asked before the servos have come on.
             self._servo_asked = on
             if on:
                 later = kernel.now + seconds * self._equipment.rate
@@ -511,6 +521,7 @@ class Machinery:
 
         edit: the program whose variables it has, None for the one of the slot.
         """
+        # In the caller's thread: parsing takes time, in which programs would stand still.
         code = parse_statement(self.language, text)
 
         def act() -> Future[int | None]:
@@ -561,6 +572,7 @@ class Machinery:
         """The arm stands at joints (a,) from now on, however it came there."""
 
         def act() -> None:
+            # Positions have at least six joints, an arm with fewer leaves some at 0.
             numbered = [0.0] * max(6, *(place + 1 for place in self.robot.places))
             for place, value in zip(self.robot.places, joints, strict=True):
                 numbered[place] = value

@@ -103,6 +103,7 @@ def error_level(number: int) -> int:
 @cache
 def _error_table() -> Mapping[int, tuple[str, str]]:
     """Number → letter of its level, and what it means."""
+    # QUOTE_NONE: texts of errors hold quotation marks.
     text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
     return {int(row["number"]): (row["level"], row["text"]) for row in rows}
@@ -453,6 +454,7 @@ class CrState:
         holder = self.edited.get(name)
         if holder is None or holder is by:
             return False
+        # A client that died would otherwise keep its program for ever.
         if holder.silent:
             holder.close()
             return False
@@ -536,6 +538,7 @@ class CrSession:
         self.state.edited[name] = self
         stored = name in self.state.store
         self.name = name
+        # A copy: the edit is thrown away unless it is saved.
         self.program = self.state.program_now(name).copy() if stored else CrProgram()
         self.changed = False
         self.following.clear()

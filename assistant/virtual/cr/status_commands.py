@@ -52,6 +52,7 @@ def _pose_values(robot: Robot, angles: Sequence[float], tool: Pose, foot: Pose) 
         values += [float(v) for v in found[0]]
     else:
         values += [float(v) for v in to_euler(np.array(tip.quaternion), "ZYX")[::-1]]
+    # + 0.0 turns -0.00 into 0.00.
     return [(name, f"{value + 0.0:.2f}") for name, value in zip("XYZABC", values, strict=False)]
 
 
@@ -109,6 +110,7 @@ def _open_session(session: CrSession, argument: str) -> str:
 def _axes_there(robot: Robot) -> tuple[int, int]:
     """Bits of X Y Z A B C and of J1 to J6 that the arm has; a SCARA turns about Z only."""
     joints = sum(1 << place for place in robot.places if place < 6)
+    # X Y Z A B without C; X Y Z and C.
     world = {"five-axis": 0x1F, "scara": 0x27}.get(robot.arm.kind, 0x3F)
     return world, joints
 
@@ -231,6 +233,7 @@ def _position_answer(
     goal: bool,
 ) -> str:
     """`name;value;…;;flags;override;speed;limits`; an axis (1 to 8) chooses one of them."""
+    # `JPOSF` and the like: F asks for all axes.
     axis = axis.removeprefix(_ALL_AXES)
     if axis and not re.fullmatch(r"[1-8]", axis):
         raise CrRefusal(4460)
@@ -301,6 +304,7 @@ _SHOWN_HANDS: Final = 8
 
 
 def _read_inputs(session: CrSession, argument: str) -> str:
+    # Connected equipment is asked for its inputs now.
     session.state.machinery.feel()
     return _signal_word(session.state.board.inputs, argument)
 
@@ -391,6 +395,7 @@ def _use_real_inputs(session: CrSession) -> str:
     inputs = state.board.inputs
 
     def restore() -> None:
+        # All that were set as pseudo inputs, also those that had no value before.
         for name in list(inputs.values) if before is not None else ():
             inputs.set(name, (before or {}).get(name, 0.0))
 
@@ -404,6 +409,7 @@ def _reset_outputs(session: CrSession) -> str:
 
     def reset() -> None:
         for name in list(outputs.values):
+            # Valves of hands follow commands for hands only.
             if name.isdigit() and int(name) not in hands:
                 outputs.set(name, 0.0)
 

@@ -70,6 +70,7 @@ class CrProgram:
         self._sorted = None
         if step := STEP.fullmatch(line):
             self._may("p", 4240)
+            # Six digits are more than any step number: longer ones are out of range as well.
             number = int(step[1][:6])
             if not 1 <= number <= LAST_LINE:
                 raise CrRefusal(4420, 1)
@@ -180,9 +181,12 @@ class CrStore:
             raise CrRefusal(4110)
         if self._folder is not None:
             try:
+                # The file first: a full disk must not leave a
+                # program in memory that the next start lacks.
                 write_whole(self._folder / f"{name}.prg", program.text().encode(ENCODING))
             except OSError:
                 raise CrRefusal(4200) from None
+        # A copy: the edit that was saved goes on changing.
         self._programs[name] = program.copy()
 
     def delete(self, name: str) -> None:
@@ -238,6 +242,7 @@ def _program_of(file: FilePath) -> CrProgram:
 def listed_values(text: str) -> str:
     """Bracketed numbers as the controller lists them: a sign, two decimals."""
     items = [item.strip() for item in text.strip("()").split(",")]
+    # + 0.0 turns -0.00 into 0.00.
     return "(" + ",".join(f"{float(item) + 0.0:+.2f}" if item else "" for item in items) + ")"
 
 

@@ -69,6 +69,7 @@ class _View:
         scopes = [self._scope(name, shown) for name, shown in level.groups.items()]
         board = self.kernel.board
         scopes.append(self._scope("Inputs", partial(_shown_signals, board.inputs)))
+        # The reference that the inputs have just got: only these can be set.
         self._inputs.add(len(self._shown))
         scopes.append(self._scope("Outputs", partial(_shown_signals, board.outputs)))
         return {"scopes": scopes}
@@ -116,6 +117,7 @@ class _View:
         """A name, with components and elements after it, or an expression of such names."""
         wanted = text(arguments, "expression").strip()
         frame = number(arguments, "frameId")
+        # Without a frame, as from the console, the innermost call counts.
         levels = [self._level(frame)] if frame else self._levels[:1]
         for level in levels:
             for group in level.groups.values():
@@ -200,6 +202,7 @@ class Adapter:
 
     def serve(self) -> int:
         """Speaks until the editor leaves; 0, or 1 if what it said was no message."""
+        # A thread reads, since a running program takes requests only between two statements.
         threading.Thread(target=self._read, daemon=True).start()
         while not self.over and (request := self.requests.get()) is not None:
             self._answer(request)
@@ -212,6 +215,7 @@ class Adapter:
                 self.requests.put(message)
         except (NoMessage, OSError, ValueError) as error:
             self.broken = str(error)
+        # None ends the conversation, however the reading ended.
         self.requests.put(None)
 
     # ----------------------------------------------------------------------------- speaking
@@ -242,6 +246,7 @@ class Adapter:
             self._send("response", success=False, message=str(error.args[0]), **about)
             return
         self._send("response", success=True, body=body or {}, **about)
+        # The protocol wants both after the answer: the editor sets break points in between.
         if command == "launch":
             self._event("initialized")
         elif command == "configurationDone" and not self._ends:
@@ -289,6 +294,7 @@ class Adapter:
             reason = self.holding.reason(task) or ("breakpoint" if met else None)
         if reason is not None:
             self._hold(task, reason)
+        # The run ends here, before the statement at hand is executed.
         if self._ends:
             task.kernel.end(Ending("stopped", "the debugger has ended the run"))
             task.kernel.hub.switch()
@@ -304,6 +310,7 @@ class Adapter:
             try:
                 if point.condition is not None and not is_true(point.condition(read)):
                     continue
+            # The break point then holds: one that never holds would go unnoticed.
             except LookupError as error:
                 self._say(place, f"the condition of the break point: {error.args[0]}")
             point.count += 1
@@ -344,6 +351,7 @@ class Adapter:
 
     def _tell_log(self) -> None:
         assert self.kernel is not None
+        # Times in the log are right only once the arm has caught up with the program.
         self.kernel.catch_up()
         for row in self.kernel.log[self._logged :]:
             body: Object = {

@@ -31,6 +31,7 @@ Stride = Literal["in", "over", "out"]
 Reason = Literal["breakpoint", "step", "pause", "entry"]
 
 
+# Cached: each statement that runs asks, and realpath goes to the file system.
 @cache
 def _same_file(path: str) -> str:
     """Return one spelling of a file's path for all its spellings."""
@@ -50,6 +51,7 @@ class Step:
             return False
         if self.stride == "in":
             return True
+        # A step over also ends in the caller, if this call returns.
         depth = len(task.levels())
         return depth < self.depth if self.stride == "out" else depth <= self.depth
 
@@ -122,6 +124,7 @@ def statement_lines(programs: Programs) -> Lines:
                     for item in module.items:
                         for body in lists(item) if isinstance(item, rapid.Routine) else ():
                             for node in body:
+                                # A run of moves is one node with a statement in each line.
                                 if isinstance(node, rapid.MoveRunNode):
                                     add(tree.source, node.span, len(node.run))
                                 elif not isinstance(node, _NO_STATEMENT):
@@ -224,6 +227,7 @@ def _hit_test(given: str) -> Callable[[int], bool]:
 def _log_parts(given: str) -> Sequence[str | Evaluate]:
     """Texts and expressions by turns."""
     parts: list[str | Evaluate] = []
+    # Expressions may hold one level of braces, as indices of RAPID do.
     for place, part in enumerate(re.split(r"\{((?:[^{}]|\{[^{}]*\})*)\}", given)):
         parts.append(read_expression(part) if place % 2 else part)
     return parts

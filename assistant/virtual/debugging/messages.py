@@ -49,6 +49,7 @@ def _length(stream: RawIOBase | BinaryIO) -> int | None:
         name, _, value = line.decode("ascii", "replace").partition(":")
         if name.strip().lower() == "content-length":
             number = value.strip()
+            # int() takes digits of other scripts as well, and thousands of them slowly.
             if not (number.isascii() and number.isdigit()) or len(number) > 9:
                 raise NoMessage(f"a Content-Length of `{number[:20]}`")
             length = int(number)

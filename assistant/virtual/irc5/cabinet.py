@@ -98,7 +98,9 @@ def parse_cfg(text: str) -> tuple[str, dict[str, dict[str, Instance]]]:
     lines = "\n".join(line for line in lines_of(text)[1:] if not line.lstrip().startswith("#"))
     places = list(_CFG_TYPE.finditer(lines))
     ends = [*(place.start() for place in places[1:]), len(lines)]
+    # A type lasts until the next one begins.
     for place, end in zip(places, ends, strict=False):
+        # A backslash at the end of a line continues it.
         body = lines[place.end() : end].replace("\\\n", " ")
         instances = found.setdefault(place[1], {})
         for row in lines_of(body):
@@ -107,6 +109,7 @@ def parse_cfg(text: str) -> tuple[str, dict[str, dict[str, Instance]]]:
             }
             if attributes:
                 own = next((attributes[key] for key in INSTANCE_NAME if key in attributes), None)
+                # Types without names count their instances.
                 instances[own or str(len(instances))] = attributes
     return head[1].upper(), found
 
@@ -295,6 +298,7 @@ _MODULE_FOLDER_SUFFIXES: Final = {False: ".mod", True: ".sys"}
 
 def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
     """Makes a folder, which appears whole or not at all; raises OSError."""
+    # Hidden beside its place until it is complete: readers see no half backup.
     beside = target.with_name(f"{UNFINISHED}{target.name}")
     shutil.rmtree(beside, ignore_errors=True)
     try:
@@ -335,6 +339,7 @@ def is_backup(folder: FilePath) -> bool:
 def restore(programs: Programs, source: FilePath, cabinet: Cabinet) -> None:
     """Raises NotPossible or ValueError for what cannot be loaded, and changes nothing; OSError."""
     files = sorted((source / "RAPID").glob("TASK1/*/*"))
+    # All files are read and parsed before anything is changed.
     read = [one for file in files for one in read_module(file.name, read_file(file))]
     settings = [read_text(file, "latin-1") for file in sorted((source / "SYSPAR").glob("*.cfg"))]
     for text in settings:
@@ -351,12 +356,14 @@ def _restore_files(kept: FilePath, home: FilePath) -> None:
     wanted = {one.relative_to(kept): one for one in sorted(kept.rglob("*"))}
     for name, one in wanted.items():
         target = home / name
+        # A file where a folder was, or the other way round.
         if target.exists() and target.is_dir() != one.is_dir():
             _remove_folder(target)
         if one.is_dir():
             target.mkdir(exist_ok=True)
         else:
             write_whole(target, one.read_bytes())
+    # From the inside out: a folder is empty when its turn comes.
     for old in sorted(home.rglob("*"), reverse=True):
         if old.relative_to(home) not in wanted:
             _remove_folder(old)

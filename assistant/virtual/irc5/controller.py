@@ -101,14 +101,17 @@ class FileServer:
         _silence_log()
         authorizer = DummyAuthorizer()
         authorizer.add_user(self._user, self._password, str(self.folder), perm="elrdfmw")
+        # pyftpdlib takes classes: each server gets its own, with its folder and user.
         home = type("Home", (Home,), {"quota": self._quota, "report": staticmethod(self._report)})
         session = type("Session", (Session,), {"authorizer": authorizer, "abstracted_fs": home})
+        # A loop of its own: the default one is shared by all servers of the process.
         return FTPServer(self._place, session, ioloop=IOLoop())
 
     def _serve(self) -> None:
         server = self._server
         try:
             while not self._stopping.is_set():
+                # Short turns, so that `stop` is seen soon.
                 server.ioloop.loop(timeout=POLL_PERIOD, blocking=False)
         finally:
             server.close_all()
@@ -269,6 +272,7 @@ class VirtualIrc5:
             raise Refused(NEEDS_PACKAGE(package=missing.name)) from None
 
         robot = None if self._robot is None else robots.get(self._robot)
+        # Its certificate must be outside of HOME:, which clients can read and write.
         self._own = FilePath(tempfile.mkdtemp(prefix="virtual-irc5-"))
         cabinet = Cabinet(
             self.folder,
@@ -318,6 +322,7 @@ class VirtualIrc5:
         ]
 
         def start(programs: Programs) -> None:
+            # One command: no client sees the controller between these steps.
             programs.stop()
             programs.restore(found)
             programs.reset()
@@ -365,6 +370,7 @@ class VirtualIrc5:
                 continue
             name = file.relative_to(self.folder).as_posix()
             module = load_module_file(name, read_file(file))
+            # Two files with one module: a controller would load the one or the other.
             other = first.setdefault(module.name.lower(), name)
             twice = () if other == name else (TWICE(path=name, name=module.name, first=other),)
             found.append(LoadedModule(module.name, name, (*module.findings, *twice)))

@@ -102,6 +102,7 @@ class Guidance:
         if not self._running:
             self._near = 0.0
             return
+        # The time-out counts from the begin at the earliest: a sensor may start late.
         if self._clock - max(self._heard or 0.0, self._begin) > self.comm_timeout:
             self.ended = "silent"
         elif self._goal is not None and self._away(self._goal) <= self.within:
@@ -109,6 +110,7 @@ class Guidance:
             if self._near >= self.cond_time:
                 self.ended = "converged"
         else:
+            # Convergence has to last without interruption.
             self._near = 0.0
 
     def _away(self, goal: Sequence[float]) -> float:
@@ -131,12 +133,14 @@ class Guidance:
 
     def _way(self, away: float, speed: float, seconds: float) -> float:
         """Return the distance covered in that time."""
+        # First-order filter: the part of the way that is left decays with time.
         eager = 1.0 - math.exp(-seconds / self.lag) if self.lag > 0.0 else 1.0
         return min(away * eager, speed * seconds)
 
 
 def _turn(one: Sequence[float], two: Sequence[float]) -> float:
     """Degrees between two quaternions."""
+    # q and -q are the same turn; rounding may put the cosine above 1.
     cosine = abs(sum(a * b for a, b in zip(one, two, strict=True)))
     return math.degrees(2.0 * math.acos(min(1.0, cosine)))
 
@@ -195,6 +199,7 @@ class VirtualEgm:
                     self.guidance.hear(self._socket.recv(2048))
                 except (BlockingIOError, ConnectionRefusedError):
                     break
+            # A late thread makes one longer step: time does not fall behind.
             number = max(last + 1, int((time.monotonic() - began) / self.cycle))
             packet = self.guidance.step((number - last) * self.cycle)
             last = number

@@ -142,6 +142,7 @@ def _run(kind: Kind, given: Given) -> None:
         raise NotSimulated("EGM that controls the speed")
     if machine.robot is None:
         raise NotSimulated("EGM without a robot")
+    # Guidance begins where the arm stands, not on its way to a corner.
     machine.settle()
     stated = given.optional_number("condtime")
     guidance = Guidance(
@@ -169,12 +170,14 @@ def _follow(machine: Machine, guidance: Guidance, egm: _Prepared) -> None:
             while guidance.ended is None:
                 _hear(own, guidance)
                 now = task.kernel.now
+                # The first step has no time before it: it counts as one cycle.
                 packet, last = guidance.step(max(now - last, 0.0) or egm.cycle), now
                 with suppress(OSError):  # nobody listens yet
                     own.send(packet)
                 if guidance.kind == "joints":
                     task.kernel.motion.lead(task.kernel, guidance.values)
                 task.wait(None, egm.cycle, "packets of EGM", outside=True)
+        # Also after a fault: the program goes on from where the arm was led.
         finally:
             _arrive(machine, guidance, egm, before)
 
@@ -182,6 +185,7 @@ def _follow(machine: Machine, guidance: Guidance, egm: _Prepared) -> None:
 def _hear(own: socket.socket, guidance: Guidance) -> None:
     """Receive the waiting packets, but no more than fit between two cycles."""
     with suppress(BlockingIOError, ConnectionRefusedError):
+        # A sensor that floods the port must not keep the program here.
         for _ in range(64):
             guidance.hear(own.recv(2048))
 

@@ -69,6 +69,7 @@ def _place_fields(values: Sequence[float], kind: Kind) -> bytes:
     if kind == "joints":
         own = b"".join(_double_field(1, value) for value in values[:_ROBOT_AXES])
         more = b"".join(_double_field(1, value) for value in values[_ROBOT_AXES:])
+        # A robot without additional axes sends no field for them.
         return _bytes_field(1, own) + (_bytes_field(3, more) if more else b"")
     place = b"".join(_double_field(i, value) for i, value in enumerate(values[:3], 1))
     turn = b"".join(_double_field(i, value) for i, value in enumerate(values[3:], 1))
@@ -81,6 +82,7 @@ def read_sensor_packet(packet: bytes, kind: Kind, count: int) -> SensorCommand |
     """
     try:
         top = _read_fields(packet)
+        # The last occurrence of a field holds (proto2).
         header = _read_fields(_only_field(top, 1))
         planned = _read_fields(_only_field(top, 2))
         if _whole_field(header, 3) != _MSGTYPE_CORRECTION:
@@ -196,4 +198,5 @@ def _double_field(number: int, value: float) -> bytes:
 
 
 def _bytes_field(number: int, inside: bytes) -> bytes:
+    # A varint of the length without its tag, which `_number_field` puts before it.
     return _field_head(number, 2) + _number_field(0, len(inside))[1:] + inside

@@ -47,6 +47,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
 
     def ftpnorm(self, ftppath: str) -> str:
         """The path with or without the unit in front."""
+        # With the unit or without it, before and after normalising.
         path = str(super().ftpnorm(re.sub(rf"^/*{_UNIT}(?=/|$)", "/", ftppath, flags=re.I)))
         return re.sub(rf"^/{_UNIT}(?=/|$)", "", path, flags=re.I) or "/"
 
@@ -62,6 +63,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
     def open(self, filename: str, mode: str) -> Any:
         if "r" in mode and "+" not in mode:
             return super().open(filename, mode)
+        # Parts cannot be checked; the file is looked at as one.
         if "w" not in mode:
             raise FilesystemError("a file is sent whole, not in parts")
         path = FilePath(filename)
@@ -114,6 +116,7 @@ class _Arrival:
         self.closed = False
 
     def write(self, data: bytes) -> None:
+        # Counted beyond what is held, so that `take_in` can refuse the file.
         self._size += len(data)
         if self._size <= _MOST_ARRIVING:
             self._parts.append(data)
@@ -141,6 +144,7 @@ class _Transfer(DTPHandler):  # type: ignore[misc]
         if self._closed or not self.receive:
             super().handle_close()
             return
+        # Until it is taken in, the transfer has not succeeded.
         self.transfer_finished = False
         self._resp = ("451 The virtual controller failed; nothing was stored.", self.log)
         try:

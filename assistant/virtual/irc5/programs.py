@@ -53,7 +53,9 @@ PRINTED_NUMBER: Final = re.compile(r'"[^"]*"|(?<![\w.])\d+(?:\.\d*)?(?:E[+-]?\d+
 def printed_anew(text: str) -> str:
     """A module in the controller's own layout; data that runs over lines stays as it is."""
     rapid = Rapid()
+    # Comments go; quoted texts match first, so that an exclamation mark in one stays.
     lines = COMMENT_LINE.sub(lambda found: found[1] or "", rapid.format(rapid.parse(text)))
+    # Numbers of data alone are printed anew; those of statements stay as written.
     anew = DATA_LINE.sub(lambda found: PRINTED_NUMBER.sub(_printed_number, found[0]), lines)
     return "\n".join(line.strip() for line in lines_of(anew) if line.strip()) + "\n"
 
@@ -190,6 +192,7 @@ class Programs:
 
     def _check(self, modules: dict[str, Module]) -> None:
         try:
+            # Checked with empty types: the memory in use stays as it is.
             load_modules([one.tree for one in modules.values()], Types(), {})
         except (Fault, NotSimulated) as wrong:
             self.log.add(40160, str(wrong))
@@ -254,6 +257,7 @@ class Programs:
             made=self._made,
             cycles=self._next_cycle,
         )
+        # PERS data outlives changes of the program.
         if before is not None and self.machine is not None:
             _carry_over(before, self.machine)
 
@@ -269,6 +273,7 @@ class Programs:
 
     def _next_cycle(self, machine: Machine) -> str | None:
         """The routine that the next cycle begins with; waits for the start of the first one."""
+        # The last corner is not open any more: the arm goes to the target.
         if self._inside and (self.cycle == "once" or not self.running):
             machine.settle()
             self._halted(10125, "the cycle has come to its end")
@@ -277,6 +282,7 @@ class Programs:
         standing = self.kernel.motion.where()
         if standing is not None and not self._after_cycle:
             machine.arm.flange, machine.arm.joints = standing[0], standing[1][:6]
+        # Only the first cycle begins at the routine that the pointer was set to.
         entry, self._entry = self._entry, MAIN
         self._inside = self._after_cycle = True
         return entry
@@ -324,6 +330,7 @@ class Programs:
         if found is None:
             raise NotPossible(f"there is no routine {routine}")
         self._prepare()
+        # Prepared anew first: `_prepare` resets the entry.
         self._entry, self.ready, self._where, self._after_cycle = routine, True, found, False
         self.log.add(10002, f"The task {TASK} was pointed at {routine}")
 
@@ -377,6 +384,7 @@ class Programs:
         if not self.kernel.motion.stands():
             self.kernel.motion.cut(task)
         if ending.ended in ("error", "unknown"):
+            # The last row, "", matches any text.
             code = next(number for words, number in FAILURE_EVENTS if words in ending.message)
             self.log.add(code, ending.message, arguments=(TASK, ending.message))
             self._halted(10126, ending.message)
@@ -404,6 +412,7 @@ def _carry_over(before: Machine, after: Machine) -> None:
     """Persistent data of the modules that are the same keeps its values."""
     for key, unit in after.modules.items():
         old = before.modules.get(key)
+        # Another text of the module: its declarations may be others.
         if old is None or old.source is not unit.source:
             continue
         for names, others in ((unit.names, old.names), (after.named, before.named)):
@@ -411,6 +420,7 @@ def _carry_over(before: Machine, after: Machine) -> None:
                 was = others.get(name)
                 if not isinstance(cell, Cell) or not isinstance(was, Cell):
                     continue
+                # Only data that has not been evaluated yet takes the earlier value.
                 if cell.storage == "PERS" and was.value is not None and cell.pending is not None:
                     if was.shape.type and cell.pending.unit is unit:
                         cell.shape, cell.first = was.shape, was.first
@@ -532,6 +542,7 @@ def _rule_findings(
         if other.name.lower() != module.name.lower():  # else it is this one's own old self
             trees.append(other_tree)
     together = set(_refused_finding(rapid.check(trees)))
+    # Only findings that remain among all modules count; new ones are of other files.
     return tuple(finding for finding in alone if finding in together)
 
 

@@ -38,6 +38,7 @@ def path_of(cabinet: Cabinet, path: str, dialect: int = 1) -> FilePath:
     if name not in _VOLUMES:
         raise Rejected(rws_messages.NO_FILE if dialect == 1 else rws_messages.NO_VOLUME)
     root = cabinet.disk.folder(name)
+    # Resolved, so that links and `..` cannot lead out of the volume.
     found = None if _CONTROL.search(inside) else (root / inside).resolve()
     if found is None or (found != root and root not in found.parents):
         raise Rejected(rws_messages.NO_FILE if dialect == 1 else rws_messages.NO_PATH)
@@ -104,6 +105,7 @@ def store_file(cabinet: Cabinet, request: Request) -> Answer:
 
 def delete_path(cabinet: Cabinet, request: Request) -> Answer:
     path = _requested_path(cabinet, request)
+    # A volume itself is never deleted.
     if path == path_of(cabinet, unquote(request.captures["path"]).partition("/")[0]):
         raise Rejected(rws_messages.NOT_PERMITTED, "a volume")
     try:
@@ -241,8 +243,10 @@ def change_parameter(cabinet: Cabinet, request: Request) -> Answer:
     for key, value in request.form.items():
         found = _BRACKETS.fullmatch(value) if request.dialect == 2 else None
         known = next((name for name in row if name.lower() == key.lower()), None)
+        # Names identify an instance: a change would make it another one.
         if known is None or known in INSTANCE_NAME:
             raise Rejected(rws_messages.BAD_ARGUMENT, f"Error set attribute {key}")
+        # Collected first: one wrong attribute changes nothing.
         new[known] = found[1] if found else value
     row.update(new)
     return DONE

@@ -43,6 +43,7 @@ def set_motor_state(cabinet: Cabinet, request: Request) -> Answer:
     if wanted not in ("motoron", "motoroff"):
         raise Rejected(rws_messages.BAD_ARGUMENT, f"ctrl-state {wanted}")
     try:
+        # The programs stop before the motors go off: the arm is held where it is.
         if wanted == "motoroff":
             cabinet.do(lambda programs: programs.fail("the motors were switched off"))
         cabinet.panel.set_motors(wanted == "motoron")
@@ -168,6 +169,7 @@ def robot_target(cabinet: Cabinet, request: Request) -> Answer:
         raise Rejected(rws_messages.BAD_ARGUMENT, f"coordinate {coordinate}")
     if coordinate != "wobj":
         frame = "wobj0"
+    # One look for both: the pose and the configuration must be of the same moment.
     flange, values = _arm_now(cabinet)
     pose = cabinet.do(lambda programs: _tool_pose(programs, flange, tool, frame))
     fields = _pose_fields(pose)
@@ -204,6 +206,7 @@ def _configuration_values(cabinet: Cabinet, values: tuple[float, ...]) -> list[s
 
 
 def _tool_pose(programs: Programs, flange: Pose, tool: str, frame: str) -> Pose:
+    # Without a loaded program only the predefined tool and work object are known.
     if programs.machine is None:
         if (tool.lower(), frame.lower()) != ("tool0", "wobj0"):
             raise Rejected(rws_messages.NO_SYMBOL, f"{tool}, {frame}")

@@ -63,6 +63,7 @@ class Site:
 class Server(ThreadingHTTPServer):
     """Server of a site, with one thread for each connection, until `close`."""
 
+    # Threads of hanging clients must not keep the process alive.
     daemon_threads = True
     block_on_close = False
     allow_reuse_address = True
@@ -91,6 +92,7 @@ class Server(ThreadingHTTPServer):
 
     def close(self) -> None:
         """Hangs up on every client and frees the port."""
+        # No new connections, then the port, then those that are open.
         self.shutdown()
         self.server_close()
         self._thread.join()
@@ -116,6 +118,8 @@ class Server(ThreadingHTTPServer):
             if self.site.secure is not None:
                 secured = self.site.secure.wrap_socket(request, server_side=True)
                 with self._lock:
+                    # Both: `hang_up` has to reach a connection
+                    # in the middle of the handshake as well.
                     self._open.add(secured)
             Connection(secured, client_address, self)
         except (OSError, ssl.SSLError, ValueError):
@@ -188,6 +192,7 @@ class Connection(BaseHTTPRequestHandler):
         except Rejected as wrong:
             self._refuse(wrong, form or self._usual())
             return
+        # The client gets an answer, and the error still shows in the thread's output.
         except Exception as wrong:
             self._refuse(
                 Rejected(rws_messages.INTERNAL_ERROR, type(wrong).__name__), form or self._usual()
@@ -203,6 +208,7 @@ class Connection(BaseHTTPRequestHandler):
     def _body(self) -> bytes | None:
         """None if the request is not to be answered any more."""
         text = self.headers.get("Content-Length", "0")
+        # Without a length the end of the body is unknown; the connection cannot be used further.
         if not text.isdecimal() or "Transfer-Encoding" in self.headers:
             self._send(411, "text/plain", b"")
             self.close_connection = True
@@ -246,6 +252,7 @@ class Connection(BaseHTTPRequestHandler):
             return {}
         found: dict[str, str] = {}
         for name, value in parse_qsl(body.decode("utf-8", "replace"), keep_blank_values=True):
+            # A form may repeat a name: controllers join the values.
             found[name] = f"{found[name]},{value}" if name in found else value
         return found
 
@@ -305,9 +312,11 @@ class Connection(BaseHTTPRequestHandler):
     ) -> None:
         rows = [f"HTTP/1.1 {status} {HTTPStatus(status).phrase}"]
         told = {"Content-Type": kind, "Cache-Control": "no-cache", **(headers or {})}
+        # 204 has no body, and must not state a length.
         if status != HTTPStatus.NO_CONTENT:
             told["Content-Length"] = str(len(data))
         rows += [f"{name}: {value}" for name, value in told.items()]
+        # The cookies go with the first answer of a session only.
         begun: Session | None = self.__dict__.pop("_begun", None)
         if begun is not None:
             rows += [f"Set-Cookie: {cookie}" for cookie in begun.cookies]
@@ -331,4 +340,5 @@ class Connection(BaseHTTPRequestHandler):
         self.wfile.flush()
         if fault is not None and fault.kind in ("cut", "garbage"):
             with contextlib.suppress(OSError):
+                # Shut down: a client would otherwise wait for the rest of the answer.
                 self.connection.shutdown(socket.SHUT_RDWR)

@@ -106,6 +106,7 @@ class Sessions:
             if len(self._open) >= self.most:
                 return None
             self._count += 1
+            # `mastership_holder` reads the number of the session from the beginning of the key.
             key = f"{self._count}::http.session::{secrets.token_hex(16)}"
             session = self._open[key] = Session(self._count, key, self.user, now)
             return session
@@ -127,6 +128,7 @@ class Sessions:
     # ------------------------------------------------------------------------------ login
 
     def challenge(self, dialect: int, stale: bool = False) -> str:
+        # RWS 2.0 always runs over TLS, where Basic is no leak.
         if dialect == 2:
             return f'Basic realm="{_REALM}"'
         nonce = base64.b64encode(secrets.token_bytes(30)).decode()
@@ -166,6 +168,7 @@ class Sessions:
         one = _md5(f"{self.user}:{_REALM}:{self.password}")
         two = _md5(f"{method}:{given['uri']}")
         middle = nonce
+        # RFC 2617 2.2: without qop the middle part is the nonce alone.
         if "qop" in given:
             middle = ":".join((nonce, given.get("nc", ""), given.get("cnonce", ""), given["qop"]))
         wanted = _md5(f"{one}:{middle}:{two}")
@@ -321,6 +324,7 @@ def _hal(answer: Answer, place: Place) -> str:
     onward = {"next": {"href": _plain_fields(answer.next)}} if answer.next else {}
     links = {"base": {"href": place.base}, "self": {"href": place.own}, **onward}
     told: dict[str, object] = {"_links": links}
+    # RWS 2.0 states a status only where no list follows.
     if not answer.listed:
         told["status"] = {"code": _SUCCESS}
     if answer.items or not answer.listed:
@@ -453,6 +457,7 @@ def make_route(method: str, stated: str, handler: H, needs: str = "") -> Route[H
     path, _, action = stated.partition("?")
     pattern = ""
     for part in re.split(r"(\{\w+(?:\.\.\.)?\})", path):
+        # Literal parts may hold characters that mean something in a pattern.
         if not part.startswith("{"):
             pattern += re.escape(part)
         elif part.endswith("...}"):
@@ -469,8 +474,10 @@ def find_route(
     refusal.
     """
     raw = request.path.rstrip("/") or "/"
+    # `%2F` in the name of a file is no separator: file paths are decoded by their handler.
     path = raw if raw.startswith(_KEPT_CHARACTERS) else unquote(raw)
     action = request.query.get("action", request.query.get("resource", ""))
+    # RWS 1.0 knows `show` as the default action of a reading.
     action = "" if action == "show" else action
     there = False
     for one in routes:
@@ -479,5 +486,6 @@ def find_route(
             continue
         if one.method == request.method:
             return one, found.groupdict()
+        # The path exists, but for another method: 405 instead of 404.
         there = True
     return Rejected(_NO_METHOD if there else NO_RESOURCE)

@@ -235,6 +235,7 @@ def module_text(cabinet: Cabinet, request: Request) -> Answer:
         said, count = cabinet.do(lambda programs: (programs.text(found), programs.changes))
     fields = {"change-count": str(count), "module-text": said}
     if request.dialect == 1:
+        # RWS 1.0 escapes the complete text, line ends and blanks included.
         fields["module-text"] = quote(said, safe="")
     return Answer(items=[Item("rap-module-text", "moduletext", fields)])
 
@@ -341,6 +342,7 @@ def load_program(cabinet: Cabinet, request: Request) -> Answer:
         raise Rejected(rws_messages.NO_MODULE_FILE) from None
     except (ValueError, ElementTree.ParseError):
         raise Rejected(rws_messages.UNSPECIFIED, "no program file") from None
+    # All modules were read above: a missing file leaves the old program loaded.
     if request.form.get("loadmode", "replace").lower() == "replace":
         _command_programs(cabinet, lambda programs: programs.unload_all())
     _load_modules(cabinet, names, datas, replace=True)
@@ -414,6 +416,7 @@ def _all_symbols(machine: Machine) -> Iterator[_Symbol]:
             if isinstance(meaning, Cell):
                 yield _Symbol(unit.name, name, meaning, True)
         for name, meaning in machine.named.items():
+            # Data that all modules share is listed under the module that declares it.
             if isinstance(meaning, Cell) and _declaring_module(machine, name) == unit.name:
                 yield _Symbol(unit.name, name, meaning)
 
@@ -438,6 +441,7 @@ def _find_symbol(programs: Programs, module: str, name: str) -> tuple[Machine, _
     if machine is None:
         return None
     key = name.lower()
+    # Local data hides shared data of the same name.
     for one in machine.modules.values():
         if one.name.lower() == module.lower() and isinstance(cell := one.names.get(key), Cell):
             return machine, _Symbol(one.name, name, cell, True)
@@ -477,6 +481,7 @@ def _at_symbol(
             raise Rejected(unknown)
         machine, symbol = found
         try:
+            # Data is evaluated on first use; a client may be the first to ask.
             if symbol.cell.pending is not None:
                 settled(machine, symbol.cell)
         except (Fault, NotSimulated) as wrong:
@@ -523,6 +528,7 @@ def write_symbol(cabinet: Cabinet, request: Request) -> Answer:
             Place(cell, "", cell.shape, cell.storage).set(value)
         except Fault as wrong:
             raise Rejected(rws_messages.BAD_ARGUMENT, str(wrong)) from None
+        # Tasks that watch the data (IPers) see the change of a client as well.
         machine.look()
 
     _with_symbol(cabinet, request, change)

@@ -141,6 +141,7 @@ def _watch_data(
         told = Item("rap-value-ev", "value", {}, resource)
         return [told, Item("rap-data", url, {"value": value})]
 
+    # Read once now, so that data that does not exist refuses the subscription.
     read()
     return Watch(resource, priority, read, events)
 
@@ -192,6 +193,7 @@ class _Group:
     def news(self) -> list[Sequence[Item]]:
         """Return the items of each event since the last look."""
         found: list[Sequence[Item]] = []
+        # Signals report every change, also one that is gone again at the next look.
         while self.changes:
             one, value = self.changes.popleft()
             if one.resource in self.watches:
@@ -214,6 +216,7 @@ class _Group:
         before, self.known[one.resource] = self.known[one.resource], value
         if one.first:
             return [one.events(value)]
+        # Several events may have come since the last look: each gets its message.
         numbers = range(int(before) + 1, int(value) + 1)
         return [told for number in numbers if (told := one.events(str(number)))]
 
@@ -304,6 +307,7 @@ class Subscriptions:
                 if changed == name:
                     group.changes.append((one, f"{now:.7g}"))
 
+            # Listeners belong to the thread of the kernel.
             self.cabinet.live.do(lambda _: side.listeners.append(heard))
             group.leave[one.resource] = lambda: side.listeners.remove(heard)
         return list(one.events(value)) if one.first else []
@@ -328,6 +332,7 @@ class Subscriptions:
         """Serve a WebSocket until either side ends it; False if no group is at that path."""
         found = _POLL.fullmatch(path)
         group = None if found is None else self._groups.get(int(found[1][:9]))
+        # A group of RWS 2.0 can open its WebSocket once only.
         if group is None or (group.dialect == 2 and group.spent):
             return False
         key = connection.headers.get("Sec-WebSocket-Key", "")
@@ -351,6 +356,7 @@ class Subscriptions:
 
     def _serve(self, group: _Group, connection: Connection) -> None:
         socket, wire = connection.connection, WebSocket(ConnectionType.SERVER)
+        # The socket is read with a short time-out: events are sent between two reads.
         socket.settimeout(_TICK)
         place = Place(connection.place().base)
         while not group.over.is_set():
@@ -370,6 +376,7 @@ class Subscriptions:
                 elif isinstance(told, CloseConnection):
                     connection.transmit(wire.send(told.response()))
                     return
+                # RWS 2.0 hangs up on a client that sends data (see the client's `subscriptions`).
                 elif isinstance(told, Message) and group.dialect == 2:
                     reason = "Client cannot send data."
                     connection.transmit(

@@ -178,6 +178,7 @@ def event_messages(cabinet: Cabinet, request: Request) -> Answer:
     if newest:
         events.reverse()
     limit = request.number("limit", 1, _EVENTS_PAGE, _EVENTS_PAGE)
+    # RWS 1.0 counts pages from 1, RWS 2.0 events from 0.
     start = request.number("start", 0, 10**6, request.dialect == 1)
     first = max(start - 1, 0) * limit if request.dialect == 1 else start
     words = bool(request.query.get("lang"))

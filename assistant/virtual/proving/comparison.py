@@ -91,6 +91,7 @@ class Rounding:
         """With the constants that a text holds."""
         found = dict(self.constants)
         for pose, printed in poses:
+            # A text may hold a frame as its inverse, which is as exact.
             found |= {_position_key(pose): printed, _position_key(pose.inverse()): printed}
         return Rounding(self.value, self.angle, self.joint, found)
 
@@ -104,6 +105,7 @@ class Rounding:
         for printed in (known or self._any, self._any):  # the target, and what may turn it
             turned += printed.angle
         far += _position_error(known or self._any)
+        # A computed target depends on a second constant, and on the tool that was read with it.
         if known is None:
             far += _position_error(self._any)
             if move.tool != IDENTITY:
@@ -138,6 +140,7 @@ def _position_error(printed: Printed) -> float:
 
 
 def _position_key(pose: Pose) -> tuple[float, ...]:
+    # + 0.0 makes -0.0 and 0.0 the same key.
     return tuple(round(value, _KEY_DECIMALS) + 0.0 for value in pose.position)
 
 
@@ -310,6 +313,7 @@ def likeness(
         while len(others) > len(ours) and others[-1].what == Stopped():
             others.pop()
     both = (first.ended, second.ended)
+    # A run that was cut off did nothing afterwards that could be compared.
     if both[0] in _BROKEN_OFF:
         others = others[: len(ours)]
     if both[1] in _BROKEN_OFF and both != ("stopped", "steps"):
@@ -342,6 +346,7 @@ def likeness(
         if wrong is not None:
             what = f"{wrong}: {event_text(one.what)}, and {event_text(two.what)}"
             comparing.note(number, what, one, two)
+            # After an event of another kind all further pairs would be shifted.
             if len(comparing.differences) == most or not _same_effect(one.what, two.what):
                 return comparing.found()
     if not halted and not _end_alike(*both):
@@ -410,6 +415,8 @@ class _Limits:
         for side, (known, start, end) in enumerate(zip(self.expired, before, ends, strict=True)):
             for when, seconds in known.items():
                 if start < when <= end:
+                    # The input may have come at any time within
+                    # the wait: its length cannot be compared.
                     if within and when - seconds < start + TIME:
                         self.left.add("waits for timers behind inputs")
                     else:
@@ -419,6 +426,7 @@ class _Limits:
             return None
         took = [end - start for start, end in zip(before, ends, strict=True)]
         side = stated.index(longest)
+        # What statements of one language take is allowed to the other several times over.
         spare = _STATEMENTS * max(took[side] - longest, 0.0)
         if abs(took[0] - took[1]) <= _LIMIT * longest + _LATE + spare:
             return None
@@ -482,6 +490,7 @@ class _Comparing:
 
     def _external(self, one: Moved, two: Moved) -> bool:
         """True if the external axes whose positions both motions state agree."""
+        # Both texts round: twice the rounding of one.
         most = JOINT if self.rounding is None else 2.0 * self.rounding.joint
         stated = (
             (a, b)
@@ -537,6 +546,7 @@ class _Comparing:
         first, second = _tip_of(one), _tip_of(two)
         assert first is not None and second is not None
         assert one.flange is not None and two.flange is not None
+        # Without a known rounding the flange is compared, which does not depend on the tool.
         if self.rounding is None:
             first, second = one.flange, two.flange
         far, turned = _angle_between(first, second)

@@ -131,6 +131,7 @@ def limit_run(
     has told is all that can be compared. most: events that the run may tell. ample: statements
     after which it ends where it has done far more, or nothing for a long time.
     """
+    # Time of this thread: other work of the computer does not shorten a proof.
     until = time.thread_time() + seconds
     counted = told = effects = latest = 0
     endless = after is not None and after.ended == "steps"
@@ -144,6 +145,7 @@ def limit_run(
     def limit() -> Ending | None:
         nonlocal counted, told, effects, latest
         counted += 1
+        # Reading the clock at each statement would cost more than the statements.
         if counted % LOOK_PERIOD:
             return None
         if new := _effect_count(kernel.log[told:]):
@@ -151,6 +153,7 @@ def limit_run(
         told = len(kernel.log)
         if time.thread_time() > until:
             return Ending(OVER, f"it takes more than {seconds:.3g} s")
+        # A run compared with one that was cut off needs no more events than that.
         if told > enough:
             return Ending("steps", "it has told as much as the run before")
         if counted > ample and effects > far_more:
@@ -318,6 +321,7 @@ class _Search:
         self.kept: set[Scenario] = set()  # those that no branch hangs on
         self.weighed: set[object] = set()
         self.left_early: set[object] = set()
+        # Long programs report and run more before they come to an end.
         lines = max(side.text().count("\n") for side in (self.first, self.second))
         self.most = FIRST_EVENTS + 4 * lines
         self.longest = 0
@@ -335,6 +339,7 @@ class _Search:
         played: list[Scenario] = []
         vain = 0
         while self.found.runs < self.budget.runs and vain < MOST_IN_VAIN:
+            # As long as every message ends the program, no scenario of inputs can tell more.
             scenario = Scenario() if self._begins() else self._next(played)
             if scenario is None or (self.found.runs and time.thread_time() > self.until):
                 break
@@ -343,11 +348,15 @@ class _Search:
             played.append(done)
             if self.late or self._differ() or self.found.unknown is not None:
                 break
+            # A program that always ends in an error has not begun: that is no vain run.
             if self._begins():
                 continue
+            # Aimed scenarios have a reason of their own; only random ones count as in vain.
             vain = 0 if new else vain + (not aimed)
             if self.script is not None or not self.reads:
                 break
+            # All branches are taken: of the pending scenarios
+            # only those remain that test something else.
             if any(self.known) and not self._open():
                 self.pending = deque(one for one in self.pending if one in self.kept)
         for place, stops in self.unanswered.items():
@@ -380,6 +389,7 @@ class _Search:
         )
 
     def _next(self, played: list[Scenario]) -> Scenario | None:
+        # Aimed scenarios before random ones; those that only weigh conditions last.
         for aimed in (self.pending, self.later):
             while aimed:
                 scenario = aimed.popleft()
@@ -431,6 +441,7 @@ class _Search:
         self._compare(one, two, ours, theirs)
         if one.ended in ("end", "steps") and len(one.log) < self.most:
             self.longest = max(self.longest, len(one.log))
+            # Runs that end show how much a program without end may be expected to do.
             self.most = MORE_EVENTS + 2 * self.longest
         new = False
         for at, driver in enumerate((ours, theirs)):
@@ -439,6 +450,7 @@ class _Search:
             self.taken[at].update(dict.fromkeys(driver.taken))
         for at, driver in enumerate((ours, theirs)):
             self._follow(at, driver, ours.played)
+        # A program that only ends in errors may want small numbers: try these first.
         if one.ended == "error" and self.found.failing == self.found.runs <= MOST_FOLLOWED:
             self.pending.extend(self._varied(ours.wiring, ours.recent, ours.played, [*SMALL]))
         silent = dict(self._silent(scenario, ours))
@@ -501,6 +513,7 @@ class _Search:
         None for the source.
         """
         run, driver = self._run_through(side, scenario, steps, after, STATEMENT_TIME)
+        # Whether a timer or a counter ended a loop shows when statements take longer.
         if driver.ended_by_timer:
             slower, _ = self._run_through(
                 side, driver.played, steps, after, SLOWER * STATEMENT_TIME
@@ -525,6 +538,7 @@ class _Search:
         kernel.peers = sent_words(self.found.runs, self.messages, self.texts)
         side.begin(kernel)
         left = self.until - time.thread_time()
+        # The first run has to come to an end to be of any use.
         if not self.found.runs:
             left = first_run_seconds(self.budget.seconds, answered)
         ample = math.inf if after is None else self._ample(after)
@@ -560,6 +574,7 @@ class _Search:
         found.values += like.values
         found.left |= like.left
         if ours.watched or theirs.watched:
+            # Moments between those tried are not compared, and are listed as such.
             found.left |= {"stops for interrupts", "other moments of interrupts"}
         if ours.behind_input or theirs.behind_input:
             found.left |= {"waits for timers behind inputs"}
@@ -575,6 +590,7 @@ class _Search:
         elif ours.unanswered is not None:
             self.unanswered.setdefault(ours.unanswered, []).append(Stop(0, one, scenario))
         self.passed.update(place for place, _ in ours.met)
+        # One finding for each pair of places: the same fault shows in many runs.
         for unlike in differences:
             if unlike.places not in self.differing:
                 self.differing.add(unlike.places)
@@ -599,6 +615,7 @@ class _Search:
         row = (unlike.first, unlike.second)[at]
         told = len(run.log)
         if row is not None:
+            # Only branches before the event can have led to it.
             told = next((n for n, one in enumerate(run.log) if one.time >= row.time), told)
         before = [count for count in driver.last if count <= told]
         return self.known[at].get(driver.last[max(before)]) if before else None
@@ -613,6 +630,7 @@ class _Search:
         self.pending.extend(interrupted)
         for taken in driver.taken.values():
             others = [way for way in known if way[:2] == taken.way[:2] and way not in gone]
+            # A statement that many runs come by would fill the queue with its variations.
             if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
                 self.followed[taken.way[:2]] += 1
                 numbers = self._near(at, known[others[0]].line)
@@ -656,6 +674,7 @@ class _Search:
         self, wiring: Wiring, names: Mapping[str, Moment], played: Scenario
     ) -> Iterator[Scenario]:
         """Every combination of a few inputs where they are read; of more, each one changed."""
+        # Where the last of them is read: what was read before stays as it was.
         moment = max(names.values(), key=lambda one: one.order)
         before = played.until(moment)
         state = dict(_driver_state(before))
@@ -704,6 +723,7 @@ class _Search:
         self, wiring: Wiring, read: Readings, played: Scenario, numbers: list[int]
     ) -> Iterator[Scenario]:
         """The scenario up to what a branch hangs on, with another value of each of its inputs."""
+        # reversed(): of several readings of an input the latest moment stays.
         names = dict(reversed(read))
         for name, moment in names.items():
             yield from self._changed(wiring, name, moment, played, numbers)
@@ -736,6 +756,7 @@ class _Search:
     def _some(self, numbers: list[int], bits: int) -> list[int]:
         """Numbers of so many bits: those of the text, one more or less, none at all, and any."""
         most = 1 << bits
+        # Boundaries of comparisons lie at the numbers of the text and beside them.
         near = {n + by for n in numbers for by in (-1, 0, 1) if 0 <= n + by < most}
         plain = 1 << min(bits, PLAIN_ANSWERS)
         near |= {0, plain - 1, self.random.randrange(plain)}
@@ -766,6 +787,7 @@ def _by_timers(log: Sequence[Logged], slower: Sequence[Logged]) -> Iterator[Logg
     for row in log:
         if isinstance(row.what, Waited) and row.what.limit:
             seconds = others[row.place].popleft() if others[row.place] else 0.0
+            # Halfway between no growth and full growth, whatever waits lie in between.
             if seconds > (1.0 + SLOWER) / 2.0 * row.what.seconds:
                 continue
         yield row

@@ -107,6 +107,8 @@ def place_of(cell: Cell, name: str) -> Place:
 def array_element(array: Place, indices: tuple[int, ...], name: str) -> Place:
     """Return the storage of an array element; indices from 1."""
 
+    # The row is looked up at each use: the array may be
+    # replaced while a reference to an element lives.
     def row() -> tuple[list[Value], int]:
         items, last = array.get(), 0
         for depth, index in enumerate(indices):
@@ -122,6 +124,7 @@ def array_element(array: Place, indices: tuple[int, ...], name: str) -> Place:
     def get() -> Value:
         items, at = row()
         found = items[at]
+        # An empty list marks an element that was never set, see `first_value`.
         if isinstance(found, list) and not found:
             raise Fault(f"an element of `{name}` has no value")
         return found
@@ -322,6 +325,7 @@ class Machine:
             _lower_case_keys(program.speeds),
             _lower_case_keys(program.blends),
         )
+        # Signals that the program sets are outputs, even if it declares none.
         self.set = frozenset(
             one.signal.lower() for part in program.statements() for one in outputs(part)
         )
@@ -404,6 +408,8 @@ class Machine:
                 call.procedure.name,
                 self._place(call),
                 {
+                    # The default binds the names of this call:
+                    # `call` is another one by the time of asking.
                     "Procedure": lambda names=call.names: list(_shown_data(names)),  # type: ignore[misc]
                     "Program": lambda: list(_shown_data(self.shared)),
                 },

@@ -59,6 +59,7 @@ def move_joints(m: Machine, node: p.MoveJoints) -> None:
     if not isinstance(target, JointTarget):
         raise Fault("a motion to joints leads to something else")
     tool, frame = m.tool(node.motion.tool), m.frame(node.motion.frame)
+    # NaN marks an axis that the arm lacks; the arm's model needs a number.
     joints = tuple(0.0 if math.isnan(j) else j for j in target.joints)
     pace = _pace(m, node.motion)
     flange = flange_at(m, joints)
@@ -71,6 +72,7 @@ def follow(m: Machine, path: Path) -> Iterator[None]:
     tools, frames = [m.tool(t) for t in path.tools], [m.frame(f) for f in path.frames]
     p_, q = np.empty_like(path.positions), np.empty_like(path.quaternions)
     both = np.stack([path.tool, path.frame], axis=1)
+    # Each pair of tool and frame is converted at once: a path has many rows and few pairs.
     for t, f in np.unique(both, axis=0).tolist():
         rows = np.flatnonzero((path.tool == t) & (path.frame == f))
         p_[rows], q[rows] = to_flange(
@@ -79,6 +81,7 @@ def follow(m: Machine, path: Path) -> Iterator[None]:
     via: Pose | None = None
     for row, kind in enumerate(path.kinds.tolist()):
         flange = Pose.of(p_[row], q[row])
+        # A via point is no motion of its own: it goes with the end of its arc.
         if kind == Kind.VIA:
             via = flange
             continue
@@ -166,6 +169,7 @@ def _moved(
     (tool, frame), (speed, blend) = mount, pace
     held = tool.held and not frame.held
     percent = None if speed.joint is None or kind != "joint" else speed.joint * m.override
+    # UNSTATED marks a configuration that the target leaves open.
     if configuration is not None and configuration[BACK] == UNSTATED:
         configuration = None
     return Moved(
@@ -207,6 +211,7 @@ def _go(m: Machine, moved: Moved, node: p.MoveStatement | None = None) -> None:
         go()
         return
     asks = until
+    # Time and the arm's position can make a condition true without any event.
     timed = any(isinstance(part, e.Elapsed | e.Here) for part in records(asks))
     m.broken_off = move_until(m.task, lambda: condition(m, asks), go, timed=timed)
     standing = motion.where() if m.broken_off else None

@@ -94,6 +94,7 @@ def _sorted_arguments(
     found = _any_arguments(machine, arguments)
     unknown = set(found.options) - set(options.split())
     if unknown:
+        # min(): the same message on each run.
         raise NotSimulated(f"`\\{min(unknown)}` of `{name}`")
     if len(found.required) != count:
         raise Fault(f"`{name}` is given {len(found.required)} arguments and takes {count}")
@@ -110,6 +111,7 @@ def _any_arguments(machine: Machine, arguments: Sequence[s.Argument]) -> Given:
             case s.Option(option, value):
                 found.options[option.lower()] = value
             case s.Conditional(option, variable):
+                # `\x?y` passes the option on only if the caller got it.
                 if is_present(machine, variable):
                     found.options[option.lower()] = variable
     return found
@@ -190,6 +192,7 @@ def bound_parameters(
         given = [name for name in alternatives if name.lower() in found]
         if len(given) > 1:
             raise Fault(f"`{given[0]}` and `{given[1]}` of `{routine.name}` exclude each other")
+    # Absent hides data of the same name outside the routine.
     return {**dict.fromkeys(optional, Absent()), **found}
 
 
@@ -213,6 +216,7 @@ def _optional_parameter(
 
 def _bound_parameter(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -> Meaning:
     """Return the meaning of one parameter."""
+    # -1: a parameter takes arrays of any size.
     shape = Shape(machine.types.name(one.type), (-1,) * max(one.dimensions, 0))
     if shape.type == "switch":
         return Cell(shape, "CONST", True)

@@ -28,6 +28,7 @@ ERROR_NUMBERS: Final[Mapping[str, int]] = {
     for number, name in enumerate(
         (name for name, datum in predefined.data().items() if datum.type == "errnum"), _FIRST_ERROR
     )
+    # A variable of this type, and no error.
     if name != "errno"
 }
 """By name in lower case."""

@@ -60,6 +60,7 @@ def _target_data(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> s.Aggr
 
 def _row_number(value: float) -> s.Expression:
     literal = s.NumberLiteral(repr(abs(value)))
+    # RAPID has no negative literals: the sign is an operator.
     return s.Prefix("-", literal) if value < 0 else literal
 
 
@@ -121,6 +122,7 @@ def load_modules(files: Sequence[s.File], types: Types, shared: dict[str, Cell])
                 names, key = unit.names if local else named, name.lower()
                 if isinstance(meaning, Cell) and _is_shared(meaning):
                     shared_cell = _shared_cell(meaning, key, shared)
+                    # Modules may repeat the declaration of a shared persistent.
                     if names.get(key) is shared_cell:
                         continue
                     meaning = shared_cell
@@ -147,6 +149,7 @@ def _shared_cell(cell: Cell, key: str, shared: dict[str, Cell]) -> Cell:
             len(second.dimensions),
         ):
             raise Fault(f"the persistent `{second.name}` is of another type elsewhere")
+    # Only one of the declarations needs to state the value.
     if known.pending is not None and known.pending.node.value is None:
         known.pending = cell.pending
     return known
@@ -180,10 +183,12 @@ def used_signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str
         name = node.name.lower()
         given = [a.value for a in node.arguments if isinstance(a, s.Positional)]
         if name in _SET_UP_TRIGGERS:
+            # The output is the value of an option: `\DOp`, `\GOp` or `\AOp`.
             on_way = (a.value for a in node.arguments if isinstance(a, s.Option))
             named = {one.name.lower() for one in on_way if isinstance(one, s.NameRef)}
             outputs |= named
             known |= named
+        # A name that is worked out at run time is not known here, see `works_signals_out`.
         if name == _ALIAS_INSTRUCTIONS and given and isinstance(given[0], s.StringLiteral):
             known.add(given[0].value.lower())
         place = _CORNER_MOVES.get(name, 0)

@@ -55,12 +55,14 @@ def _ask(
     task.tell(Said(question))
     broken = _breaks(given)
     longest = given.optional_number("maxtime")
+    # Keys know no time limit: with one the script answers, or the question ends by itself.
     if (panel := task.kernel.person.panel) is not None and longest is None:
         return _at_panel(panel, task, read, choices, numbers)
     answer = task.kernel.person.find(question)
     after = math.inf if answer is None else answer.after
     named = ", ".join(filter(None, choices))
     shown = f"`{question}`" + (f" ({named})" if named else "")
+    # The earlier of the two ends the wait: the answer, or the time limit.
     most = min(after, math.inf if longest is None else longest)
     error = "ERR_TP_MAXTIME"
     if task.wait(
@@ -74,6 +76,7 @@ def _ask(
         return found
     if flag is None:
         raise Fault(f"nobody answers {shown} in time", error)
+    # With a BreakFlag the program goes on and finds the error there.
     place(machine, flag).set(float(ERROR_NUMBERS[error.lower()]))
     return None
 
@@ -84,6 +87,7 @@ def _at_panel(
     """Return the answer that inputs give; asks again while it is invalid."""
     keys = [place for place, name in enumerate(choices, 1) if name]
     if numbers:
+        # A pendant keeps the question until the number is one that it takes.
         while (found := read(f"{panel.number(task):g}")) is None:
             pass
         return found
@@ -130,6 +134,7 @@ def _choice(names: Sequence[str]) -> _Read[int]:
 
     def read(answer: str) -> int | None:
         for i, name in enumerate(names, 1):
+            # A key without a name is not shown, but counts.
             if name and answer.casefold() in (name.casefold(), str(i)):
                 return i
         return None
@@ -255,6 +260,7 @@ def _list(given: Given) -> float:
 
     def read(answer: str) -> tuple[int, int] | None:
         item, bar, button = answer.partition("|")
+        # Without a bar the first button is meant.
         chosen, pressed = choose(item.strip()), press(button.strip()) if bar else 1
         return None if chosen is None or pressed is None else (chosen, pressed)
 

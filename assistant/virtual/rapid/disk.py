@@ -49,9 +49,11 @@ class Disk:
         unit, inside = (found[1].upper(), found[2]) if found else (HOME, name)
         if unit not in UNITS or inside.startswith(("/", "\\")):
             raise NotSimulated(f"the file `{name}{file}`: of {', '.join(UNITS)} are files here")
+        # The file system of the computer raises a bare ValueError for it.
         if "\0" in inside + file:
             raise Fault("a name with a character 0", "ERR_FILEACC")
         root = self.folder(unit)
+        # resolve() also follows links that lead out of the folder.
         path = (root / inside.replace("\\", "/") / file.replace("\\", "/")).resolve()
         if path != root and root not in path.parents:
             raise Fault(f"`{name}{file}` is not inside of {unit}:", "ERR_FILEACC")
@@ -61,8 +63,10 @@ class Disk:
         """Return the folder of this computer for a unit of the disk."""
         if unit == HOME and self.home is not None:
             return self.home
+        # The folder is made at the first use: most runs have no files.
         if self._own is None:
             self._own = Path(tempfile.mkdtemp(prefix="rapid-disk-")).resolve()
+            # True: errors at the removal are ignored.
             weakref.finalize(self, shutil.rmtree, self._own, True)
         root = self._own / unit
         root.mkdir(exist_ok=True)
@@ -86,6 +90,7 @@ class Stream:
     def open(path: Path, mode: Mode, binary: bool) -> Stream:
         try:
             if path.exists():
+                # A pipe would block the run until somebody writes.
                 check_regular(path)
             return Stream(path.open(MODES[mode]), mode, binary)
         except OSError as error:
@@ -123,6 +128,7 @@ class Stream:
                     continue
                 return found.decode(CODES)
             if len(found) == most:
+                # The byte belongs to the next string.
                 self.file.seek(-1, 1)
                 return found.decode(CODES)
             found += byte
@@ -132,6 +138,7 @@ class Stream:
         self.file.seek(0)
 
     def skip_line(self) -> None:
+        # Refuses a file that was opened to be written.
         self.read(0)
         self.file.readline()
 

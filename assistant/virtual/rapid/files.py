@@ -58,6 +58,7 @@ def _stream(given: Given, binary: bool | None = None) -> Stream:
 
 def _open(given: Given) -> None:
     handle, said = _handle(given, "iodev", 1), given.machine.task.kernel.peers
+    # A serial port without a peer is a name of a file like any other.
     if said is not None and _SERIAL.fullmatch(given.text(0)):
         handle.inside = Stream.of_peer(said, given.has("bin"))
         return
@@ -69,6 +70,7 @@ def _open(given: Given) -> None:
         raise NotSimulated("Open of what is open")
     path = given.machine.controller.disk.path(given.text(0), file if isinstance(file, str) else "")
     handle.inside = Stream.open(path, modes[0], given.has("bin"))
+    # A program may end without Close.
     given.machine.at_end.append(handle.inside.close)
 
 
@@ -208,6 +210,7 @@ def _copy(given: Given) -> None:
 
 def _remove_directory(given: Given) -> None:
     path, disk = _path(given, 0), given.machine.controller.disk
+    # `HOME:` may be a folder of the user, see `Disk`.
     if path in map(disk.folder, UNITS):
         raise Fault("a unit of the disk cannot be removed", "ERR_FILEACC")
     path.rmdir()
@@ -218,6 +221,7 @@ def _open_directory(given: Given) -> None:
     handle, path = _handle(given, "dir"), _path(given, 1)
     if not path.is_dir():
         raise Fault(f"there is no directory `{path.name}`", "ERR_FILEACC")
+    # Sorted, since the order of the computer's file system differs from run to run.
     handle.inside = iter([".", "..", *sorted(entry.name for entry in path.iterdir())])
 
 

@@ -35,15 +35,18 @@ def _load_module(given: Given) -> None:
     if not path.is_file():
         raise Fault(f"there is no file `{path.name}`", "ERR_FILNOTFND")
     file = _parsed_modules(path)
+    # Checked before anything is declared.
     if any(module.name.lower() in machine.modules for module in file.modules):
         raise Fault(f"a module of `{path.name}` is loaded already", "ERR_LOADED")
     controller = machine.controller
     loaded = load_modules([file], machine.types, controller.persistents)
+    # A shared persistent may be declared by any number of modules.
     twice = [
         name for name in loaded.named if name in machine.named and not _is_module(loaded, name)
     ]
     if twice:
         raise Fault(f"two meanings of the name `{twice[0]}`", UNSURE)
+    # The module may use signals that no other one names.
     outputs, known = used_signals([file])
     controller.outputs |= outputs
     controller.known |= known
@@ -51,6 +54,7 @@ def _load_module(given: Given) -> None:
     machine.named.update(loaded.named)
     machine.modules.update(loaded.units)
     machine.loaded[path] = loaded
+    # The first values may use data of the other modules, so only now.
     for cell in loaded.cells:
         settled(machine, cell)
 
@@ -80,6 +84,7 @@ def _unload_module(given: Given) -> None:
     loaded = machine.loaded.get(path)
     if loaded is None:
         raise Fault(f"`{path.name}`, which was not loaded", "ERR_UNLOAD")
+    # Before the removal: `saved` needs the values.
     text, source = saved(machine.controller, loaded.files[0]), loaded.files[0].source
     if given.has("save"):
         _keep_module(path, text, source)
@@ -105,11 +110,13 @@ def _erase_module(given: Given) -> None:
 
 def _remove_module(machine: Machine, loaded: Loaded) -> None:
     units = list(loaded.units.values())
+    # The callers on the stack run as well.
     if any(frame.unit in units for frame in machine.frames):
         raise Fault("a module that runs is unloaded", "ERR_UNLOAD")
     controller = machine.controller
     controller.programs = [one for one in controller.programs if one[0] is not loaded]
     for name, meaning in loaded.named.items():
+        # A shared persistent lives as long as a module declares it.
         elsewhere = any(one.named.get(name) is meaning for one, _ in controller.programs)
         if not elsewhere:
             machine.named.pop(name, None)
@@ -177,6 +184,7 @@ MODULE_FUNCTIONS: Final[Mapping[str, Function]] = dict((table_row("ModExist", 1,
 def _call_by_name(given: Given) -> None:
     """CallByVar: the name of a procedure, and the number at its end."""
     number = whole(given.number(1), "the number of a procedure")
+    # A procedure called so has no parameters.
     call_late(given.machine, f"{given.text(0)}{number}", ())
 
 
@@ -212,6 +220,7 @@ def _check_names(given: Given) -> None:
     value = given.number(0)
     if not value.is_integer():
         raise Fault(f"{value:g}, which is no whole number", "ERR_INT_NOTVAL")
+    # Within these a num and a dnum count as integers (reference, data types num and dnum).
     if abs(value) > (1 << 23 if digits(value) == 6 else 1 << 52):
         raise Fault(f"{value:g}, which is too large", "ERR_INT_MAXVAL")
 

@@ -415,10 +415,9 @@ def _offsets_on(given: Given) -> None:
         if arm.external is None:
             raise NotSimulated("additional axes that are read before the first motion")
         there = axes_of(extjoint_of(arm.external, arm.offsets))
+    # An axis that is not in use (9E9) has no offset.
     arm.offsets = tuple(
-        # An axis that is not in use (9E9) has no offset.
-        0.0 if a is None or b is None else a - b
-        for a, b in zip(there, programmed, strict=True)
+        0.0 if a is None or b is None else a - b for a, b in zip(there, programmed, strict=True)
     )
 
 

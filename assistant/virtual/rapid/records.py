@@ -37,6 +37,7 @@ _LEAST_UNUSED: Final = 8.9e9
 
 
 def number(value: Value) -> float:
+    # A bool is no number for RAPID.
     if isinstance(value, bool) or not isinstance(value, float):
         raise Fault(f"{kind_of(value)} where a number is wanted")
     return value
@@ -68,6 +69,7 @@ def vector_of(value: Value) -> Vector:
 def quaternion_of(value: Value) -> Quaternion:
     """Return a quaternion of unit length; raises Fault for an invalid orientation."""
     q = np.array([number(part) for part in record(value, "orient").parts.values()])
+    # `not <=`, so that NaN is refused, too.
     if not abs(float(q @ q) - 1.0) <= _MOST_OFF_UNIT:
         raise Fault("an orientation whose squares do not add up to 1", "ERR_ILLQUAT")
     w, x, y, z = (float(part) for part in rotations.canonical(q))
@@ -233,6 +235,7 @@ TEXT_DATA: Final = {
 
 def predefined(robot: Robot | None) -> Mapping[str, Cell]:
     """Fresh cells by name in lower case. robot: whose fastest tool is that of `vmax`."""
+    # Without an arm no speed is known that `vmax` could stand for.
     fastest = math.inf if robot is None or robot.tcp_speed is None else float(robot.tcp_speed)
     cells = {f"v{v}": _constant_cell(_speed_record(float(v))) for v in SPEEDS}
     cells["vmax"] = _constant_cell(_speed_record(fastest))
@@ -302,6 +305,7 @@ def _constant_cell(value: Value, storage: Storage = "CONST") -> Cell:
             return Cell(Shape("string"), storage, value)
         case Record(type):
             return Cell(Shape(type), storage, value)
+    # Predefined numbers are nums: `pi` has single precision.
     return Cell(Shape("num"), storage, fitted(value, NUMBER))
 
 

@@ -66,6 +66,7 @@ def _start_clock(given: Given) -> None:
     one, kernel = _clock_argument(given), given.machine.task.kernel
     if one.since is None:
         one.since = kernel.now
+        # As a timer in other languages, it begins a wait of its own.
         if kernel.timed is not None:
             kernel.timed()
 
@@ -148,6 +149,7 @@ def _test_signal(given: Given) -> bool:
 def _read_clock(given: Given) -> float:
     one = _clock_argument(given)
     if one.since is not None:
+        # A wait for this value ends without any event.
         given.machine.hangs_on.add("time")
     return one.total + (0.0 if one.since is None else given.machine.task.kernel.now - one.since)
 

@@ -86,6 +86,7 @@ class Place:
         if not is_like(value, self.shape):
             raise Fault(f"{kind_of(value)} is assigned to data of type {self.shape.type}")
         value = fitted(value, self.shape)
+        # The usual case, without a look at the old value.
         if isinstance(self.holder, Cell) and isinstance(value, float | str | bool):
             self.holder.value = value
             return
@@ -190,6 +191,7 @@ class Types:
         name = item.name.lower()
         if name in self.records or name in self.aliases:
             raise NotSimulated(f"two types of the name `{item.name}`")
+        # Counts of records that contain the new type may differ now.
         self._counts.clear()
         if isinstance(item, s.Alias):
             self.aliases[name] = item.type.lower()
@@ -239,12 +241,14 @@ class Types:
     def _count(self, shape: Shape) -> int:
         """Elements of data, those of the arrays and records in it counted; nothing is built."""
         if shape.sizes:
+            # An empty array counts too, so that arrays of empty ones have a limit.
             return max(1, shape.sizes[0] * self._count(shape.element))
         if shape.type in _PLAIN_TYPES:
             return 1
         if shape.type not in self._counts:
             parts = self.components(shape.type) or {}
             inner = sum(self._count(Shape(self.name(of))) for of in parts.values())
+            # Kept, since records in records would be counted again and again.
             self._counts[shape.type] = max(1, inner)
         return self._counts[shape.type]
 
@@ -258,6 +262,7 @@ class Types:
         if shape.type == "triggdata":
             return Trigger()
         known = predefined.types().get(shape.type)
+        # A signal variable is empty until AliasIO.
         if known is not None and (known.kind == "HANDLE" or shape.type in SIGNAL_TYPES):
             return Handle(shape.type)
         if self.is_unlisted(shape.type):

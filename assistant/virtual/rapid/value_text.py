@@ -60,7 +60,9 @@ def _read_words(words: _Words, shape: Shape, types: Types) -> tuple[Value, _Word
             items.append(item)
         return Array(items), _text_after(rest, "]")
     if shape.type in NUMBERS:
+        # float("x") raises the ValueError for a word of another kind.
         number = float(first["number"] or "x")
+        # A num beyond its range becomes infinite.
         fits = fitted(number, shape)
         if isinstance(fits, float) and not math.isfinite(fits):
             raise ValueError(f"{number:g} is beyond a {shape.type}")
@@ -103,6 +105,7 @@ def value_text(value: Value, shape: Shape, types: Types) -> str:
         case Record(type, parts):
             said = []
             for name, part in parts.items():
+                # A function may have put unrounded numbers into the record.
                 of = types.component(type, name)
                 assert of is not None
                 said.append(value_text(fitted(part, of), of, types))
@@ -116,6 +119,7 @@ def _number_text(value: float) -> str:
         raise ValueError("a number that is not known, as the speed of `vmax` without a robot")
     if isinstance(value, Double):
         return _plain_digits(repr(float(value)))
+    # Nine digits tell every num from its neighbours.
     for digits in range(1, 10):
         text = f"{value:.{digits}G}"
         if fitted(float(text), Shape("num")) == value:
@@ -128,6 +132,7 @@ def _plain_digits(text: str) -> str:
     mantissa, e, exponent = text.upper().partition("E")
     mantissa = mantissa.removesuffix(".0")
     power = int(exponent or 0)
+    # RAPID writes numbers of these sizes without an exponent.
     if -5 < power < 7 or not e:
         return mantissa if not e else _shifted_point(mantissa, power)
     return f"{mantissa}E{power}"
@@ -136,6 +141,7 @@ def _plain_digits(text: str) -> str:
 def _shifted_point(mantissa: str, power: int) -> str:
     """`1.5E3` written out."""
     text = f"{float(f'{mantissa}E{power}'):.17f}".rstrip("0").rstrip(".")
+    # 17 places may not hold a very small number.
     return text if float(text) == float(f"{mantissa}E{power}") else f"{mantissa}E{power}"
 
 
@@ -151,6 +157,7 @@ def saved(controller: Controller, file: s.File) -> str:
     All else stays byte for byte, and so does the value of data that has not changed. Raises
     ValueError if no task of the controller ran the file.
     """
+    # By identity: equal texts may be loaded twice with other data.
     running = (p for p in controller.programs if any(one is file for one in p[0].files))
     program = next(running, None)
     if program is None or file.source is None:
@@ -178,6 +185,7 @@ def _value_changes(
                 continue
             value = value_text(cell.value, cell.shape, types)
             first = _first_values(node, cell, types, text)
+            # Texts are compared, since `1.0` in the file is the 1 in memory.
             if first is not None and value == value_text(first, cell.shape, types):
                 continue
             if node.value is not None and node.value.span is not None:

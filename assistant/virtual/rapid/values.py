@@ -49,6 +49,7 @@ def paired(left: float, right: float) -> tuple[float, float, type[float]]:
         return left, right, one
     if one is Double or two is Double:
         return left, right, Double
+    # A literal beside a num is rounded like one.
     return single(left), single(right), float
 
 
@@ -161,6 +162,7 @@ def overwrite(old: Value, new: Value) -> bool:
         case Record(), Record():
             if old.type != new.type:
                 raise ValueError(f"{new.type} where {old.type} is stored")
+            # A copy first: the new value may be a part of the old one.
             fresh = copied(new)
             assert isinstance(fresh, Record)
             for name, part in fresh.parts.items():

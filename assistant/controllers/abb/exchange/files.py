@@ -105,11 +105,14 @@ def parse_answer(data: bytes) -> Answer | None:
     """Parse an answer file, None if it is incomplete, altered or not an answer."""
     if len(data) > _LONGEST_ANSWER:
         return None
+    # The server may have converted line ends.
     lines = data.decode("latin-1").replace("\r", "").split("\n")
     after, lines = lines[_ANSWER_LINES:], lines[:_ANSWER_LINES]
+    # The end mark comes last: without it the file is incomplete.
     if len(lines) < _ANSWER_LINES or lines[-1] != f"END {lines[0]}":
         return None
     text = "".join(f"{line}\n" for line in lines).encode("latin-1")
+    # Older modules write no checksum; one that is there has to be right.
     checked = any(after)
     if checked and after[0] != _sum(text).decode("ascii"):
         return None
@@ -172,6 +175,7 @@ class _Claimant:
     def parse(cls, data: bytes | None) -> Self:
         """Read a claimant's file; an unknown one where it is missing or damaged."""
         try:
+            # The file may be anybody's: only its beginning is read.
             content = json.loads((data or b"")[:_LONGEST_CLAIM])
             key, who, since, machine = (
                 visible(str(content[name])[:200]) for name in ("key", "who", "since", "machine")
@@ -189,6 +193,7 @@ class _Claimant:
             os.kill(self.process, 0)
         except ProcessLookupError:
             return True
+        # Another user's process: it lives.
         except (OSError, OverflowError):
             return False
         return False
@@ -247,8 +252,10 @@ class Claim:
             return
         if not self._disk.claim(self._folder):
             holder = self._holder()
+            # A process of this computer that has died cannot free its claim.
             if holder.dead:
                 self.clear()
+            # Others may have claimed in between: only one of them gets the folder.
             if not holder.dead or not self._disk.claim(self._folder):
                 there = self._files.programs.address
                 raise Refused(rules.BUSY(place=str(there), who=holder.who, since=holder.since))
@@ -270,6 +277,7 @@ class Claim:
     def free(self) -> None:
         """Let others exchange poses again."""
         if self.held:
+            # An empty key: the file of the claim is missing, as after a cut while it was written.
             if self._holder().key in (self._own.key, ""):
                 self.clear()
             self.held = False
@@ -278,6 +286,7 @@ class Claim:
         """Remove the claim, whoever holds it; the folder goes last."""
         self.held = False
         if self._disk is not None:
+            # The folder last: as long as it is there, no one else can claim.
             self._files.remove(self._file)
             self._disk.release(self._folder)
 
@@ -289,5 +298,6 @@ def _machine() -> str:
     """Name the computer and, where there are such, its name space of processes."""
     space = ""
     with suppress(OSError):
+        # A container has process numbers of its own: the same number there is another process.
         space = str(FilePath("/proc/self/ns/pid").readlink())
     return f"{socket.gethostname()} {space}".strip()

@@ -162,6 +162,7 @@ class PoseSender(ABC):
         finally:
             try:
                 self._claim.free()
+            # The claim stays if the session is lost; the error that ended the exchange tells more.
             except Refused:
                 if error is None:
                     raise

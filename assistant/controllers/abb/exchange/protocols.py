@@ -68,6 +68,7 @@ class PoseExchange(PoseSender):
         self._names = file_names(prefix)
         self._left: bytes | None = None
         self._timeout = timeout
+        # At random: an answer that an earlier exchange left has another number.
         self._number = random.randrange(1, files.LARGEST_NUMBER // 2)  # noqa: S311 - no secret
         self._in_step = False
 
@@ -101,6 +102,7 @@ class PoseExchange(PoseSender):
                 self.ended = "the robot stands still, and its program has ended"
                 return answer
             self._pause()
+        # Nobody answered: the files would stop or move a program that starts later.
         for file in ("request", "taken", "stop"):
             self._remove(file)
         self.ended = (
@@ -112,6 +114,7 @@ class PoseExchange(PoseSender):
     def _move(self, pose: Pose, configuration: Configuration | None, through: bool) -> Answer:
         word: Word = "pass" if through else "move"
         checked_configuration(configuration)
+        # The program counts from the number of a `where` request, and refuses others as foreign.
         if not self._in_step or self._number == files.LARGEST_NUMBER:
             self.current_pose()  # the robot counts from the number of such a request
         return self._ask(word, pose, configuration, self._longest)
@@ -126,6 +129,7 @@ class PoseExchange(PoseSender):
             self._number = _next_number(self._number)
             if not self._in_step:
                 self._forget_unread()
+            # Out of step until the answer is there: an error in between leaves the count unknown.
             number, began, self._in_step = self._number, time.perf_counter(), False
             self._hand_over(files.request_file(number, word, pose, configuration))
             answer = self._answer(number, word, longest, began)
@@ -151,6 +155,7 @@ class PoseExchange(PoseSender):
             if self.ended:  # another thread stopped it meanwhile
                 raise Refused(rules.ENDED(place=self._place, reason=self.ended))
             now = time.perf_counter()
+            # A file that is still being written, or the old one, is no damaged answer.
             if answer is not None or data in (None, self._left):
                 unread = now
             elif now - (unread or handed) > UNREADABLE_AFTER:
@@ -168,6 +173,7 @@ class PoseExchange(PoseSender):
     def _ask_after(self, number: int, word: Word, longest: float) -> None:
         """Raises Refused if the program has not taken the request of a motion, or was stopped."""
         self._claim.check()
+        # Modules without checksums do not rename the requests that they take.
         if self.checked and not self._is_taken(number):
             data = self._look("answer")
             answer = None if data is None else files.parse_answer(data)
@@ -332,6 +338,7 @@ class PlainExchange(PoseSender):
             raise Refused(rules.ENDED(place=self._place, reason=self.ended))
         with self._claimed():
             self._number += 1
+            # Requests have no numbers: an old answer would pass for the new one.
             self._clear()
             began = time.perf_counter()
             self._hand_over(_plain_question(pose, configuration))
@@ -368,6 +375,7 @@ class PlainExchange(PoseSender):
         """Puts the files there, each whole, the first one last; takes them back if one fails."""
         self._asked = True
         try:
+            # The first file last: some programs wait for that one only.
             for name, text in reversed(list(zip(self._names.sent, texts, strict=True))):
                 self._files.put(name, text)
         except common.Lost:
@@ -385,6 +393,7 @@ class PlainExchange(PoseSender):
         while True:
             looking, looks = time.perf_counter(), looks + 1
             there = self._there()
+            # Once gone it stays taken: a program may be writing its own files of that name.
             taken = taken or question not in there
             if taken and there.issuperset(name.lower() for name in self._names.answers):
                 texts = [self._files.look(name) or b"" for name in self._names.answers]
@@ -464,6 +473,7 @@ def _plain_question(pose: Pose | None, configuration: Configuration | None) -> _
 
 
 def _plain_row(values: tuple[float, ...], decimals: int) -> bytes:
+    # + 0.0 turns -0.0 into 0.0.
     return f"[{','.join(f'{value + 0.0:.{decimals}f}' for value in values)}]\n".encode("ascii")
 
 
@@ -474,6 +484,7 @@ def parse_plain_answer(number: int, texts: Sequence[bytes]) -> Answer | None:
     if place is None or turn is None or configuration is None:
         return None
     length = math.hypot(*turn)
+    # A quaternion far from unit length, or a broken configuration, is half a file.
     if abs(length - 1.0) > 1e-3 or any(one != int(one) for one in configuration):
         return None
     x, y, z = place
@@ -494,6 +505,7 @@ def _plain_values(text: bytes, count: int) -> tuple[float, ...] | None:
     line = text.decode("latin-1").strip()
     row = re.fullmatch(r"\[(.*)\]", line)
     parts = line.split() if row is None else row[1].split(",")
+    # float() accepts `1_0`, which no controller writes.
     if any("_" in part for part in parts):
         return None
     try:

@@ -139,6 +139,7 @@ class Module:
             module=self.module,
             tool=self.tool,
             work_object=self.work_object,
+            # wobj0 is the default of every move: leaving it out reads as people write it.
             wobj="" if self.work_object == "wobj0" else f"\\WObj:={self.work_object}",
             speed=self.speed,
             zone=self.zone,
@@ -227,6 +228,7 @@ def _no_name(given: str, template: str) -> str:
         return f"it has more than {_LONGEST_NAME} characters"
     if _RESERVED.fullmatch(given.lower()):
         return "the word is reserved"
+    # `fine` is a word of the template, but the name of a zone as well.
     if given.lower() != "fine" and given.lower() in _own_words(template):
         return "the module uses the word itself"
     return ""
@@ -239,6 +241,7 @@ def _text_of(template: str) -> str:
 @cache
 def _own_words(template: str) -> frozenset[str]:
     """Words of a template in lower case, names that it declares and calls among them."""
+    # Comments and template statements declare nothing.
     text = re.sub(r"\{[{%].*?[%}]\}|!.*", "", _text_of(template))
     return frozenset(word.lower() for word in re.findall(r"[A-Za-z]\w*", text))
 

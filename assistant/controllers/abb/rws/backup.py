@@ -47,6 +47,7 @@ def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str
     with backup_folder.appearing_folder(folder, _KIND) as place:
         name = f"assistant_{datetime.now():%Y%m%d_%H%M%S_%f}"
         path = f"{_VOLUME}/{name}"
+        # The backup is deleted on the controller's disk, whatever becomes of this copy.
         try:
             _make(session, files, path)
             for found, size in files.tree(path):
@@ -55,6 +56,7 @@ def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str
             if session.connected:
                 files.discard(path)
         written = backup_folder.backup_files(place)
+        # A backup without its own description was read before the controller had finished it.
         if not any(one.lower() == _INFO_FILE for one in written):
             raise session.garbled("reading the backup", f"it has no `{_INFO_FILE}`")
         return written
@@ -69,6 +71,7 @@ def _make(session: Session, files: Files, path: str) -> None:
     until = time.monotonic() + patience
     pause = _FIRST_POLL
     while not _ready(session, number if number.isalnum() else ""):
+        # Small backups are ready at once, large ones take minutes: look less and less often.
         if time.monotonic() + pause > until:
             state = "the backup may still be under way on the controller"
             place = str(session.address)
@@ -163,6 +166,7 @@ class Restore:
         self._now = now
         self._then = then
         self._tasks = dict(_TASK_LINE.findall(_backinfo(then)))
+        # The files that describe a backup differ in each one.
         differing = [
             n for n in sorted(then) if now.get(n) != then[n] and not _matches(n, _INFO_PATTERNS)
         ]
@@ -191,6 +195,7 @@ class Restore:
             for name in self.changes:
                 self._put(name, self._then[name])
                 done.append(name)
+        # Without a connection nothing can be put back.
         except rules.Lost as error:
             raise rules.Lost(*error.findings, self._partly(name, done)) from None
         except Refused as error:
@@ -232,8 +237,10 @@ class Restore:
         A folder that holds other files does not name it. A parameter file also counts as the domain
         in its text.
         """
+        # The head of the text decides which parameters a file replaces, whatever its name is.
         domain = _DOMAIN_HEAD.match(self._then[name]) if _PARAMETER_FILE.fullmatch(name) else None
         names = [name, *([f"SYSPAR/{domain[1].decode('ascii')}.cfg"] if domain is not None else [])]
+        # A folder such as `SYSPAR` names too much: a file that is left out has to be named closer.
         unnamed = [
             n for n in names if not any(_is_meant(n, asked, tuple(_LEFT_OUT)) for asked in wanted)
         ]
@@ -279,6 +286,7 @@ class Restore:
         """Puts all parameters of a domain into the place of those that are there."""
         session = self._parts.session
         form = {"filepath": self._parts.files.path(path), "action-type": "replace"}
+        # Checked before loading: half of a wrong file could take effect.
         if "check settings" in session.dialect.operations:
             with suppress(NotThere):  # an older system looks when it loads
                 session.ask("check settings", doing=f"checking `{name}`", form=form)
@@ -295,6 +303,7 @@ def restore(parts: RestoreParts, folder: str | FilePath, only: Sequence[str]) ->
             raise Refused(rules.NOT_IN_BACKUP(name=one, known=known, place=str(folder)))
     with tempfile.TemporaryDirectory(prefix="robot-assistant-") as place:
         current = FilePath(place) / "now"
+        # Compared with a fresh backup: the controller may have changed since the last one.
         back_up(parts.session, parts.files, current)
         return Restore(parts, backup_folder.backup_contents(current, _KIND), then, only)
 

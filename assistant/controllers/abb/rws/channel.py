@@ -65,6 +65,7 @@ class Channel:
 
     def say_good_bye(self) -> None:
         with suppress(OSError, WebSocketException):
+            # RWS 2.0 hangs up on a client that sends anything else than the farewell.
             if self._is(State.OPEN):
                 self._protocol.send_close(1000)
                 self._send()
@@ -82,6 +83,7 @@ class Channel:
         """Raises TimeoutError after these seconds, however much came of what nobody waits for."""
         until = time.monotonic() + timeout
         while not over():
+            # A chunk at a time: unwanted data must not keep the loop beyond its time.
             self._read(max(until - time.monotonic(), _LEAST))
             if time.monotonic() > until and not over():
                 raise TimeoutError("timed out")
@@ -93,8 +95,10 @@ class Channel:
             self._protocol.receive_data(data)
         else:
             self._protocol.receive_eof()
+        # The protocol answers pings and closings by itself: its answers have to be sent.
         self._send()
         for one in self._protocol.events_received():
+            # Messages may come in several frames.
             if isinstance(one, Frame) and one.opcode in _CONTENTS:
                 self._part += one.data
                 if one.fin:

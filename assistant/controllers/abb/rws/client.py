@@ -140,6 +140,7 @@ class Rws(RapidFiles):
 
     def stored_in_memory(self, text: bytes) -> bytes:
         """Lines without the blanks at their ends, which controllers do not keep."""
+        # Controllers drop blanks at the ends of lines when they load a module.
         lines = lines_of(text.strip().decode("latin-1"))
         return b"\n".join(line.encode("latin-1").rstrip() for line in lines)
 

@@ -41,6 +41,7 @@ class Files:
     def path(self, name: str) -> str:
         """A path as the dialect writes it: `$HOME/parts` or `HOME/parts`."""
         volume, _, rest = name.partition("/")
+        # RAPID writes `HOME:`, RWS 1.0 `$HOME`, RWS 2.0 `HOME`.
         place = f"{self._session.dialect.unit}{volume.removesuffix(':').lstrip('$')}"
         return f"{place}/{rest}" if rest else place
 
@@ -60,6 +61,7 @@ class Files:
             (f.name for f in found if f.name in ("", ".", "..") or "/" in f.name or "\\" in f.name),
             None,
         )
+        # Names of a server become local paths: none may lead out of the folder.
         if bad is not None:
             raise self._session.garbled(doing, f"an entry `{bad}`")
         return tuple(sorted(found, key=lambda one: one.name))
@@ -87,6 +89,7 @@ class Files:
             answer = self._session.ask("read file", doing=doing, at=self._at(name))
         except NotThere:
             return None
+        # Without a marked end a cut transfer looks complete: the listing tells the size.
         if not answer.framed and len(answer.data) != self._size(name):
             raise self._session.garbled(doing, f"it ends after {len(answer.data)} bytes")
         return answer.data
@@ -157,6 +160,7 @@ class Files:
     def make_folder(self, name: str) -> None:
         """Make a folder, and those above it, if it is missing."""
         parent, _, last = name.rpartition("/")
+        # The volume itself has no parent, and is always there.
         if not parent or any(f.folder and f.name == last for f in self._there(parent)):
             return
         self._session.ask(
@@ -178,6 +182,8 @@ class Files:
         except rules.Lost:
             raise
         except Refused:
+            # The refusal may have another reason: only a
+            # folder that is there says that it is taken.
             if any(found.name.lower() == name.lower() for found in self.listing(parent)):
                 return False
             raise
@@ -206,6 +212,7 @@ class Files:
         if old is None:
             self._rename(folder, temporary, name, f"there is no `{name}`, or it is the new file")
             return
+        # RWS never renames over a file: the old one waits under another name.
         aside = free_aside(name, there)
         state = f"`{name}` there is as it was, or is `{aside}`"
         self._rename(folder, old, aside, state)

@@ -55,6 +55,8 @@ class Rapid:
                     f"use the task `{name}`", "there is no such task", f"use {known}"
                 )
             return self._name(found)
+        # Without a name, the first task that moves an arm;
+        # a controller without one uses its first task.
         moving = [row for row in rows if row.get("motiontask").lower() == "true"]
         if not rows:
             raise self._session.refusal(
@@ -77,6 +79,7 @@ class Rapid:
         where = self.task(task)
         self.checked(module, "module")
         doing = f"reading the module `{module}` of `{where}`"
+        # RWS 1.0 takes the task in the query, RWS 2.0 in the path.
         apart = "{task}" not in self._session.dialect.operations["text"].path
         query = {"task": where} if apart else {}
         answer = self._session.ask(
@@ -99,6 +102,7 @@ class Rapid:
         doing = f"loading `{path}` into `{where}`"
         self._stopped(doing)
         program = path.lower().endswith(_PROGRAM_SUFFIX)
+        # Loading and the move to main under one mastership: no other client comes in between.
         with self._mastership.of("rapid", doing):
             if program:
                 form = {"progpath": self._files.path(path), "loadmode": "replace"}
@@ -238,6 +242,7 @@ class Rapid:
 
 def _as_file(text: str, *, quoted: bool) -> bytes:
     """A module's text in the bytes of a file, which are ISO 8859-1 as far as that goes."""
+    # The answer is UTF-8; files on the disk of a controller are ISO 8859-1.
     data = unquote_to_bytes(text) if quoted else text.encode()
     try:
         return data.decode().encode("latin-1")
@@ -331,6 +336,7 @@ class Data:
             return {"task": where, "module": module, "name": name}
         found = self._modules(name, where)
         if len(found) != 1:
+            # Data of one name may be in several modules: a guess could write to the wrong one.
             reason = f"it is in {', '.join(found)}" if found else "there is no such data"
             raise self._session.refusal(
                 f"tell which `{name}` of `{where}` is meant", reason, "name the module as well"

@@ -82,14 +82,17 @@ def subscribed(
     form: list[str] = []
     for number, name in enumerate(names[:most], start=1):
         place, priority = _resource(session, signals, name)
+        # The body is written by hand: `urlencode` would escape the semicolons of resources.
         form.append(f"resources={number}&{number}={place}&{number}-p={priority}")
     doing = f"subscribing to {', '.join(names)}"
     answer = session.ask("subscribe", doing=doing, body="&".join(form).encode())
+    # Versions differ in where they state the place of the WebSocket.
     where = answer.location or _link(answer)
     group = _GROUP_ADDRESS.search(where)
     if group is None:
         raise session.garbled(doing, f"the place of the events is `{where}`")
     with ExitStack() as stack:
+        # Ended before the WebSocket is opened, too: the group exists from the answer on.
         stack.callback(_unsubscribe, session, group[1])
         channel = _channel(session, f"/poll/{group[1]}", stack)
         yield Events(session, channel, _of_rows(answer.rows))
@@ -126,6 +129,7 @@ def _channel(session: Session, path: str, stack: ExitStack) -> Channel:
     from assistant.controllers.abb.rws.channel import opened
 
     uri = f"{'wss' if session.dialect.secure else 'ws'}://{session.authority}{path}"
+    # The cookie makes the WebSocket part of the session.
     place, headers = (session.address.host, session.address.port), {"Cookie": session.cookie}
     subprotocol = session.dialect.subprotocol
     try:
@@ -194,12 +198,15 @@ def watch(
         while True:
             told = list(_waiting_events(events))
             running = panel.running()
+            # Events of the execution come 0.2 s late; while
+            # programs run, their lines change without any.
             old = events is None or running or running != state.running or bool(told)
             if old or time.monotonic() > asked + _FULL_LOOK_INTERVAL:
                 state, asked = panel.state(rapid.tasks()), time.monotonic()
             if names and (events is None or not values or any(_of_signal(e) for e in told)):
                 values = signals.values(names, frozenset())
             yield Sample(time.monotonic() - began, state, panel.position(), dict(values))
+            # A late sample shifts the next ones: they are not made up for in a burst.
             due = max(due + interval, time.monotonic())
             time.sleep(max(0.0, due - time.monotonic()))
 

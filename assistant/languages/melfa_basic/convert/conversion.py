@@ -352,8 +352,8 @@ def conversion(
         return None  # the pseudo-program has procedures, which every dialect says in its way
     if origin.robot is None:
         read, as_read = None, program == origin.lifted
-    # With or without the arm: whichever lift gives this very program is how it was read.
     else:
+        # With or without the arm: whichever lift gives this very program is how it was read.
         arms = dict.fromkeys([None, robot])
         read, as_read = next(((a, True) for a in arms if lift(trees, a) == program), (None, False))
     if not as_read:

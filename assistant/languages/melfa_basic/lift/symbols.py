@@ -431,7 +431,6 @@ class Symbols:
             return e.Name(names["tool"][key])
         if self.own and key in names["frame"] and not self.header.products:
             return e.Apply("inverse", (e.Name(names["frame"][key]),))
-        # With products of frames and targets, the variable holds the frame itself.
         return None
 
     def target_name(self, written: str) -> str:
