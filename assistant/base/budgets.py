@@ -264,10 +264,24 @@ def _raise(charge: Charge, what: Literal["time", "memory"], now: float) -> None:
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(charge.thread), kind)
 
 
+class _Cancelled(BaseException):
+    """Takes the place of a `Reached` that is pending."""
+
+
 def _cancel(thread: int) -> None:
+    """Leave no `Reached` pending in a thread."""
     import ctypes
 
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None)
+    raise_in = ctypes.pythonapi.PyThreadState_SetAsyncExc
+    if thread != threading.get_ident():
+        raise_in(ctypes.c_ulong(thread), None)
+        return
+    # CPython 3.11 clears its mark of a pending exception only as it raises one. With the mark set
+    # and nothing pending, a profiler makes it look again for ever.
+    with contextlib.suppress(_Cancelled):
+        raise_in(ctypes.c_ulong(thread), ctypes.py_object(_Cancelled))
+        while True:
+            time.sleep(0)
 
 
 _QUIET: Final[list[Callable[[Any], object]]] = []

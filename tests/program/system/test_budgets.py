@@ -149,7 +149,9 @@ from assistant.base.budgets import Stage, within
 
 faulthandler.dump_traceback_later(60, exit=True)  # what holds a lock for ever is told by name
 sys.setswitchinterval(1e-5)
-budgets.PERIOD, budgets.REPEAT_AFTER, budgets.MOST_TIMES = 0.0002, 0.0003, 1000
+for name, value in {"_PERIOD": 0.0002, "_REPEAT_AFTER": 0.0003, "_MOST_TIMES": 1000}.items():
+    assert hasattr(budgets, name)
+    setattr(budgets, name, value)
 outer, inner = Stage("outer", "-", 5e-4, 0, 512, 0), Stage("inner", "-", 2e-4, 0, 512, 0)
 begin, refused = time.monotonic(), 0
 
@@ -198,3 +200,23 @@ def test_what_is_told_while_entering_and_leaving_holds_nothing(seconds: str, ref
         check=False,
     )
     assert (run.stdout.strip(), run.returncode) == ("True 0", 0), run.stderr
+
+
+PROFILED = """
+import sys
+from tests.program.system.test_budgets import code_of, spin
+
+assert code_of(spin) == "LM001"
+calls = []
+sys.setprofile(lambda *told: calls.append(told))
+(lambda: None)()
+sys.setprofile(None)
+print(len(calls) > 0)
+"""
+
+
+def test_a_program_can_be_profiled_after_a_budget_was_reached() -> None:
+    run = subprocess.run(
+        [sys.executable, "-c", PROFILED], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (run.stdout.strip(), run.returncode) == ("True", 0), run.stderr
