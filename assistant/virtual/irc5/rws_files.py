@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final, get_args
@@ -73,10 +75,16 @@ def read_path(cabinet: Cabinet, request: Request) -> Answer:
     try:
         if path.is_dir():
             names = sorted(one for one in path.iterdir() if not one.name.startswith(UNFINISHED))
-            return Answer(listed=[_path_item(one) for one in names])
+            return Answer(listed=list(_path_items(names)))
         return Answer(data=read_file(path))
     except OSError:
         raise _missing_path(request) from None
+
+
+def _path_items(paths: Iterable[FilePath]) -> Iterator[Item]:
+    for one in paths:
+        with suppress(FileNotFoundError):  # a program may delete it meanwhile
+            yield _path_item(one)
 
 
 def _path_item(path: FilePath) -> Item:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ftplib
 import io
+import os
 import socket
 
 import pytest
@@ -44,6 +45,14 @@ def test_a_file_goes_there_and_back(robot, irc5):
     assert robot.client.send("DELETE", robot.file("a.bin")).status in (200, 204)
     assert robot.client.send("GET", robot.file("a.bin")).status == 404
     assert robot.client.send("DELETE", robot.file("a.bin")).status == 404
+
+
+@pytest.mark.skipif(not hasattr(os, "symlink"), reason="no symbolic links")
+def test_a_file_that_vanishes_hides_no_other(robot, irc5):
+    """A link to nothing stands for a file that is deleted as its folder is listed."""
+    assert robot.client.put(robot.file("there.txt"), b"x").status == 201
+    (irc5.folder / "gone.txt").symlink_to(irc5.folder / "nothing")
+    assert names(robot) == [("fs-file", "there.txt")]
 
 
 def test_folders_copies_and_names(robot):
