@@ -122,7 +122,7 @@ class ContactOptions:
 
 @options
 class RecordingOptions:
-    """How long an arm is recorded, and where."""
+    """Options for recording an arm: duration and file."""
 
     seconds: float | None = option("Seconds after which it ends.", min=0.0)
     log: Path | None = option(

@@ -122,7 +122,7 @@ FormatOption = Annotated[
 
 @options
 class ReaderOptions:
-    """How a source is read."""
+    """Options for reading a source."""
 
     process: Path | None = option(
         "Process file; default NAME.process.toml beside it.",
@@ -145,7 +145,7 @@ class ReaderOptions:
 
 @options
 class DrawingOptions(ReaderOptions):
-    """How a source is read, and where a drawing's origin is."""
+    """Options for reading a source and placing a drawing."""
 
     place: str | None = option(
         "Where a drawing's origin stands, mm, and degrees about z, y, x.",
@@ -180,7 +180,7 @@ class WrittenOptions:
 
 @options
 class SightOptions:
-    """Where objects are that frames depend on."""
+    """Options for locating the objects that frames depend on."""
 
     seen: Path | None = option(
         "Where objects were found, for frames that are seen.", default=None, metavar="FILE"

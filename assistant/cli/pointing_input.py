@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 @options
 class PointingOptions:
-    """How places are shown to cameras, and how an arm is led there."""
+    """Options for showing places to cameras and leading an arm there."""
 
     point: Path | None = option(
         "Store places that are shown to these cameras.", metavar="CAMERAS.toml"

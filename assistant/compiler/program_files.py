@@ -355,7 +355,7 @@ class _Grouping:
         for name in sorted(one.loads):
             found = [unit for unit in self.files.get(name, ()) if unit is not one]
             near = [_folder_distance(unit, one) for unit in found]
-            # Of two files equally near, neither is surely meant.
+            # If two files are equally near, neither is certain to be the one.
             if near and near.count(min(near)) == 1:
                 yield found[near.index(min(near))]
 

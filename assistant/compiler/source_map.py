@@ -152,7 +152,7 @@ class Places:
         if not isinstance(known, Declared) or known.table in (None, "procedures", "paths"):
             return None
         spans = self._data.get((known.owner.lower(), known.name.lower()), [])
-        # Of several declarations of a name it is not known which one is meant.
+        # If a name has several declarations, any of them may be meant.
         return spans[0] if len(spans) == 1 else None
 
     @cached_property

@@ -475,7 +475,7 @@ class CyclicCarrier:
             tuple(arm.numbered(arm.limits[:, 0], -1.0).tolist()),
             tuple(arm.numbered(arm.limits[:, 1], 1.0).tolist()),
         )
-        # What was opened is closed again if the loop does not begin.
+        # Close everything that was opened if the loop does not begin.
         with ExitStack() as opening:
             self._leading = opening.enter_context(self._made(limits, opening))
             self._open = opening.pop_all()

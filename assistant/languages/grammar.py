@@ -127,7 +127,7 @@ def acceptor(name: str, starts: tuple[str, ...]) -> Lark:
     from lark.lexer import TerminalDef
 
     text = read_grammar(name)
-    # What lark stores depends on its version.
+    # The data that lark stores depends on its version.
     of = [_CACHE_FORMAT, package.__version__, text, *starts]
     place = kept_place(name, ".lark")
     if place is not None:

@@ -269,7 +269,7 @@ def with_entries(text: str, entries: Iterable[tuple[Wanted, SuppliedValue | None
 
 def open_keys(wanted: Wanted) -> Iterator[tuple[str, str]]:
     """The keys of an entry that are to be filled in, each with a remark on its value."""
-    # Of a signal only the number can be open.
+    # Only the number of a signal can be unknown.
     if wanted.signal is not None:
         wanted = replace(wanted, signal=replace(wanted.signal, number=None))
     for key, given, remark in _keys(wanted, None):

@@ -97,7 +97,7 @@ def ran(*modules: str, entry: str = "main") -> Run:
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Run]:
-    """What each of two drawings does as a program by itself."""
+    """Runs of two drawings, each as a separate program."""
     return {
         name: ran(*texts(made(drawn(tmp_path_factory.mktemp(name), name, at))))
         for name, at in (("left", 0.0), ("right", 50.0))

@@ -200,7 +200,7 @@ SAME = {
 
 @dataclass(frozen=True)
 class Fault:
-    """What somebody typed wrongly. lines: of both, where it shows. said: a part of the answer.
+    """A typing error. lines: of both programs, where it shows. said: a part of the answer.
     runs: how many are tried at most.
     """
 

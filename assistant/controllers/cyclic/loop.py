@@ -674,7 +674,7 @@ class Loop:
         if self._job.kind == "joints":
             away = [abs(a - b) for a, b in zip(values, told, strict=True)]
         else:
-            # Of a pose the distance counts; its turn has no limit here.
+            # Only the distance of a pose is limited here, not its rotation.
             squares = [(a - b) ** 2 for a, b in zip(values[:3], told[:3], strict=True)]
             away = [sum(squares) ** 0.5]
         for column, (distance, allowed) in enumerate(zip(away, most, strict=False)):

@@ -383,7 +383,7 @@ class Leading:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        # What ended it before was raised by a method; only what is new is raised here.
+        # A method has raised an earlier end already; only a new one is raised here.
         before = self._ended
         self._end()
         if error is None and before is None and self._ended is not None:

@@ -156,7 +156,7 @@ def _edited_words(
     here: words of the text. after, new: the new line as it is printed, and its words. key: key by
     which words are compared. None if a changed part is not in the text as it is printed.
     """
-    # Which word of the text each word of the printed old line is.
+    # Word of the text for each word of the printed old line.
     place: dict[int, int] = {}
     mine, theirs = ([key(word) for word in listed] for listed in (old, here))
     for block in SequenceMatcher(None, mine, theirs, autojunk=False).get_matching_blocks():

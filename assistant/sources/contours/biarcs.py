@@ -79,7 +79,7 @@ def _fit_intervals(curve: FreeCurve, tolerance: float) -> Fit:
         tried = _Biarcs.of(curve, todo, tolerance)
         if not tried.finite:
             return _NO_FIT
-        # What fits is done; the rest is halved.
+        # Keep the part that fits and halve the rest.
         done.append(tried.where(tried.fits))
         rest = todo[~tried.fits]
         if not len(rest):

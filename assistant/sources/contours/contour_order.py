@@ -518,7 +518,7 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
         pairs, inside = np.unique(outer * len(contours) + probe // parts, return_counts=True)
         pairs = pairs[inside > parts / 2]
         holder, inner = np.array(closed)[some][pairs // len(contours)], pairs % len(contours)
-        # What reaches out of the box of an outline is not inside it; twins have equal areas.
+        # A contour that leaves the box of an outline is not inside it; twins have equal areas.
         boxed = (low[holder] <= low[inner] + tolerance) & (high[holder] >= high[inner] - tolerance)
         held = boxed.all(axis=1) & (areas[holder] > areas[inner] + tolerance**2)
         found[inner[held]] = holder[held]

@@ -89,7 +89,7 @@ def contour_moves(
     made: list[Line | Arc] = []
     for piece in given.pieces:
         made += _possible_moves(piece, tolerance * FLATTENING_PART, widest)
-    # What was divided may be too short for a move.
+    # A divided piece may be too short for a move.
     made = merge_short_pieces(made, tolerance, closed=contour.closed)
     start = made[0].start if made else contour.start
     found = (given.deviation + spent, given.fitted, given.within, given.dropped)

@@ -528,7 +528,7 @@ def _successor(key: str, entry: Mapping[str, Any], rest: Mapping[str, Any]) -> s
 def _content_with(
     content: Mapping[str, Any], number: int | None, target: TaughtTarget
 ) -> dict[str, Any]:
-    """What a file is meant to hold with a target: a new one, or one that is taught anew."""
+    """Intended content of a file with a new target, or with one that is taught again."""
     entries = list(content.get("targets", []))
     if number is None:
         entries.append({"name": target.name, **target.values, **target.more})

@@ -322,7 +322,7 @@ class Procedural:
             taken = False
         _send_answer(port, _EOT, self._faults)
         if not taken:
-            # What the client sent meanwhile belongs to the exchange that failed.
+            # Bytes that the client sent meanwhile belong to the exchange that failed.
             self._come = b""
 
     def _insist(self, port: Port, data: bytes) -> bool:

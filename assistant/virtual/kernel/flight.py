@@ -240,7 +240,7 @@ class _GoalRows:
         near = found[0][np.isfinite(found[0]).all(axis=1)]
         if not len(near):
             return Refusal(index, "reach")
-        # Of all branches, the one that is closest to its limits names the axis.
+        # The branch closest to its limits names the axis.
         low, high = robot.limits.T
         past = np.maximum(low - near, near - high).max(axis=1)
         best = near[int(past.argmin())]
@@ -394,7 +394,7 @@ class Flight:
         stops = np.array([order.stops for order in orders])
         going_on = going_on and self.refusal is None and not stops[-1]
         stops[-1] |= not going_on
-        # Where the arm stops, no corner is cut on either side.
+        # No corner is cut on either side of a stop.
         rests = last[stops]
         # Copies: the moves are planned again when the next order follows.
         entry, leaving = self._moves.entry.copy(), self._moves.leaving.copy()

@@ -426,7 +426,7 @@ class _Limits:
             return None
         took = [end - start for start, end in zip(before, ends, strict=True)]
         side = stated.index(longest)
-        # What statements of one language take is allowed to the other several times over.
+        # The other language may take several times as long as statements of the first.
         spare = _STATEMENTS * max(took[side] - longest, 0.0)
         if abs(took[0] - took[1]) <= _LIMIT * longest + _LATE + spare:
             return None

@@ -513,7 +513,7 @@ class _Search:
         None for the source.
         """
         run, driver = self._run_through(side, scenario, steps, after, STATEMENT_TIME)
-        # Whether a timer or a counter ended a loop shows when statements take longer.
+        # Longer statements show if a timer or a counter ended a loop.
         if driver.ended_by_timer:
             slower, _ = self._run_through(
                 side, driver.played, steps, after, SLOWER * STATEMENT_TIME
@@ -674,7 +674,7 @@ class _Search:
         self, wiring: Wiring, names: Mapping[str, Moment], played: Scenario
     ) -> Iterator[Scenario]:
         """Every combination of a few inputs where they are read; of more, each one changed."""
-        # Where the last of them is read: what was read before stays as it was.
+        # Inputs change from the last reading on; earlier values stay as they were.
         moment = max(names.values(), key=lambda one: one.order)
         before = played.until(moment)
         state = dict(_driver_state(before))

@@ -271,7 +271,7 @@ def settled(machine: Machine, cell: Cell) -> Cell:
     try:
         with machine.outside(unit):
             declare(machine, cell, node)
-    # What is not simulated stops the run only where the data is asked for, each time anew.
+    # Data that is not simulated stops the run only when it is read, every time.
     except NotSimulated:
         cell.pending = pending
         raise

@@ -259,7 +259,7 @@ def _wait_for_tasks(given: Given) -> None:
     if own not in names:
         raise Fault(f"`{machine.task.name}` waits for tasks and is not in their list")
     come = machine.controller.come
-    # How often this task was here tells apart the meetings of a point that is met repeatedly.
+    # The number of visits of this task distinguishes repeated meetings at one point.
     turn = come[name, own] = come.get((name, own), 0) + 1
     what = f"`{point.name}`, to which not all of {', '.join(names)} come"
 

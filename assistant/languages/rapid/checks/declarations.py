@@ -62,7 +62,7 @@ def module_names(look: RuleContext) -> Found:
     before = list(look.before)
     if any(other.name.lower() == look.module.name.lower() for other in before):
         yield look.finding(rules.SAME_MODULE, look.module, name=look.module.name)
-    # Of two modules with one name at most one is loaded, so their `main` need no finding.
+    # At most one of two modules with one name is loaded: two `main` need no finding.
     elif (main := look.task.main(look.module)) is not None:
         first = next((other for other in before if look.task.main(other) is not None), None)
         if first is not None:

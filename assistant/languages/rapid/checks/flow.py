@@ -168,7 +168,7 @@ def _raised(look: RuleContext, routine: s.Routine, node: s.Node, name: str) -> F
     number = 0.0 if data.value is None else literal_number(data.value)
     if number is None or _may_be_raised(number):
         return
-    # What another module sees may be booked there.
+    # Another module that sees the data may book the number there.
     sure = found.local or found.kind == "CONST"
     what = f"`{name}` is raised with the number {number:g}, and nothing books it"
     severity = Severity.ERROR if sure else Severity.WARNING

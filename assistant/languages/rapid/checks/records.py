@@ -299,7 +299,7 @@ def held_pairs(look: RuleContext) -> Found:
         for node in nodes(routine):
             for row, tool, frame in _tools_and_frames(node):
                 pair = (tool.lower(), frame.lower() or BASE)
-                # What a program changes may be held otherwise by then.
+                # Data that a program changes may have other values by then.
                 if pair in seen or not given.isdisjoint(pair):
                     continue
                 seen.add(pair)

@@ -284,7 +284,7 @@ class _Pulses(Rewording):
         # A computed time is checked by the controller.
         short = seconds is None or SHORTEST_PULSE <= seconds <= LONGEST_PULSE
         plain = plain and short and self.is_steady(node.value)
-        # What has no equivalent stays as it is; `_check_pulse` refuses it when it is built.
+        # A pulse without an equivalent stays as it is; `_check_pulse` refuses it when it is built.
         if node.pulse is None or node.value == ON or not plain:
             yield node
             return

@@ -371,7 +371,7 @@ class _SystemParameters:
             for key, value in row.items()
             if key.replace("_", "").lower() == _WELD_ON
         }
-        # Of several outputs nothing tells which one lights the arc of this program.
+        # With several outputs, nothing shows which one lights the arc of this program.
         found = [outputs[name] for name in names if name in outputs]
         return {ARC_OUTPUT: found[0]} if len(found) == 1 else {}
 

@@ -83,7 +83,7 @@ def _with_cell_errors(modules: Sequence[s.Module]) -> Sequence[s.Module]:
         return node
 
     def item(one: s.Item) -> s.Item:
-        # What handlers call has the error itself.
+        # Routines that handlers call see the error itself.
         if not isinstance(one, s.Routine) or one.name.lower() in handling:
             return one
         body = rewrite(one.body, visit, ())

@@ -330,7 +330,7 @@ class _KnownTexts:
             if routine is not None and mode == "" and value is not None:
                 key = id(routine), str(name).lower()
                 self.given.setdefault(key, []).append((scope, value))
-            # Whether the optional text is there is not known.
+            # The optional text may be there or not.
             elif isinstance(argument, s.Conditional):
                 self.lost.add((id(routine), argument.name.lower()))
             # Any other routine may change the variable that it is given.

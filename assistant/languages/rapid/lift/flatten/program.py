@@ -116,7 +116,7 @@ def flatten(files: Sequence[s.File]) -> FlatProgram | None:
 
     Speeds and zones in records stay whole first: most are constants then.
     """
-    # Whether a program changes speeds or zones shows only in the flat program, so it is made first.
+    # Only the flat program shows if speeds or zones change, so it is made first.
     made = _flattened(files, frozenset())
     return (
         _flattened(files, SPEED_AND_ZONE)

@@ -388,7 +388,7 @@ class RoutineBody:
         again: the block evaluates it where no statement can run first.
         """
         held = self.before
-        # What is evaluated repeatedly cannot be prepared by statements before the block.
+        # Statements before the block cannot prepare a value that is evaluated repeatedly.
         self.before = None if again else held
         try:
             return self.values.plain(condition)

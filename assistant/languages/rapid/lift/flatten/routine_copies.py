@@ -530,7 +530,7 @@ class _Copies:
                 case s.Option(name, s.Node() as value):
                     options[name.lower()] = value
                 case s.Conditional(name):
-                    # Whether it is there is known only while the program runs.
+                    # Only the running program knows if it is there.
                     if any(q.key == name.lower() for q in one.parameters):
                         return None
         given: list[s.Expression | None] = []

@@ -72,7 +72,7 @@ def _dead_variables(modules: Sequence[s.Module], program: ProgramData) -> set[st
         match node:
             case s.NameRef(name):
                 named[name.lower()] += 1
-            # What is assigned to a parameter by reference is read by the caller.
+            # The caller reads a value assigned to a parameter by reference.
             case s.ParameterNode(mode, _, name) if mode:
                 live.add(name.lower())
             case s.Assignment(target, value) if (found := root(target)) is not None:

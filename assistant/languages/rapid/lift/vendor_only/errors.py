@@ -223,7 +223,7 @@ class _ErrorLowering:
         for node in body:
             node = map_bodies(node, self.body)
             parts = tuple(self.statement(node))
-            # What is made for a statement belongs to its source line.
+            # Statements made for another one belong to its source line.
             made += (x if x.span else replace(x, span=node.span) for x in parts)
         return tuple(made)
 

@@ -185,7 +185,7 @@ def with_held_moves(program: Program, findings: Findings) -> Program:
                 with findings.at(node.span):
                     findings.append(rules.LEFT_OUT(what="StopMove", loss=loss, cure=cure))
             else:
-                # What follows a loop need not run after its body, which may run again first.
+                # The statements after a loop may not run next: the body may run again first.
                 inside = () if isinstance(node, p.While | p.For) else behind
                 made.append(map_bodies(node, partial(body, after=inside)))
         return tuple(made)
