@@ -17,7 +17,7 @@ from typing import Final
 
 LANGUAGES: Final = Path(__file__).parent.parent / "assistant" / "languages"
 PROGRAM: Final = LANGUAGES.parent / "program"
-SHARED_ROOMS: Final = ("checks", "recovery", "runs", "settings", "texts")
+SHARED_ROOMS: Final = ("checks", "recovery", "runs", "texts")
 """Folders beside the languages that are none: what one room of all of them shares."""
 SILENT: Final = frozenset(
     {

@@ -31,7 +31,7 @@ def spelled_like(
 
 
 def near_names(given: str, known: Iterable[str]) -> tuple[str, ...]:
-    """Those that begin as the given one does, else those that are spelled like it; the best first.
+    """Return the names that begin with the given one, else those that are spelled like it.
 
     Case, blanks and punctuation do not count: `IRB 4600` begins three arms.
     """
@@ -49,11 +49,8 @@ def did_you_mean(given: str, known: Iterable[str], otherwise: str) -> str:
     near = near_names(given, known)
     if not near:
         return otherwise
-    return (
-        f"did you mean {', '.join(near[:-1])} or {near[-1]}?"
-        if len(near) > 1
-        else (f"did you mean {near[0]}?")
-    )
+    *others, last = near
+    return f"did you mean {', '.join(others)} or {last}?" if others else f"did you mean {last}?"
 
 
 def _letters_and_digits(name: str) -> str:

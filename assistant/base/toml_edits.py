@@ -23,8 +23,8 @@ COMMENT_COLUMN: Final = 30
 _REMARK: Final = re.compile(r"[^\S\n]#(?=[^#]*$)(.*)$")
 _NEXT_REMARKS: Final = re.compile(r"(?<=\n)[^\S\n]*\n(?:[^\S\n]*#[^\n]*\n)+\Z")
 """Comments after a blank line at the end of a table: those of the next table."""
-_LARGEST_WHOLE: Final = 1e15
-"""Least number that is not written as an integer."""
+_WHOLE_BELOW: Final = 1e15
+"""From here on numbers are not written as integers."""
 
 # ------------------------------------------------------------------------------------ values
 
@@ -47,7 +47,7 @@ def toml_item(value: Any) -> Item:
             for key, one in value.items():
                 table.append(_key([str(key)]), toml_item(one))
             return table
-        case float() if value.is_integer() and abs(value) < _LARGEST_WHOLE:
+        case float() if value.is_integer() and abs(value) < _WHOLE_BELOW:
             return tomlkit.item(int(value))
         case str():
             # Raises ValueError for lone surrogates, which no TOML file can hold.
@@ -126,8 +126,8 @@ def with_values(text: str, values: Mapping[KeyPath, Any]) -> str | None:
     """Return a text in which keys have these values; None removes a key or a dotted table.
 
     Entries of arrays go by their number from 0. A key that is commented out with `#`, as a choice,
-    is replaced there. None for invalid TOML and if anything else would change its meaning. Raises
-    ValueError for a value that TOML cannot express.
+    is replaced there. Returns None if the text is no TOML, or if other keys would change as well.
+    Raises ValueError for a value that TOML cannot express.
     """
     content = toml_content(text)
     for path, value in values.items():
@@ -178,6 +178,8 @@ def _set(content: Any, path: KeyPath, value: Any) -> bool:
     meant = None if value is None else (toml_content(f"it = {toml_value(value)}") or {}).get("it")
     here = content
     for part in path[:-1]:
+        if value is None and isinstance(here, dict) and part not in here:
+            return True  # there is nothing to remove
         here = here.setdefault(part, {}) if isinstance(here, dict) else _entry(here, part)
     if not isinstance(here, dict) or (value is not None and meant is None):
         return False

@@ -133,8 +133,12 @@ def serve() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asked ends this process
     requests, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
-    with contextlib.suppress(EOFError, OSError):
-        while True:
+    while True:
+        try:
             function, argument = pickle.load(requests)  # noqa: S301 (of who started this one)
-            answers.write(pickle.dumps(function(argument)))
+        except (EOFError, OSError):
+            return  # who asked has ended
+        answer = pickle.dumps(function(argument))
+        with contextlib.suppress(OSError):  # the next reading ends the loop
+            answers.write(answer)
             answers.flush()

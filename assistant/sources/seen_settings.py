@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final, Literal
 
 _NOT_AN_ADDRESS: Final = "is no address at which a program can ask"
@@ -38,7 +38,7 @@ DEFAULT_TRUST: Final = Trust()
 
 @dataclass(frozen=True, slots=True)
 class PoseServer:
-    """Whom a program asks as it runs.
+    """Server that a program asks as it runs.
 
     kind: `client` connects to another computer, `server` waits for it at its own address, `line` is
     a communication line of the controller, whatever it is. number: of the port, or of the line.
@@ -82,7 +82,7 @@ class SeenSettings:
     """
 
     ask: PoseServer | None = None
-    trust: Trust = field(default=DEFAULT_TRUST)
+    trust: Trust = DEFAULT_TRUST
     found: str = ""
 
 

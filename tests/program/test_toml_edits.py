@@ -18,6 +18,8 @@ ENTRIES = "[[t]]\nn = 1\n\n[t.s]\nv = 1\n\n[[t]]\nn = 2  # two\n[[t.u]]\nw = 1\n
 @pytest.mark.parametrize(
     ("before", "path", "value", "after"),
     [
+        ("a = 1\n", "b.c", None, "a = 1\n"),
+        ("a = 1\n", "b.c.d", None, "a = 1\n"),
         # Comments at ends of lines keep their column while there is room, tabs and blanks stay.
         ("a = 1   # one\nb=2\n", "a", 100, "a = 100 # one\nb=2\n"),
         ("a = 100 # one\n", "a", 1, "a = 1   # one\n"),

@@ -75,10 +75,10 @@ _LITTLE_CUT: Final = 1e-7
 """mm by which a corner shortens a way at least to count."""
 
 _FIRST_PATH_ROW, _AXIS_ROW = 1, 4
-"""Rows of `Bounds.limits`: what it is bound by, from 1 on as in `profile`; the last is an axis."""
+"""Rows of `_Bounds.limits`: what it is bound by, from 1 on as in `Profile`; the last is an axis."""
 
 _SpeedLimits = tuple[Floats, NDArray[np.uint8]]
-"""(p,) the highest speeds and what makes them so, see `profile`."""
+"""(p,) the highest speeds and what makes them so, see `Profile`."""
 
 
 class _Bounds:
