@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 import yaml
-from typer.main import get_command
+from click import Context
 
 from assistant import languages, sources
 from assistant.cli.app import app
@@ -50,7 +50,6 @@ def words_of(line: str) -> list[str]:
 
 
 def test_all_commands_of_these_files_are_commands_of_this_program():
-    known: Any = get_command(app)
     lines = [hook["entry"] for hook in HOOKS]
     lines += [step["run"] for step in ACTION["runs"]["steps"] if "run" in step]
     for block in re.findall(r"^```\w+\n(.*?)^```", PAGE, re.M | re.S):
@@ -62,7 +61,7 @@ def test_all_commands_of_these_files_are_commands_of_this_program():
     ]
     assert len(ours) >= 10
     for line in ours:
-        command = known.commands[line.split()[0]]
+        command = app.get_command(Context(app), line.split()[0])
         assert set(words_of(line)) <= {name for one in command.params for name in one.opts}, line
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from typer.main import get_command
+from click import Context
 
 from assistant.cli.app import app
 
@@ -21,7 +21,8 @@ ASKS_ON_ITS_PAGE = {"studio"}
 
 def commands(group, path=()):
     """Names of all commands, with what options and arguments they take."""
-    for name, one in group.commands.items():
+    for name in group.list_commands(Context(group)):
+        one = group.get_command(Context(group), name)
         inner = getattr(one, "commands", None)
         if inner is None or one.invoke_without_command:
             yield " ".join((*path, name)), {word for given in one.params for word in given.opts}
@@ -34,14 +35,14 @@ def rows():
 
 
 def test_every_command_is_in_the_table():
-    known = dict(commands(get_command(app)))
+    known = dict(commands(app))
     assert len(known) > 40
     assert set(rows()) == set(known)
     assert len(ROW.findall(PAGE)) == len(known)
 
 
 def test_those_ask_that_can_be_answered_in_advance():
-    known = dict(commands(get_command(app)))
+    known = dict(commands(app))
     assert {n for n, (_, _, asks) in rows().items() if asks} - ASKS_ON_ITS_PAGE == {
         name for name, options in known.items() if "--yes" in options
     }
@@ -50,14 +51,14 @@ def test_those_ask_that_can_be_answered_in_advance():
 
 
 def test_what_is_written_are_options_that_there_are():
-    known = dict(commands(get_command(app)))
+    known = dict(commands(app))
     for name, (here, there, _) in rows().items():
         named = set(re.findall(r"`(--?[a-z-]+)`", here + there))
         assert named <= known[name], name
 
 
 def test_those_reach_a_controller_that_are_given_one():
-    known = dict(commands(get_command(app)))
+    known = dict(commands(app))
     quiet = ("nothing", "is one", "virtual ones of its own")
     reaching = {name for name, (_, there, _) in rows().items() if there not in quiet}
     assert reaching == TALKS | {n for n, options in known.items() if "cell" in options}

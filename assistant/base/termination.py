@@ -31,6 +31,8 @@ ORDINARY_SIGNALS: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 """Those that end every command in order. Ctrl-Z halts it, and SIGQUIT ends it where it is."""
 SIGNAL_EXIT_STATUS: Final = 128
 """Number that shells add to a signal's number for the exit status of a program that it ended."""
+INTERRUPTED: Final = SIGNAL_EXIT_STATUS + signal.SIGINT
+"""Exit status that shells expect of a program ended by Ctrl-C."""
 _WAKE_INTERVAL: Final = 0.25
 """Seconds after which a signal is met at the latest that the system gave to another thread."""
 SignalHandler = Callable[[int, object], None]

@@ -13,15 +13,18 @@ from typing import Final
 
 from assistant.base.budgets import FACTOR_VARIABLE, Reached, internal_error, traceback_wanted
 from assistant.base.diagnostics import Refused, error
-from assistant.base.termination import ORDINARY_SIGNALS, SIGNAL_EXIT_STATUS, raise_on_termination
+from assistant.base.termination import (
+    INTERRUPTED,
+    ORDINARY_SIGNALS,
+    SIGNAL_EXIT_STATUS,
+    raise_on_termination,
+)
 
 NOT_PRINTED = error(
     "CL901",
     "the system refuses: {reason}",
     "make room, or name another place; what was printed may be cut off",
 )
-INTERRUPTED: Final = 130
-"""Exit status that shells expect of a program ended by Ctrl-C."""
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -10,16 +10,18 @@ from __future__ import annotations
 import importlib
 import os
 import re
-from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
-import typer
-from typer.core import TyperGroup
+import click
 
 from assistant import __version__
 from assistant.base.diagnostics import Refused
-from assistant.cli.command import function_of
+from assistant.base.termination import INTERRUPTED
+from assistant.cli.command import Group, click_command, option, options, parameters
+from assistant.cli.shell_completion import VARIABLE, Shell, add_power_shell, script
 
 _NOT_AN_ADDRESS: Final = re.compile(r"[A-Za-z_$][^=:@/]*=|[A-Za-z]:[\\/]")
 """Assignments, `text="a:b@c"`, and paths on a Windows drive."""
@@ -100,71 +102,39 @@ COMMANDS: Final[Mapping[str, str]] = {
     "objects": "known_objects",
 }
 """Command, in the order of the help → the module of this folder that has it: a class of its name
-with a capital, or the `Typer` of a group.
+with a capital, or a group.
 """
 _NEGATIVE_ARGUMENTS: Final = frozenset({"jog"})
 """Commands with an argument that may begin with a minus."""
 
 
-class _Commands(MutableMapping[str, Any]):
-    """Commands by name. Each is imported and built on first use: all of them together take a fifth
-    of the time that `check` takes for a small program.
-    """
-
-    def __init__(self) -> None:
-        self._made: dict[str, Any] = dict.fromkeys(COMMANDS)
-
-    def __getitem__(self, name: str) -> Any:
-        if self._made[name] is None:
-            self._made[name] = _command(name)
-        return self._made[name]
-
-    def __setitem__(self, name: str, command: Any) -> None:
-        self._made[name] = command
-
-    def __delitem__(self, name: str) -> None:
-        del self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._made)
-
-    def __len__(self) -> int:
-        return len(self._made)
-
-
-def _command(name: str) -> Any:
+@cache
+def _command(name: str) -> click.Command:
     module = importlib.import_module(f"assistant.cli.{COMMANDS[name]}")
     found = getattr(module, name, None)
-    if not isinstance(found, typer.Typer):
-        found = typer.Typer(add_completion=False, rich_markup_mode=None)
-        minus = {"ignore_unknown_options": True} if name in _NEGATIVE_ARGUMENTS else None
-        function = function_of(getattr(module, name.capitalize()))
-        found.command(name, context_settings=minus)(function)
-    command = typer.main.get_command(found)
-    command.name = name
-    return command
+    if isinstance(found, click.Group):
+        found.name = name
+        return found
+    minus = {"ignore_unknown_options": True} if name in _NEGATIVE_ARGUMENTS else None
+    return click_command(getattr(module, name.capitalize()), name, context_settings=minus)
 
 
-_BUILT: Final = _Commands()
-"""A process may run several commands: each is built once."""
+class _Commands(Group):
+    """All commands. Each is imported and built on first use: all of them together take a fifth of
+    the time that `check` takes for a small program.
+    """
 
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return list(COMMANDS)
 
-class _Group(TyperGroup):
-    """All commands."""
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        return _command(cmd_name) if cmd_name in COMMANDS else None
 
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings)
-        self.commands = _BUILT
-
-
-app: Final = typer.Typer(
-    cls=_Group,
-    help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as interrupted:  # of which click would say "Aborted!"
+            raise click.exceptions.Exit(INTERRUPTED) from interrupted
 
 
 def _set_budget(text: str | None) -> None:
@@ -177,28 +147,38 @@ def _set_budget(text: str | None) -> None:
     budget_factor()  # what the environment states is looked at before anything is done
 
 
+def _print_completion(shell: Shell | None) -> None:
+    if shell is not None:
+        click.echo(script(app, shell))
+        raise click.exceptions.Exit
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"robot-assistant {__version__}")
-        raise typer.Exit
+        click.echo(f"robot-assistant {__version__}")
+        raise click.exceptions.Exit
 
 
-@app.callback()
-def options(
-    _: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version."
-        ),
-    ] = False,
-    budget: Annotated[
-        str | None,
-        typer.Option(
-            "--budget",
-            metavar="FACTOR",
-            help="Times all limits of time, memory and size.",
-        ),
-    ] = None,
-) -> None:
-    """Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC."""
-    _set_budget(budget)
+@options
+class _CommonOptions:
+    """Options before the command."""
+
+    version: bool = option("Print the version.", is_eager=True, callback=_print_version)
+    budget: str | None = option(
+        "Times all limits of time, memory and size.", metavar="FACTOR", callback=_set_budget
+    )
+    show_completion: Shell | None = option(
+        "Print what makes a shell complete commands.", is_eager=True, callback=_print_completion
+    )
+
+
+if VARIABLE in os.environ:
+    add_power_shell()
+
+app: Final = _Commands(
+    params=parameters(_CommonOptions),
+    callback=lambda **_: None,
+    help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)

@@ -384,7 +384,7 @@ class Follow:
 
     cell: CellArgument
     trajectory: str = argument("A table, an array, or a program that only moves.")
-    by: str = option("Way to lead it: see the docs.", autocompletion=complete_mode)
+    by: str = option("Way to lead it: see the docs.", completions=complete_mode)
     speed: float = option("Percent of what the trajectory says.", default=100.0)
     interval: float | None = option("Seconds between points; default what suits the way.")
     log: RecordingOption

@@ -46,7 +46,7 @@ class Kinematics:
     """Write the kinematics of an arm as source that needs nothing else, with a check of it."""
 
     robot: str = argument(
-        "A robot of the catalogue, or a robot file.", metavar="ROBOT", autocompletion=complete_robot
+        "A robot of the catalogue, or a robot file.", metavar="ROBOT", completions=complete_robot
     )
     language: SourceLanguage = option(
         "Of the source.", "--language", "-l", default=SourceLanguage.C
@@ -75,7 +75,7 @@ class Fmu:
     source: str = argument(
         "Arm to simulate, of the catalogue or by its file, or a program.",
         metavar="ROBOT|PROGRAM",
-        autocompletion=complete_robot,
+        completions=complete_robot,
     )
     robot: RobotOption
     output: Path | None = option("Default out/NAME.fmu.", "--output", "-o", metavar="FILE.fmu")

@@ -20,9 +20,11 @@ the exit status.
 
 from __future__ import annotations
 
-import inspect
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
+from enum import Enum
+from pathlib import Path
 from typing import (
     Annotated,
     Any,
@@ -37,7 +39,7 @@ from typing import (
     get_type_hints,
 )
 
-import typer
+import click
 
 
 class Command(Protocol):
@@ -49,15 +51,23 @@ class Command(Protocol):
 
 C = TypeVar("C", bound=Command)
 T = TypeVar("T")
-_INFO: Final = "typer"
+_ABOUT: Final = "about"
 """Key of a field's metadata."""
+_SCALARS: Final[Mapping[Any, click.ParamType[Any]]] = {
+    bool: click.BOOL,
+    int: click.INT,
+    float: click.FLOAT,
+    str: click.STRING,
+}
 
 
 class Option:
     """An option of commands, for `Annotated`.
 
     names: as it is typed; default the name of the field. default: None, False and () need not be
-    stated. project: key of `SourceOptions` that it defaults to. settings: of `typer.Option`.
+    stated. project: key of `SourceOptions` that it defaults to. min, max: bounds of a number.
+    callback: called with the value before the command runs; returns the value. completions: returns
+    what may follow when a shell asks. settings: of `click.Option`.
     """
 
     def __init__(
@@ -66,10 +76,19 @@ class Option:
         *names: str,
         default: Any = MISSING,
         project: str | None = None,
+        min: Any = None,
+        max: Any = None,
+        callback: Callable[[Any], Any] | None = None,
+        completions: Callable[[str], list[str]] | None = None,
         **settings: Any,
     ) -> None:
-        self.names, self.default, self.project = names, default, project
-        self.settings = {"help": help, **settings}
+        self.help, self.names, self.default, self.project = help, names, default, project
+        self._bounds = (min, max)
+        self._settings = settings
+        if callback is not None:
+            self._settings["callback"] = lambda _c, _p, value: callback(value)
+        if completions is not None:
+            self._settings["shell_complete"] = lambda _c, _p, typed: completions(typed)
 
     def default_of(self, kind: Any) -> Any:
         """Return the stated default, or the one that the type implies."""
@@ -79,32 +98,111 @@ class Option:
             return None
         return {bool: False, tuple: ()}.get(get_origin(kind) or kind, MISSING)
 
-    def info(self, name: str, kind: Any) -> Any:
-        """Return the description for typer. kind: type of the field."""
-        flag = (f"--{name.replace('_', '-')}",) if kind is bool else ()
-        return typer.Option(*(self.names or flag), **self.settings)
+    def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
+        """Return the parameter of click. kind: type of the field; default: MISSING for none."""
+        kind, several = _element(kind)
+        names = self.names or (f"--{name.replace('_', '-')}",)
+        settings: dict[str, Any] = {"show_default": default != ""}
+        settings |= {"is_flag": True} if kind is bool else {"type": self._type(kind)}
+        if several:
+            settings["multiple"] = True
+        elif default is MISSING:
+            settings["required"] = True
+        else:
+            settings["default"] = default.value if isinstance(default, Enum) else default
+        return click.Option([name, *names], help=self.help, **(settings | self._settings))
+
+    def _type(self, kind: Any) -> click.ParamType[Any]:
+        if self._bounds != (None, None):
+            return click.IntRange(*self._bounds) if kind is int else _Numbers(*self._bounds)
+        if kind is Path:
+            return click.Path(path_type=Path)
+        return _SCALARS[kind] if kind in _SCALARS else _Members(kind)
 
 
 class Argument(Option):
-    """An argument of commands, for `Annotated`. settings: of `typer.Argument`."""
+    """An argument of commands, for `Annotated`. settings: of `click.Argument`."""
 
     def default_of(self, kind: Any) -> Any:  # noqa: ARG002
         return self.default
 
-    def info(self, name: str, kind: Any) -> Any:  # noqa: ARG002
-        return typer.Argument(**self.settings)
+    def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
+        kind, several = _element(kind)
+        settings = {**self._settings, "required": default is MISSING}
+        if several:
+            settings["nargs"] = -1
+        elif default is not MISSING:
+            settings["default"] = default
+        return _Argument(self.help, [name], type=self._type(kind), **settings)
+
+
+def _element(kind: Any) -> tuple[Any, bool]:
+    """Return the type of one value of a field, and whether there may be several."""
+    if get_origin(kind) is tuple:
+        return get_args(kind)[0], True
+    return next((one for one in get_args(kind) if one is not type(None)), kind), False
+
+
+class _Numbers(click.FloatRange):
+    """Numbers between bounds, which `nan` is not."""
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        number = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail(f"{value!r} is not a number.", param, ctx)
+        return number
+
+
+class _Members(click.Choice[Any]):
+    """Members of an enumeration by their values: click knows them by their names."""
+
+    def __init__(self, kind: type[Enum]) -> None:
+        super().__init__([one.value for one in kind])
+        self._kind = kind
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        if isinstance(value, self._kind):
+            return value
+        return self._kind(super().convert(value, param, ctx))
+
+
+class _Argument(click.Argument):
+    """An argument with a help."""
+
+    def __init__(self, about: str, names: list[str], **settings: Any) -> None:
+        super().__init__(names, **settings)
+        self.about = about
+
+
+class _Described(click.Command):
+    """A command whose help explains its arguments, which click before 8.5 does not."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        rows = [_argument_row(one) for one in self.params if isinstance(one, _Argument)]
+        if rows:
+            with formatter.section("Arguments"):
+                formatter.write_dl(rows)
+        super().format_options(ctx, formatter)
+
+
+def _argument_row(one: _Argument) -> tuple[str, str]:
+    """Return name and explanation, with the values among which to choose."""
+    name = one.human_readable_name + ("..." if one.nargs == -1 else "")
+    if isinstance(one.type, click.Choice):
+        name = f"[{'|'.join(one.type.choices)}]"
+    return name, one.about + ("  [required]" if one.required else "")
 
 
 def option(help: str, *names: str, **settings: Any) -> Any:
     """Return a field that is an option of one command; see `Option`."""
     about = Option(help, *names, **settings)
-    return field(default=about.default, metadata={_INFO: about})
+    return field(default=about.default, metadata={_ABOUT: about})
 
 
 def argument(help: str, **settings: Any) -> Any:
     """Return a field that is an argument of one command; see `Argument`."""
     about = Argument(help, **settings)
-    return field(default=about.default, metadata={_INFO: about})
+    return field(default=about.default, metadata={_ABOUT: about})
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, argument))
@@ -114,12 +212,12 @@ def command(cls: type[C]) -> type[C]:
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(option, argument))
-def command_of(group: typer.Typer) -> Callable[[type[C]], type[C]]:
+def command_of(group: click.Group) -> Callable[[type[C]], type[C]]:
     """Make a class a command of a group."""
 
     def made(cls: type[C]) -> type[C]:
         record = command(cls)
-        group.command(cls.__name__.lower())(function_of(record))
+        group.add_command(click_command(record, cls.__name__.lower()))
         return record
 
     return made
@@ -131,20 +229,28 @@ def options(cls: type[T]) -> type[T]:
     return dataclass(frozen=True, kw_only=True)(cls)
 
 
-def command_group(help: str) -> typer.Typer:
+class Group(_Described, click.Group):
+    """Commands of a group, in the order in which they are written."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return list(self.commands)
+
+
+def command_group(help: str) -> click.Group:
     """Return an empty group of commands."""
-    return typer.Typer(help=help, no_args_is_help=True, rich_markup_mode=None, add_completion=False)
+    return Group(help=help, no_args_is_help=True)
 
 
-def function_of(cls: type[Command]) -> Callable[..., None]:
-    """Return a function for typer that builds the record, runs it, and exits with its status."""
+def click_command(cls: type[Command], name: str, **settings: Any) -> click.Command:
+    """Return a command that builds the record, runs it, and exits with its status.
+
+    settings: of `click.Command`.
+    """
 
     def call(**given: Any) -> None:
-        raise typer.Exit(_record(cls, given).run())
+        raise click.exceptions.Exit(_record(cls, given).run())
 
-    call.__signature__ = inspect.Signature(_parameters(cls))  # type: ignore[attr-defined]
-    call.__doc__ = cls.__doc__
-    return call
+    return _Described(name, callback=call, params=parameters(cls), help=cls.__doc__, **settings)
 
 
 def with_project_values(record: T, complete: Callable[[dict[str, Any]], Mapping[str, Any]]) -> T:
@@ -159,33 +265,23 @@ def with_project_values(record: T, complete: Callable[[dict[str, Any]], Mapping[
     return record
 
 
-def _parameters(cls: type) -> list[inspect.Parameter]:
-    """Return the parameters of a function with the options of a record, groups expanded."""
-    found: list[inspect.Parameter] = []
+def parameters(cls: type) -> list[click.Parameter]:
+    """Return the parameters of click for the options of a record, groups expanded."""
+    found: list[click.Parameter] = []
     for one in _typed_fields(cls):
-        hint, default = one.kind, one.default
-        if _is_group(hint):
-            found += _parameters(hint)
-            continue
-        if get_origin(hint) is tuple:  # typer knows lists, and None for an empty one
-            hint = list[get_args(hint)[0]]  # type: ignore[misc]
-            default, hint = (None, hint | None) if default == () else (default, hint)
-        if one.about is not None:
-            hint = Annotated[hint, one.about.info(one.name, one.kind)]
-        default = inspect.Parameter.empty if default is MISSING else default
-        kind = inspect.Parameter.KEYWORD_ONLY
-        found.append(inspect.Parameter(one.name, kind, default=default, annotation=hint))
+        if _is_group(one.kind):
+            found += parameters(one.kind)
+        else:
+            assert one.about is not None
+            found.append(one.about.parameter(one.name, one.kind, one.default))
     return found
 
 
 def _record(cls: type[T], given: Mapping[str, Any]) -> T:
-    values: dict[str, Any] = {}
-    for one in _typed_fields(cls):
-        if _is_group(one.kind):
-            values[one.name] = _record(one.kind, given)
-        else:
-            value = given[one.name]
-            values[one.name] = tuple(value or ()) if get_origin(one.kind) is tuple else value
+    values = {
+        one.name: _record(one.kind, given) if _is_group(one.kind) else given[one.name]
+        for one in _typed_fields(cls)
+    }
     return cls(**values)
 
 
@@ -194,7 +290,7 @@ def _is_group(kind: Any) -> TypeGuard[type]:
 
 
 class _TypedField(NamedTuple):
-    """Field of a record. about: None for a group, and for typer's context."""
+    """Field of a record. about: None for a group."""
 
     name: str
     kind: Any
@@ -205,7 +301,7 @@ class _TypedField(NamedTuple):
 def _typed_fields(cls: type) -> Iterator[_TypedField]:
     hints = get_type_hints(cls, include_extras=True)
     for one in fields(cls):
-        kind, about, default = hints[one.name], one.metadata.get(_INFO), one.default
+        kind, about, default = hints[one.name], one.metadata.get(_ABOUT), one.default
         if get_origin(kind) is Annotated:
             kind, about, *_ = get_args(kind)
         if default is MISSING and about is not None:

@@ -68,7 +68,7 @@ class Compile:
         "--language",
         "-l",
         project="language",
-        autocompletion=complete_language,
+        completions=complete_language,
     )
     robot: RobotOption
     reader: DrawingOptions

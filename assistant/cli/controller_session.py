@@ -40,7 +40,7 @@ CellArgument = Annotated[
     Argument(
         "Its name in [controllers] of assistant.toml, or its address.",
         metavar="CONTROLLER",
-        autocompletion=complete_controller,
+        completions=complete_controller,
     ),
 ]
 YesOption = Annotated[bool, Option("Do it without asking. Look that nobody is near.", "--yes")]

@@ -46,7 +46,7 @@ ToOption = Annotated[
         "Its name in assistant.toml, or its address.",
         "--to",
         metavar="CONTROLLER",
-        autocompletion=complete_controller,
+        completions=complete_controller,
     ),
 ]
 HistoryOption = Annotated[

@@ -297,7 +297,7 @@ class Wander:
     box: str | None = option("Box of the base for the flange, mm, each LOW:HIGH.", metavar="X,Y,Z")
     speed: float = option("mm/s of the flange, at most 250.", default=50.0)
     by: str = option(
-        "Way to lead the arm: see `servo`.", default="jog", autocompletion=complete_servo_mode
+        "Way to lead the arm: see `servo`.", default="jog", completions=complete_servo_mode
     )
     port: int | None = option("UDP port of the way; default the usual one.", min=1)
     lines: LinesOption

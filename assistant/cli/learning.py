@@ -44,9 +44,7 @@ class ToolHold(StrEnum):
 class Learn:
     """Learn from two cameras which joints reach what they see, on this computer. Nothing moves."""
 
-    robot: str = argument(
-        "A robot of the catalogue, or a robot file.", autocompletion=complete_robot
-    )
+    robot: str = argument("A robot of the catalogue, or a robot file.", completions=complete_robot)
     output: Path = option("Map to write, .npz.", "--output", "-o")
     steps: int = option("Targets that are tried.", default=30_000, min=1, max=1_000_000)
     hold: tuple[str, ...] = option("Joint that stays; repeatable.", metavar="JOINT=DEGREES")

@@ -51,7 +51,7 @@ RobotOption = Annotated[
         "--robot",
         "-r",
         project="robot",
-        autocompletion=complete_robot,
+        completions=complete_robot,
     ),
 ]
 FromRobot = Annotated[
@@ -60,7 +60,7 @@ FromRobot = Annotated[
         "Arm that a vendor program was written for.",
         "--from-robot",
         project="from_robot",
-        autocompletion=complete_robot,
+        completions=complete_robot,
     ),
 ]
 FromLanguage = Annotated[
@@ -69,7 +69,7 @@ FromLanguage = Annotated[
         "Language of the input if its name does not tell.",
         "--from",
         project="from_language",
-        autocompletion=complete_language,
+        completions=complete_language,
     ),
 ]
 CellOption = Annotated[
@@ -89,7 +89,7 @@ UnitOption = Annotated[
         "Unit that a drawing is in, whatever it says: mm, in, m …",
         "--unit",
         project="unit",
-        autocompletion=complete_unit,
+        completions=complete_unit,
     ),
 ]
 FramesOption = Annotated[

@@ -219,9 +219,9 @@ class Compare:
     first: str = argument("Program, or folder with programs.")
     second: str = argument("What is to do the same, in any language.")
     robot: str | None = option(
-        "Arm of the second one.", "--robot", "-r", autocompletion=complete_robot
+        "Arm of the second one.", "--robot", "-r", completions=complete_robot
     )
-    from_robot: str | None = option("Arm of the first one.", autocompletion=complete_robot)
+    from_robot: str | None = option("Arm of the first one.", completions=complete_robot)
     process: tuple[Path, ...] = option(
         "File with signals, tools, frames of the first; then the other.", "--process", "-p"
     )

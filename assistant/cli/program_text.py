@@ -56,7 +56,7 @@ class Show:
     output: Path | None = option(
         "Write a .pseudo file, long paths in tables beside.", "--output", "-o"
     )
-    to: str | None = option("As this language will say it.", autocompletion=complete_language)
+    to: str | None = option("As this language will say it.", completions=complete_language)
     after: str | None = option("On the way into that language, after this pass.")
 
     def run(self) -> int:

@@ -12,11 +12,20 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
+import click
 
 from assistant.base.diagnostics import Refused, error
-from assistant.cli.command import Argument, Option, argument, command_of, option
-from assistant.cli.options import complete_robot
+from assistant.cli.command import (
+    Argument,
+    Group,
+    Option,
+    argument,
+    command_of,
+    option,
+    options,
+    parameters,
+)
+from assistant.cli.options import FormatOption, complete_robot
 from assistant.cli.presentation import (
     Format,
     answer_as,
@@ -42,7 +51,7 @@ class _Estimated(enum.StrEnum):
 RobotArgument = Annotated[
     str,
     Argument(
-        "A robot of the catalogue, or a robot file.", metavar="ROBOT", autocompletion=complete_robot
+        "A robot of the catalogue, or a robot file.", metavar="ROBOT", completions=complete_robot
     ),
 ]
 EstimateOption = Annotated[
@@ -59,37 +68,36 @@ RobotCamerasOption = Annotated[
 AnswerOption = Annotated[Format | None, Option("For people or for programs.", "--format")]
 
 
-def _answer_format(context: typer.Context, format: Format | None) -> Format:
+def _answer_format(format: Format | None) -> Format:
     """Return the format of a command, or the one that is stated before the command."""
-    before = context.parent.params["format"] if context.parent else Format.TEXT
-    return answer_as(format or Format(before))
+    before = click.get_current_context().parent
+    return answer_as(format or (before.params["format"] if before else Format.TEXT))
 
 
-robots: Final = typer.Typer(
+@options
+class _ListOptions:
+    """Options before the command."""
+
+    format: FormatOption
+
+
+def _robots_list(format: Format) -> None:
+    if click.get_current_context().invoked_subcommand is None:
+        raise click.exceptions.Exit(_list_robots(format))
+
+
+robots: Final = Group(
     help="List the robots there are; `show` tells all of one, `calibrate` corrects one.",
     invoke_without_command=True,
-    rich_markup_mode=None,
-    add_completion=False,
+    params=parameters(_ListOptions),
+    callback=_robots_list,
 )
-
-
-@robots.callback()
-def _robots_list(
-    context: typer.Context,
-    format: Annotated[
-        Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
-    ] = Format.TEXT,
-) -> None:
-    """List the robots of the catalogue; `robots show NAME` tells all of one."""
-    if context.invoked_subcommand is None:
-        raise typer.Exit(_list_robots(format))
 
 
 @command_of(robots)
 class Calibrate:
     """Correct lengths and zeros of an arm by measured poses, and tell what they cannot tell."""
 
-    context: typer.Context
     robot: RobotArgument
     measured: Path = argument("CSV: joints beside measured points.", metavar="MEASURED")
     output: Path = option("The corrected robot, as TOML.", "--output", "-o", metavar="FILE")
@@ -110,7 +118,7 @@ class Calibrate:
         from assistant.learning.calibration_output import corrected_files
         from assistant.learning.measured_poses import read_measured
 
-        format = _answer_format(self.context, self.format)
+        format = _answer_format(self.format)
         output = self.output
         if output.suffix.lower() != ".toml" or not output.stem:
             raise Refused(_NOT_A_ROBOT_FILE(name=output.name), exit_status=2)
@@ -136,7 +144,6 @@ class Calibrate:
 class Poses:
     """Suggest poses to measure an arm in, which tell most of its errors."""
 
-    context: typer.Context
     robot: RobotArgument
     output: Path = option("Table of the joints, as CSV.", "--output", "-o", metavar="FILE")
     count: int = option("How many.", default=40)
@@ -155,7 +162,7 @@ class Poses:
         from assistant.learning import calibration_output
         from assistant.learning.pose_selection import suggest_poses
 
-        format = _answer_format(self.context, self.format)
+        format = _answer_format(self.format)
         if self.count < _FEWEST_POSES:
             raise Refused(_FEW_POSES(count=self.count, least=_FEWEST_POSES), exit_status=2)
         arm = robot_of(self.robot)
@@ -191,9 +198,8 @@ class Poses:
 class Show:
     """Print the data of a robot with their source, and draw it."""
 
-    context: typer.Context
     robot: str = argument(
-        "A robot of the catalogue, or a robot file.", metavar="NAME", autocompletion=complete_robot
+        "A robot of the catalogue, or a robot file.", metavar="NAME", completions=complete_robot
     )
     draw: Path | None = option("Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE")
     format: AnswerOption
@@ -203,7 +209,7 @@ class Show:
         from assistant.compiler.arms import robot_of
         from assistant.report import robots as report
 
-        format = _answer_format(self.context, self.format)
+        format = _answer_format(self.format)
         robot = robot_of(self.robot)
         assert robot is not None
         print_findings(robot.findings)

@@ -85,7 +85,7 @@ class Lsp:
         max=65535,
     )
     extension: Path | None = option(
-        "Write the extension for VS Code, FILE.vsix, and end.", metavar="FILE", dir_okay=False
+        "Write the extension for VS Code, FILE.vsix, and end.", metavar="FILE"
     )
 
     def run(self) -> int:

@@ -62,7 +62,7 @@ class Teach:
         "Its name in [controllers] of assistant.toml, or its address; --point needs none.",
         default=None,
         metavar="CONTROLLER",
-        autocompletion=complete_controller,
+        completions=complete_controller,
     )
     names: tuple[str, ...] = argument("Targets, in this order; default p1, p2 …", default=())
     into: Path = option(

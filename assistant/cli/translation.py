@@ -78,7 +78,7 @@ class Translate:
     """Write robot programs in another language, and report the result for every statement."""
 
     programs: tuple[str, ...] = argument("Robot programs, or folders with them; - for input.")
-    to: str = option("Language to write.", autocompletion=complete_language)
+    to: str = option("Language to write.", completions=complete_language)
     robot: RobotOption
     from_robot: FromRobot
     process: Path | None = option(

@@ -55,7 +55,7 @@ class Irc5:
     port: int = option("FTP port here; 0 takes a free one.", default=2121)
     user: str = option("Its user.", default="robot")
     robot: str = option(
-        "Its arm.", "--robot", "-r", default="irb1200-7-0.7", autocompletion=complete_robot
+        "Its arm.", "--robot", "-r", default="irb1200-7-0.7", completions=complete_robot
     )
     rws_port: int = option("Port of Robot Web Services 1.0; 0 takes a free one.", default=0)
     rwss_port: int = option("Port of Robot Web Services 2.0; 0 takes a free one.", default=0)
@@ -104,9 +104,7 @@ class Irc5:
 class Cr:
     """A virtual CR controller: controller link, data link, programs that run in real time."""
 
-    robot: str = option(
-        "Its arm.", "--robot", "-r", default="rv-2aj", autocompletion=complete_robot
-    )
+    robot: str = option("Its arm.", "--robot", "-r", default="rv-2aj", completions=complete_robot)
     port: int = option(
         "Controller-link port on this computer; 0 takes a free one.",
         default=10001,

@@ -58,7 +58,7 @@ class Servo:
     cell: CellArgument
     task: Path = argument("File of what is led where.", metavar="SERVO.toml")
     cameras: Path = option("File of the cameras.", metavar="CAMERAS.toml")
-    by: str = option("Way to lead it: see the docs.", autocompletion=complete_servo_mode)
+    by: str = option("Way to lead it: see the docs.", completions=complete_servo_mode)
     log: RecordingOption
     link: LinkedOptions
     yes: YesOption

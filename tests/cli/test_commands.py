@@ -6,6 +6,7 @@ import io
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +45,39 @@ def test_version_and_help(capsys):
 def test_wrong_usage_is_exit_status_2(capsys):
     for arguments in (["compile"], ["nonsense"], ["compile", "x", "--frob"], []):
         assert run(capsys, *arguments)[0] == 2, arguments
+
+
+BASH = """eval "$(robot-assistant --show-completion bash)"
+for typed in transl "check --form" "compile --frames pro" "compile a.dxf -l melfa-" "robots sh"; do
+  COMP_WORDS=(robot-assistant $typed); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); COMPREPLY=()
+  _robot_assistant_completion robot-assistant
+  echo "$typed:" "${COMPREPLY[@]}"
+done
+"""
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
+def test_bash_completes_commands_options_and_values():
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    done = subprocess.run(
+        ["bash", "-c", BASH], env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines() == [
+        "transl: translate",
+        "check --form: --format",
+        "compile --frames pro: product",
+        "compile a.dxf -l melfa-: melfa-basic-4 melfa-basic-5 melfa-basic-6",
+        "robots sh: show",
+    ]
+
+
+def test_power_shell_is_answered_by_lines_of_a_word_and_its_help():
+    words = {"COMP_WORDS": "robot-assistant comp", "COMP_WORD": "comp"}
+    asked = {**os.environ, **words, "_ROBOT_ASSISTANT_COMPLETE": "powershell_complete"}
+    command = [sys.executable, "-c", "from assistant.cli import main; main()"]
+    done = subprocess.run(command, env=asked, capture_output=True, text=True, check=True)
+    assert [line.split("\t")[0] for line in done.stdout.splitlines()] == ["compile", "compare"]
+    assert all(line.split("\t")[1] for line in done.stdout.splitlines())
 
 
 def test_compile_prints_the_proof_and_what_it_wrote(capsys, tmp_path):

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
 import pytest
-import typer.main
+from click import FLOAT, INT, Choice, Context
 
 from assistant.cli import main
 from assistant.cli.app import app
@@ -20,7 +19,8 @@ LONG = "a" * 300
 
 
 def commands(group: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]:
-    for name, command in group.commands.items():
+    for name in group.list_commands(Context(group)):
+        command = group.get_command(Context(group), name)
         if hasattr(command, "commands"):
             yield from commands(command, *names, name)
         else:
@@ -29,10 +29,10 @@ def commands(group: Any, *names: str) -> Iterator[tuple[tuple[str, ...], Any]]:
 
 def forms() -> Iterator[tuple[tuple[str, ...], str]]:
     """Every command with `--format`, and each form that programs read."""
-    for names, command in commands(typer.main.get_command(app)):
+    for names, command in commands(app):
         for option in command.params:
             if option.name == "format":
-                for form in {"json", "sarif"} & set(option.type_descriptor.annotation):
+                for form in {"json", "sarif"} & set(option.type.choices):
                     yield (*names, *arguments(command, form)), form
 
 
@@ -42,9 +42,9 @@ def arguments(command: Any, form: str) -> Iterator[str]:
         if one.required or one.param_type_name == "argument":
             if one.param_type_name == "option":
                 yield one.opts[0]
-            kind = one.type_descriptor.annotation
-            is_choice = isinstance(kind, type) and issubclass(kind, Enum)
-            yield next(iter(kind)) if is_choice else "1" if kind in (int, float) else LONG
+            is_number = isinstance(one.type, (type(INT), type(FLOAT)))
+            choices = one.type.choices if isinstance(one.type, Choice) else ()
+            yield choices[0] if choices else "1" if is_number else LONG
 
 
 def test_a_name_that_no_file_can_have(capfd: Any, tmp_path: Path, monkeypatch: Any) -> None:

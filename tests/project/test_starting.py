@@ -71,19 +71,18 @@ def test_no_secret_stands_in_what_is_written(home):
 
 def test_what_pipelines_run_are_commands_of_this_program(home):
     """Each command of ours in the files for CI, with options that there are."""
-    from typer.main import get_command
+    from click import Context
 
     from assistant.cli.app import app
 
     start_project(home.folder)
-    known = get_command(app).commands
     files = (".pre-commit-config.yaml", ".github/workflows/robot.yml", ".gitlab-ci.yml")
     text = "\n".join((home.folder / name).read_text("utf-8") for name in files)
     said = re.findall(r"^\s*-?\s*(?:- run:|entry:|-) (robot-assistant [a-z].*)$", text, re.M)
     assert len(said) >= 10
     for line in said:
         command, *options = line.partition(" >")[0].split()[1:]
-        there = {name for one in known[command].params for name in one.opts}
+        there = {name for one in app.get_command(Context(app), command).params for name in one.opts}
         assert {option for option in options if option.startswith("-")} <= there, line
 
 

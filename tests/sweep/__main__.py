@@ -24,11 +24,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Final, Never
-
-import typer.main
 
 from tests.sweep import shim
 from tests.sweep.commands import COMMANDS, Command
@@ -334,13 +331,7 @@ def main() -> int:
         return swept(given.names, given.every, Path(name))
 
 
-def built_once() -> None:
-    """The tree of all commands takes longer to build than most commands run."""
-    typer.main.get_command = cache(typer.main.get_command)
-
-
 def swept(names: Sequence[str], every: int, folder: Path) -> int:
-    built_once()
     faults, losses = 0, []
     for number, one in enumerate(sweeps(names, folder)):
         warmed(one)

@@ -16,7 +16,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Final
 
-import typer
+import click
 
 from assistant.base.diagnostics import Rule
 from assistant.cell import body_tables as of_cells
@@ -164,10 +164,12 @@ def commands() -> Mapping[tuple[str, ...], frozenset[str]]:
             for option in (*parameter.opts, *parameter.secondary_opts, "--help")
         }
         yield path, frozenset(option for option in said if option.startswith("--"))
-        for name, inner in getattr(command, "commands", {}).items():
-            yield from walked(inner, (*path, name))
+        if isinstance(command, click.Group):
+            context = click.Context(command)
+            for name in command.list_commands(context):
+                yield from walked(command.get_command(context, name), (*path, name))
 
-    return dict(walked(typer.main.get_command(app), ()))
+    return dict(walked(app, ()))
 
 
 @cache

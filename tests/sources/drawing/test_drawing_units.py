@@ -8,8 +8,8 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from ezdxf.document import Drawing
-from typer.testing import CliRunner
 
 from assistant import sources
 from assistant.base.diagnostics import Refused, Severity
