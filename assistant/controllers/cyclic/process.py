@@ -363,6 +363,7 @@ class Leading:
         self._feed, self._stop = _Feed(), threading.Event()
         self._news = threading.Condition()
         self._latest: Progress | None = None
+        self._heard = 0.0
         self._ended: Refused | None = None
         self._over = False
         self.report: Report | None = None
@@ -390,7 +391,10 @@ class Leading:
             raise self._ended
 
     def joints(self) -> tuple[float, ...]:
-        """Return the position of the arm, which the controller reported some milliseconds ago."""
+        """Return the position of the arm, which the controller reported some milliseconds ago.
+
+        Raises Refused if the last report is older than `Settings.timeout` and none follows.
+        """
         self._wait(_SILENCE)
         assert self._latest is not None
         return self._latest.values
@@ -412,11 +416,17 @@ class Leading:
     def _wait(self, seconds: float) -> None:
         """Until it is known where the arm is."""
         with self._news:
-            self._news.wait_for(lambda: self._over or self._latest is not None, seconds)
+            known = self._news.wait_for(lambda: self._over or self._is_current(), seconds)
         if self._ended is not None:
             raise self._ended
-        if self._latest is None:
+        if not known or self._latest is None:
             raise Refused(rules.BROKEN(reason="its process says nothing"), exit_status=2)
+
+    def _is_current(self) -> bool:
+        """True if the last position is no older than a silence that the loop itself allows."""
+        # A process that hangs neither reports nor ends: its last position says nothing of now.
+        age = time.monotonic() - self._heard
+        return self._latest is not None and age <= self._settings.timeout
 
     def _end(self) -> None:
         self._stop.set()
@@ -445,5 +455,5 @@ class Leading:
 
     def _told(self, progress: Progress) -> None:
         with self._news:
-            self._latest = progress
+            self._latest, self._heard = progress, time.monotonic()
             self._news.notify_all()

@@ -1,19 +1,30 @@
 """EGM: the client against the virtual controller, over real UDP sockets, and against bad peers."""
 
 import math
+import os
 import random
+import signal
 import socket
 import struct
 import threading
-from contextlib import contextmanager
+import time
+from contextlib import contextmanager, suppress
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Refused
-from assistant.controllers.abb.egm import Egm, Message, decode, encode, guide
+from assistant.controllers.abb.egm import (
+    Egm,
+    Message,
+    decode,
+    encode,
+    guide,
+    guide_by_corrections,
+)
 from assistant.controllers.cyclic import Endpoint, Limits, Settings, Trajectory, resampled
 from assistant.controllers.cyclic.loop import Job, Loop, PacketSocket, Stop
 from assistant.virtual.irc5 import egm_packets as packets
@@ -287,6 +298,34 @@ def test_limits_are_looked_at_before_anything_is_sent():
     with pytest.raises(Refused) as refused:
         guide("127.0.0.1", to(1.0), limits, port=free_port())
     assert refused.value.findings[0].code == "CN701"
+
+
+def children():
+    found = Path("/proc/self/task").glob("*/children")
+    return {int(one) for file in found for one in file.read_text().split()}
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="finds processes on Linux only")
+def test_a_position_of_a_loop_that_hangs_is_not_given_for_long():
+    port, before = free_port(), children()
+    limits = replace(LIMITS, lowest=(-180.0,) * 6, highest=(180.0,) * 6)
+    settings = replace(QUICK, timeout=1.0)
+    with (
+        controller(port, comm_timeout=60.0),
+        suppress(Refused),  # the controller may fall silent, too, while the loop hangs
+        guide_by_corrections("127.0.0.1", 6, limits, port=port, settings=settings) as leading,
+    ):
+        assert leading.joints() == pytest.approx(HERE)
+        (loop,) = children() - before
+        os.kill(loop, signal.SIGSTOP)
+        try:
+            with pytest.raises(Refused) as refused:
+                for _ in range(500):
+                    leading.joints()
+                    time.sleep(0.02)
+        finally:
+            os.kill(loop, signal.SIGCONT)
+    assert [one.code for one in refused.value.findings] == ["CN716"]
 
 
 # ------------------------------------------------------------------- the virtual controller
