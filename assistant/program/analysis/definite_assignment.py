@@ -17,7 +17,13 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import EXIT, ControlFlowGraph, Dataflow
 from assistant.program.analysis.integer_inference import NumberFacts
-from assistant.program.analysis.uses import base_variable, indices_of, names_in_procedure
+from assistant.program.analysis.uses import (
+    base_variable,
+    handed_over,
+    indices_of,
+    locals_of,
+    names_in_procedure,
+)
 from assistant.program.program import Procedure, Program, Variable, walk
 from assistant.program.rewriting import Body, head, records
 from assistant.program.statement_index import records_in_body
@@ -99,11 +105,8 @@ class AssignmentAnalysis:
                 case p.Opaque() | e.Verbatim():
                     yield from effect_of(record).names
                 case p.Call(name, arguments) | e.Apply(name, arguments):
-                    callee = self.program.procedure(name)
-                    given = zip(callee.parameters, arguments, strict=False) if callee else ()
-                    for parameter, value in given:
-                        if parameter.mode == "inout":
-                            yield base_variable(value)
+                    if (callee := self.program.procedure(name)) is not None:
+                        yield from map(base_variable, handed_over(callee, arguments))
 
 
 class _ReadsFromTop:
@@ -286,12 +289,15 @@ def loops_with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[s
 
     Not those that change their own variable, which are no plain counts.
     """
-    written = {q.name.lower(): set(_written_variables(q.body)) for q in program.procedures}
+    written = {
+        q.name.lower(): set(_written_variables(program, q.body)) - locals_of(q)
+        for q in program.procedures
+    }
     called = {q.name.lower(): set(_called_names(q.body)) for q in program.procedures}
     for statement in program.statements():
         if not isinstance(statement, p.For):
             continue
-        changed = set(_written_variables(statement.body))
+        changed = set(_written_variables(program, statement.body))
         for name in _reached_procedures(set(_called_names(statement.body)), called):
             changed |= written.get(name, set())
         limits = {
@@ -304,19 +310,25 @@ def loops_with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[s
             yield statement, found
 
 
-def _written_variables(body: Body) -> Iterator[str]:
-    """Names in lower case of variables that statements write."""
-    for statement in walk(body):
-        if isinstance(statement, p.For):
-            yield statement.variable.lower()
-        if isinstance(statement, p.Assign):
-            yield next(r.name.lower() for r in records(statement.target) if isinstance(r, e.Name))
+def _written_variables(program: Program, body: Body) -> Iterator[str]:
+    """Names in lower case of variables that statements write, or let a call write."""
+    for record in records(body):
+        match record:
+            case p.For(variable):
+                yield variable.lower()
+            case p.Assign(target):
+                yield base_variable(target)
+            case p.Call(name, arguments) | e.Apply(name, arguments):
+                if (callee := program.procedure(name)) is not None:
+                    yield from map(base_variable, handed_over(callee, arguments))
 
 
 def _called_names(body: Body) -> Iterator[str]:
-    for statement in walk(body):
-        if isinstance(statement, p.Call):
-            yield statement.procedure.lower()
+    """Names in lower case of the procedures and functions that statements call."""
+    for record in records(body):
+        match record:
+            case p.Call(name) | e.Apply(name):
+                yield name.lower()
 
 
 def _reached_procedures(names: set[str], called: Mapping[str, set[str]]) -> set[str]:
