@@ -350,7 +350,8 @@ OPEN = (
     ('quotients = "up"', "VC209", '"floor"'),
     ("tools = { 1 = [0, 0] }", "VC209", "X, Y, Z, A, B, C"),
     ("bits = true", "VC209", "32"),
-    ("digits = 0", "VC209", "above 0"),
+    ("digits = 0", "VC209", "from 1 to 17"),
+    ("began = 2026-05-01T12:30:00", "VC212", "quotients"),
 )
 
 

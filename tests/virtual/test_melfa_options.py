@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import fields
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -49,6 +51,9 @@ def test_what_is_not_given_is_as_usual() -> None:
         ("degrees", 1), ("truth", True), ("bits", 8), ("bits", "16"), ("digits", 0),
         ("digits", True), ("tools", {"1": [0, 0, 0, 0, 0]}), ("tools", {"a": [0] * 6}),
         ("tools", {"1": [True] * 6}), ("tools", 5), ("over", None), ("pulses", "at last"),
+        ("tools", {"1": [math.nan] * 6}), ("digits", -3), ("printed", 10**12), ("places", -1),
+        ("timers", -1), ("longest_text", 0), ("began", 1),
+        ("began", datetime(2026, 5, 1, tzinfo=UTC)),
     ],
 )  # fmt: skip
 def test_what_an_option_cannot_be(name: str, value: object) -> None:
@@ -56,6 +61,14 @@ def test_what_an_option_cannot_be(name: str, value: object) -> None:
         choose({name: value})
     (finding,) = refused.value.findings
     assert finding.code == "VC209" and name in finding.message
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("places", 0), ("timers", 0), ("digits", 17), ("began", datetime(2026, 5, 1, 12, 30))],
+)
+def test_the_ends_of_what_can_be_given(name: str, value: object) -> None:
+    assert getattr(choose({name: value}), name) == value
 
 
 def test_all_mistakes_are_told_at_once() -> None:

@@ -117,6 +117,17 @@ class Options:
 _NO_OPTION: Final = error("VC208", "there is no option `{name}`", "{cure}")
 _BAD_OPTION: Final = error("VC209", "the option `{name}` cannot be {value}", "write {allowed}")
 _SIX_NUMBERS: Final = 6
+_MOST_DIGITS: Final = 17
+"""So many significant digits tell any number of double precision."""
+_MOST_NUMBER: Final = 2**31 - 1
+_RANGES: Final[Mapping[str, tuple[int, int]]] = {
+    "digits": (1, _MOST_DIGITS),
+    "printed": (1, _MOST_DIGITS),
+    "places": (0, _MOST_DIGITS),
+    "longest_text": (1, _MOST_NUMBER),
+    "timers": (0, _MOST_NUMBER),
+}
+"""Least and greatest value of each option that is a plain number."""
 
 
 def choose(given: Mapping[str, object]) -> Options:
@@ -129,8 +140,8 @@ def choose(given: Mapping[str, object]) -> Options:
             near = near_name(name, hints)
             cure = f"write `{near}`" if near else f"there are {', '.join(hints)}"
             findings.append(_NO_OPTION(name=name, cure=cure))
-        elif (read := _read_option(hints[name], value)) is None:
-            allowed = _allowed_text(hints[name])
+        elif (read := _read_option(name, hints[name], value)) is None:
+            allowed = _allowed_text(name, hints[name])
             findings.append(_BAD_OPTION(name=name, value=repr(value), allowed=allowed))
         else:
             taken[name] = read
@@ -139,7 +150,7 @@ def choose(given: Mapping[str, object]) -> Options:
     return replace(Options(), **taken)
 
 
-def _read_option(hint: object, value: object) -> object | None:
+def _read_option(name: str, hint: object, value: object) -> object | None:
     """The value of an option of a type, None for one that it cannot be."""
     if _is_frames(hint):
         return _read_frames(value)
@@ -148,7 +159,10 @@ def _read_option(hint: object, value: object) -> object | None:
             # `True == 1`, so the types have to agree as well.
             if any(value == one and type(value) is type(one) for one in get_args(kind)):
                 return value
-        elif kind in (bool, int) and type(value) is kind and (value or kind is bool):
+        elif kind is int and type(value) is int:
+            least, most = _RANGES[name]
+            return value if least <= value <= most else None
+        elif type(value) is kind and getattr(value, "tzinfo", None) is None:
             return value
     return None
 
@@ -161,13 +175,13 @@ def _read_frames(value: object) -> object | None:
     for number, frame in value.items():
         if not str(number).isdecimal() or not isinstance(frame, list) or len(frame) != _SIX_NUMBERS:
             return None
-        if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in frame):
+        if not all(type(v) in (int, float) and abs(v) <= _MOST_NUMBER for v in frame):
             return None
         found[int(number)] = tuple(float(v) for v in frame)
     return found
 
 
-def _allowed_text(hint: object) -> str:
+def _allowed_text(name: str, hint: object) -> str:
     if _is_frames(hint):
         return "numbers with [X, Y, Z, A, B, C], as { 1 = [0, 0, 100, 0, 0, 0] }"
     words: list[str] = []
@@ -177,7 +191,10 @@ def _allowed_text(hint: object) -> str:
         elif kind is bool:
             words += ["true", "false"]
         elif kind is int:
-            words.append("a whole number above 0")
+            least, most = _RANGES[name]
+            words.append(f"a whole number from {least} to {most}")
+        elif kind is datetime:
+            words.append(f"a date and time without a zone, as {CLOCK_START.isoformat()}")
     return " or ".join(words)
 
 
