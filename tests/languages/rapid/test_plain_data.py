@@ -98,6 +98,19 @@ CASES = {
     FUNC num area(size s)
       RETURN s.length*s.width;
     ENDFUNC""",
+    "handed to a function in a value of a case, which reads one part": """VAR pos off:=[1,7,9];
+    VAR num n:=3;
+    PROC main()
+      TEST n
+      CASE first(off,2):
+        go 30,first(off,4),0;
+      DEFAULT:
+        go 40,first(off,5),0;
+      ENDTEST
+    ENDPROC
+    FUNC num first(pos p,num by)
+      RETURN p.x+by;
+    ENDFUNC""",
     "compared": """CONST size limit:=[4,5];
     VAR size one:=[4,5];
     PROC main()

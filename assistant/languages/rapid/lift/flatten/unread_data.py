@@ -193,7 +193,10 @@ class _DeadDataRemoval:
             case s.ForLoop(body=body) | s.WhileLoop(body=body):
                 return replace(self._calling(replace(node, body=())), body=tuple(self._body(body)))
             case s.TestOf(subject, cases, otherwise):
-                chosen = tuple(replace(c, body=tuple(self._body(c.body))) for c in cases)
+                chosen = tuple(
+                    replace(self._calling(replace(c, body=())), body=tuple(self._body(c.body)))
+                    for c in cases
+                )
                 other = None if otherwise is None else tuple(self._body(otherwise))
                 subject = self._calling(subject)
                 return replace(node, subject=subject, cases=chosen, otherwise=other)
