@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from pathlib import Path
 
@@ -79,6 +80,16 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_they_move_the_robot_as_they_did(name: str) -> None:
     moves_the_same(crossed(CASES[name]))
+
+
+def test_comments_between_data_of_the_entry_stay() -> None:
+    done = crossed(
+        "PROC main()\n! first\nVAR num a:=1;\n! second\nVAR num b:=2;\n! third\n"
+        "tNow.tframe.trans.z:=a+b;\nMoveL p10,v100,fine,tNow;\nENDPROC"
+    )
+    written = b"".join(done.files.values()).decode()
+    found = re.findall(r"' (first|second|third)\b", written)
+    assert found == ["first", "second", "third"]
 
 
 @pytest.mark.parametrize(

@@ -380,8 +380,10 @@ def _with_module_updates(module: s.Module, wholes: _FrameUpdates) -> s.Module:
     for item in module.items:
         made = wholes.routine(item) if isinstance(item, s.Routine) else item
         if isinstance(made, s.Routine) and made.name.lower() == _ENTRY:
-            data = [node for node in made.body if isinstance(node, s.Data)]
-            made = replace(made, body=(*data, *wholes.first(), *made.body[len(data) :]))
+            # Comments may be between the data.
+            places = (at for at, node in enumerate(made.body, 1) if isinstance(node, s.Data))
+            end = max(places, default=0)
+            made = replace(made, body=(*made.body[:end], *wholes.first(), *made.body[end:]))
         items.append(made)
     same = all(a is b for a, b in zip(items, module.items, strict=True))
     return module if same else replace(module, items=tuple(items))
