@@ -162,6 +162,26 @@ def test_a_parameter_may_hide_a_value_of_the_module() -> None:
     assert list(differences([module(text)], [built])) == []
 
 
+@pytest.mark.parametrize(
+    ("call", "parameter", "constant"),
+    [
+        ("wider zNow;", "zonedata z", True),
+        ("wider zNow;", "INOUT zonedata z", False),
+        ('%"wider"% zNow;', "INOUT zonedata z", False),
+        ("ofOthers zNow;", "zonedata z", False),
+    ],
+)
+def test_data_that_a_call_may_change_are_no_constants(
+    call: str, parameter: str, constant: bool
+) -> None:
+    text = (
+        "MODULE m\n VAR zonedata zNow:=[FALSE,10,15,15,1.5,15,1.5];\n"
+        f" PROC main()\n {call}\n MoveL p1,v100,zNow,tool0;\n ENDPROC\n"
+        f" PROC wider({parameter})\n z:=z100;\n ENDPROC\nENDMODULE"
+    )
+    assert ("zNow" in lifted(text).blends) is constant
+
+
 def test_a_routine_is_understood_beside_what_only_rapid_can_say() -> None:
     program = lifted(CELL.replace("VAR num rows;", "VAR num rows;\n    VAR clock c;"))
     names = {q.name for q in program.procedures}

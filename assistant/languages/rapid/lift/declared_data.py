@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -22,9 +21,10 @@ from assistant.languages.rapid.lift.expressions import lift_expression
 from assistant.languages.rapid.tables.constants import UNUSED, VALUE_OF_TYPE
 from assistant.languages.rapid.tables.equivalents import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.changed_data import changed_names
 from assistant.languages.rapid.tree.literals import literal_number, literal_values
 from assistant.languages.rapid.tree.syntax import CIRCULAR, TARGET_PARTS, TargetRun
-from assistant.languages.rapid.tree.walk import lists, nodes, root
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.records import frame_of, shape, target, tool_of
 from assistant.languages.runs.columns import Names, joined_runs
 from assistant.languages.runs.paths import (
@@ -189,15 +189,15 @@ def fixed_target(variable: Variable) -> Target | JointTarget | None:
 
 
 def _assigned_names(modules: Sequence[s.Module]) -> set[str]:
-    """Names of variables that a routine assigns to, lower case."""
-    routines = (i for m in modules for i in m.items if isinstance(i, s.Routine))
-    found: set[str] = set()
-    for statement in chain.from_iterable(chain.from_iterable(map(lists, routines))):
-        if isinstance(statement, s.Assignment) and (variable := root(statement.target)):
-            found.add(variable.name.lower())
-    return found
+    """Names in lower case of data that a statement assigns to, or that a call may change."""
+    items = (item for module in modules for item in module.items)
+    if any(isinstance(i, s.Data) and i.type.lower() in _NAMED_VALUE_TYPES for i in items):
+        return changed_names(modules)
+    return set()
 
 
+_NAMED_VALUE_TYPES: Final = ("speeddata", "zonedata")
+"""Types of data that the pseudo-program holds only if they are constant."""
 _NAMED_ITEMS: Final = (s.Data, s.Routine, s.Record, s.Alias)
 _MOVE_KINDS: Final = {0: "joint", 1: "linear"}
 _PATH_KINDS: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)

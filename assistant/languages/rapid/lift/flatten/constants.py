@@ -21,7 +21,6 @@ from typing import Any, Final
 
 from assistant.languages.rapid.lift.flatten.data_names import (
     PI,
-    NameUses,
     predefined_type,
     predefined_value,
     row_value,
@@ -38,6 +37,7 @@ from assistant.languages.rapid.tables.signals import (
 )
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.changed_data import changed_names
 from assistant.languages.rapid.tree.literals import literal_number
 from assistant.languages.rapid.tree.syntax import MotionNames
 from assistant.languages.rapid.tree.walk import inner_names, lists, nodes, root
@@ -82,7 +82,7 @@ class _Constants:
         calls = (one for one in every if isinstance(one, s.ProcedureCall))
         # These instructions may change any variable, so only constants are certain.
         by_text = any(str(one.name).lower() in _WRITES_BY_TEXT for one in calls)
-        self._written = None if by_text else NameUses(modules, frozenset()).written
+        self._written = None if by_text else changed_names(modules)
         items = [item for module in modules for item in module.items]
         declared = [item for item in items if isinstance(item, s.Data)]
         self._tables = [
@@ -291,7 +291,7 @@ def with_module_settings(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     ]
     if not own:
         return modules
-    written = NameUses(modules, frozenset()).written
+    written = changed_names(modules)
     every = list(nodes(tuple(modules)))
     taken = TakenNames(one.name for one in every if isinstance(one, _NAMED_NODES))
     taken.update(one.variable for one in every if isinstance(one, s.ForLoop))

@@ -16,7 +16,6 @@ from typing import Any, Final
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.languages.rapid.lift.flatten.record_layout import (
     FRAME,
-    READ_ONLY_TYPES,
     SETTING_TYPES,
     SPEED_AND_ZONE,
     ChangedFrame,
@@ -35,9 +34,8 @@ from assistant.languages.rapid.tables.constants import (
     usual_sizes,
 )
 from assistant.languages.rapid.tables.predefined import data as predefined
-from assistant.languages.rapid.tables.predefined import signature
-from assistant.languages.rapid.tables.signals import PROCESS_MOVES
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.changed_data import changed_by, routines_by_name
 from assistant.languages.rapid.tree.literals import (
     EXTERNAL_AXES,
     EXTERNAL_COMPONENT,
@@ -47,7 +45,6 @@ from assistant.languages.rapid.tree.literals import (
 from assistant.languages.rapid.tree.syntax import TargetRun
 from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.languages.runs.columns import NameIndex
-from assistant.languages.signatures import Parameter, Slot
 from assistant.program.program import TakenNames, identifier
 
 NO_AXIS: Final = s.NumberLiteral("9E9")
@@ -294,14 +291,12 @@ class NameUses:
         self.named: set[str] = set()
         self.parted: set[str] = set()
         self.read: set[str] = set()
-        self._own: dict[str, list[s.Routine]] = {}
-        for item in (item for module in modules for item in module.items):
-            if isinstance(item, s.Routine):
-                self._own.setdefault(item.name.lower(), []).append(item)
+        self._own = routines_by_name(modules)
         for node in nodes(tuple(modules)):
+            if isinstance(node, s.Assignment | s.ProcedureCall | s.FunctionCall):
+                self.written.update(changed_by(node, self._own))
             match node:
-                case s.Assignment(target, value):
-                    self._add(self.written, target)
+                case s.Assignment(_, value):
                     self._add(self.read, value)
                 case s.ProcedureCall(_, arguments) | s.FunctionCall(_, arguments):
                     self._given(node.name, arguments)
@@ -322,16 +317,8 @@ class NameUses:
             names.add(found.name.lower())
 
     def _given(self, name: Any, arguments: Sequence[s.Argument]) -> None:
-        own = self._own.get(name.lower()) if isinstance(name, str) else None
-        known = signature(name) if isinstance(name, str) and own is None else None
-        listed = known is not None and (not known.open or name.lower() in PROCESS_MOVES)
-        slots = known.slots if known is not None and listed else None
-        if own is not None:
-            slots = _parameter_slots(own[0]) if len(own) == 1 else None
-        required = iter(() if slots is None else [one for one in slots if not one.optional])
-        apart = (
-            () if own is None or len(own) > 1 else _parted_arguments(own[0], arguments, self._parts)
-        )
+        own = self._own.get(name.lower(), ()) if isinstance(name, str) else ()
+        apart = _parted_arguments(own[0], arguments, self._parts) if len(own) == 1 else ()
         for argument in arguments:
             value = argument.variable if isinstance(argument, s.Conditional) else argument.value
             if any(argument is one for one in apart):
@@ -339,8 +326,6 @@ class NameUses:
             # A component is passed by its own variable, so the whole is not needed by name.
             elif not isinstance(value, s.Component):
                 self._add(self.named, value)
-            if slots is None or _may_change(argument, slots, required, own is None):
-                self._add(self.written, value)
 
 
 def _parted_arguments(
@@ -351,42 +336,6 @@ def _parted_arguments(
     given = (one for one in arguments if isinstance(one, s.Positional))
     pairs = zip(groups, given, strict=False)
     return [one for group, one in pairs if id(group.alternatives[0]) in parted]
-
-
-def _parameter_slots(routine: s.Routine) -> tuple[Slot, ...]:
-    """The places in the list of parameters of a routine."""
-    return tuple(
-        Slot(
-            tuple(
-                Parameter(one.name, one.type, one.mode)
-                for one in group.alternatives
-                if isinstance(one, s.ParameterNode)
-            ),
-            group.optional,
-        )
-        for group in routine.parameters
-    )
-
-
-def _may_change(
-    argument: s.Argument, slots: Sequence[Slot], required: Iterator[Slot], standard: bool
-) -> bool:
-    """True if a routine may change the data passed in an argument.
-
-    standard: every controller has the routine, so it only reads tools, frames, speeds and zones.
-    """
-    if isinstance(argument, s.Positional):
-        slot = next(required, None)
-        meant = None if slot is None else slot.alternatives
-    else:
-        key = argument.name.lower()
-        named = (one for slot in slots if slot.optional for one in slot.alternatives)
-        meant = tuple(one for one in named if one.name.lower() == key)
-    # A parameter that is not known may change what it gets.
-    if not meant:
-        return True
-    held = (one.mode == "PERS" and one.type in READ_ONLY_TYPES and standard for one in meant)
-    return any(one.mode and not only_read for one, only_read in zip(meant, held, strict=True))
 
 
 def parameter_nodes(routine: s.Routine) -> Iterator[s.ParameterNode]:
