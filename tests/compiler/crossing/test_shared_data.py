@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from assistant.compiler.cell_defaults import with_neutral_cell
 from assistant.compiler.motion_proof import Proving
 from assistant.compiler.program_files import load_task, tasks_of
@@ -96,3 +98,28 @@ def test_both_programs_run_beside_each_other(tmp_path: Path) -> None:
     on = [row for row in run.log if isinstance(row.what, Switched) and row.what.value]
     assert {row.what for row in on} == {Switched(str(n), 1.0) for n in (1, 3, 4, 19)}  # 6, and 2
     assert 3.0 <= on[0].time < 3.2
+
+
+@pytest.mark.parametrize(
+    ("use", "shared"),
+    [
+        ("WaitTestAndSet taken;", True),
+        ("VAR num n;\nchanged n,taken;", False),
+        ("changed taken,5;", True),
+    ],
+)
+def test_data_that_a_call_changes_are_shared(tmp_path: Path, use: str, shared: bool) -> None:
+    kind = "bool" if "Wait" in use else "num"
+    value = "FALSE" if "Wait" in use else "1"
+    files = []
+    for task in ("TASK1", "TASK2"):
+        file = tmp_path / "RAPID" / task / "PROGMOD" / f"{task}.mod"
+        file.parent.mkdir(parents=True)
+        file.write_text(
+            f"MODULE m\nPERS {kind} taken:={value};\nPROC main()\n{use}\nENDPROC\n"
+            f"PROC changed(INOUT num n,num by)\nn:=by;\nENDPROC\nENDMODULE\n",
+            "latin-1",
+        )
+        files.append(str(file))
+    for one in tasks_of(files):
+        assert ("RA395" in [f.code for f in load_task(one).findings]) is shared

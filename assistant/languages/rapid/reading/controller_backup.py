@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path as FilePath
@@ -33,11 +33,11 @@ from assistant.languages.language_types import (
 )
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.constants import CONTROLLER_STATES
-from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.rapid.tables.signals import ARC_OUTPUT
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.changed_data import changed_names
 from assistant.languages.rapid.tree.literals import EXTERNAL_AXES, still_axis_name
-from assistant.languages.rapid.tree.walk import nodes, renamed, root
+from assistant.languages.rapid.tree.walk import nodes, renamed
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
 from assistant.program.undeclared_names import SuppliedValue, WantedKind
@@ -396,8 +396,6 @@ _SHARED_LETTERS: Final[Mapping[str, str]] = {"num": "M", "bool": "M", "string": 
 _SHARED_NUMBERS: Final = tuple(f"{number:02}" for number in range(20))
 """Numbers after the letter and an underscore in shared names, the same on every controller."""
 
-_CHANGING_MODES: Final = frozenset(("INOUT", "VAR"))
-"""Modes of the parameters that instructions of the controller change."""
 TaskFiles = Sequence[s.File]
 
 
@@ -408,7 +406,8 @@ def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]
     # Persistents that no task changes keep their value in each program, without sharing.
     both = {name for name, many in count.items() if many > 1}
     files = {id(file): file for _, given in tasks for file in given}
-    changed = both & set(_changed_names(files.values())) if both else set()
+    modules = [module for file in files.values() for module in file.modules]
+    changed = both & changed_names(modules) if both else set()
     if not changed:
         return [SharedData(tuple(given)) for _, given in tasks]
     taken = {name.upper() for file in files.values() for name in _used_names(file)}
@@ -454,42 +453,6 @@ def _persistent_data(files: TaskFiles) -> Iterator[tuple[str, s.Data]]:
 
 def _shared_kind(data: s.Data) -> str:
     return data.type.lower() if not data.dimensions else ""
-
-
-def _changed_names(files: Collection[s.File]) -> Iterator[str]:
-    """Names in lower case that are assigned, or handed over to what may change them."""
-    modes = {
-        item.name.lower(): {
-            one.mode
-            for group in item.parameters
-            for one in group.alternatives
-            if isinstance(one, s.ParameterNode)
-        }
-        for file in files
-        for module in file.modules
-        for item in module.items
-        if isinstance(item, s.Routine)
-    }
-
-    def may_change(routine: str) -> bool:
-        if routine.lower() in modes:
-            return bool(modes[routine.lower()] - {""})
-        known = signature(routine)
-        slots = () if known is None else known.slots
-        # A routine that was not read may change everything that it is given.
-        return known is None or any(
-            one.mode in _CHANGING_MODES for slot in slots for one in slot.alternatives
-        )
-
-    for node in nodes(tuple(module for file in files for module in file.modules)):
-        match node:
-            case s.Assignment(target=target) if (found := root(target)) is not None:
-                yield found.name.lower()
-            case s.ProcedureCall(str(name)) | s.FunctionCall(str(name)) if may_change(name):
-                for one in node.arguments:
-                    found = root(one.value) if isinstance(one, s.Positional | s.Option) else None
-                    if found is not None:
-                        yield found.name.lower()
 
 
 def _used_names(file: s.File) -> Iterator[str]:
