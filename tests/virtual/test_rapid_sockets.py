@@ -227,6 +227,38 @@ TRYNEXT;
     assert said(run) == ["0", "silence"]
 
 
+@pytest.mark.parametrize(
+    ("sent", "message"),
+    [
+        ('\\Str:="four"\\NoOfBytes:=2', ""),
+        ('\\Str:="fo"', ""),
+        ('\\Str:="four"\\NoOfBytes:=-1', "-1 bytes of 4"),
+        ('\\Str:="four"\\NoOfBytes:=5', "5 bytes of 4"),
+        ('\\Str:="four"\\NoOfBytes:=1.5', "no whole number"),
+    ],
+)
+def test_no_more_bytes_are_sent_than_there_are(sent: str, message: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        body = f'SocketCreate link;\nSocketConnect link,"127.0.0.1",PORT;\nSocketSend link{sent};'
+        run = ran(main(body), port=server.getsockname()[1])
+        link, _ = server.accept()
+        with link:
+            assert link.recv(100) == (b"" if message else b"fo")
+    assert run.ended == ("error" if message else "end")
+    assert message in run.message
+
+
+def test_a_character_that_no_controller_has_is_sent_as_a_question_mark() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        body = (
+            'SocketCreate link;\nSocketConnect link,"127.0.0.1",PORT;\nSocketSend link\\Str:="€";'
+        )
+        run = ran(main(body), port=server.getsockname()[1])
+        link, _ = server.accept()
+        with link:
+            assert (run.ended, link.recv(100)) == ("end", b"?")
+
+
 def test_only_this_computer_is_reached_unless_the_run_says_more() -> None:
     body = 'SocketCreate link;\nSocketBind link,"192.168.125.1",PORT;\nTPWrite "bound";'
     run = ran(main(body), port=free_port())

@@ -117,10 +117,13 @@ def _read_line(given: Given) -> str:
     """ReadStr, without the delimiter; `EOF` where nothing is left."""
     _asks_outside(given)
     stream = _stream(given, binary=False)
-    line = given.optional_number("line")
-    if line is not None:
+    stated = given.optional_number("line")
+    if stated is not None:
+        line = whole(stated, "the number of a line")
+        if line < 1:
+            raise Fault(f"the line {line} of a file", UNSURE)
         stream.rewind()
-        for _ in range(whole(line, "the number of a line") - 1):
+        for _ in range(line - 1):
             stream.skip_line()
     text = stream.until(_delimiters(given), LONGEST_TEXT, given.has("discardheaders"))
     if text is None:
@@ -153,6 +156,8 @@ def _read_text(given: Given) -> str:
     count = whole(given.number(1), "a number of characters")
     if count > LONGEST_TEXT:
         raise Fault(f"{count} characters for a string", "ERR_STRTOOLNG")
+    if count < 0:
+        raise Fault(f"{count} characters are asked for", UNSURE)
     found = _stream(given, binary=True).read(count)
     return found.decode(CODES) if found or not count else TEXT_DATA["eof"]
 

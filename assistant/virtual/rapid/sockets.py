@@ -384,7 +384,10 @@ def _unpack_raw(given: Given) -> None:
 
 def _clear_raw(given: Given) -> None:
     raw = _raw_argument(given, 0)
-    first = whole(given.optional_number("fromindex") or 1.0, "the place of a byte")
+    stated = given.optional_number("fromindex")
+    first = 1 if stated is None else whole(stated, "the place of a byte")
+    if not 1 <= first <= _RAW_SIZE:
+        raise Fault(f"byte {first} of {_RAW_SIZE}", UNSURE)
     raw.data[first - 1 :] = bytes(_RAW_SIZE - first + 1)
     raw.length = min(raw.length, first - 1)
 
@@ -488,14 +491,16 @@ def _connect_socket(given: Given) -> None:
 
 
 def _send_message(given: Given) -> None:
-    count = given.optional_number("noofbytes")
-    data = _message_bytes(given)
-    _socket_link(given).send(data if count is None else data[: int(count)], given.machine.task)
+    stated, data = given.optional_number("noofbytes"), _message_bytes(given)
+    count = len(data) if stated is None else whole(stated, "a number of bytes")
+    if not 0 <= count <= len(data):
+        raise Fault(f"{count} bytes of {len(data)} are to be sent", UNSURE)
+    _socket_link(given).send(data[:count], given.machine.task)
 
 
 def _message_bytes(given: Given) -> bytes:
     if given.has("str"):
-        return records.text(given.optional("str", "string") or "").encode("latin-1")
+        return records.text(given.optional("str", "string") or "").encode(_HEX_CODES, "replace")
     if (node := given.options.get("rawdata")) is not None:
         raw = _raw_of(place(given.machine, node).get())
         return raw.take(1, raw.length)
