@@ -32,6 +32,8 @@ _FOR_EVER: Final = 99_999_000
 """Milliseconds that stand for no end of a wait."""
 _MOST_WAITING: Final = 1 << 16
 """Bytes of the other end that wait for the controller, until the gateway reads no more."""
+_MOST_COUNTED: Final = 0xFFFF
+"""The largest count of bytes that four hexadecimal digits hold."""
 _AGAIN: Final = 0.5
 """Seconds between tries to connect."""
 _AT_ONCE: Final = 4096
@@ -124,8 +126,10 @@ class _Words:
             return "K" if await self.other.send(data) else "C"
         if kind == "A":
             least, most, wait = map(int, rest.split())
+            if not (0 <= least <= _MOST_COUNTED and most >= 0):
+                raise ValueError(f"no answer can count the bytes of `{word}`")
             try:
-                taken = await self.other.take(least, most, wait)
+                taken = await self.other.take(least, min(most, _MOST_COUNTED), wait)
             except TimeoutError:
                 return "T"
             if taken is None:
@@ -136,8 +140,7 @@ class _Words:
             piece, self.taken = self.taken[:_PIECE], self.taken[_PIECE:]
             return "D" + piece.hex().upper()
         if word == "P":
-            # Four hexadecimal digits hold no larger count.
-            return f"B{min(len(self.other.come), 0xFFFF):04X}"
+            return f"B{min(len(self.other.come), _MOST_COUNTED):04X}"
         raise ValueError(word)
 
 

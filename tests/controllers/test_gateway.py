@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 
+import pytest
+
 from assistant.controllers.gateway import Gateway
 
 HERE = "127.0.0.1"
@@ -13,7 +15,10 @@ HERE = "127.0.0.1"
 async def talked(
     words: Sequence[str], says: bytes, *, closes: bool = False
 ) -> tuple[list[str], bytes]:
-    """What a controller is answered whose other end says something, and what that hears."""
+    """What a controller is answered whose other end says something, and what that hears.
+
+    The answers end where the gateway closes the line.
+    """
     heard = bytearray()
     gone = asyncio.Event()
 
@@ -34,7 +39,10 @@ async def talked(
     for word in words:
         writer.write(f"{word}\r".encode())
         if not word.startswith("W"):
-            answers.append((await reader.readuntil(b"\r")).decode().rstrip())
+            try:
+                answers.append((await reader.readuntil(b"\r")).decode().rstrip())
+            except asyncio.IncompleteReadError:
+                break
     writer.close()
     await asyncio.wait_for(gone.wait(), 10)
     server.close()
@@ -52,6 +60,17 @@ def test_bytes_are_asked_for_in_pieces() -> None:
 def test_no_more_bytes_are_taken_than_are_wanted() -> None:
     answers, _ = asyncio.run(talked(("A 2 2 5000", "G", "P", "A 1 9 5000", "G"), b"\x00\x0d,z"))
     assert answers == ["B0002", "D000D", "B0002", "B0002", "D2C7A"]
+
+
+def test_a_count_of_bytes_has_four_digits() -> None:
+    answers, _ = asyncio.run(talked(("A 65535 70000 5000", "A 10 70000 5000"), bytes(65545)))
+    assert answers == ["BFFFF", "B000A"]
+
+
+@pytest.mark.parametrize("word", ["A 65536 70000 5000", "A -1 5 5000", "A 0 -1 5000"])
+def test_bytes_that_no_answer_could_count_end_the_connection(word: str) -> None:
+    answers, _ = asyncio.run(talked(("GATEWAY 1", word, "GATEWAY 1"), bytes(100)))
+    assert answers == ["GATEWAY 1"]
 
 
 def test_bytes_are_sent_together_when_all_are_said() -> None:
