@@ -33,6 +33,9 @@ _BEFORE_SIGNS: Final = frozenset("[(,=:")
 _DIGITS: Final = 6
 """Decimals to which numbers of two texts must agree that were written by different programs."""
 
+_MOST_PAIRS: Final = 2_000_000
+"""Pairs of equal lines, one of each text, that are all compared; that takes about a second."""
+
 _Key = tuple[str | float, ...]
 
 
@@ -154,7 +157,12 @@ def _steps(old: Sequence[_Key], new: Sequence[_Key]) -> Iterator[tuple[str, int,
     last = next((i for i in range(most) if old[-1 - i] != new[-1 - i]), most)
     if first:
         yield "equal", 0, first, 0, first
-    inner = SequenceMatcher(None, old[first : len(old) - last], new[first : len(new) - last])
+    mine, theirs = old[first : len(old) - last], new[first : len(new) - last]
+    count = Counter(theirs)
+    # `autojunk` ignores lines that appear often, so that changes far apart seem to be one.
+    inner = SequenceMatcher(
+        None, mine, theirs, autojunk=sum(count[key] for key in mine) > _MOST_PAIRS
+    )
     for step, i1, i2, j1, j2 in inner.get_opcodes():
         yield step, first + i1, first + i2, first + j1, first + j2
     if last:

@@ -106,6 +106,20 @@ def test_merging_knows_no_sides():
         assert merged(base, base, one, plain) == one == merged(base, one, base, plain)
 
 
+def test_changes_between_hundreds_of_lines_that_are_alike():
+    lines = [b"step%d;" % (i % 7) for i in range(300)]
+
+    def with_lines(*added):
+        found = list(lines)
+        for place, line in reversed(added):
+            found.insert(place, line)
+        return b"\n".join(found) + b"\n"
+
+    own, there = ((10, b"own1;"), (290, b"own2;")), ((100, b"there1;"), (200, b"there2;"))
+    both = merged(with_lines(), with_lines(*own), with_lines(*there), plain)
+    assert both == with_lines(*sorted((*own, *there)))
+
+
 def test_thousands_of_lines_that_are_alike():
     lines = [b"P%d=(+1.00)" % i if i % 2 else b"END" for i in range(6000)]
     base = b"\n".join(lines) + b"\n"
