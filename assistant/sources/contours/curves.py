@@ -366,10 +366,6 @@ def arc_sweeps(arcs: Sequence[Arc]) -> NDArray[np.float64]:
     return np.array([arc.sweep for arc in arcs])
 
 
-def _unit(v: Points) -> Points:
-    return np.asarray(v / np.linalg.norm(v))
-
-
 Piece = Line | Arc
 PlanePoints = NDArray[np.float64]
 """(n, 2) mm."""
@@ -419,7 +415,7 @@ def at_parts(
 
 
 def chord_counts(pieces: Sequence[Piece], off: float) -> NDArray[np.intp]:
-    """`chords` of each of the pieces."""
+    """Return the number of chords that replace each piece, at most `off` mm off."""
     counts = np.ones(len(pieces), dtype=np.intp)
     arcs = [piece for piece in pieces if isinstance(piece, Arc)]
     if arcs:
@@ -427,14 +423,6 @@ def chord_counts(pieces: Sequence[Piece], off: float) -> NDArray[np.intp]:
         step = 2.0 * np.arccos(np.maximum(1.0 - off / np.array([a.radius for a in arcs]), 0.5))
         counts[round_] = np.ceil(np.radians(arc_sweeps(arcs)) / step).astype(np.intp) + 1
     return counts
-
-
-def _chord_count(piece: Piece, off: float) -> int:
-    """Return the number of chords that replace a piece, at most `off` mm off."""
-    if isinstance(piece, Line):
-        return 1
-    step = 2.0 * math.acos(max(1.0 - off / piece.radius, 0.5))
-    return math.ceil(math.radians(piece.sweep) / step) + 1
 
 
 def signed_area(outline: PlanePoints) -> float:

@@ -133,16 +133,12 @@ def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Contour
     return ContourPieces(tidy.pieces, max(deviation, tidy.deviation), fitted, within, tidy.dropped)
 
 
-def _close_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
-    """Every piece begins where the one before it ends, and the last one ends at the start.
-
-    A gap is closed in its middle. Pieces that are left without length are dropped.
-    """
-    return [piece for made in _closed_gaps(pieces, closed) for piece in made]
-
-
 def _closed_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line | Arc]]:
-    """Return the parts that replace each of the pieces in `_close_gaps`."""
+    """Return the parts that replace each of the pieces, none for one that is left without length.
+
+    Every piece begins where the one before it ends, and the last one ends at the start. A gap is
+    closed in its middle.
+    """
     if not pieces:
         return []
     joints = [_joint_of(one, two) for one, two in pairwise(pieces)]
