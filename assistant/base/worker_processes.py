@@ -38,8 +38,12 @@ def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, 
     }
 
 
+_LAST_WAIT: Final = 1.0
+"""Seconds that a process without an answer has to end, so that its exit status is known."""
+
+
 class WorkerDied(Exception):
-    """The process died at a request, or cannot be started."""
+    """The process died at a request, or cannot be started; its text says how."""
 
 
 class Worker:
@@ -68,8 +72,9 @@ class Worker:
             process.stdin.flush()
             result: B = pickle.load(process.stdout)  # noqa: S301 (of a process of ours)
         except (OSError, EOFError, ValueError, pickle.UnpicklingError) as error:
+            why = _end_of(self._process) or str(error) or "it was closed"
             self._end()
-            raise WorkerDied from error
+            raise WorkerDied(why) from error
         return result
 
     def close(self) -> None:
@@ -98,12 +103,28 @@ class Worker:
                 process.kill()
 
 
+def ended_by(status: int) -> str:
+    """How a process ended, by its `returncode`."""
+    if status >= 0:
+        return f"exit status {status}"
+    names = {one.value: one.name for one in signal.Signals}
+    return f"signal {names.get(-status, -status)}"
+
+
+def _end_of(process: subprocess.Popen[bytes] | None) -> str:
+    """How a process ended, empty if it was not there or does not end."""
+    if process is not None:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return ended_by(process.wait(_LAST_WAIT))
+    return ""
+
+
 def at_once(
-    function: Callable[[A], B], arguments: Sequence[A], count: int, lost: Callable[[A], B]
+    function: Callable[[A], B], arguments: Sequence[A], count: int, lost: Callable[[A, str], B]
 ) -> list[B]:
     """Return the results of a module's function in order, computed by `count` processes.
 
-    lost: answers in place of a process that died; only its current argument is lost.
+    lost: answers in place of a process that died, given how; only its current argument is lost.
     """
     workers = [Worker() for _ in range(count)]
     idle = queue.SimpleQueue[Worker]()
@@ -114,8 +135,8 @@ def at_once(
         worker = idle.get()
         try:
             return worker.answer(function, argument)
-        except WorkerDied:
-            return lost(argument)
+        except WorkerDied as died:
+            return lost(argument, str(died))
         finally:
             idle.put(worker)
 

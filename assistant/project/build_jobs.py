@@ -183,9 +183,10 @@ def make_all(
     return dict(zip(wanted, at_once(make_program, wanted, count, _died), strict=True))
 
 
-def _died(order: BuildOrder) -> MadeProgram:
+def _died(order: BuildOrder, why: str) -> MadeProgram:
     name = order.recipe.name
-    return MadeProgram(findings=(rules.DIED(place=name, name=name),), unreadable=True)
+    found = rules.DIED(place=name, name=name, reason=why)
+    return MadeProgram(findings=(found,), unreadable=True)
 
 
 def make_program(order: BuildOrder) -> MadeProgram:

@@ -62,7 +62,7 @@ NOT_BUILT: Final = error(
 )
 DIED: Final = error(
     "PR203",
-    "the process that made `{name}` ended without an answer",
+    "the process that made `{name}` ended without an answer: {reason}",
     "look whether there is memory enough, or build with `--jobs 1`",
 )
 NOT_KEPT: Final = error(

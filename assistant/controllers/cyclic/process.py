@@ -32,7 +32,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
-from assistant.base.worker_processes import without_passwords
+from assistant.base.worker_processes import ended_by, without_passwords
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.loop import Delays, Endpoint, Link, Report, Timing
 from assistant.controllers.cyclic.setpoint_source import Settings, correction_line
@@ -261,7 +261,8 @@ def _run(
             worker.stdout.close()
         errors.seek(0)
         why = errors.read().strip().splitlines()
-    return last, why[-1] if why else "its process ended without a word"
+    how = ended_by(worker.returncode)
+    return last, why[-1] if why else f"its process ended without a word: {how}"
 
 
 def _beat(stdin: IO[str], quiet: threading.Event) -> None:

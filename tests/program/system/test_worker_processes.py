@@ -19,9 +19,9 @@ slow = pytest.mark.slow  # each process is a new Python
 
 @slow
 def test_each_argument_gets_its_answer_in_another_process():
-    answers = at_once(os.path.basename, ["a/1", "a/2", "a/3"], 2, str)
+    answers = at_once(os.path.basename, ["a/1", "a/2", "a/3"], 2, _lost)
     assert answers == ["1", "2", "3"]
-    ids = at_once(_process, [1, 2], 1, str)
+    ids = at_once(_process, [1, 2], 1, _lost)
     assert ids[0] == ids[1] != os.getpid()
 
 
@@ -30,17 +30,30 @@ def test_no_process_is_given_a_password(monkeypatch):
     for name in ("ROBOT_ASSISTANT_PASSWORD", "ROBOT_ASSISTANT_CELL1_PASSWORD"):
         monkeypatch.setenv(name, "secret")
     asked = ["ROBOT_ASSISTANT_PASSWORD", "ROBOT_ASSISTANT_CELL1_PASSWORD", "PATH"]
-    assert at_once(os.getenv, asked, 1, str) == [None, None, os.environ["PATH"]]
+    assert at_once(os.getenv, asked, 1, _lost) == [None, None, os.environ["PATH"]]
 
 
 @slow
 def test_only_what_a_dead_process_was_at_is_lost():
-    assert at_once(_or_die, [1, 0, 3], 1, lambda argument: -1) == [1, -1, 3]
+    answers = at_once(_or_die, [1, 0, 3], 1, lambda argument, why: why)
+    assert answers == [1, "exit status 9", 3]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+def test_it_is_said_how_a_process_died():
+    worker = Worker()
+    try:
+        with pytest.raises(WorkerDied, match=r"^signal SIGKILL$"):
+            worker.answer(_killed, 0)
+        with pytest.raises(WorkerDied, match=r"^exit status 9$"):
+            worker.answer(_or_die, 0)
+    finally:
+        worker.close()
 
 
 def test_a_process_that_does_not_end_loses_no_answer_and_is_not_waited_for():
     begun = time.monotonic()
-    assert at_once(_lingering, [1, 2, 3], 2, lambda argument: -1) == [1, 2, 3]
+    assert at_once(_lingering, [1, 2, 3], 2, lambda argument, why: -1) == [1, 2, 3]
     assert time.monotonic() - begun < 40.0
 
 
@@ -55,7 +68,7 @@ def test_a_process_that_cannot_be_started_loses_only_what_it_was_to_answer(monke
         return start(*words, **how)
 
     monkeypatch.setattr(worker_processes.subprocess, "Popen", sometimes)
-    assert at_once(_or_die, [1, 2, 3], 1, lambda argument: -1) == [-1, 2, 3]
+    assert at_once(_or_die, [1, 2, 3], 1, lambda argument, why: why) == ["no memory", 2, 3]
 
 
 def test_a_worker_that_is_closed_while_its_process_starts_leaves_none(monkeypatch):
@@ -75,7 +88,7 @@ def test_a_worker_that_is_closed_while_its_process_starts_leaves_none(monkeypatc
 
 
 def test_what_a_function_prints_is_no_answer(capfd):
-    assert at_once(_loud, [1], 1, str) == [1]
+    assert at_once(_loud, [1], 1, _lost) == [1]
     assert capfd.readouterr() == ("", "loud\n")
 
 
@@ -87,7 +100,7 @@ def test_no_process_outlives_the_one_that_asked(tmp_path, number):
     script.write_text(
         "from assistant.base.worker_processes import at_once\n"
         "from tests.program.system.test_worker_processes import _noted\n"
-        f"at_once(_noted, [{str(tmp_path)!r}] * 4, 2, str)\n"
+        f"at_once(_noted, [{str(tmp_path)!r}] * 4, 2, print)\n"
     )
     with subprocess.Popen([sys.executable, script], stderr=subprocess.DEVNULL) as asking:
         _until(lambda: len(list(tmp_path.glob("*.pid"))) == 2)
@@ -105,10 +118,18 @@ def test_a_script_without_a_guard_builds(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "from assistant.base.worker_processes import at_once\n"
-        "import os\nprint(at_once(os.path.basename, ['a/1', 'a/2'], 2, str))\n"
+        "import os\nprint(at_once(os.path.basename, ['a/1', 'a/2'], 2, print))\n"
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
     assert (done.stdout, done.stderr) == ("['1', '2']\n", "")
+
+
+def _lost(argument: object, why: str) -> object:
+    raise AssertionError((argument, why))
+
+
+def _killed(_: int) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def _process(_: int) -> int:

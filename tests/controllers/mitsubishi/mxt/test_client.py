@@ -164,7 +164,8 @@ def test_a_loop_that_is_killed_is_told_and_the_control_ended():
         mxt = Mxt("127.0.0.1", port=control.port, **GIVEN)
         with mxt, pytest.raises(Ended) as ended:
             mxt.follow(away, slow, watch=kill)
-    assert [one.code for one in ended.value.findings] == ["CN716"]
+    (finding,) = ended.value.findings
+    assert finding.code == "CN716" and "SIGKILL" in finding.message
     assert control.result.reason == "end"
 
 
