@@ -160,7 +160,6 @@ _RESERVED_NAMES: Final = frozenset(
 
 
 Language = Literal["c", "python"]
-_LANGUAGES: Final[tuple[Language, ...]] = ("c", "python")
 
 
 @dataclass(frozen=True, slots=True)

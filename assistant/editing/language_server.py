@@ -33,7 +33,6 @@ _SOON: Final = 0.03
 """Seconds without a key after which the changed parts are checked: a request sent with the key is
 answered first.
 """
-_LANGUAGES: Final = "assistant"
 _TRANSLATION: Final = "robot-assistant.translation"
 """Command of the server: an address and a language; gives files and lines."""
 T = TypeVar("T")

@@ -223,8 +223,6 @@ _MOVED_STATISTIC: Final = 22.0
 """Two-sample statistic that chance reaches in about one of a thousand sets of poses."""
 _LEAST_VARIANCE: Final = 1e-12
 """mm², so that points without any noise have a covariance."""
-_CORRELATED: Final = 0.9
-"""Correlation from which on the errors of two corrections are reported as coupled."""
 _MOST_NOISE_RATIO: Final = 1.3
 """Times the stated noise that the residual may be."""
 

@@ -458,13 +458,6 @@ def rough_residual(problem: FitProblem, known: KnownPlacement) -> float:
     return min(float(np.median(norms(problem.errors(start)[0]))) for start in starts)
 
 
-def _root_mean_square(problem: FitProblem, state: FitState, used: Truths | None = None) -> float:
-    """The mm between said and measured points."""
-    off, _ = problem.errors(state)
-    rows = off if used is None else off[used]
-    return float(np.sqrt((rows**2).sum(axis=1).mean()))
-
-
 def _start_states(problem: FitProblem, known: KnownPlacement) -> list[FitState]:
     none = np.zeros(len(problem.model.parameters))
     p, r = problem.model.flange(problem.measured.joints, none)

@@ -72,9 +72,6 @@ class EffectBuilder:
         return Effect(reads, writes, calls, self.moves, self.jumps, self.waits)
 
 
-_NO_EFFECT: Final = Effect()
-
-
 def combined_effect(effects: Iterable[Effect]) -> Effect:
     """Return the combined effect of several effects."""
     each = list(effects)

@@ -734,8 +734,3 @@ class TurnSearch:
 def _state(number: int, shape: tuple[int, ...]) -> TurnState:
     turn, branch, wound = np.unravel_index(number, shape)
     return int(turn), int(branch), int(wound)
-
-
-def _turn_numbers(found: FoundPath) -> Rows:
-    """(s,) the turns of a way, as numbers among those of each station."""
-    return np.array([state[0] for state in found.states], dtype=np.intp)

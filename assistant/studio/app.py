@@ -43,7 +43,6 @@ _PAGE_POLICY: Final = (
 )
 """Content policy of the page; nothing comes from outside, and no text of a file is ever run."""
 _FORBIDDEN: Final = 403
-_CONTENT_TOO_LARGE: Final = 413
 _POLICY_VIOLATION: Final = 1008
 
 

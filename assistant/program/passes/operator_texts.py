@@ -116,7 +116,6 @@ ENTERED: Final = "operator_entered"
 _PREFIX: Final = "operator_"
 _BITS: Final = 15
 """Bits of a number: with one more, controllers may read it as a negative one."""
-_MOST: Final = 2**_BITS - 1
 
 
 def is_operators(name: str) -> bool:

@@ -79,13 +79,6 @@ _POSITION_KINDS: Final[Mapping[int, np.dtype[np.void]]] = {
 10 and 11 the currents."""
 
 
-def _eight_axes(values: Floats) -> Floats:
-    """Eight numbers, those that are lacking 0."""
-    full = np.zeros(8)
-    full[: len(values)] = values
-    return full
-
-
 PULSES: Final = 100.0
 """Pulses of a motor to a degree (or mm) of its axis: no maker publishes them, any number serves."""
 _LIMIT_ROUNDING: Final = 1e-3

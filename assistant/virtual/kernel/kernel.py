@@ -70,8 +70,6 @@ Source = Mapping[str, float] | Callable[[str], float]
 Listener = Callable[[str, float, float], None]
 """Function that gets a signal's name, and its value before and now."""
 
-_NO_SIGNALS: Final[Mapping[str, float]] = {}
-
 
 @dataclass(slots=True, eq=False)
 class Signals:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import io
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -446,10 +446,3 @@ def _stroke_scatter(nodes: Floats, way: Floats) -> float:
     foot = a + np.clip(part, 0.0, 1.0)[..., None] * along
     least = ((nodes[:, None] - foot) ** 2).sum(axis=2).min(axis=1)
     return float(np.sqrt(least.mean()))
-
-
-def _stroke_in_frame(stroke: Stroke, frame: Pose) -> Stroke:
-    """The same way in a frame whose pose in the world is given."""
-    back = frame.inverse()
-    turns = rotations.multiply(np.array(back.quaternion), stroke.quaternions)
-    return replace(stroke, positions=back.moved(stroke.positions), quaternions=turns)

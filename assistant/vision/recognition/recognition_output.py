@@ -52,9 +52,6 @@ class OutputFrame:
         return self.pose.inverse() @ pose
 
 
-_WORLD_FRAME: Final = OutputFrame()
-
-
 def targets_text(
     found: Sequence[FoundObject],
     base: OutputFrame,

@@ -53,7 +53,6 @@ _ROWS: Final = {
 }
 """Lines of a position list."""
 _DECLARING: Final = ("pos", "jnt", "inte", "long", "float", "double", "char", "io")
-_TRAILING: Final = ("'", "rem")
 
 
 class EditableMelfaBasic(Editable):
