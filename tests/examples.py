@@ -7,7 +7,7 @@ from typing import Final
 from hypothesis import settings
 
 FEWEST: Final = 8
-SHARE: Final = 8
+SHARE: Final = 10
 """One of so many examples is drawn by `make test`, always the same ones: they are cases that are
 known to pass. `make test-slow` draws all of them anew.
 """

@@ -34,6 +34,7 @@ def path_of(program: Program) -> Path:
     return path
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "language"), CASES)
 def test_a_path_is_written_with_the_branch_that_it_was_made_of(name: str, language: str) -> None:
     robot = robots.get(name)

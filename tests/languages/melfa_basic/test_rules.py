@@ -176,6 +176,7 @@ def test_advice_is_not_asked_about_what_was_compiled() -> None:
     assert found(5, text, quiet=()) == []
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("version", [4, 5, 6])
 @pytest.mark.parametrize("sample", ["positioning.csv", "taught.toml", "plate.dxf"])
 def test_what_is_compiled_breaks_no_rule(sample: str, version: int) -> None:
