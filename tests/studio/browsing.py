@@ -10,7 +10,7 @@ import pytest
 
 WIDE: Final = {"width": 1280, "height": 800}
 TABLET: Final = {"width": 820, "height": 1180}
-LONGEST: Final = 30_000.0
+LONGEST: Final = 120_000.0
 """Milliseconds that a page has for whatever is waited for."""
 STEP: Final = 50.0
 

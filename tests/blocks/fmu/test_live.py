@@ -60,7 +60,7 @@ def undisturbed(hosted: Hosted, run: Run) -> tuple[np.ndarray, MxtProcess]:
 
     run: is told the parameters.
     """
-    for _ in range(10):
+    for _ in range(40):
         with MxtProcess(NAME, cycle=CYCLE) as virtual:
             found = run({**CONFIRMED, "port": virtual.port})
         late = led(hosted, found, "longest_delay")[-1] > 3.0 * CYCLE

@@ -213,10 +213,8 @@ def test_repair_that_drops_an_insert_is_an_error(save: Save, drawing: Drawing) -
 def test_beyond_repair(save: Save, drawing: Drawing, fmt: str) -> None:
     drawing.modelspace().add_line((0, 0), (1, 1))
     path = save(drawing, fmt=fmt)
-    data = path.read_bytes()
-    middle = len(data) // 2
-    junk = b"\nno group code\n" if fmt == "asc" else b"\xff" * 64
-    path.write_bytes(data[:middle] + junk + data[middle:])
+    line, junk = (b"AcDbLine\n", b"none\n") if fmt == "asc" else (b"AcDbLine\0", b"\xff" * 64)
+    path.write_bytes(path.read_bytes().replace(line, line + junk))
     assert codes(path) == ["DX003"]
 
 
