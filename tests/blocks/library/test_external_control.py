@@ -135,7 +135,7 @@ def test_an_arm_that_is_not_enabled_comes_to_rest() -> None:
         diagram.wire((on, "value"), (block, "enable"))
 
         def watch(now: float) -> bool:
-            return now < 1.0 or bool(np.ptp(virtual.track[-5:], axis=0).max() > 0.01)
+            return now < 1.0 or bool(np.ptp(virtual.track[-50:], axis=0).max() > 0.01)
 
         ran = run(diagram, 20.0, STEP, clock=RealTime(), watch=watch, moving=["cell"])
     commanded = ran["arm.commanded"]
