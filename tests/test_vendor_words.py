@@ -69,6 +69,7 @@ EXCEPTIONS: Final = {
     ("base/budgets.py", "proc"): "where Linux tells of processes",
     ("report/robots.py", "confdata"): "tells people what the maker calls it",
     ("robots/urdf.py", "tool0"): "what robot files call the flange, whosever the robot is",
+    ("sources/drawing/drafting.py", "dot"): "the name of a line type",
     ("sources/drawing/attributes.py", "movej"): "what people write into drawings",
     ("sources/drawing/attributes.py", "movel"): "what people write into drawings",
     ("sources/drawing/attributes.py", "mov"): "what people write into drawings",

@@ -177,6 +177,12 @@ def position(value: Any) -> Vector:
     return (x, y, z)
 
 
+def point(value: Any) -> tuple[float, float]:
+    """A point of a plane."""
+    x, y = _vector(" mm", 2)(value)
+    return (x, y)
+
+
 def direction(value: Any) -> Vector:
     """A vector of any length but none, made a unit one."""
     vector = np.array(_vector("", most=math.inf)(value))

@@ -118,7 +118,7 @@ def process_text(name: str, survey: Survey) -> str:
 
 
 def _process_lines(name: str, survey: Survey) -> Iterator[str]:
-    works = [layer for layer in survey.layers if layer.works]
+    works = [layer for layer in survey.layers if layer.works and not layer.drafting]
     idle = [layer for layer in survey.layers if layer.kinds and not _is_worked(layer)]
     yield f"# How {shown(name, 80)} is worked: lengths in mm, speeds in mm/s, times in seconds,"
     yield "# angles in degrees, masses in kg. A line with a # before its key is a choice: take the"
@@ -127,7 +127,8 @@ def _process_lines(name: str, survey: Survey) -> Iterator[str]:
     yield from _commented_rows(
         [*_unit_rows(survey), ("tolerance = 0.05", "for joining ends, fitting curves")]
     )
-    yield from _commented_rows([_left_out_row(idle)])
+    yield from _drafting_rows(survey.layers)
+    yield from _commented_rows([_left_out_row(idle, works)])
     yield from _commented_rows(TOP_ROWS)
     yield ""
     yield "[motion]"
@@ -153,7 +154,7 @@ def _process_lines(name: str, survey: Survey) -> Iterator[str]:
 
 
 def _is_worked(layer: SurveyedLayer) -> bool:
-    return layer.works or layer.locations > 0
+    return (layer.works and not layer.drafting) or layer.locations > 0
 
 
 def _unit_rows(survey: Survey) -> Iterator[_KeyRow]:
@@ -165,10 +166,36 @@ def _unit_rows(survey: Survey) -> Iterator[_KeyRow]:
         yield f"unit = {toml_value(short)}", f"{survey.stated}{size}"
 
 
-def _left_out_row(idle: Sequence[SurveyedLayer]) -> _KeyRow:
-    names = toml_value([_encodable(layer.name) for layer in idle])
-    about = "nothing there can be followed" if idle else '["*"]: all that have no table here'
-    return f"leave_out = {names}", about
+def _drafting_names(layers: Sequence[SurveyedLayer]) -> Iterator[str]:
+    """What of a drawing is not work, and what it is."""
+    for one in layers:
+        if one.drafting:
+            yield f"{shown(one.name)} ({one.drafting})"
+    for layer in layers:
+        for part in layer.parts:
+            where = f"{part.what} {shown(part.name)} on {shown(layer.name)}"
+            yield f"{where} ({part.kind}, {part.count})"
+
+
+def _drafting_rows(layers: Sequence[SurveyedLayer]) -> Iterator[str]:
+    """Say what is left out as it is drafting, and how it is had."""
+    rows = list(_drafting_names(layers))
+    if rows:
+        yield "# Left out as drafting, by the names of layers, blocks and line types:"
+        yield from (f"#   {row}" for row in rows)
+        yield "# A layer is followed if it has a table below, [layers.NAME]; a line type or a block"
+        yield "# if its entry is deleted here."
+
+
+def _left_out_row(idle: Sequence[SurveyedLayer], works: Sequence[SurveyedLayer]) -> _KeyRow:
+    names: list[str | dict[str, str]] = [_encodable(layer.name) for layer in idle]
+    names += [
+        {"layer": _encodable(layer.name), part.what.replace(" ", "_"): _encodable(part.name)}
+        for layer in works
+        for part in layer.parts
+    ]
+    about = "nothing there is followed" if names else '["*"]: all that have no table here'
+    return f"leave_out = {toml_value(names)}", about
 
 
 def _layer_content(layer: SurveyedLayer) -> str:
@@ -323,8 +350,25 @@ def _add_drawing(folder: FilePath, drawing: FilePath, unit: str | None) -> _Adde
         files[source] = data
     process = FilePath(source).with_suffix(PROCESS_SUFFIX).as_posix()
     files[process] = process_text(drawing.name, found).encode("utf-8", "replace")
-    told = tuple(finding.within(str(drawing)) for finding in found.findings)
-    return _AddedDrawing(source, files, tuple(f for f in told if f.severity is not Severity.INFO))
+    told = tuple(
+        finding.within(str(drawing))
+        for finding in (*found.findings, *_told_drafting(found, process))
+    )
+    return _AddedDrawing(
+        source,
+        files,
+        tuple(f for f in told if f.severity is not Severity.INFO or f.code == rules.NOT_WORK.code),
+    )
+
+
+def _told_drafting(survey: Survey, file: str) -> list[Diagnostic]:
+    """A finding about what a new process file leaves out as drafting."""
+    rows = list(_drafting_names(survey.layers))
+    if not rows:
+        return []
+    works = any(layer.works and not layer.drafting for layer in survey.layers) or survey.locations
+    rule = rules.NOT_WORK if works else rules.NOTHING_ELSE
+    return [rule(file=file, what=", ".join(rows))]
 
 
 def _program_names(sources: Sequence[str]) -> dict[str, str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.base.diagnostics import error, info
+from assistant.base.diagnostics import error, info, warning
 
 NO_PROJECT: Final = error(
     "PR101",
@@ -88,6 +88,17 @@ OTHER_DRAWING: Final = error(
     "PR303",
     "`{file}` is in the project already, and is another drawing",
     "rename one of them, or copy the new one over it and name that",
+)
+NOT_WORK: Final = info(
+    "PR305",
+    "`{file}` leaves out what is drafting by its name, not work: {what}",
+    "give a layer that is work a table there, [layers.NAME]; delete the entry of a line type or"
+    " block from leave_out",
+)
+NOTHING_ELSE: Final = warning(
+    "PR306",
+    "all that could be followed is drafting by its name, and `{file}` leaves it out: {what}",
+    "give each layer that is work a table there, [layers.NAME]",
 )
 NOT_STARTED: Final = error(
     "PR401",

@@ -75,7 +75,8 @@ def drawn_lines(
     if frame is None or frame.held or frame.mechanism:
         return []
     found = []
-    for curve in read_contents(path, chosen).curves:
+    contents = read_contents(path, chosen)
+    for curve in (*contents.curves, *contents.aside):
         points = chorded(curve, chosen.tolerance)
         found.append(DrawnLine(curve.layer, frame.pose.moved(points), curve.handle or ""))
     return found

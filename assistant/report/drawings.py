@@ -39,6 +39,11 @@ def record(survey: Survey) -> dict[str, Any]:
                 "extents": _box(one.extents),
                 "locations": one.locations,
                 "use": one.use,
+                "drafting": one.drafting,
+                "parts": [
+                    {"what": part.what, "name": part.name, "kind": part.kind, "count": part.count}
+                    for part in one.parts
+                ],
             }
             for one in survey.layers
         ],
@@ -82,6 +87,9 @@ def lines(survey: Survey) -> Iterator[str]:
 
 def _layer(layer: SurveyedLayer) -> tuple[str, ...]:
     unused = "" if not layer.unused else f"; not used: {_counted(layer.unused)}"
+    if layer.parts:
+        parts = (f"{one.count} of {one.what} {shown(one.name)}" for one in layer.parts)
+        unused = f"; switched off: {', '.join(parts)}{unused}"
     contours = [f"{n} {what}" for n, what in ((layer.closed, "closed"), (layer.open, "open")) if n]
     return (
         shown(layer.name),

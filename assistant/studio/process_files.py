@@ -94,6 +94,11 @@ def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
                 "length": round(one.length, 3),
                 "locations": one.locations,
                 "use": one.use,
+                "drafting": one.drafting,
+                "parts": [
+                    {"what": part.what, "name": part.name, "kind": part.kind, "count": part.count}
+                    for part in one.parts
+                ],
                 _USED_FIELD: _is_worked(one, process),
                 "values": plain_value(named.get(one.name.casefold(), {})),
             }
@@ -124,7 +129,7 @@ def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _is_worked(layer: SurveyedLayer, process: Process) -> bool:
-    something = layer.works or layer.locations > 0
+    something = (layer.works and not layer.drafting) or layer.locations > 0
     return something and layer.state == "on" and not process.leaves_out(layer.name)
 
 
@@ -248,7 +253,8 @@ def _drawn_lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
     from assistant.sources.contours.curves import chorded, sample
 
     found, room = [], _MOST_DRAWN_POINTS
-    curves = read_contents(drawing, replace(process, placement=None)).curves
+    contents = read_contents(drawing, replace(process, placement=None))
+    curves = (*contents.curves, *contents.aside)
     if not curves:
         return []
     size = float(np.ptp(sample(curves, (0.0, 0.3, 0.6, 1.0))[..., :2], axis=(0, 1)).max())

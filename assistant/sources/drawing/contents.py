@@ -23,6 +23,7 @@ from assistant.sources.contours.contour_order import LayerText
 from assistant.sources.contours.curves import Curve, vector
 from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing, unit_of
+from assistant.sources.drawing.drafting import Drafting
 from assistant.sources.drawing.entities import Degenerate, ignored_properties, primitives
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
@@ -79,7 +80,8 @@ class Contents:
     """Curves and locations in order of drawing, in mm, where the process places the drawing.
 
     marks: points that are not locations but state where the contours of their layer start. texts:
-    of the layers whose contours are numbered by them.
+    of the layers whose contours are numbered by them. aside: curves that are drafting, or whose
+    line types or blocks the process file leaves out. drafting: what was found to be drafting.
     """
 
     unit: str
@@ -88,6 +90,8 @@ class Contents:
     findings: tuple[Diagnostic, ...]
     marks: tuple[tuple[str, Vector], ...] = ()
     texts: tuple[LayerText, ...] = ()
+    aside: tuple[Curve, ...] = ()
+    drafting: Drafting | None = None
 
 
 def read_contents(path: FilePath, process: Process) -> Contents:
@@ -118,6 +122,8 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     marks: list[tuple[str, Vector]] = []
     marked = {n.lower() for n, layer in process.layers.items() if layer.shaping.start == "point"}
     texts: list[LayerText] = []
+    aside: list[Curve] = []
+    drafting = Drafting.of(document, process)
     with within(INSERTING, name, traversal.count()):
         for placed in traversal.model(root_of(process, factor)):
             kind = placed.entity.dxftype()
@@ -125,20 +131,24 @@ def read_contents(path: FilePath, process: Process) -> Contents:
                 at = vector(point(placed.matrix, placed.entity.dxf.location))
                 marks.append((placed.layer, at))
             elif kind in ("POINT", "INSERT"):
-                if unwanted(placed.layer):
+                if unwanted(placed.layer) or (kind == "POINT" and drafting.leaves_out(placed)):
                     continue
                 location = locations.read(placed)
                 found += [location] if location else []
             elif placed.entity.dxftype() in _TEXT_TYPES:
                 texts.append(layer_text(placed.entity, placed.matrix, placed.layer))
             else:
-                counted_in = Tally() if unwanted(placed.layer) else tally
-                curves += curves_of(placed, counted_in, traversal)
+                off = drafting.leaves_out(placed)
+                counted_in = Tally() if off or unwanted(placed.layer) else tally
+                (aside if off else curves).extend(curves_of(placed, counted_in, traversal))
         traversal.paper()
     counted = (f.within(name) for f in tally.findings())
     findings = (*opened, *units, *ucs_of(document, name), *traversal.findings, *locations.findings)
-    said = (*findings, *counted)
-    return Contents(unit, tuple(curves), tuple(found), said, tuple(marks), tuple(texts))
+    said = (*findings, *counted, *(f.within(name) for f in drafting.findings()))
+    return Contents(
+        *(unit, tuple(curves), tuple(found), said, tuple(marks), tuple(texts), tuple(aside)),
+        drafting,
+    )
 
 
 def root_of(process: Process, factor: float) -> Floats:

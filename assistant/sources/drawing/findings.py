@@ -22,7 +22,8 @@ NOTED = warning("DX006", "the file is not quite in order: {what}", "save it anew
 EMPTY = error(
     "DX007",
     "nothing in the drawing can become motion",
-    "draw contours on layers of the process file, or points and blocks with attributes",
+    "draw contours on layers of the process file, or points and blocks with attributes, or delete"
+    " from leave_out what is work",
 )
 UNKNOWN_MEANING = error(
     "DX008", "the process file gives a tag for `{meaning}`, which means nothing", "use {known}"
@@ -31,6 +32,11 @@ UNKNOWN_DEFAULT = error(
     "DX009", "the default {what} `{name}` is not declared", "declare it in the process file"
 )
 MALFORMED = error("DX010", "`{given}` at group code {code} is no number{more}", "{cure}")
+ONLY_DRAFTING = error(
+    "DX011",
+    "all that could be followed has the name of drafting, not of work: {what}",
+    "{cure}, if that is the work",
+)
 
 # Units and coordinate systems.
 NO_UNITS = warning(
@@ -88,6 +94,17 @@ CLIPPED = error(
     "DX211",
     "the insert of block `{block}` is clipped, which cannot be followed",
     "explode the insert and trim what is in it",
+)
+DRAFTING = info(
+    "DX212",
+    "{count} entities are left out, as their names mean drafting, not work: {what}",
+    "to follow them after all, {cure}",
+)
+DRAFTING_FOLLOWED = info(
+    "DX213",
+    "{count} entities whose names mean drafting are followed, as the process file names their"
+    " layer: {what}",
+    "to leave them out, write leave_out = [{entry}] at the top of the process file",
 )
 
 # Locations.

@@ -31,8 +31,10 @@ from assistant.sources.contours.contour_statements import (
 from assistant.sources.contours.layer_program import contour_program
 from assistant.sources.drawing.contents import Contents
 from assistant.sources.drawing.findings import (
+    DRAFTING,
     DUPLICATE,
     EMPTY,
+    ONLY_DRAFTING,
     QUICKEST,
     SAME_ORDER,
     SOME_ORDERED,
@@ -74,7 +76,13 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
     if title != path.stem:
         findings.append(MANGLED(path=name, place="file name", given=shown(path.stem), name=title))
     if not contours and not contents.locations and not has_errors(findings):
-        findings.append(EMPTY(path=name))
+        drafting = contents.drafting
+        if drafting is not None and drafting.aside:
+            findings = [one for one in findings if one.code != DRAFTING.code]
+            what, cure = drafting.listed(), drafting.cure()
+            findings.append(ONLY_DRAFTING(path=name, what=what, cure=cure))
+        else:
+            findings.append(EMPTY(path=name))
     if has_errors(findings):
         raise Refused(*findings)
     procedures = [*visits, *contours]

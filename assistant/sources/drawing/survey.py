@@ -19,6 +19,7 @@ from assistant.sources.contours.curves import Curve, chorded
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.contents import curves_of, root_of, ucs_of
 from assistant.sources.drawing.document import library_errors, open_drawing, unit_of
+from assistant.sources.drawing.drafting import Drafting
 from assistant.sources.drawing.findings import NO_UNITS, Tally, shown
 from assistant.sources.drawing.locations import Location, LocationReader
 from assistant.sources.drawing.traversal import Traversal
@@ -56,12 +57,24 @@ class Extents:
 
 
 @dataclass(frozen=True, slots=True)
+class LayerPart:
+    """Drafting on a layer that is work. what: `line type` or `block`. count: of entities."""
+
+    what: str
+    name: str
+    kind: str
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
 class SurveyedLayer:
     """A layer of a drawing. name: as drawn. colour: number of AutoCAD's colours, None for a layer
     that no table has. state: "on", "off" or "frozen". kinds: entities by type, with all inserts;
     unused: those that no robot follows or visits, as they are hidden, for people to read, or of a
     kind that is not a line. closed, open: contours, with curves joined end to end. length: of them,
-    mm. locations: points and blocks with attributes. use: its use by the process file.
+    mm. locations: points and blocks with attributes. use: its use by the process file. drafting:
+    what its name or its line type means if that is not work, empty if it may be work. parts: what
+    is drafting on a layer that is work; its curves are not in the other numbers.
     """
 
     name: str
@@ -75,6 +88,8 @@ class SurveyedLayer:
     extents: Extents | None
     locations: int
     use: str
+    drafting: str = ""
+    parts: tuple[LayerPart, ...] = ()
 
     @property
     def works(self) -> bool:
@@ -100,7 +115,9 @@ class SurveyedLocation:
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """unit: for people. millimetres: of one unit. stated: who says so."""
+    """unit: for people. millimetres: of one unit. stated: who says so. extents: of all that is not
+    drafting.
+    """
 
     unit: str
     millimetres: float
@@ -119,6 +136,22 @@ class _Layer:
     unused: Counter[str] = field(default_factory=Counter)
     curves: list[Curve] = field(default_factory=list)
     places: list[Vector] = field(default_factory=list)
+    aside: list[Curve] = field(default_factory=list)
+    reasons: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    """What, name and meaning of drafting, and its entities."""
+
+    def settle(self) -> None:
+        """A layer that holds nothing but drafting is drafting, and its curves are counted."""
+        if not self.curves:
+            self.curves, self.aside = self.aside, []
+
+    @property
+    def drafting(self) -> str:
+        """What the layer is for, if nothing on it is work."""
+        if self.aside or not self.reasons:
+            return ""
+        (what, name, kind), _ = self.reasons.most_common(1)[0]
+        return kind if what == "layer" else f"{what} {shown(name)}: {kind}"
 
 
 def survey(path: FilePath, process: Process, stated: str = "as stated") -> Survey:
@@ -135,6 +168,7 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
     if NO_UNITS.code in {finding.code for finding in units}:
         said = "assumed, as the drawing names none"
     traversal = Traversal(document, name, tags, tally)
+    drafting = Drafting.of(document, process)
     reader = LocationReader(document, name, tags, process, Tally(), attached=True)
     layers: dict[str, _Layer] = {}
     found: list[SurveyedLocation] = []
@@ -148,22 +182,35 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
     with within(INSERTING, name, traversal.count()):
         for placed in traversal.model(root_of(process, factor)):
             here = at(placed.layer)
-            here.kinds[placed.entity.dxftype()] += 1
-            if placed.entity.dxftype() not in ("POINT", "INSERT"):
-                here.curves += curves_of(placed, empty, traversal)
-            elif (location := reader.read(placed)) is not None:
+            kind = placed.entity.dxftype()
+            here.kinds[kind] += 1
+            given = kind == "INSERT" or process.leaves_out(placed.layer)
+            reason = None if given else drafting.reason(placed)
+            if reason is not None:
+                here.reasons[reason.what, reason.name, reason.kind] += 1
+            if kind not in ("POINT", "INSERT"):
+                off = reason is not None or process.leaves_out_part(
+                    placed.layer, placed.line_type, placed.blocks
+                )
+                (here.aside if off else here.curves).extend(curves_of(placed, empty, traversal))
+            elif reason is None and (location := reader.read(placed)) is not None:
                 here.places.append(location.pose.position)
                 found.append(_located(location, placed.layer))
     for (_, kind, layer, _), count in tally.counts.items():
         at(layer).kinds[kind] += count
         at(layer).unused[kind] += count
+    for each in layers.values():
+        each.settle()
     with (
         np.errstate(all="ignore"),
         within(CONTOURS, name, sum(len(one.curves) for one in layers.values())),
     ):
         told = [_layer(one, document, process, traversal) for one in layers.values()]
-        boxes = [_box(one) for one in layers.values()]
+        # Drafting counts only where nothing else is drawn: the size is that of the work.
+        work = [one for one in layers.values() if not one.drafting and (one.curves or one.places)]
+        boxes = [_box(one) for one in work or layers.values()]
     findings = (*opened, *units, *ucs_of(document, name), *traversal.findings, *reader.findings)
+    findings += tuple(drafting.findings())
     return Survey(
         unit,
         factor,
@@ -212,12 +259,20 @@ def _layer(
         Extents.around([points] if len(points) else []),
         len(layer.places),
         _use(layer, state, process),
+        layer.drafting,
+        tuple(
+            LayerPart(what, name, kind, count)
+            for (what, name, kind), count in layer.reasons.items()
+            if layer.aside
+        ),
     )
 
 
 def _use(layer: _Layer, state: str, process: Process) -> str:
     """Describe the use of a layer, in words."""
     known = {name.casefold(): name for name in process.layers}
+    if layer.drafting and not layer.places:
+        return f"switched off: {layer.drafting}"
     if not layer.curves and not layer.places:
         hidden = f"nothing: the layer is {state}" if state != "on" else "nothing"
         return hidden if layer.kinds else "nothing is on it"
@@ -226,6 +281,8 @@ def _use(layer: _Layer, state: str, process: Process) -> str:
     visited = ["locations are visited"] if layer.places else []
     if not layer.curves:
         return visited[0]
+    if layer.drafting:
+        return ", ".join([f"switched off: {layer.drafting}", *visited])
     if known.get(layer.name.casefold()) is not None:
         return ", ".join(["contours are followed", *visited])
     if known:

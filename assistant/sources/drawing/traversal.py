@@ -118,6 +118,10 @@ _ANNOTATION: Final = frozenset(
 
 _XREF_FLAGS: Final = 4 | 8
 
+CONTINUOUS: Final = "Continuous"
+_BY_LAYER: Final = "BYLAYER"
+_BY_BLOCK: Final = "BYBLOCK"
+
 
 def _never(_: str) -> bool:
     return False
@@ -129,7 +133,8 @@ class PlacedEntity:
 
     matrix: from the coordinates of its container to the drawing's world, in mm. layer: in effect.
     place: the inserts it is in and its handle, for people. cell: of a multiple insert. inserted:
-    the outermost insert that contains it, None outside blocks.
+    the outermost insert that contains it, None outside blocks. line_type: in effect. blocks: around
+    it, from the outermost, in small letters.
     """
 
     entity: DXFGraphic
@@ -138,6 +143,8 @@ class PlacedEntity:
     place: str
     cell: tuple[float, float] = (0.0, 0.0)
     inserted: InsertedBlock | None = None
+    line_type: str = CONTINUOUS
+    blocks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,11 +178,14 @@ class Traversal:
     findings: list[Diagnostic] = field(default_factory=list)
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
+    line_types: dict[str, str] = field(default_factory=dict)
+    """Layer in lower case → its line type."""
 
     def __post_init__(self) -> None:
         for layer in self.document.layers:
             state = "frozen" if layer.is_frozen() else "off" if layer.is_off() else ""
             self.states[layer.dxf.name.lower()] = state
+            self.line_types[layer.dxf.name.lower()] = str(layer.dxf.get("linetype", CONTINUOUS))
 
     def model(self, root: Floats) -> Iterator[PlacedEntity]:
         """Curves, points and location inserts of the model space, in order of drawing.
@@ -234,7 +244,13 @@ class Traversal:
                 self._leave(LEFT_OUT, entity, layer, "it is for people to read")
             elif kind == "POINT" or kind in _ANNOTATION or self.wanted(entity):
                 place = owner.place(entity)
-                yield PlacedEntity(entity, owner.matrix, layer, place, inserted=owner.inserted)
+                line_type = self._line_type(entity, layer, owner)
+                yield PlacedEntity(
+                    *(entity, owner.matrix, layer, place),
+                    inserted=owner.inserted,
+                    line_type=line_type,
+                    blocks=owner.blocks,
+                )
             else:
                 self._leave(UNUSED, entity, layer, "")
 
@@ -271,7 +287,8 @@ class Traversal:
             inserted = owner.inserted
             if inserted is None and not location:
                 inserted = InsertedBlock(block.name, inner, np.array(block.base_point.xyz))
-            own = _BlockOwner(inner, layer, f"{place} > ", blocks, symbol, inserted)
+            line_type = self._line_type(insert, layer, owner)
+            own = _BlockOwner(inner, layer, f"{place} > ", blocks, symbol, inserted, line_type)
             yield from self._walk(block, own)
 
     def _block(
@@ -304,6 +321,15 @@ class Traversal:
         if any(self.tags.meaning(tag) for tag in tags):
             names = " ".join(shown(tag) for tag in tags)
             self._say(NO_LOCATION, place, block=shown(insert.dxf.name), tags=names)
+
+    def _line_type(self, entity: DXFGraphic, layer: str, owner: _BlockOwner) -> str:
+        """The line type in effect: the entity's, its layer's, or that of the insert around it."""
+        given = str(entity.dxf.get("linetype", _BY_LAYER))
+        if given.upper() == _BY_BLOCK:
+            return owner.line_type
+        if given.upper() == _BY_LAYER:
+            return self.line_types.get(layer.lower(), CONTINUOUS)
+        return given
 
     def _hidden(self, entity: DXFGraphic, layer: str) -> str | None:
         if entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0):
@@ -351,6 +377,7 @@ class _BlockOwner:
     blocks: tuple[str, ...] = ()
     symbol: bool = False
     inserted: InsertedBlock | None = None
+    line_type: str = CONTINUOUS
 
     def place(self, entity: DXFGraphic) -> str:
         return f"{self.prefix}{shown(entity.dxftype())} #{entity.dxf.handle}"

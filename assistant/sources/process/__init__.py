@@ -24,6 +24,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal, Protocol
@@ -390,6 +391,91 @@ class Layer:
 
 
 @dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A part of a layer's curves that is not wanted; one of the last five says which.
+
+    layer: on which, None for all. line_type, block: its name, `*` being any letters. at: mm in the
+    drawing's world, a point on a contour or in it. number: of a contour in the picture of the
+    order. group: of contours that stand apart from others.
+    """
+
+    layer: str | None = None
+    line_type: str | None = None
+    block: str | None = None
+    at: tuple[float, float] | None = None
+    number: int | None = None
+    group: int | None = None
+
+    def concerns(self, layer: str) -> bool:
+        """True if it is about that layer."""
+        return self.layer is None or self.layer.casefold() == layer.casefold()
+
+    @property
+    def text(self) -> str:
+        """As it is written in a process file."""
+        given = ((name, getattr(self, name)) for name in _LEFT_OUT_KEYS)
+        rows = (f"{key} = {_toml_text(value)}" for key, value in given if value is not None)
+        return "{" + ", ".join(rows) + "}"
+
+
+def _toml_text(value: str | int | tuple[float, float]) -> str:
+    if isinstance(value, str):
+        return f'"{shown(value)}"'
+    if isinstance(value, tuple):
+        return "[" + ", ".join(f"{round(x, 3) + 0.0:g}" for x in value) + "]"
+    return str(value)
+
+
+_LEFT_OUT_FORMS: Final = (
+    'write the name of a layer in quotes, {line_type = "CENTER"}, {layer = "CUT", at = [12, 30]},'
+    " {number = 3} or {group = 2}"
+)
+_LEFT_OUT_KEYS: Final[Mapping[str, Read]] = {
+    "layer": settings_tables.text,
+    "line_type": settings_tables.text,
+    "block": settings_tables.text,
+    "at": settings_tables.point,
+    "number": settings_tables.whole(1, 1_000_000),
+    "group": settings_tables.whole(1, 1_000_000),
+}
+
+
+def read_left_out(value: Any) -> tuple[str | LeftOut, ...]:
+    """The entries of `leave_out`: names of layers, and tables of what is left out on a layer."""
+    if not isinstance(value, list):
+        raise Wrong(
+            f"is {kind_of(value)}", f"write texts in brackets, or tables; {_LEFT_OUT_FORMS}"
+        )
+    return tuple(map(_read_left_out_entry, value))
+
+
+def _read_left_out_entry(value: Any) -> str | LeftOut:
+    if isinstance(value, str) and value.strip():
+        return value
+    if not isinstance(value, dict):
+        raise Wrong(
+            f"has {kind_of(value)}" if value != "" else "has an empty text", _LEFT_OUT_FORMS
+        )
+    other = next((key for key in value if key not in _LEFT_OUT_KEYS), None)
+    if other is not None:
+        raise Wrong(f"has an entry with `{shown(other)}`", _LEFT_OUT_FORMS)
+    if len(value.keys() - {"layer"}) != 1:
+        raise Wrong(
+            "has an entry that is not one of line_type, block, at, number and group",
+            _LEFT_OUT_FORMS,
+        )
+    if "group" in value and "layer" in value:
+        raise Wrong("has a `group` on one layer", "leave out `layer`: groups are of all layers")
+    found = {}
+    for key, given in value.items():
+        try:
+            found[key] = _LEFT_OUT_KEYS[key](given)
+        except Wrong as wrong:
+            raise Wrong(f"has an entry whose `{key}` {wrong.what}", wrong.cure) from None
+    return LeftOut(**found)
+
+
+@dataclass(frozen=True, slots=True)
 class Process:
     """Content of a process file.
 
@@ -397,7 +483,9 @@ class Process:
     `x_rotation`, …), for locations in drawings. tolerance: mm for chaining, fitting, rounding.
     unit: short name of the unit of drawings, overriding theirs, and of arrays that state no unit.
     robot: name of the arm that joints were taught on and that runs the program, None if not stated.
-    leave_out: layers that are not wanted, compared without case, `*` being any letters. placement:
+    leave_out: layers that are not wanted, compared without case, `*` being any letters. left_out:
+    line types and single contours that are not wanted. follow: layers, blocks and line types that
+    are worked although their names mean drafting, spelled as in leave_out. placement:
     the drawing's world in the default frame, None where it is that frame. joint_speed: mm/s of
     joint moves of a robot program whose percentage has no equivalent in mm/s. joint_percent: of
     joint moves whose mm/s cannot be expressed, None for the share of the fastest. lines: by their
@@ -420,6 +508,8 @@ class Process:
     unit: str | None = None
     robot: str | None = None
     leave_out: tuple[str, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+    follow: tuple[str, ...] = ()
     placement: Pose | None = None
     merges: bool = False
     joint_speed: float | None = None
@@ -436,7 +526,17 @@ class Process:
         name = layer.casefold()
         if name in {one.casefold() for one in self.layers}:
             return False
-        return any(_matches_pattern(pattern.casefold(), name) for pattern in self.leave_out)
+        return matches_any(self.leave_out, name)
+
+    def leaves_out_part(self, layer: str, line_type: str, blocks: tuple[str, ...] = ()) -> bool:
+        """True if a line type, or one of the blocks around it, is left out on a layer."""
+        for one in self.left_out:
+            names = (line_type,) if one.line_type is not None else blocks
+            wanted = one.block if one.line_type is None else one.line_type
+            if wanted is not None and one.concerns(layer):
+                if any(matches_any((wanted,), name) for name in names):
+                    return True
+        return False
 
     def placed(self, direction: Vector) -> Vector:
         """Rotate a direction of the drawing into the default frame by the placement."""
@@ -448,11 +548,16 @@ class Process:
         return (x, y, z)
 
 
-def _matches_pattern(pattern: str, name: str) -> bool:
-    """True if a name matches a pattern, in which `*` matches any letters and all else is
-    literal.
+@cache
+def matches_any(patterns: tuple[str, ...], name: str) -> bool:
+    """True if a name matches a pattern, in which `*` matches any letters and all else is literal,
+    compared without case.
     """
-    return re.fullmatch(".*".join(map(re.escape, pattern.split("*"))), name, re.DOTALL) is not None
+    spelled = name.casefold()
+    return any(
+        re.fullmatch(".*".join(map(re.escape, one.casefold().split("*"))), spelled, re.DOTALL)
+        for one in patterns
+    )
 
 
 NO_PROCESS: Final = Process()

@@ -6,7 +6,10 @@ names are letters, digits and `_`, a letter first.
     robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or that runs them
     tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
     unit = "mm"                   # of a drawing, overriding the drawing's own unit
-    leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"]
+    leave_out = ["BORDER"]        # layers that are not wanted; "*" for any letters: ["DIM_*"];
+    # also {layer = "CUT", at = [12, 30]}, the contour there; {line_type = "CENTER"} or
+    # {block = "A3"}, with a layer or without; {number = 3} in the picture of --plot; {group = 2}
+    follow = ["HIDDEN"]           # layers, blocks, line types that are work despite their names
     home = [0, 0, 0, 0, 30, 0]    # of the axes: there a drawing's program begins and ends
     joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
     joint_percent = 20            # of joint moves, where a controller takes no mm/s
@@ -146,10 +149,12 @@ from assistant.sources.process import (
     ContourTravel,
     Defaults,
     Layer,
+    LeftOut,
     OutputSwitching,
     Process,
     SpeedProfile,
     SwitchPoint,
+    read_left_out,
     seen_of,
     shaping_of,
 )
@@ -535,7 +540,8 @@ TOP_KEYS: Final[Mapping[str, Read]] = {
 
 DRAWING_KEYS: Final[Mapping[str, Read]] = {
     "unit": values.unit,
-    "leave_out": values.texts,
+    "leave_out": read_left_out,
+    "follow": values.texts,
     "home": values.axes,
 }
 """Keys of the top that only a drawing needs."""
@@ -624,6 +630,9 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     if has_errors(findings):
         raise Refused(*findings)
     plain = {key: found[key] for key in (*TOP_KEYS, *DRAWING_KEYS) if key in found}
+    entries = plain.pop("leave_out", ())
+    plain["leave_out"] = tuple(one for one in entries if isinstance(one, str))
+    plain["left_out"] = tuple(one for one in entries if isinstance(one, LeftOut))
     return Process(
         *(defaults, tools, frames, signals, layers, tags),
         lines=lines,

@@ -66,7 +66,10 @@ def read_part(
     drawing, whatever it says. Raises Unreadable or Refused.
     """
     given = str(path)
-    process = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
+    # Layers are named by the options here, whatever their names mean.
+    process = replace(NO_PROCESS, follow=("*",))
+    if unit is not None:
+        process = replace(process, unit=known_unit(unit))
     contents = read_contents(FilePath(path), process)
     chained, joined = chain_curves(contents.curves, _CHORD_TOLERANCE * 2.5, path=given)
     if has_errors((*contents.findings, *joined)):

@@ -47,6 +47,16 @@ def two_layers(space: Any) -> None:
     space.add_line((0, 20), (50, 20), dxfattribs={"layer": "NOTES"})
 
 
+def bordered(space: Any) -> None:
+    line(space)
+    space.add_line((0, 20), (50, 20), dxfattribs={"layer": "BORDER"})
+    space.add_line((0, 5), (50, 5), dxfattribs={"layer": "CUT", "linetype": "CENTER"})
+
+
+def bordered_only(space: Any) -> None:
+    space.add_line((0, 20), (50, 20), dxfattribs={"layer": "BORDER"})
+
+
 CUT: Final = "[layers.CUT]\nspeed = 20\n"
 HOLLOW: Final = """\
 [tools.knife]
@@ -71,6 +81,42 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(line), "a.process.toml": 'unit = "in"\n'},
         change={"a.process.toml": "tolerance = 0.05\n"},
+    ),
+    Case(
+        "DX011",
+        "check a.dxf",
+        {"a.dxf": dxf(bordered_only)},
+        change={"a.process.toml": 'follow = ["BORDER"]\n'},
+    ),
+    Case(
+        "DX212",
+        "check a.dxf",
+        {"a.dxf": dxf(bordered)},
+        change={"a.process.toml": 'follow = ["BORDER", "CENTER"]\n'},
+    ),
+    Case(
+        "DX212",
+        "check a.dxf",
+        {"a.dxf": dxf(bordered), "a.process.toml": CUT},
+        change={"a.process.toml": CUT + "[layers.BORDER]\n"},
+    ),
+    Case(
+        "DX213",
+        "check a.dxf",
+        {"a.dxf": dxf(bordered), "a.process.toml": CUT},
+        change={"a.process.toml": f'leave_out = [{{layer = "CUT", line_type = "CENTER"}}]\n{CUT}'},
+    ),
+    Case(
+        "PR305",
+        "init p a.dxf",
+        {"a.dxf": dxf(bordered)},
+        change={"p/drawings/a.process.toml": CUT + "[layers.BORDER]\n"},
+    ),
+    Case(
+        "PR306",
+        "init p a.dxf",
+        {"a.dxf": dxf(bordered_only)},
+        change={"p/drawings/a.process.toml": "[layers.BORDER]\n"},
     ),
     Case(
         "CT105",

@@ -102,7 +102,7 @@ def test_layers_to_leave_out_are_a_list_of_names():
     for wrong in ('"BORDER"', "[1]", "true"):
         (finding,) = refused(f"leave_out = {wrong}")
         assert finding.line == 1
-        assert "text" in finding.cure
+        assert "the name of a layer in quotes" in finding.cure
 
 
 @pytest.mark.parametrize("key", ["kerf", "percent", "pierce"])

@@ -356,7 +356,7 @@ def test_title_block_is_no_location(save: Save, drawing: Drawing) -> None:
     told = [f.code for f in contents.findings]
     assert told.count("DX319") == 1
     assert told.count("DX321") == 1
-    assert len(contents.curves) == 2  # no symbols
+    assert (len(contents.curves), len(contents.aside)) == (0, 2)  # no symbols
     (symbol,) = [f for f in contents.findings if "symbol" in f.message]
     assert symbol.message.startswith("1 CIRCLE")
 

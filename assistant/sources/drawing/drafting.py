@@ -1,0 +1,372 @@
+"""Drafting: what a drawing holds for people only, by names of layers, blocks and line types.
+
+A robot follows edges. Borders, title blocks, centre lines, hidden edges, dimensions, construction
+lines and hatches are drawn with the same entities, so only names tell them apart. Each word of the
+tables is of English, German, French, Spanish, Italian or Japanese, or a short form of a CAD system.
+
+A word counts where a name has it as a separate word: `Hidden (ISO)`, `A-ANNO-DIMS`,
+`Mittellinien`; `cutline` and `outline` have none. Words that parts have as well (`center`, `frame`)
+count only if the name has nothing else but words such as `line`. A word of work (`cut`, `drill`,
+`glue`) makes a layer one that is worked, whatever else its name has: `border_cut`.
+
+A line type is drafting if its pattern has gaps, or if it has the name of one that has: not every
+program that writes a drawing also writes the patterns.
+
+What the process file names is never drafting: a layer with a table there, a layer, a block or a
+line type under `follow`.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final
+
+from assistant.base.diagnostics import Diagnostic
+from assistant.sources.drawing.findings import DRAFTING, DRAFTING_FOLLOWED, shown
+from assistant.sources.drawing.traversal import CONTINUOUS, PlacedEntity
+from assistant.sources.process import LeftOut, Process, matches_any
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+
+_WORDS: Final[Mapping[str, str]] = {
+    "border": """
+        border borders drawingborder sheetborder titleborder drawingframe sheetframe pageframe
+        titleframe paperborder
+        rahmen zeichnungsrahmen blattrahmen blattrand zeichnungsrand
+        bordure encadrement cadredessin
+        recuadro marcodibujo
+        squadratura cornicedisegno
+        図枠 用紙枠
+    """,
+    "title block": """
+        title titles titleblock titleblk ttlb tblock
+        schriftfeld schriftkopf plankopf titelblock titelfeld stueckliste
+        cartouche cartouches nomenclature
+        cajetin rotulo
+        cartiglio
+        表題欄 部品表
+    """,
+    "centre line": """
+        centerline centreline centermark centremark
+        mittellinie mittelachse symmetrielinie symmetrieachse
+        traitaxe lignecentre lignesaxes
+        lineacentro ejesimetria
+        mezzeria lineaasse assesimmetria
+        中心線 一点鎖線
+    """,
+    "hidden line": """
+        hidden hiddenedge hiddenedges invisible
+        verdeckt verdeckte unsichtbar unsichtbare
+        cache caches cachee cachees
+        oculto oculta ocultos ocultas
+        nascosto nascosta nascosti nascoste
+        隠れ線 隠線 かくれ線 破線
+    """,
+    "phantom line": """
+        phantom
+        fantome
+        想像線 二点鎖線
+    """,
+    "dimension": """
+        dims dimension dimensions dimensioning dimline leader leaders
+        bemassung bemassungen masslinie masszahl massangabe
+        cotation cotations
+        acotado acotacion acotaciones dimensiones
+        quotatura quotature dimensioni
+        寸法 引出線
+    """,
+    "construction": """
+        construction constructionline constructiongeometry sketchgeometry
+        hilfslinie hilfsgeometrie hilfskonstruktion konstruktionslinie konstruktionsgeometrie
+        lignesconstruction
+        construccion auxiliar auxiliares
+        costruzione ausiliario ausiliaria ausiliari ausiliarie
+        補助線 作図線
+    """,
+    "hatch": """
+        hatch hatches hatching crosshatch crosshatching sectionlining
+        schraffur schraffuren schraffierung
+        hachure hachures hachurage
+        sombreado rayado
+        campitura campiture retino
+        ハッチ
+    """,
+    "construction points of dimensions": "defpoints",
+}
+_WEAK_WORDS: Final[Mapping[str, str]] = {
+    "border": "frame cadre marco cornice",
+    "centre line": """
+        center centre centers centres cl axis axes mitte achse achsen axe eje ejes asse assi
+        centro centri 中心
+    """,
+    "dimension": "dim cote cotes cota cotas quota quote masse anno annotation annotations",
+}
+"""Words that parts have as well."""
+_NEUTRAL_WORDS: Final = """
+    line lines linie linien ligne lignes linea lineas linee trait traits d de des du di del dela la
+    le les layer layers ebene calque capa livello mark marks iso din ansi jis gost narrow thin wide
+    schmal iv arc arcs circle geometry geometrie geometria of the 線
+"""
+"""Words that say nothing about what a layer is for."""
+_WORDS_OF_WORK: Final = """
+    cut cuts cutting cutter laser plasma waterjet kerf drill drills drilling punch punching engrave
+    engraving etch etching glue gluing adhesive seal sealing sealant dispense dispensing bead weld
+    welds welding mill milling route routing deburr deburring grind grinding polish polishing spray
+    spraying paint painting marking scribe scribing trim path toolpath robot
+    schneiden schnitt schneid laserschnitt bohren stanzen gravur gravieren kleben klebe klebung
+    kleber dichten dichtung schweissen schweiss schweissnaht fraesen fraesung entgraten schleifen
+    polieren lackieren bahn
+    coupe decoupe percage poinconnage gravure collage colle joint soudure soudage fraisage ebavurage
+    corte cortar taladro taladrado grabado pegado pegamento sello soldadura fresado
+    taglio foratura incisione incollaggio colla guarnizione saldatura fresatura
+    切断 溶接 接着 塗布 加工 刻印
+"""
+_SUFFIXES: Final = ("lines", "line", "linien", "linie", "layer", "marks", "mark", "n", "s", "線")
+"""Endings with which a word is still that word."""
+_LINE_TYPES: Final[Mapping[str, str]] = {
+    "centre line": """
+        CENTER CENTRE CENTERLINE CENTRELINE CHAIN DASHDOT DASH_DOT LONG_DASH_DOT MITTE MITTELLINIE
+        STRICHPUNKT AXES AXE TIRETPT CENTRO TRAZO_Y_PUNTO ASSE TRATTOPUNTO 中心線 一点鎖線
+    """,
+    "hidden line": """
+        HIDDEN DASHED DASH DASHES DASHED_SPACE VERDECKT GESTRICHELT STRICHLINIE CACHE INTERROMPU
+        TIRETE OCULTA OCULTAS LINEAS_OCULTAS TRAZOS NASCOSTA TRATTEGGIATA 隠れ線 破線
+    """,
+    "phantom line": """
+        PHANTOM DOUBLE_DASH_CHAIN DIVIDE DASHDOTDOT LONG_DASH_DOUBLE_DOT GETRENNT FANTOME DIVISE
+        FANTASMA DIVIDI 想像線 二点鎖線
+    """,
+    "dotted line": "DOT DOTS DOTTED PUNKT PUNKTIERT POINTILLE PUNTOS PUNTO 点線",
+    "border line": "BORDER RAND BORDURE BORDE BORDO",
+}
+_LINE_TYPE_PREFIX: Final = re.compile(r"(?:SLD|SE|ISO|ACAD|AM|SW)[-_ ]")
+_LINE_TYPE_SUFFIX: Final = re.compile(r"[-_ ]*(?:X?2|\(?\.5X\)?|\(?2X\)?|_?TINY|SMALL)$")
+_NUMBERED_LINE_TYPE: Final = re.compile(r"ACAD_ISO(?:0[2-9]|1[0-5])W100|JIS_0[289].*")
+"""Line types of standards that are known by numbers; all of them have gaps."""
+_ANONYMOUS_BLOCKS: Final[Mapping[str, str]] = {
+    "*d": "dimension",
+    "*x": "hatch",
+    "*t": "title block",
+}
+"""What CAD systems put into blocks without a name, by the start of what they call these."""
+
+_WORD: Final = re.compile(r"[^\W\d_]+")
+_CAMEL: Final = re.compile(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])")
+
+
+def _plain(text: str) -> str:
+    """Small letters without accents; full-width letters as usual ones."""
+    spelled = unicodedata.normalize("NFKC", text).casefold()
+    for umlaut, letters in (("ä", "ae"), ("ö", "oe"), ("ü", "ue")):
+        spelled = spelled.replace(umlaut, letters)
+    # Only accents of Latin letters: in Japanese the marks of voiced sounds are letters as well.
+    parts = unicodedata.normalize("NFD", spelled)
+    kept = "".join(c for c in parts if not "\u0300" <= c <= "\u036f")
+    return unicodedata.normalize("NFC", kept)
+
+
+def _by_word(table: Mapping[str, str]) -> dict[str, str]:
+    return {_plain(word): kind for kind, words in table.items() for word in words.split()}
+
+
+_KINDS: Final = _by_word(_WORDS)
+_WEAK_KINDS: Final = _by_word(_WEAK_WORDS)
+_LINE_TYPE_KINDS: Final = _by_word(_LINE_TYPES)
+_NEUTRAL: Final = frozenset(map(_plain, _NEUTRAL_WORDS.split()))
+_WORK: Final = frozenset(map(_plain, _WORDS_OF_WORK.split()))
+_WITHOUT_SPACES: Final = tuple(word for word in _KINDS if not word.isascii())
+"""Words of a language that is written without spaces: they count anywhere in a name."""
+_WORK_WITHOUT_SPACES: Final = tuple(word for word in _WORK if not word.isascii())
+
+
+@cache
+def layer_kind(name: str) -> str:
+    """What is drawn on a layer or in a block of this name, empty if it may be work."""
+    plain = _plain(_CAMEL.sub(" ", name))
+    words = _WORD.findall(plain)
+    if set(words) & _WORK or any(word in plain for word in _WORK_WITHOUT_SPACES):
+        return ""
+    # `Title Block`, `center-line`: two words that are one in the table.
+    pairs = [a + b for a, b in pairwise(words)]
+    for word in (*words, *pairs):
+        if kind := _kind_in(_KINDS, word):
+            return kind
+    for word in _WITHOUT_SPACES:
+        if word in plain:
+            return _KINDS[word]
+    meaning = [word for word in words if word not in _NEUTRAL and len(word) > 1]
+    kinds = {_kind_in(_WEAK_KINDS, word) for word in meaning}
+    return kinds.pop() if len(kinds) == 1 else ""
+
+
+def _kind_in(table: Mapping[str, str], word: str) -> str:
+    """The kind of a word, with or without an ending."""
+    stems = [word, *(word.removesuffix(end) for end in _SUFFIXES if word.endswith(end))]
+    return next((table[stem] for stem in stems if stem in table), "")
+
+
+@cache
+def block_kind(name: str) -> str:
+    """What a block of this name is, empty if it may be work."""
+    return _ANONYMOUS_BLOCKS.get(name[:2].lower(), "") or layer_kind(name)
+
+
+@cache
+def line_type_kind(name: str) -> str:
+    """What a line type of this name is for, empty if it may be of edges."""
+    upper = unicodedata.normalize("NFKC", name).upper().strip()
+    if _NUMBERED_LINE_TYPE.fullmatch(upper):
+        return "broken line"
+    plain = _LINE_TYPE_SUFFIX.sub("", _LINE_TYPE_PREFIX.sub("", upper)).replace(" ", "_")
+    return _LINE_TYPE_KINDS.get(_plain(plain), "") or (
+        "hidden line" if plain.startswith(("HIDDEN_", "DASHED_")) else ""
+    )
+
+
+def line_type_kinds(document: Drawing) -> dict[str, str]:
+    """What the line types of a document are for, by their names in small letters, if it is not
+    edges.
+    """
+    kinds = {}
+    for one in document.linetypes:
+        name = str(one.dxf.name)
+        gaps = any(tag.code == _DASH_LENGTH and tag.value < 0.0 for tag in one.pattern_tags.tags)
+        kind = line_type_kind(name) or ("broken line" if gaps else "")
+        if kind:
+            kinds[name.casefold()] = kind
+    return kinds
+
+
+_DASH_LENGTH: Final = 49
+"""Group code of a dash's length, below 0 for a gap."""
+_MOST_LISTED: Final = 12
+"""Names that one finding lists."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why an entity is drafting. what: `layer`, `block` or `line type`. kind: what it is for."""
+
+    what: str
+    name: str
+    kind: str
+
+
+@dataclass(slots=True)
+class Drafting:
+    """Which entities of a document are drafting; counts them while it is asked.
+
+    aside: entities by reason. followed: those that are followed because the process file names
+    their layer, by reason and layer.
+    """
+
+    process: Process
+    line_types: Mapping[str, str]
+    layer_types: Mapping[str, str]
+    aside: dict[Reason, int] = field(default_factory=dict)
+    followed: dict[tuple[Reason, str], int] = field(default_factory=dict)
+    _stated: frozenset[str] = frozenset()
+
+    @staticmethod
+    def of(document: Drawing, process: Process) -> Drafting:
+        layers = {str(one.dxf.name).lower(): str(one.dxf.linetype) for one in document.layers}
+        stated = frozenset(name.casefold() for name in process.layers)
+        return Drafting(process, line_type_kinds(document), layers, _stated=stated)
+
+    def of_layer(self, layer: str) -> str:
+        """What a layer is for, empty if the process file names it or it may be work."""
+        return "" if self._is_named(layer) else layer_kind(layer)
+
+    def of_line_type(self, line_type: str) -> str:
+        """The same of a line type."""
+        if matches_any(self.process.follow, line_type):
+            return ""
+        return self.line_types.get(line_type.casefold(), "") or line_type_kind(line_type)
+
+    def leaves_out(self, placed: PlacedEntity) -> bool:
+        """True if an entity is drafting, or if the process file leaves its line type out."""
+        if self.process.leaves_out(placed.layer):
+            return False  # it is left out anyway, by who reads it
+        if self.process.leaves_out_part(placed.layer, placed.line_type, placed.blocks):
+            return True
+        return self.reason(placed) is not None
+
+    def reason(self, placed: PlacedEntity) -> Reason | None:
+        """Why an entity is drafting, None if it may be work; it is counted."""
+        layer = placed.layer
+        if kind := self.of_layer(layer):
+            reason: Reason | None = Reason("layer", layer, kind)
+        else:
+            reason = self._reason_beside_layer(placed)
+        if reason is None:
+            return None
+        if not self._is_named(layer):
+            self.aside[reason] = self.aside.get(reason, 0) + 1
+            return reason
+        key = reason, layer
+        self.followed[key] = self.followed.get(key, 0) + 1
+        return None
+
+    def _is_named(self, layer: str) -> bool:
+        return layer.casefold() in self._stated or matches_any(self.process.follow, layer)
+
+    def _reason_beside_layer(self, placed: PlacedEntity) -> Reason | None:
+        for block in placed.blocks:
+            if not matches_any(self.process.follow, block) and (kind := block_kind(block)):
+                return Reason("block", block, kind)
+        line_type = placed.line_type
+        kind = self.of_line_type(line_type)
+        if not kind:
+            return None
+        own = self.layer_types.get(placed.layer.lower(), CONTINUOUS)
+        # Who names a layer means all of it that is drawn as the layer is.
+        if line_type.casefold() == own.casefold() and self._is_named(placed.layer):
+            return None
+        return Reason("line type", line_type, kind)
+
+    def listed(self) -> str:
+        """What was left out, for people."""
+        rows = [
+            f"{one.what} `{shown(one.name)}` ({one.kind}, {count})"
+            for one, count in self.aside.items()
+        ]
+        return _cut(rows)
+
+    def findings(self) -> Iterator[Diagnostic]:
+        """One finding about what was left out, one about what the process file follows."""
+        if self.aside:
+            first = next(iter(self.aside))
+            yield DRAFTING(
+                count=sum(self.aside.values()), what=self.listed(), cure=self._cure(first)
+            )
+        if self.followed:
+            rows = [
+                f"{one.what} `{shown(one.name)}` on layer `{shown(layer)}` ({one.kind}, {count})"
+                for (one, layer), count in self.followed.items()
+            ]
+            one, layer = next(iter(self.followed))
+            block, line_type = (one.name, None) if one.what == "block" else (None, one.name)
+            entry = LeftOut(layer, line_type, block)
+            yield DRAFTING_FOLLOWED(
+                count=sum(self.followed.values()), what=_cut(rows), entry=entry.text
+            )
+
+    def cure(self) -> str:
+        """How the first of what was left out is followed after all."""
+        return self._cure(next(iter(self.aside)))
+
+    def _cure(self, one: Reason) -> str:
+        if one.what == "layer" and self.process.layers:
+            return f'add [layers."{shown(one.name)}"] to the process file for the layer'
+        return f'write follow = ["{shown(one.name)}"] at the top of the process file'
+
+
+def _cut(rows: Sequence[str]) -> str:
+    more = f", and {len(rows) - _MOST_LISTED} more" if len(rows) > _MOST_LISTED else ""
+    return ", ".join(rows[:_MOST_LISTED]) + more
