@@ -8,7 +8,7 @@ at the same place as a declaration of the program.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -73,6 +73,11 @@ _OTHER_TYPE: Final = error(
     "what the cell file says of `{name}` is no value of the type {type}",
     "write {wanted}, or another `type`",
 )
+_TWO_KINDS: Final = error(
+    "CO078",
+    "the cell file states `{name}` as data and as a signal",
+    "keep the table of what it is, and delete the other one",
+)
 UNPROVEN: Final = warning(
     "CO074",
     "what lacks values of its cell is not proven by motion",
@@ -119,6 +124,8 @@ def with_cell_values(
     trees = [*origin.trees, *files]
     if files:
         wanted = language.wanted(trees)
+    signals = loaded.program.signals | dict(loaded.signals) | dict(cell.process.signals)
+    wanted = tuple(_of_stated_kind(one, cell, signals) for one in wanted)
     declared = [one for one in wanted if one.kind != "signal"]
     program = loaded.program
     values = [_value_of(one, cell) for one in declared]
@@ -163,6 +170,28 @@ def with_cell_values(
         wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
         arm=str(neutral_value(arm) if stated is None else stated) if joints else loaded.arm,
     )
+
+
+def _of_stated_kind(one: Wanted, cell: Cell, signals: Mapping[str, Signal]) -> Wanted:
+    """A name whose uses allow two kinds, as the one that a file states.
+
+    signals: of the program, its controller and its cell. Raises Refused if the cell file states
+    both.
+    """
+    if one.perhaps is None:
+        return one
+    low = one.name.lower()
+    if (TABLE_OF_KIND["data"], low) in cell.given:
+        if cell.signal(one.name) is not None:
+            raise Refused(_TWO_KINDS(name=one.name, place=f"data.{one.name}"))
+        one = replace(one, perhaps=None)
+        return one if one.kind == "data" else replace(
+            one, kind="data", type="num", signal=None, nothing=0.0
+        )  # fmt: skip
+    signal = next((signals[name] for name in signals if name.lower() == low), None)
+    if signal is None or (one.kind == "signal" and signal.number is None):
+        return one
+    return replace(one, kind="signal", signal=signal, perhaps=None)
 
 
 def _joint_speed(cell: Cell) -> float | None:

@@ -163,7 +163,8 @@ class Wanted:
     result, empty for a procedure. size: of an array, as large as the uses need. arguments: of a
     routine. signal: known properties of a signal. uses: `file:line` of each statement that uses it,
     in order, each once. assigned: True if the program itself gives it values. nothing: of data, the
-    plainest value, None if its type has no values.
+    plainest value, None if its type has no values. perhaps: another kind that the uses allow as
+    well, None if they show the kind; what the cell states counts.
     """
 
     name: str
@@ -175,6 +176,7 @@ class Wanted:
     uses: tuple[str, ...] = ()
     assigned: bool = False
     nothing: Plain | None = None
+    perhaps: Literal["signal", "data"] | None = None
 
 
 Supplied: TypeAlias = Sequence[tuple[Wanted, SuppliedValue | None]]

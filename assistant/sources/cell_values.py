@@ -293,6 +293,11 @@ def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
 
 
 _MOST_USES: Final = 6
+_OTHER_KINDS: Final = {
+    "data": 'if it is data, write [data.{name}] with type = "num" and value = 0 instead.',
+    "signal": "if it is a signal, write [signals.{name}] with kind, direction, number instead.",
+}
+"""What to write for a name whose uses allow another kind."""
 
 
 def _lines(wanted: Wanted, value: SuppliedValue | None) -> Iterator[str]:
@@ -300,6 +305,8 @@ def _lines(wanted: Wanted, value: SuppliedValue | None) -> Iterator[str]:
     more = len(wanted.uses) - _MOST_USES
     used = f", used in {places}" + (f" and {more} more" if more > 0 else "") if places else ""
     yield f"# {_wanted_words(wanted)}{used}"
+    if wanted.perhaps is not None:
+        yield f"# Doubtful: {_OTHER_KINDS[wanted.perhaps].format(name=wanted.name)}"
     yield f"[{toml_key(TABLE_OF_KIND[wanted.kind], wanted.name)}]"
     for key, given, remark in _keys(wanted, value):
         line = f"{key} = {toml_value(_OPEN_VALUE if given is None else given)}"
@@ -314,8 +321,12 @@ _WORDS: Final[Mapping[WantedKind, str]] = {
 
 
 def wanted_in_words(wanted: Wanted) -> str:
-    """Describe a wanted name in words: `tool tGrip`."""
-    return _wanted_words(wanted)
+    """Describe a wanted name in words: `tool tGrip`, `digital input diOn (perhaps data)`."""
+    return _wanted_words(wanted) + (f" (perhaps {_perhaps(wanted)})" if wanted.perhaps else "")
+
+
+def _perhaps(wanted: Wanted) -> str:
+    return "data" if wanted.perhaps == "data" else "a signal"
 
 
 def _wanted_words(wanted: Wanted) -> str:

@@ -31,6 +31,11 @@ def wanted(*bodies: str) -> dict[str, Wanted]:
         ("WHILE x DO ENDWHILE", "data", "bool"),
         ('TPWrite x+"a";', "data", "string"),
         ("IF x=1 n:=1;", "signal", "signaldi"),
+        ("IF x=high n:=1;", "signal", "signaldi"),
+        ("TEST x CASE 0: n:=1; CASE 1: n:=2; ENDTEST", "signal", "signaldi"),
+        ("TEST x CASE 1: n:=1; CASE 2: n:=2; ENDTEST", "data", "num"),
+        ("IF x>5 n:=1;", "data", "num"),
+        ("WaitTime x;", "data", "num"),
         ("IF doX=1 n:=1;", "signal", ""),
         ("SetGO x, 3;", "signal", "signalgo"),
         ("IF x=n+1 x:=1;", "data", "num"),
@@ -65,6 +70,30 @@ def test_what_is_declared_or_predefined_is_not_wanted(statement: str) -> None:
         "VAR num n;VAR num answer;VAR signaldo hand;"
     )
     assert not wanted(f"PROC main()\n{statement}\nENDPROC", f"{declared}PROC own(num a)\nENDPROC")
+
+
+@every_row(
+    ("statement", "kind", "perhaps"),
+    [
+        ("WaitDI x,1;", "signal", None),
+        ("x:=x+1;", "data", None),
+        ("WHILE x DO ENDWHILE", "data", None),
+        ("IF x=1 n:=1;", "signal", "data"),
+        ("n:=x;", "data", "signal"),
+        ("IF x=n n:=1;", "data", "signal"),
+        ("IF diX=1 n:=1;", "signal", None),
+        ("IF diX=2 n:=1;", "signal", "data"),
+        ("IF giX=2 n:=1;", "signal", None),
+        ("n:=giX;", "signal", "data"),
+        ("giX:=n;", "data", None),
+    ],
+)
+def test_a_kind_that_the_uses_leave_open_is_doubtful(
+    statement: str, kind: str, perhaps: str | None
+) -> None:
+    found = wanted(f"VAR num n;\nPROC main()\n{statement}\nENDPROC")
+    (one,) = (one for name, one in found.items() if name in ("x", "diX", "giX"))
+    assert (one.kind, one.perhaps) == (kind, perhaps)
 
 
 def test_data_local_to_another_module_are_wanted() -> None:

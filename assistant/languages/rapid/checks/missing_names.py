@@ -186,7 +186,8 @@ class _ModuleWalk:
                 kinds = [scope.kind(value) for case in cases for value in case.values]
                 type = next((_type_of_kind(kind) for kind in kinds if kind is not None), "")
                 # Weak: a number in CASE may also be the state of a signal.
-                self._expression(subject, scope, type or "", weak=True)
+                switch = all(map(_is_switch, (v for case in cases for v in case.values)))
+                self._expression(subject, scope, type or "", weak=True, switch=switch)
                 of = _type_of_kind(scope.kind(subject)) or ""
                 for case in cases:
                     for value in case.values:
@@ -358,12 +359,18 @@ class _ModuleWalk:
         *,
         assigned: bool = False,
         weak: bool = False,
+        switch: bool | None = None,
     ) -> None:
-        """type: that is wanted there, empty if that is not known. weak: it may be another one."""
+        """type: that is wanted there, empty if that is not known. weak: it may be another one.
+
+        switch: of a comparison, whether on and off are all that it tells apart.
+        """
         match node:
             case s.NameRef(name):
                 if self._unknown(name, scope, type):
-                    self._note(name, type, assigned=assigned, weak=weak)
+                    met = self._note(name, type, assigned=assigned, weak=weak)
+                    met.compared |= switch is not None
+                    met.counted |= not switch
                 elif name.lower() == ERRNO and not self.handles and scope.find(name) is None:
                     self._state(LAST_ERROR)
                 else:
@@ -371,7 +378,7 @@ class _ModuleWalk:
             case s.Component() | s.Element():
                 self._part(node, scope, type, assigned)
             case s.Group(inner):
-                self._expression(inner, scope, type)
+                self._expression(inner, scope, type, weak=weak, switch=switch)
             case s.Prefix(operator, operand):
                 self._expression(operand, scope, "bool" if operator == "NOT" else type or "num")
             case s.Infix(operator, left, right):
@@ -403,7 +410,8 @@ class _ModuleWalk:
             # A number that is compared may be the state of a signal.
             weak = compared and (known in ("num", "dionum") or known is None)
             fallback = type if not compared else ""
-            self._expression(side, scope, known or fallback or "", weak=weak)
+            switch = operator in ("=", "<>") and _is_switch(other) if compared else None
+            self._expression(side, scope, known or fallback or "", weak=weak, switch=switch)
 
     def _part(self, node: s.Component | s.Element, scope: Scope, type: str, assigned: bool) -> None:
         """A component or element: what it is a part of, and its indices."""
@@ -474,6 +482,16 @@ def _is_cell_routine(low: str, routine: Signature) -> bool:
     if low in PROCESS_MOVES:
         return False
     return routine.option in CELL_OPTIONS or low in CELL_ROUTINES
+
+
+def _is_switch(node: s.Expression) -> bool:
+    """True for a value that a digital signal has: 0, 1, `low`, `high`."""
+    match node:
+        case s.Group(inner):
+            return _is_switch(inner)
+        case s.NameRef(name):
+            return name.lower() in ("low", "high")
+    return literal_number(node) in (0, 1)
 
 
 def _type_of_kind(kind: Any) -> str | None:

@@ -12,7 +12,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, Literal
 
 from assistant.languages.rapid.checks.rule_context import NUMBER, SIGNAL_TYPES, Types
 from assistant.languages.rapid.tree import syntax as s
@@ -307,11 +307,13 @@ class GivenArgument:
 @dataclass(slots=True)
 class NameUses:
     """Uses of one name. types: how many uses require each type. usual: usual value of a controller
-    state. parts: the components that the program reads.
+    state. parts: the components that the program reads. compared: True if a comparison uses it.
+    counted: True if a use requires more than on or off, such as a sum, or a comparison with 5.
     """
 
     name: str
     types: Counter[str] = field(default_factory=Counter)
+    compared: bool = False
     counted: bool = False
     assigned: bool = False
     extents: list[int] = field(default_factory=list)
@@ -423,12 +425,17 @@ def _missing_data(
     type = met.types.most_common(1)[0][0] if met.types else ""
     if type in SIGNAL_TYPES:
         return Wanted(met.name, "signal", type, signal=_signal_of_type(type), uses=uses)
-    # Only compared, never assigned: such a name is more often a signal than a number.
-    if type == "num" and not met.assigned and met.types["num"] < 1 and not met.extents:
-        named = _SIGNAL_NAME.match(met.name)
-        letters = "".join(filter(None, named.groups())).lower() if named else "di"
+    read = type in ("", "num") and not met.assigned and not met.extents
+    if read and type and (letters := _signal_letters(met)):
         type = f"signal{letters}"
-        return Wanted(met.name, "signal", type, signal=_signal_of_type(type), uses=uses)
+        return Wanted(
+            met.name,
+            "signal",
+            type,
+            signal=_signal_of_type(type),
+            uses=uses,
+            perhaps=None if _agrees(met, letters) else "data",
+        )
     if type in records:
         nothing = _array_of(records[type].nothing, met.extents)
         size = tuple(met.extents)
@@ -442,7 +449,25 @@ def _missing_data(
     kind = KIND_OF_TYPE.get(type, "data") if not (met.extents or met.assigned) else "data"
     nothing = _array_of(_neutral_value(type, types), met.extents)
     size = tuple(met.extents)
-    return Wanted(met.name, kind, type, size, uses=uses, assigned=met.assigned, nothing=nothing)
+    perhaps: Literal["signal"] | None = "signal" if read and kind == "data" else None
+    return Wanted(met.name, kind, type, size, (), None, uses, met.assigned, nothing, perhaps)
+
+
+def _signal_letters(met: NameUses) -> str:
+    """Return the kind of a signal that a number which is only read may be, empty for data."""
+    named = _SIGNAL_NAME.match(met.name)
+    if named is not None:
+        return "".join(filter(None, named.groups())).lower()
+    # Only compared with 0 and 1: such a name is more often a signal than a number.
+    return "di" if met.compared and not met.counted else ""
+
+
+def _agrees(met: NameUses, letters: str) -> bool:
+    """True if the name and each use show the same signal."""
+    named = _SIGNAL_NAME.match(met.name) is not None
+    return (
+        named and met.compared and met.types["num"] < 1 and (letters[0] != "d" or not met.counted)
+    )
 
 
 _ORIENT: Final = (1.0, 0.0, 0.0, 0.0)
