@@ -21,6 +21,7 @@ the exit status.
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
@@ -40,6 +41,7 @@ from typing import (
 )
 
 import click
+from click.core import ParameterSource
 
 
 class Command(Protocol):
@@ -251,6 +253,32 @@ def click_command(cls: type[Command], name: str, **settings: Any) -> click.Comma
         raise click.exceptions.Exit(_record(cls, given).run())
 
     return _Described(name, callback=call, params=parameters(cls), help=cls.__doc__, **settings)
+
+
+def command_line(**more: str) -> str:
+    """Return the running command as it was typed, for a shell, with these options as well.
+
+    Empty outside of a command.
+    """
+    context = click.get_current_context(silent=True)
+    if context is None:
+        return ""
+    words = ["robot-assistant", *context.command_path.split()[1:]]
+    options: list[str] = []
+    for one in context.command.params:
+        name = one.name or ""
+        if name in more or context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+            continue
+        value = context.params[name]
+        for given in value if isinstance(value, tuple) else (value,):
+            if isinstance(one, click.Argument):
+                words.append(str(given))
+            elif isinstance(given, bool):
+                options.append(one.opts[0] if given else one.secondary_opts[0])
+            else:
+                options += [one.opts[0], str(getattr(given, "value", given))]
+    added = [word for name, value in more.items() for word in (f"--{name}", value)]
+    return shlex.join([*words, *options, *added])
 
 
 def with_project_values(record: T, complete: Callable[[dict[str, Any]], Mapping[str, Any]]) -> T:

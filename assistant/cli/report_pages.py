@@ -129,19 +129,18 @@ def compiled_sheet(
 
 def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) -> Sheet:
     """A translated program beside what it was made of."""
-    from assistant.report.translation import level_totals, translated_share
+    from assistant.report.translation import share_in_words
     from assistant.view.side_by_side import translation_side_by_side
 
     translation = one.translation
     sheet = compiled_sheet(one.source, translation.written, scene, robot)
-    said = f"{translated_share(translation):.1f} % said: {level_totals(translation)}"
-    draft = ("the files are a draft: not all of it is said",) if translation.draft else ()
+    said = share_in_words(translation)
     found = [*translation.whole, *(f for row in translation.rows.noted for f in row.reasons)]
     placed = map(translation.compiled.places.finding, found)
     return replace(
         sheet,
         found=tuple(dict.fromkeys(placed)),
-        notes=(said, *draft, *sheet.notes),
+        notes=(said, *sheet.notes),
         beside=translation_side_by_side(translation),
     )
 

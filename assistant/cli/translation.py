@@ -1,8 +1,9 @@
 """Translate programs into another language, and count what a language can express of them.
 
-`translate` reports on every statement: translated, translated with a change, or not, and why. It
-asks for values that programs lack, such as tool data, if standard input is a terminal, and writes
-them into the cell file. `coverage` counts the constructs of programs by the same three levels.
+`translate` takes what the folder of a program holds: its project, the controller's files, the cell
+file. It writes a draft of what is not complete yet, and the cell file with a place for each value
+that programs lack, such as tool data. It reports on every statement: translated, translated with a
+change, or not, and why. `coverage` counts the constructs of programs by the same three levels.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.source_text import is_folder, lines_of, visible
-from assistant.cli.command import argument, command, option, options
+from assistant.cli.command import argument, command, command_line, option, options
 from assistant.cli.options import (
     EntryOption,
     FormatOption,
@@ -29,6 +30,7 @@ from assistant.cli.options import (
     RobotOption,
     SightOptions,
     complete_language,
+    with_project_defaults,
 )
 from assistant.cli.output_files import Outcomes, output_folders, output_paths, write_outputs
 from assistant.cli.presentation import (
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     from assistant.compiler.program_files import Task
     from assistant.languages import Language
     from assistant.languages.coverage import Construct
+    from assistant.program.undeclared_names import Wanted
     from assistant.report.translation import Translated
 
 
@@ -78,21 +81,30 @@ class Translate:
     """Write robot programs in another language, and report the result for every statement."""
 
     programs: tuple[str, ...] = argument("Robot programs, or folders with them; - for input.")
-    to: str = option("Language to write.", completions=complete_language)
+    to: str = option("Language to write.", completions=complete_language, project="language")
     robot: RobotOption
     from_robot: FromRobot
     process: Path | None = option(
-        "File with signals, tools, frames of the other cell.", "--process", "-p"
+        "File with signals, tools, frames of the other cell.",
+        "--process",
+        "-p",
+        project="process",
     )
     cell: Path | None = option(
-        "File with bodies, and what programs use and do not declare; written if it lacks any."
+        "File with bodies, and what programs use and do not declare, with a place for each value "
+        "that they lack; default cell.toml beside them, else in the folder of --output.",
+        project="cell",
     )
-    ask: bool = option("Ask for what the file of --cell lacks.")
+    ask: bool = option("Ask for what the cell file lacks.")
     output: str = option("Folder for the files.", "--output", "-o", default=".")
     page: ReportOptions
     names: Path | None = option("Write a table of the old and the new names, as CSV.")
     every: bool = option("Tell of each statement, also of those that are said.", "--all")
-    draft: bool = option("Write programs that are not whole: a stop for each gap.")
+    draft: bool = option(
+        "Write programs that are not complete: a stop at the start and for each gap.",
+        "--draft/--no-draft",
+        default=True,
+    )
     frames: FramesOption
     grammar: GrammarOption
     from_language: FromLanguage
@@ -110,7 +122,12 @@ class Translate:
         from assistant.compiler.loader import language_of
         from assistant.findings.formats import finding_record
         from assistant.report.markdown import findings_markdown
-        from assistant.report.translation import names_csv, report_markdown, report_record
+        from assistant.report.translation import (
+            beginning,
+            names_csv,
+            report_markdown,
+            report_record,
+        )
         from assistant.report.translation import report_bytes as report_written
 
         if self.programs.count(STANDARD) > 1:
@@ -128,9 +145,11 @@ class Translate:
         answers = Outcomes()
         tasks = _translation_tasks(options, answers)
         done = _translate_all(tasks, options, answers)
-        if self.cell is not None and self.ask and _ask_missing_values(self.cell, done):
+        if self.ask and _ask_missing_values(done):
             answers = Outcomes()
             done = _translate_all(tasks, options, answers)
+        if not self.draft:
+            done = [_without_draft(one) for one in done]
         files = {one.source: one.translation.files for one in done if one.translation.files}
         folders, told = output_folders(files)
         refusals = [*answers.refusals, *told]
@@ -156,16 +175,14 @@ class Translate:
             refusals += told
         if self.names is not None:
             written += _write_report_file(self.names, names_csv(done).encode("utf-8"))
-        if self.cell is not None:
-            written += _cell_file_with_blanks(self.cell, done)
+        written += _cell_files_with_blanks(done)
+        again = _next_command(done, options)
         if self.format is TranslationFormat.TEXT:
+            for line in beginning(done, again):
+                say(line)
             print_findings(refusals)
             for one in done:
                 _print_translation(one, self.every)
-            if len(done) > 1:
-                say(
-                    f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them whole"
-                )
             changed = any(
                 row.level != "supported" for one in done for row in one.translation.rows.noted
             )
@@ -176,7 +193,7 @@ class Translate:
         elif self.format is TranslationFormat.JSON:
             answer = {
                 "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
-                "findings": list(map(finding_record, refusals)),
+                "next": again or None, "findings": list(map(finding_record, refusals)),
             }  # fmt: skip
             print_json(answer)
         elif self.format is TranslationFormat.MARKDOWN:
@@ -213,8 +230,10 @@ def _write_translation_page(
     from assistant.cli.report_pages import refused_sheets, translated_sheet
     from assistant.compiler.arms import open_cell
 
-    stands = open_cell(options.cell, options.robot, values=True)
-    sheets = [translated_sheet(one, stands.scene, stands.robot) for one in done]
+    sheets = []
+    for one in done:
+        stands = open_cell(one.cell, options.robot, values=True)
+        sheets.append(translated_sheet(one, stands.scene, stands.robot))
     sheets += refused_sheets(refusals)
     return write_page(asked.page(), sheets, sources, page_name(*sources[:1] or ["program"]))
 
@@ -238,18 +257,23 @@ def _translation_tasks(options: Translate, answers: Outcomes) -> tuple[Task, ...
 def _translate_task(task: Task, options: Translate) -> Translated:
     from assistant.compiler import translate
     from assistant.compiler.arms import robot_of
-    from assistant.compiler.program_files import load_task
+    from assistant.compiler.program_files import load, load_task
     from assistant.report.translation import Translated
 
     name = task.name
-    source: str | Loaded = name
+    if name != STANDARD:
+        options = with_project_defaults(name if len(task.files) != 1 else task.files[0], options)
+    arm = robot_of(options.from_robot)
     if name == STANDARD:
         source = _load_standard_input(options)
     elif len(task.files) > 1 or task.findings:
-        arm = robot_of(options.from_robot)
         source = load_task(task, process=options.process, robot=arm)
+    else:
+        language = options.from_language
+        source = load(name, process=options.process, robot=arm, language=language)
+    options = replace(options, cell=options.cell or _found_cell_file(name, source, options))
     translation = translate(
-        source,
+        source if source.language is not None else name,
         to=options.to,
         robot=options.robot,
         from_robot=options.from_robot,
@@ -263,7 +287,32 @@ def _translate_task(task: Task, options: Translate) -> Translated:
         proving=options.proof.proving,
         seeing=options.sight.seeing,
     )
-    return Translated("standard input" if name == STANDARD else name, translation)
+    return Translated("standard input" if name == STANDARD else name, translation, options.cell)
+
+
+def _found_cell_file(name: str, source: Loaded, options: Translate) -> Path | None:
+    """Return the cell file of a program that no option names; it need not be there yet.
+
+    A program in another dialect of its own language keeps names as they are, and needs none.
+    """
+    from assistant.compiler.loader import language_of
+    from assistant.sources.cell_values import CELL_FILE, cell_file_beside
+
+    if source.language is None:
+        return None
+    if language_of(source.language).family == language_of(options.to).family:
+        return None
+    found = None if name == STANDARD else cell_file_beside(name)
+    return found or Path(options.output) / CELL_FILE
+
+
+def _next_command(done: Sequence[Translated], options: Translate) -> str:
+    """Return the command that goes on once the cell file is filled in, empty if nothing is."""
+    cells = list(dict.fromkeys(one.cell for one in done if one.translation.wanting and one.cell))
+    if not cells:
+        return ""
+    stated = options.cell is not None or len(cells) > 1
+    return command_line() if stated else command_line(cell=str(cells[0]))
 
 
 def _load_standard_input(options: Translate) -> Loaded:
@@ -291,8 +340,29 @@ def _translate_all(
     return done
 
 
-def _ask_missing_values(path: Path, done: Sequence[Translated]) -> bool:
-    """Ask for the values that programs lack and write the answers; return True if there was any.
+def _without_draft(one: Translated) -> Translated:
+    """Return a translation whose files are not written unless it is complete."""
+    done = one.translation
+    return one if done.ok else replace(one, translation=replace(done, files={}))
+
+
+def _by_cell_file(done: Sequence[Translated]) -> dict[Path, list[Wanted]]:
+    """Return the values that programs lack by the cell file that has to state them."""
+    found: dict[Path, list[Wanted]] = {}
+    for one in done:
+        if one.cell is not None and one.translation.wanting:
+            found.setdefault(one.cell, []).extend(one.translation.wanting)
+    return found
+
+
+def _ask_missing_values(done: Sequence[Translated]) -> bool:
+    """Ask for the values that programs lack and write the answers; return True if there was any."""
+    answered = [_ask_values_of(path, wanting) for path, wanting in _by_cell_file(done).items()]
+    return any(answered)
+
+
+def _ask_values_of(path: Path, missing: Sequence[Wanted]) -> bool:
+    """Ask for the values that a cell file lacks.
 
     An empty answer leaves a value open, the end of input all that follow. The question is repeated
     after an invalid answer.
@@ -308,7 +378,7 @@ def _ask_missing_values(path: Path, done: Sequence[Translated]) -> bool:
         with_answer,
     )
 
-    wanting = {(one.kind, one.name.lower()): one for d in done for one in d.translation.wanting}
+    wanting = {(one.kind, one.name.lower()): one for one in missing}
     text = before = cell_text(read_cell(path), wanting.values())
     for one in wanting.values():
         for key, remark in open_keys(one):
@@ -336,40 +406,44 @@ def _ask_missing_values(path: Path, done: Sequence[Translated]) -> bool:
     return text != before
 
 
-def _cell_file_with_blanks(path: Path, done: Sequence[Translated]) -> list[str]:
-    """The cell file, with a place for each value that programs lack; nothing if it has them all."""
+def _cell_files_with_blanks(done: Sequence[Translated]) -> list[str]:
+    """Write the cell files, with a place for each value that programs lack; return those that
+    changed.
+    """
     from assistant.base.file_sets import write_all
     from assistant.compiler.cell_defaults import cell_text
     from assistant.sources.cell_values import read_cell
 
-    cell = read_cell(path)
-    text = cell_text(cell, [lack for one in done for lack in one.translation.wanting])
-    return [] if text == cell.text else list(map(str, write_all({path: text.encode("utf-8")})))
+    files = dict[Path, bytes]()
+    for path, wanting in _by_cell_file(done).items():
+        cell = read_cell(path)
+        text = cell_text(cell, wanting)
+        if text != cell.text:
+            files[path] = text.encode("utf-8")
+    return list(map(str, write_all(files))) if files else []
 
 
 def _print_translation(one: Translated, every: bool) -> None:
     """Print how much is translated, or every statement; findings on the complete program come
     first.
     """
-    from assistant.report.translation import level_totals, reason_lines, report_lines, summary
+    from assistant.compiler.cell_defaults import UNFILLED
+    from assistant.report.translation import reason_lines, report_lines, summary
 
     translation = one.translation
-    whole = [finding.within(one.source) for finding in translation.whole]
+    # The table at the beginning lists what is to be filled in.
+    found = (finding for finding in translation.whole if finding.code != UNFILLED.code)
+    whole = [finding.within(one.source) for finding in found]
     print_findings(whole if every else _first_of_each_code(whole))
     if every and sys.stdout.isatty():
         _print_statements(one)
-        for line in (f"{one.source}: {level_totals(translation)}", *reason_lines(one)):
+        for line in reason_lines(one):
             say(line)
     else:
         for line in report_lines(one) if every else summary(one):
             say(line)
     for line in translation.written.proof_lines():
         say(f"{one.source}: {line}")
-    if translation.draft and translation.written is not translation.compiled:
-        say(f"{one.source}: the files are a draft, with a stop for each that is not said")
-    elif translation.draft:
-        count = len(translation.wanting)
-        say(f"{one.source}: the files are a draft: the cell file lacks {count} values")
 
 
 _MOST_OF_ONE_CODE: Final = 3

@@ -27,6 +27,7 @@ from assistant.compiler.loader import Loaded, language_of
 from assistant.compiler.retarget import has_joint_angles
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import called
 from assistant.program.motion import ComputedSpeed, Speed
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records
@@ -184,10 +185,10 @@ def _of_stated_kind(one: Wanted, cell: Cell, signals: Mapping[str, Signal]) -> W
     if (TABLE_OF_KIND["data"], low) in cell.given:
         if cell.signal(one.name) is not None:
             raise Refused(_TWO_KINDS(name=one.name, place=f"data.{one.name}"))
-        one = replace(one, perhaps=None)
-        return one if one.kind == "data" else replace(
-            one, kind="data", type="num", signal=None, nothing=0.0
-        )  # fmt: skip
+        if one.kind == "data":
+            return replace(one, perhaps=None)
+        type = cell.types.get(low, "")
+        return Wanted(one.name, "data", type, uses=one.uses, nothing=0.0)
     signal = next((signals[name] for name in signals if name.lower() == low), None)
     if signal is None or (one.kind == "signal" and signal.number is None):
         return one
@@ -295,11 +296,20 @@ def marked_as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
         return program
     names = (f"to be filled in: {wanted_in_words(one)}" for one in wanting)
     head = ("DRAFT: not for production. The cell file does not say these values:", *names)
-    procedures = tuple(
-        replace(one, body=(p.Stop(), *one.body)) if one.name == program.entry else one
-        for one in program.procedures
+    return stopped_at_start(replace(program, comments=(*program.comments, *head)))
+
+
+def stopped_at_start(program: Program) -> Program:
+    """Return a program that stops before all else, in each procedure that no other one calls."""
+    calls = {one.name.lower(): set(called(one)) - {one.name.lower()} for one in program.procedures}
+    inner = {name for names in calls.values() for name in names} - {(program.entry or "").lower()}
+    return replace(
+        program,
+        procedures=tuple(
+            one if one.name.lower() in inner else replace(one, body=(p.Stop(), *one.body))
+            for one in program.procedures
+        ),
     )
-    return replace(program, comments=(*program.comments, *head), procedures=procedures)
 
 
 def _without_number(one: Wanted) -> Wanted:

@@ -25,6 +25,7 @@ from assistant.base.diagnostics import (
 )
 from assistant.base.source_text import lines_of
 from assistant.compiler.arms import Arms
+from assistant.compiler.cell_defaults import stopped_at_start
 from assistant.compiler.compilation import Compiled, compile_program, lowered_for_language
 from assistant.compiler.source_map import Places, Trace
 from assistant.compiler.style import PLAIN_STYLE, Style
@@ -42,8 +43,9 @@ _DECLARATION_LEFT_OUT = error(
 )
 
 _DRAFT_HEADING: Final = (
-    "DRAFT: not for production. What could not be translated stands as comments behind",
-    "a stop each; replace these by hand, then delete the stops and this heading.",
+    "DRAFT: not for production. The program stops at its start, and where a part of it could not",
+    "be translated, which is a comment after the stop. Replace these parts by hand, then delete",
+    "the stops and this heading.",
 )
 _NOT_TRANSLATED: Final = "not translated"
 _QUOTE_PREFIX: Final = "| "
@@ -62,13 +64,16 @@ def draft_program(
     arms: Arms,
     most_targets: int | None = None,
     style: Style = PLAIN_STYLE,
+    *,
+    stopped: bool = False,
 ) -> tuple[Compiled, tuple[Diagnostic, ...]]:
     """Return the program without the parts that the target cannot express, and the findings on the
     source that appear only then.
 
-    The result counts only if it is `ok`.
+    The result counts only if it is `ok`. stopped: the program stops at its start already.
     """
     places, program = compiled.places, lowered_for_language(compiled.source, target)
+    program = program if stopped else stopped_at_start(program)
     program = replace(program, comments=(*_DRAFT_HEADING, *program.comments))
     out: set[Span] = set()
     later: list[Diagnostic] = []

@@ -303,7 +303,8 @@ def translate(
     if not compiled.ok:
         # The draft is compiled even if it is not requested: it finds further faults of the source.
         with within(DRAFTING, None, program.size()):
-            drawn, later = drafted(compiled, target, arms, most_targets, style)
+            stopped = bool(loaded.wanting)
+            drawn, later = drafted(compiled, target, arms, most_targets, style, stopped=stopped)
         written = drawn if draft else compiled
     else:
         # A run with stand-in values proves nothing.

@@ -22,7 +22,9 @@ from assistant.compiler.translation import Level, ReportRow, Translation
 from assistant.findings.formats import finding_record
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Label
+from assistant.program.undeclared_names import Wanted
 from assistant.report.markdown import cell, code, findings_markdown
+from assistant.sources.cell_values import kind_in_words
 
 _MOST_COSTS: Final = 10
 """Most reasons in a program's report."""
@@ -91,15 +93,17 @@ _STANDARD_INPUT: Final = "standard input"
 
 @dataclass(frozen=True, slots=True)
 class Translated:
-    """A translation with what its source is called."""
+    """A translation with what its source is called, and the file of values that it lacks."""
 
     source: str
     translation: Translation
+    cell: FilePath | None = None
 
 
 def _report_text(done: Sequence[Translated]) -> str:
     """One line a statement, as compilers write them, and a line of totals each."""
-    return "".join(f"{line}\n" for one in done for line in report_lines(one))
+    lines = [*beginning(done, ""), *(line for one in done for line in report_lines(one))]
+    return "".join(f"{line}\n" for line in lines)
 
 
 def report_lines(one: Translated) -> Iterator[str]:
@@ -110,21 +114,74 @@ def report_lines(one: Translated) -> Iterator[str]:
             yield f"    {reason.code} {reason.message}" + (
                 f"; {reason.cure}" if reason.cure else ""
             )
-    yield f"{one.source}: {level_totals(translation)}"
     yield from reason_lines(one)
 
 
 _MOST_PLACES: Final = {"not": 5, "partial": 2}
 """Most positions of one reason in a summary."""
-_LEVEL_WORDS: Final = {"not": "not said", "partial": "said with a change"}
+_LEVEL_WORDS: Final = {"not": "not translated", "partial": "translated with a change"}
+_MOST_USES: Final = 3
+"""Most positions of a name in the table of what is to be filled in."""
+_DOUBT: Final = "?"
+"""Follows a kind that the uses leave open."""
+
+
+def beginning(done: Sequence[Translated], again: str) -> Iterator[str]:
+    """Yield how much of each program is translated, what is to be filled in, and how to go on.
+
+    again: the command that goes on, empty for none.
+    """
+    for one in done:
+        yield f"{one.source}: {share_in_words(one.translation)}"
+    if len(done) > 1:
+        yield f"{len(done)} programs, {sum(one.translation.ok for one in done)} of them complete"
+    cells = dict.fromkeys(one.cell for one in done if one.translation.wanting)
+    for path in cells:
+        found = [one for one in done if one.cell == path]
+        missing = {(w.kind, w.name.lower()): w for one in found for w in one.translation.wanting}
+        yield ""
+        values = "1 value" if len(missing) == 1 else f"{len(missing):,} values"
+        yield f"to be filled in: {values}" + ("" if path is None else f", in {path}")
+        yield from _wanted_table(list(missing.values()))
+    if again:
+        yield f"then: {again}"
+    if cells:
+        yield ""
+
+
+def _wanted_table(missing: Sequence[Wanted]) -> Iterator[str]:
+    """Yield the names of a table with their kinds and uses, and what a `?` there means."""
+    rows = [("name", "kind", "used in"), *map(_wanted_row, missing)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)][:2]
+    for *columns, uses in rows:
+        first = "  ".join(text.ljust(width) for text, width in zip(columns, widths, strict=True))
+        yield f"  {first}  {uses}".rstrip()
+    if any(one.perhaps for one in missing):
+        yield f"  {_DOUBT}: the uses do not show whether it is a signal or data; the file tells how"
+
+
+def _wanted_row(one: Wanted) -> tuple[str, str, str]:
+    more = len(one.uses) - _MOST_USES
+    uses = ", ".join(one.uses[:_MOST_USES]) + (f" and {more:,} more" if more > 0 else "")
+    return one.name, kind_in_words(one) + (_DOUBT if one.perhaps else ""), uses
+
+
+def share_in_words(translation: Translation) -> str:
+    """Return how much is translated, and whether the files are complete."""
+    share = f"{translated_share(translation):.1f} % translated: {level_totals(translation)}"
+    if not translation.files:
+        return f"{share}; nothing is written"
+    if not translation.draft:
+        return share
+    gaps, count = translation.totals["not"], len(translation.wanting)
+    why = [f"lacks {count:,} value{'s' * (count != 1)}"] if count else []
+    why += [f"stops at {gaps:,} statement{'s' * (gaps != 1)}"] if gaps else []
+    return f"{share}; a draft, which {' and '.join(why)}" if why else f"{share}; a draft"
 
 
 def summary(one: Translated) -> Iterator[str]:
-    """Yield how much is translated, then the untranslated and the changed statements by reason,
-    with first positions.
-    """
+    """Yield the untranslated and the changed statements by reason, with first positions."""
     translation = one.translation
-    yield f"{one.source}: {translated_share(translation):.1f} % said: {level_totals(translation)}"
     for level in ("not", "partial"):
         rows = [row for row in translation.rows.noted if row.level == level]
         every = costs(rows, len(rows))
@@ -160,7 +217,7 @@ def report_markdown(done: Sequence[Translated]) -> str:
     """Return a report for a pull request: how much of each program is translated, and the main
     losses.
     """
-    told = ["| program | supported | partial | not | said |", "|---|---:|---:|---:|---:|"]
+    told = ["| program | supported | partial | not | translated |", "|---|---:|---:|---:|---:|"]
     for one in done:
         counts = " | ".join(f"{count:,}" for count in one.translation.totals.values())
         told.append(
@@ -175,8 +232,12 @@ def _program_markdown(one: Translated) -> Iterator[str]:
     translation = one.translation
     yield from ("", f"### {code(one.source)} in {translation.language}", "")
     yield from (f"- {code(line)}" for line in translation.written.proof_lines())
-    if translation.draft:
-        yield "- the files are a draft, with a stop for each statement that is not said"
+    yield f"- {share_in_words(translation)}"
+    if translation.wanting:
+        yield from ("", "| to be filled in | kind | used in |", "|---|---|---|")
+        for name, kind, uses in map(_wanted_row, translation.wanting):
+            yield f"| {cell(name)} | {kind} | {cell(uses)} |"
+        yield ""
     yield from findings_markdown(translation.whole)
     most = costs(translation.rows.noted)
     if most:
@@ -201,7 +262,10 @@ def translated_share(translation: Translation) -> float:
 
 def level_totals(translation: Translation) -> str:
     """Return the number of statements at each level, in words."""
-    return ", ".join(f"{count:,} {level}" for level, count in translation.totals.items())
+    totals = translation.totals
+    count = sum(totals.values())
+    changed = f", {totals['partial']:,} with a change" if totals["partial"] else ""
+    return f"{count - totals['not']:,} of {count:,} statements{changed}"
 
 
 def report_record(one: Translated) -> dict[str, Any]:
@@ -212,6 +276,8 @@ def report_record(one: Translated) -> dict[str, Any]:
         "language": translation.language,
         "ok": translation.ok,
         "draft": translation.draft,
+        "cell": None if one.cell is None else str(one.cell),
+        "wanting": [_wanted_record(wanted) for wanted in translation.wanting],
         "totals": translation.totals,
         "said_percent": round(translated_share(translation), 1),
         "reasons": [cost.record() for cost in costs(translation.rows.noted)],
@@ -221,6 +287,11 @@ def report_record(one: Translated) -> dict[str, Any]:
         "proof": translation.proof.record(),
         "motion": None if translation.motion is None else translation.motion.record(),
     }
+
+
+def _wanted_record(one: Wanted) -> dict[str, Any]:
+    kind = kind_in_words(one)
+    return {"name": one.name, "kind": kind, "perhaps": one.perhaps, "uses": list(one.uses)}
 
 
 def _row_record(row: ReportRow) -> dict[str, Any]:

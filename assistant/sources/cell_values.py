@@ -161,6 +161,23 @@ class Cell:
 
 
 NO_CELL: Final = Cell()
+CELL_FILE: Final = "cell.toml"
+"""Name of a cell file that commands find without being told of it."""
+
+
+def cell_file_beside(source: str | FilePath) -> FilePath | None:
+    """Return the cell file of a program or folder that no option names, None if there is none.
+
+    It is in the folder, in one above it as far as the current folder, or in the current one.
+    """
+    path, here = FilePath(source).absolute(), FilePath.cwd()
+    folder = path if path.is_dir() else path.parent
+    above = [one for one in folder.parents if here in (one, *one.parents)]
+    for one in dict.fromkeys((folder, *above, here)):
+        if (one / CELL_FILE).is_file():
+            found = one / CELL_FILE
+            return found.relative_to(here) if found.is_relative_to(here) else found
+    return None
 
 
 def _entries_of(table: Mapping[str, V], low: str) -> V | None:
@@ -294,7 +311,7 @@ def with_answer(text: str, wanted: Wanted, key: str, answer: str) -> str:
 
 _MOST_USES: Final = 6
 _OTHER_KINDS: Final = {
-    "data": 'if it is data, write [data.{name}] with type = "num" and value = 0 instead.',
+    "data": "if it is data, write [data.{name}] with its type and value instead.",
     "signal": "if it is a signal, write [signals.{name}] with kind, direction, number instead.",
 }
 """What to write for a name whose uses allow another kind."""
@@ -334,12 +351,17 @@ def _wanted_words(wanted: Wanted) -> str:
         given = ", ".join(map(_argument, wanted.arguments))
         result = f" that gives {wanted.type}" if wanted.type else ""
         return f"routine {wanted.name}({given}){result}"
-    word = _WORDS[wanted.kind]
+    name = wanted.name.replace("_", " ") if wanted.kind == "arm" else wanted.name
+    return f"{kind_in_words(wanted)} {name}"
+
+
+def kind_in_words(wanted: Wanted) -> str:
+    """Describe the kind of a wanted name: `tool`, `digital input`, `data of type num`."""
     if wanted.signal is not None:
-        word = f"{wanted.signal.kind} {wanted.signal.direction}"
-    if wanted.kind == "data":
-        word = f"data of type {wanted.type}" if wanted.type else "data"
-    return f"{word} {wanted.name.replace('_', ' ') if wanted.kind == 'arm' else wanted.name}"
+        return f"{wanted.signal.kind} {wanted.signal.direction}"
+    if wanted.kind == "data" and wanted.type:
+        return f"data of type {wanted.type}"
+    return _WORDS[wanted.kind]
 
 
 def _argument(one: CallArgument) -> str:

@@ -55,20 +55,21 @@ def test_a_program_that_can_be_said_is_written(tmp_path: Path, capsys: Capture) 
     assert "MoveJ PHome" in (tmp_path / "PALLET.mod").read_text().splitlines()[22]
 
 
-def test_nothing_is_written_if_something_cannot_be_said(
+def test_what_cannot_be_said_is_a_stop_in_a_draft(
     tmp_path: Path, exchange: Path, capsys: Capture
 ) -> None:
-    """And a draft, which is, is still no success."""
+    """And a draft is no success; nothing is written if none is wanted."""
     to = ("translate", exchange, "--to", "melfa-basic-5", "-o", tmp_path / "out")
-    status, out, _ = run(capsys, *to)
+    status, out, _ = run(capsys, *to, "--no-draft")
     assert status == 1
     lines = out.splitlines()
     assert f"    {exchange}:6: Rewind ioFile" in lines
-    assert not (tmp_path / "out").exists()
-    status, out, _ = run(capsys, *to, "--draft")
+    assert lines[0].endswith("; nothing is written")
+    assert [file.name for file in (tmp_path / "out").glob("[!.]*")] == ["cell.toml"]
+    status, out, _ = run(capsys, *to)
     assert status == 1
-    assert "the files are a draft" in out
-    (file,) = (tmp_path / "out").glob("[!.]*")
+    assert "a draft, which lacks 1 value and stops at 1 statement\n" in out
+    (file,) = (tmp_path / "out").glob("*.prg")
     assert file.read_text().startswith("1 ' DRAFT")
 
 
@@ -81,20 +82,33 @@ def test_a_summary_has_reasons_first_places_and_how_many_more(
     module.write_text("\n".join(text))
     _, out, _ = run(capsys, "translate", module, "--to", "melfa-basic-6", "-o", tmp_path / "o")
     lines = out.splitlines()
-    first = next(n for n, line in enumerate(lines) if line.startswith("  7 not said: "))
+    first = next(n for n, line in enumerate(lines) if line.startswith("  7 not translated: "))
     assert lines[0].startswith(f"{module}: ")
-    assert "% said: " in lines[0]
-    assert lines[first + 1] == f"    {module}:5: Rewind io"
+    assert "% translated: 9 of 16 statements" in lines[0]
+    assert lines[first + 1].startswith(f"    {module}:5: Rewind io -> MANY.prg:")
     assert lines[first + 6] == "    and 2 more"
     assert not any(line.startswith(f"{module}:3:") for line in lines)
 
 
-def test_the_answer_in_json_and_findings_at_their_lines(exchange: Path, capsys: Capture) -> None:
-    given = ("translate", exchange, "--to", "melfa-basic-6", "--format")
+def test_the_answer_in_json_and_findings_at_their_lines(
+    tmp_path: Path, exchange: Path, capsys: Capture
+) -> None:
+    made = tmp_path / "out"
+    given = ("translate", exchange, "--to", "melfa-basic-6", "-o", made, "--format")
     status, out, _ = run(capsys, *given, "json")
     answer = json.loads(out)
-    assert (status, answer["ok"], answer["written"]) == (1, False, [])
+    cell = str(made / "cell.toml")
+    assert (status, answer["ok"]) == (1, False)
+    assert answer["written"] == [str(made / "FILES.prg"), cell]
+    assert answer["next"].endswith(f" --format json --cell {cell}")
     (program,) = answer["programs"]
+    (lack,) = program["wanting"]
+    assert (lack["name"], lack["kind"], lack["uses"]) == (
+        "doDone",
+        "digital output",
+        ["files.mod:7"],
+    )
+    assert (program["cell"], program["draft"]) == (cell, True)
     rewind = next(s for s in program["statements"] if s["line"] == 6)
     assert (rewind["level"], rewind["text"]) == ("not", "Rewind ioFile")
     assert rewind["reasons"][0]["code"] == "MB209"
@@ -111,8 +125,8 @@ def test_reports_are_written_as_their_suffix_says(
     tmp_path: Path, exchange: Path, capsys: Capture
 ) -> None:
     for name in ("r.html", "r.json", "r.txt"):
-        given = ("translate", exchange, "--to", "melfa-basic-6", "--report", tmp_path / name)
-        assert run(capsys, *given)[0] == 1
+        given = ("translate", exchange, "--to", "melfa-basic-6", "-o", tmp_path / "out")
+        assert run(capsys, *given, "--report", tmp_path / name)[0] == 1
     html = (tmp_path / "r.html").read_text()
     beside = data_of(html)["beside"]
     assert "Rewind ioFile" in beside["texts"][0]["lines"][5]
@@ -127,7 +141,8 @@ def test_a_page_holds_texts_as_texts(tmp_path: Path, capsys: Capture) -> None:
     source = tmp_path / "m.mod"
     source.write_text('MODULE m\nPROC main()\nOpen "<script>",f;\nENDPROC\nENDMODULE\n')
     report = tmp_path / "r.html"
-    run(capsys, "translate", source, "--to", "melfa-basic-6", "--report", report)
+    given = ("translate", source, "--to", "melfa-basic-6", "-o", tmp_path / "out")
+    run(capsys, *given, "--report", report)
     page = report.read_text()
     assert 'Open "<script>"' in data_of(page)["beside"]["texts"][0]["lines"][2]
     assert page.count("<script>") == 2  # the library that draws, and what uses it
@@ -192,7 +207,7 @@ def test_files_of_one_name_in_two_folders_have_a_folder_each(
     out = tmp_path / "out"
     status, said, err = run(capsys, "translate", tmp_path, *TO_RAPID, "-o", out)
     assert status == 0
-    assert "2 programs, 2 of them whole\n" in said
+    assert "2 programs, 2 of them complete\n" in said
     assert "CL001" in err
     assert (out / "a_PALLET" / "PALLET.mod").read_bytes()
     assert (out / "b_PALLET" / "PALLET.mod").read_bytes()
@@ -202,7 +217,7 @@ FINE = "1 Tool P_NTool\n2 Base P_NBase\n3 Mvs P1\n4 End\nP1=(400,0,300,180,0,180
 BAD = {
     "a syntax error": ("1 Mvs Mvs\n", 1),
     "no program": ("nothing at all", 2),
-    "what cannot be said": ('1 Open "COM1:" As #1\n2 End\n', 1),
+    "a value that nobody states": ('1 Open "COM1:" As #1\n2 End\n', 1),
 }
 
 
@@ -215,10 +230,11 @@ def test_each_program_answers_for_itself(tmp_path: Path, capsys: Capture) -> Non
         bad = folder / ("BAD.txt" if worst == 2 else "BAD.prg")
         bad.write_text(text)
         both = [folder / "GOOD.prg", bad][::order]
-        status, _, err = run(capsys, "translate", *both, "--to", "rapid", "-o", folder / "out")
+        given = ("translate", *both, "--to", "rapid", "--no-draft", "-o", folder / "out")
+        status, _, err = run(capsys, *given)
         assert status == worst
-        assert "BAD" in err or kind == "what cannot be said"
-        assert [path.name for path in (folder / "out").glob("[!.]*")] == ["GOOD.mod"]
+        assert "BAD" in err or kind == "a value that nobody states"
+        assert [path.name for path in (folder / "out").glob("*.mod")] == ["GOOD.mod"]
 
     each([(kind, order) for kind in BAD for order in (1, -1)], check)
 

@@ -120,17 +120,35 @@ def test_each_line_of_a_translation_stands_beside_what_it_became(
     assert data["texts"][0]["lines"][: len(after)] == after
 
 
+REWINDING = """MODULE files
+  VAR iodev io;
+  PROC main()
+    SetDO doGlue,1;
+    Open "HOME:/a.txt",io\\Read;
+    Rewind io;
+    WaitTime 1;
+    Rewind io;
+  ENDPROC
+ENDMODULE
+"""
+
+
 def test_what_is_not_said_is_told_beside_its_line(tmp_path: Path, capsys: Capture) -> None:
-    status, page = report(capsys, tmp_path, "translate", GLUING, "--to", "melfa-basic-5")
+    source = tmp_path / "files.mod"
+    source.write_text(REWINDING)
+    given = ("translate", source, "--to", "melfa-basic-5", "-o", tmp_path / "out")
+    status, page = report(capsys, tmp_path, *given)
     data = data_of(page)
     assert status == 1
     rows = ints(data["beside"]["rows"]).reshape(-1, 3)
-    assert not rows[:, 1].any()  # nothing was written
-    assert [a for a, _, level in rows.tolist() if level == 2] == [27, 28, 31, 33]
-    assert "doGlue" in data["beside"]["reasons"]["28"]
-    found = {one["line"] for one in data["findings"] if one["severity"] == "error"}
-    assert found >= {27, 28, 31, 33}
+    assert rows[:, 1].any()  # a draft was written
+    assert [a for a, _, level in rows.tolist() if level == 2] == [6, 8]
+    assert "Rewind io" in data["beside"]["reasons"]["6"]
+    found = {one["beside"] for one in data["findings"] if one["severity"] == "error"}
+    assert found == {6, 8}
     assert data["still"] is not None  # no robot is told
+    status, page = report(capsys, tmp_path, *given, "--no-draft")
+    assert not ints(data_of(page)["beside"]["rows"]).reshape(-1, 3)[:, 1].any()
 
 
 def test_a_check_finds_places_without_an_arm_that_reaches_them(

@@ -116,7 +116,7 @@ NO_CALL = warning(
 # ---------------------------------------------------------------------------- adapting
 NO_NUMBER = error(
     "MB201", "the signal `{name}` has no number, which MELFA-BASIC addresses signals by",
-    "give `number = …` for the signal in the process file; `translate --cell FILE` lists them all",
+    "give `number = …` for the signal in the process file or the cell file; `translate` lists all",
     misses=True,
 )  # fmt: skip
 NO_CONFIGURATION = warning(
@@ -130,7 +130,8 @@ SPEED_PARTS = warning(
 )
 JOINT_PERCENT = warning(
     "MB204", "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
-    "try it slowly, and state what suits: `joint_percent = 20` at the top of the process file",
+    "try it slowly, and state what suits: `joint_percent = 20` at the top of the process file or "
+    "the cell file",
 )  # fmt: skip
 COMPUTED_PERCENT = warning(
     "MB284",

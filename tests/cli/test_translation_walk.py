@@ -1,0 +1,143 @@
+"""From a program alone to a complete translation: one command, one filled table, once more."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_commands import SAMPLES, run
+
+Capture = pytest.CaptureFixture[str]
+PLACE = "[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+
+
+def filled(cell: Path) -> None:
+    """Gives each signal of a cell file a number."""
+    numbers = iter(range(10, 99))
+    text = re.sub(r'number = "\?"', lambda _: f"number = {next(numbers)}", cell.read_text("utf-8"))
+    cell.write_text(text.replace('bits = "?"', "bits = 4"), encoding="utf-8")
+
+
+def next_command(said: str) -> list[str]:
+    (line,) = (line for line in said.splitlines() if line.startswith("then: "))
+    return shlex.split(line.removeprefix("then: robot-assistant "))
+
+
+def test_pick_and_place(tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = SAMPLES / "rapid" / "pick_and_place.mod"
+    monkeypatch.chdir(tmp_path)
+    Path(source.name).write_bytes(source.read_bytes())
+    status, said, _ = run(capsys, "translate", source.name, "--to", "melfa-basic-6")
+    lines = said.splitlines()
+    assert status == 1
+    assert lines[0].startswith(f"{source.name}: 100.0 % translated: 44 of 44 statements")
+    assert lines[0].endswith("; a draft, which lacks 9 values")
+    assert lines[2] == "to be filled in: 9 values, in cell.toml"
+    table = [line.split()[:3] for line in lines[4:13]]
+    assert ["doGrip", "digital", "output"] in table
+    assert ["giOrder", "group", "input?"] in table
+    draft = Path("PICKANDPLACE.prg").read_text("ascii")
+    assert draft.startswith("1 ' Castings") and "' DRAFT: not for production" in draft
+    filled(Path("cell.toml"))
+    status, said, _ = run(capsys, *next_command(said))
+    assert status == 0
+    assert said.startswith(f"{source.name}: 100.0 % translated: 44 of 44 statements, 7 with")
+    assert "text read back: proven" in said and "then: " not in said
+    assert "DRAFT" not in Path("PICKANDPLACE.prg").read_text("ascii")
+    assert "Comments" not in said and "' Castings from the tray" in draft
+
+
+def test_a_cell_file_above_a_program_is_found(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    source = Path("line", "robot", "part.mod")
+    source.parent.mkdir(parents=True)
+    source.write_text("MODULE part\nPROC main()\nSetDO doGrip,1;\nENDPROC\nENDMODULE\n")
+    Path("line", "cell.toml").write_text(
+        '[signals.doGrip]\nkind = "digital"\ndirection = "output"\nnumber = 33\n'
+    )
+    status, said, _ = run(capsys, "translate", source, "--to", "melfa-basic-6", "-o", "out")
+    assert (status, "lacks" in said) == (0, False)
+    assert "M_Out(33)=1" in Path("out", "PART.prg").read_text("ascii")
+    assert not Path("out", "cell.toml").exists()
+
+
+JOINTS = f"""MODULE cell
+  PERS tooldata tHand:=[TRUE,[[0,0,90],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+  PROC main()
+    MoveJ {PLACE},v100,fine,tHand;
+  ENDPROC
+ENDMODULE
+"""
+PERCENT = """1 Tool (0,0,90,0,0,0)
+2 Base P_NBase
+3 JOvrd 40
+4 Mov P1
+5 End
+P1=(+400.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)
+"""
+
+
+def test_the_speed_of_joint_moves_is_in_the_table(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("PART.prg").write_text(PERCENT)
+    status, said, _ = run(capsys, "translate", "PART.prg", "--to", "rapid")
+    assert status == 1
+    assert any(line.split()[:2] == ["joint_speed", "speed"] for line in said.splitlines())
+    made = Path("PART.mod").read_text("ascii")
+    assert made.index("Stop;") < made.index("MoveJ ")
+    cell = Path("cell.toml")
+    cell.write_text(cell.read_text("utf-8").replace('speed = "?"', "speed = 250"))
+    status, said, _ = run(capsys, *next_command(said))
+    assert status == 0
+    assert "Stop;" not in Path("PART.mod").read_text("ascii")
+
+
+LIBRARY = f"""MODULE parts
+  VAR iodev io;
+  PROC main()
+    Grip;
+    Rewind io;
+  ENDPROC
+  PROC Grip()
+    WaitTime 1;
+  ENDPROC
+  PROC Washed()
+    MoveL {PLACE},v100,fine,tool0;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def test_a_draft_stops_wherever_it_may_be_started(tmp_path: Path, capsys: Capture) -> None:
+    source = tmp_path / "parts.mod"
+    source.write_text(LIBRARY)
+    status, _, _ = run(capsys, "translate", source, "--to", "melfa-basic-6", "-o", tmp_path / "out")
+    lines = (tmp_path / "out" / "PARTS.prg").read_text("ascii").splitlines()
+    code = [line.split(maxsplit=1)[1].strip() for line in lines if line[:1].isdigit()]
+    code = [line for line in code if not line.startswith("'")]
+    assert status == 1
+    assert code[0] == "Hlt"
+    assert code[code.index("*Grip") + 1] == "Dly 1"
+    assert code[code.index("*Washed") + 1] == "Hlt"
+
+
+def test_a_translation_takes_what_the_project_states(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("cell.mod").write_text(JOINTS)
+    Path("values.toml").write_text("joint_percent = 17\n")
+    Path("assistant.toml").write_text(
+        '[programs.cell]\nsource = "cell.mod"\nlanguage = "melfa-basic-6"\nrobot = "rv-4frl"\n'
+        'from_robot = "irb1200-7-0.7"\ncell = "values.toml"\n'
+    )
+    status, said, _ = run(capsys, "translate", "cell.mod", "--to", "melfa-basic-6")
+    assert status == 0, said
+    assert "JOvrd 17" in Path("CELL.prg").read_text("ascii")
