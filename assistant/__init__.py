@@ -78,6 +78,7 @@ draw_by(
         "Program": ("assistant.api.notebook", "program_html"),
         "Recording": ("assistant.api.notebook", "recording_html"),
         "Robot": ("assistant.api.notebook", "robot_html"),
+        "Robot.plot": ("assistant.api.notebook", "arm_figure"),
         "Samples": ("assistant.api.notebook", "samples_html"),
         "Simulated": ("assistant.api.notebook", "simulated_html"),
         "Translation": ("assistant.api.notebook", "translation_html"),

@@ -40,12 +40,18 @@ _DRAWING: Final[dict[str, tuple[str, str]]] = {}
 
 
 def draw_by(names: Mapping[str, tuple[str, str]]) -> None:
-    """Who draws what for a notebook: name of a class → module and function, loaded when asked."""
+    """Who draws what: name of a class or of a method → module and function, loaded when asked."""
     _DRAWING.update(names)
+
+
+def drawing_of(name: str) -> Callable[..., Any]:
+    """The function that draws what has this name in `draw_by`."""
+    module, function = _DRAWING[name]
+    found: Callable[..., Any] = getattr(importlib.import_module(module), function)
+    return found
 
 
 def pictured(one: object) -> str:
     """Return the HTML that a notebook shows of an object: the `_repr_html_` of its class."""
-    module, name = _DRAWING[type(one).__name__]
-    html: str = getattr(importlib.import_module(module), name)(one)
+    html: str = drawing_of(type(one).__name__)(one)
     return html

@@ -33,7 +33,9 @@ def trajectory(seconds: float) -> Trajectory:
     arm = robots.get(ROBOT)
     times = np.linspace(0.0, seconds, max(8, int(50 * seconds)))
     swing = np.sin(np.pi * times / seconds) * np.sin(2 * np.pi * times / 3.0)
-    return Trajectory.of_joints(arm.home + np.outer(swing, [20, 10, 15, 20, 20, 40]), times)
+    return Trajectory.of_joints(
+        arm.home + np.outer(swing, [20, 10, 15, 20, 20, 40]), times, unit="deg"
+    )
 
 
 def ours(port: int, cycle: float, seconds: float, settings: Settings = PATIENT) -> str:

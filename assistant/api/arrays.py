@@ -18,6 +18,7 @@ from assistant.program.expressions import JointValue
 from assistant.program.geometry import FLANGE, Frame, JointTarget, Pose, Tool
 from assistant.program.motion import FINE, Blend, Kind, Speed
 from assistant.program.program import Program, identifier
+from assistant.program.se3 import NO_POSES, AnyPose, AnyPoses, Unit, pose_of
 from assistant.program.statements import Motion, MoveJoints
 from assistant.robots import Robot
 from assistant.sources.process import NO_PROCESS, Process
@@ -25,7 +26,7 @@ from assistant.sources.process.file import read_process
 from assistant.sources.tables import rows
 from assistant.sources.tables.headers import shown
 from assistant.sources.tables.rows import NOT_FINITE
-from assistant.sources.tables.waypoints import Unit, read_poses
+from assistant.sources.tables.waypoints import read_poses
 
 _NO_JOINTS = error(
     "TB431",
@@ -54,42 +55,56 @@ _BLEND_WORD = error(
 _NO_PLACE = error(
     "TB436",
     "`{given}` is no {kind}",
-    "give the name of one in the process file, three numbers in mm, a Pose or a {type}",
+    "give the name of one in the process file, three numbers in mm, a Pose, an SE3 or a matrix "
+    "(4, 4) in the unit of the poses, or a {type}",
 )
 
+_MAY_BE_METRES = error(
+    "TB438",
+    "the {what} {given} would be less than a millimetre away: three numbers are mm, and the poses "
+    "are in m",
+    "write the three numbers in mm, or give a Pose, which is in mm, or an SE3 in m",
+)
+_LEAST_TIP: Final = 1.0
+"""mm within which the three numbers of a tool or frame beside poses in m are meant as metres."""
+
 JointUnit = Literal["rad", "deg"]
+_LENGTHS: Final[Mapping[str, Unit]] = {"rad": "m", "deg": "mm"}
+"""Unit of the lengths that go with joints in radians, as in roboticstoolbox, and in degrees."""
 TOOL: Final = "tool"
 FRAME: Final = "frame"
 """Name for a tool or a frame given by value."""
 
 
 def from_poses(
-    poses: Any,
+    poses: AnyPoses,
     *,
-    unit: Unit,
+    unit: Unit | None = None,
     name: str = "path",
     speed: float | None = None,
     blend: float | Literal["fine"] | None = None,
-    tool: str | Tool | Pose | Sequence[float] | None = None,
-    frame: str | Frame | Pose | Sequence[float] | None = None,
+    tool: str | Tool | AnyPose | None = None,
+    frame: str | Frame | AnyPose | None = None,
     robot: str | Robot | None = None,
     process: str | FilePath | Process | None = None,
 ) -> Program:
     """Return a program that follows poses.
 
-    poses: one spatialmath SE3 of many poses (the result of roboticstoolbox's `ctraj`), a sequence
-    of SE3, or an array (n, 7) of x y z and a quaternion w x y z, or (n, 4, 4). unit: of their
-    positions, "mm" or "m"; it is not guessed, roboticstoolbox uses metres. speed: mm/s of the tool,
-    100 if nothing else states it. blend: mm at which a corner may be rounded, "fine" to stop at
-    each pose; without one, corners are rounded within the tolerance. tool: name of a tool in the
-    process file, or a value: its tip in the flange as three numbers in mm or a `Pose`, or a
-    complete `Tool`. frame: the frame of the poses, in the same forms, in the robot's base. robot:
-    the arm that runs the program. process: file with tools, frames, signals and all that is not
-    stated here.
+    poses: one spatialmath SE3 of many poses (the result of roboticstoolbox's `ctraj`), an array
+    (n, 7) of x y z and a quaternion w x y z, or (n, 4, 4), columns (n, 3) and (n, 4), or a sequence
+    of SE3, matrices or `Pose`. unit: of their positions, "mm" or "m"; it is not guessed,
+    roboticstoolbox uses metres; a `Pose` is in mm whatever the unit. speed: mm/s of the tool, 100
+    if nothing else states it. blend: mm at which a corner may be rounded, "fine" to stop at each
+    pose; without one, corners are rounded within the tolerance. tool: name of a tool in the process
+    file, or a value: its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix
+    in `unit`, or a complete `Tool`. frame: the frame of the poses, in the same forms, in the
+    robot's base. robot: the arm that runs the program. process: file with tools, frames, signals
+    and all that is not stated here.
 
     Warnings are issued as Python warnings; errors raise Refused.
     """
-    stated = _process(process, speed, None, blend, tool, frame, robot)
+    given = {TOOL: tool, FRAME: frame}
+    stated = _process(process, speed, None, blend, given, robot, unit)
     reading = read_poses(poses, replace(stated, merges=True), name, unit=unit)
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
@@ -106,7 +121,7 @@ def from_joints(
     speed: float | None = None,
     percent: float | None = None,
     blend: float | Literal["fine"] | None = None,
-    tool: str | Tool | Pose | Sequence[float] | None = None,
+    tool: str | Tool | AnyPose | None = None,
     process: str | FilePath | Process | None = None,
 ) -> Program:
     """Return a program of joint moves through rows of joints.
@@ -119,16 +134,16 @@ def from_joints(
     the controller goes as fast as these allow. blend: mm at which the path may leave a row for the
     next one, "fine" to stop at each; without one, the arm stops only at the ends and where the tool
     tip stays or turns back sharply, and keeps within the tolerance. tool, process: as for
-    `from_poses`.
+    `from_poses`; an SE3 is in m beside "rad", in mm beside "deg".
 
     Raises Refused for errors; `check` and `compile` check the joint limits.
     """
-    stated = _process(process, speed, percent, blend, tool, None, robot)
+    if unit not in _LENGTHS:
+        raise Refused(_JOINT_UNIT(place="unit", unit=shown(str(unit))))
+    stated = _process(process, speed, percent, blend, {TOOL: tool}, robot, _LENGTHS[unit])
     arm = robot_of(stated.robot if robot is None else robot)
     if arm is None:
         raise Refused(_NO_ARM(place="robot"))
-    if unit not in ("rad", "deg"):
-        raise Refused(_JOINT_UNIT(place="unit", unit=shown(str(unit))))
     values = _in_degrees(_array_of(joints, arm), unit, arm)
     found = rows.default_findings(stated, None)
     if has_errors(found):
@@ -155,11 +170,14 @@ def _process(
     speed: float | None,
     percent: float | None,
     blend: float | Literal["fine"] | None,
-    tool: str | Tool | Pose | Sequence[float] | None,
-    frame: str | Frame | Pose | Sequence[float] | None,
+    places: Mapping[str, Any],
     robot: str | Robot | None,
+    unit: Unit | None,
 ) -> Process:
-    """Return a process file with the options given beside it; raise Refused."""
+    """Return a process file with the options given beside it; raise Refused.
+
+    places: tool and frame, None if not given. unit: of those that are SE3 or matrices.
+    """
     if given is None:
         given = NO_PROCESS
     stated = given if isinstance(given, Process) else read_process(given)
@@ -169,10 +187,10 @@ def _process(
     if blend is not None:
         changed["blend"] = _blend(blend)
     tools, frames = dict(stated.tools), dict(stated.frames)
-    if tool is not None:
-        changed["tool"] = _declared(tool, TOOL, Tool, tools)
-    if frame is not None:
-        changed["frame"] = _declared(frame, FRAME, Frame, frames)
+    if places.get(TOOL) is not None:
+        changed[TOOL] = _declared(places[TOOL], TOOL, Tool, tools, unit)
+    if places.get(FRAME) is not None:
+        changed[FRAME] = _declared(places[FRAME], FRAME, Frame, frames, unit)
     arm = stated.robot if robot is None else getattr(robot_of(robot), "name", None)
     defaults = replace(stated.defaults, **changed)
     return replace(stated, defaults=defaults, tools=tools, frames=frames, robot=arm)
@@ -202,24 +220,41 @@ def _blend(blend: float | Literal["fine"]) -> Blend:
     return Blend(radius) if radius else FINE
 
 
-def _declared(given: Any, name: str, kind: type[Tool] | type[Frame], table: dict[str, Any]) -> str:
+def _declared(
+    given: Any,
+    name: str,
+    kind: type[Tool] | type[Frame],
+    table: dict[str, Any],
+    unit: Unit | None,
+) -> str:
     """Return the name of a tool or frame, and add it to the table if it is given by value."""
     if isinstance(given, str):
         return given
-    if not isinstance(given, kind | Pose):
-        try:
-            x, y, z = (float(value) for value in given)
-        except (TypeError, ValueError):
-            finding = _NO_PLACE(place=name, given=str(given)[:80], kind=name, type=kind.__name__)
-            raise Refused(finding) from None
-        given = Pose((x, y, z))
-    pose = given if isinstance(given, Pose) else None
-    values = (*given.position, *given.quaternion) if pose else ()
-    if not all(np.isfinite(values)):
-        raise Refused(NOT_FINITE(place=name, what=f"the {name}", value=pose, more=""))
     free = identifier(name, frozenset(table))
-    table[free] = kind(given) if isinstance(given, Pose) else given
+    table[free] = given if isinstance(given, kind) else kind(_pose(given, name, kind, unit))
     return free
+
+
+def _pose(given: Any, name: str, kind: type[Tool] | type[Frame], unit: Unit | None) -> Pose:
+    """Return the pose of a tool or frame: three numbers in mm, or a form of `pose_of`."""
+    if isinstance(given, Pose) or np.shape(given) != (3,):
+        try:
+            return pose_of(given, unit=unit, what=name)
+        except Refused as refused:
+            if refused.findings[0].code != NO_POSES.code or isinstance(given, Pose):
+                raise
+            wrong = _NO_PLACE(place=name, given=str(given)[:80], kind=name, type=kind.__name__)
+            raise Refused(wrong) from None
+    try:
+        x, y, z = reals(given).tolist()
+    except ValueError:
+        wrong = _NO_PLACE(place=name, given=str(given)[:80], kind=name, type=kind.__name__)
+        raise Refused(wrong) from None
+    if not all(np.isfinite((x, y, z))):
+        raise Refused(NOT_FINITE(place=name, what=f"the {name}", value=given, more=""))
+    if unit == "m" and 0.0 < max(map(abs, (x, y, z))) < _LEAST_TIP:
+        raise Refused(_MAY_BE_METRES(place=name, what=name, given=f"({x:g}, {y:g}, {z:g})"))
+    return Pose((x, y, z))
 
 
 def _array_of(joints: Any, arm: Robot) -> Floats:

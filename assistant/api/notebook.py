@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -23,9 +23,12 @@ from assistant.program.geometry import Tool
 from assistant.program.motion import Kind
 from assistant.program.program import Program
 from assistant.program.statements import MoveJoints
+from assistant.report.figures import new_figure
 from assistant.report.track import track
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from assistant.api.analysis import Check, Simulated
     from assistant.compiler import Compiled, Translation
     from assistant.program.motion import Path
@@ -242,6 +245,30 @@ def robot_html(robot: Robot) -> str:
     lines = "".join(f"<p>{html_text(line)}</p>" for line in told)
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     return f"<div><b>{html_text(robot.name)}</b>{lines}{table}{_links_at_home(robot)}</div>"
+
+
+def arm_figure(robot: Robot, joints: Floats) -> Figure:
+    """Draw the links of an arm at joints (n, a) and the axes of its flange, in mm."""
+    figure = new_figure(6.0, 6.0)
+    space: Any = figure.add_subplot(projection="3d")
+    chains = robot.chain(joints)
+    for number, points in enumerate(chains, 1):
+        part = 1.0 if number == len(chains) else 0.25
+        space.plot(*points.T, color="C0", alpha=part, linewidth=5, marker="o", markersize=7)
+    positions, quaternions = robot.fk(joints)
+    length = 0.15 * robot.reach
+    for axis, colour in zip(np.eye(3), ("C3", "C2", "C0"), strict=True):
+        ends = positions + length * rotations.rotate(quaternions, np.tile(axis, (len(joints), 1)))
+        for start, end in zip(positions, ends, strict=True):
+            space.plot(*np.stack([start, end]).T, color=colour, linewidth=1.5)
+    every = np.concatenate([chains.reshape(-1, 3), np.zeros((1, 3))])
+    middle = (every.min(axis=0) + every.max(axis=0)) / 2.0
+    half = max(float(np.ptp(every, axis=0).max()) / 2.0, length) * 1.1
+    space.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
+    space.set(zlim=(middle[2] - half, middle[2] + half))
+    space.set(xlabel="x, mm", ylabel="y, mm", zlabel="z, mm", title=robot.title)
+    space.set_box_aspect((1.0, 1.0, 1.0))
+    return figure
 
 
 def path_html(path: Path) -> str:

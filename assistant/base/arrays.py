@@ -60,8 +60,17 @@ def rows_of(values: ArrayLike, width: int, what: str) -> Floats:
         return array if array.ndim == 2 else array.reshape(-1, width)
     if array.shape == (0,):
         return array.reshape(0, width)
-    shape = "(" + ", ".join(map(str, array.shape)) + ")"
-    raise Refused(_SHAPE(what=what, shape=shape, width=width))
+    raise Refused(_SHAPE(what=what, shape=array.shape, width=width))
+
+
+def finite_rows(values: ArrayLike, width: int, what: str) -> Floats:
+    """Same as `rows_of`, for numbers that are all finite."""
+    found = rows_of(values, width, what)
+    wrong = np.flatnonzero(~np.isfinite(found).all(axis=1))
+    if len(wrong):
+        reason = f"row {wrong[0] + 1} of (n, {width}) holds a number that is not finite"
+        raise Refused(_NO_REALS(what=what, reason=reason))
+    return found
 
 
 def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:

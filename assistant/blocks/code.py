@@ -28,7 +28,7 @@ from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
 from assistant.robots.arms.arm import BOUNDARY, CLOSING
 from assistant.robots.arms.closed_form import ON_AXIS_1, WRIST_IN_LINE
 from assistant.robots.configurations import QUADRANTS
-from assistant.robots.motion.singularities import distance_from_singularity, jacobian
+from assistant.robots.motion.singularities import distance_from_singularity
 from assistant.robots.robot import LIMIT_TOLERANCE
 
 if TYPE_CHECKING:
@@ -73,19 +73,11 @@ def _random_joints(robot: Robot, rows: int) -> Floats:
     return found[:rows]
 
 
-def _degrees_jacobian(robot: Robot, joints: Floats) -> Floats:
-    """(n, 6, a) mm and degrees of the flange for each degree (or mm) of a joint."""
-    out = jacobian(robot, joints)
-    turning = ~robot.sliding
-    out[:, :3, turning] *= np.radians(robot.reach)
-    return out
-
-
 def _vector_columns(robot: Robot, joints: Floats) -> Iterator[Floats]:
     n = len(joints)
     p, q = robot.fk(joints)
     yield from (joints, p, q, robot.configuration(joints).astype(np.float64))
-    yield _degrees_jacobian(robot, joints).reshape(n, -1)
+    yield robot.jacobian(joints, unit="deg").reshape(n, -1)
     branches, valid = robot.ik(p, q)
     yield np.concatenate([branches, valid[..., None]], axis=2).reshape(n, -1)
 

@@ -31,6 +31,7 @@ from assistant.controllers.mitsubishi.state import turn_of
 from assistant.controllers.setpoint_streams import MODES, Arm, Carrier, DataLinkCarrier
 from assistant.controllers.trajectory_execution import LinkOptions
 from assistant.program.geometry import IDENTITY, Pose
+from assistant.program.se3 import AnyPose, pose_of
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 
@@ -173,7 +174,7 @@ def led(
     *,
     by: str = "data-link",
     percent: float = 10.0,
-    tool: Pose = IDENTITY,
+    tool: AnyPose = IDENTITY,
     wishes: LinkOptions | None = None,
     servo: bool = True,
     timeout: float = 10.0,
@@ -189,7 +190,11 @@ def led(
         raise Refused(
             NO_SETPOINT_MODE(name=name, by=by, known=", ".join(_CONTINUOUS_MODES)), exit_status=2
         )
-    arm, mode, given = _arm_at_percent(robot, percent, tool), MODES[by], wishes or LinkOptions()
+    arm, mode, given = (
+        _arm_at_percent(robot, percent, pose_of(tool)),
+        MODES[by],
+        wishes or LinkOptions(),
+    )
 
     @contextmanager
     def opening() -> Iterator[SetpointSender]:

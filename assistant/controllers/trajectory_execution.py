@@ -190,7 +190,7 @@ def _egm(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Pro
 
     report = egm.guide(
         session.address.host,
-        Trajectory.of_joints(led.numbered(led.joints, 0.0), led.seconds),
+        Trajectory.of_joints(led.numbered(led.joints, 0.0), led.seconds, unit="deg"),
         _limits(led),
         port=wishes.port or egm.PORT,
         cycle=wishes.cycle or egm.CYCLE,
@@ -331,7 +331,7 @@ def _mxt(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Pro
         try:
             with mxt:
                 report = mxt.follow(
-                    Trajectory.of_joints(joints, led.seconds),
+                    Trajectory.of_joints(joints, led.seconds, unit="deg"),
                     end=True,
                     watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
                 )

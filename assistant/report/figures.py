@@ -61,7 +61,14 @@ def new_figure(width: float, height: float) -> Figure:
         from matplotlib.figure import Figure
     except ImportError:
         raise Refused(NEEDS_PLOT(), exit_status=2) from None
-    empty = Figure(figsize=(width, height), layout="constrained")
+
+    class Shown(Figure):
+        """A figure that notebooks show without pyplot."""
+
+        def _repr_png_(self) -> bytes:
+            return picture(self)
+
+    empty = Shown(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(empty)
     return empty
 

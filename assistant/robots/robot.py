@@ -24,16 +24,18 @@ from assistant.base.arrays import (
     Rows,
     Truths,
     all_of,
+    finite_rows,
     norms,
     require_same_length,
     rows_of,
     whole_rows,
 )
-from assistant.base.diagnostics import Diagnostic
-from assistant.lazy import pictured
-from assistant.program.geometry import Pose, Vector
+from assistant.base.diagnostics import Diagnostic, Refused, error
+from assistant.lazy import drawing_of, pictured
+from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.program.motion import UNSTATED
 from assistant.program.program import Program
+from assistant.program.se3 import METRE, AnyPose, AnyPoses, Unit, columns_of, pose_of
 from assistant.robots.arms.arm import BOUNDARY, CLOSING, Arm
 from assistant.robots.arms.closed_form import FiveAxis, Lengths, SixAxis
 from assistant.robots.arms.serial import Serial
@@ -46,10 +48,20 @@ from assistant.robots.motion.rounding_tolerance import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from roboticstoolbox import DHRobot
     from roboticstoolbox import Robot as ToolboxRobot
 
 
+JointUnit = Literal["rad", "deg"]
+"""Radians, and m of an axis that slides; or degrees, and mm."""
+_LENGTHS: Final[Mapping[JointUnit, Unit]] = {"rad": "m", "deg": "mm"}
+"""Unit of the lengths that go with joints in radians, as in roboticstoolbox, and in degrees."""
+_NO_JOINT_UNIT: Final = error(
+    "RB012",
+    "the unit {unit!r} of joints is not known",
+    'write unit="deg" (mm of an axis that slides) or unit="rad" (m)',
+)
 Kind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
 
 
@@ -200,15 +212,28 @@ class Robot:
         """(n, a) joints → flange in the base: positions (n, 3) mm, quaternions (n, 4)."""
         return self.arm.fk(self.chained(joints))
 
-    def ik(self, positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Truths]:
+    def ik(
+        self,
+        poses: AnyPoses,
+        quaternions: ArrayLike | None = None,
+        *,
+        unit: Unit | None = None,
+    ) -> tuple[Floats, Truths]:
         """Flange poses → joints (n, b, a) of every arm branch, valid (n, b).
 
-        Valid: forward kinematics comes back to the pose, and every joint is inside its
-        limits. An axis that turns further than once is given nearest to the middle of its
-        range; `joints_of` finds the other turns. Joints of an invalid branch are NaN if it
-        cannot be reached, else the angles that pass the limits.
+        poses: of any form of `assistant.pose.columns`, or positions (n, 3) with quaternions (n, 4).
+        unit: of their positions, needed for SE3, matrices and rows of seven; else mm.
+
+        Valid: forward kinematics comes back to the pose, and every joint is inside its limits. An
+        axis that turns further than once is given nearest to the middle of its range; `joints_of`
+        finds the other turns. Joints of an invalid branch are NaN if it cannot be reached, else the
+        angles that pass the limits.
         """
-        p, q = _poses(positions, quaternions)
+        if unit is None and quaternions is not None:
+            p, q = _poses(poses, quaternions)
+        else:
+            given = poses if quaternions is None else (poses, quaternions)
+            p, q = columns_of(given, unit=unit)
         joints = np.empty((len(p), self.branches, len(self.axes)))
         for start in range(0, len(p), CHUNK):
             rows = slice(start, start + CHUNK)
@@ -218,6 +243,63 @@ class Robot:
                 one[~self.closes(one, p[rows], q[rows])] = np.nan
                 joints[rows, branch] = one
         return joints, self.inside(joints)
+
+    def jacobian(self, joints: ArrayLike, *, unit: JointUnit, tool: AnyPose = IDENTITY) -> Floats:
+        """Return (n, 6, a) for (n, a) joints: how the tool tip moves and turns with each axis.
+
+        Rows: x, y, z of the tip in the base, and its turn about x, y, z. unit: "deg" for joints in
+        degrees, and mm and degrees for each degree of them (mm of an axis that slides); "rad" for
+        radians and metres throughout, as `jacob0` of roboticstoolbox. tool: the tip in the flange.
+        Raises Refused.
+        """
+        scale = self._axis_scale(unit)
+        tip = np.array(pose_of(tool, unit=_LENGTHS[unit], what="tool").position)
+        values = self.chained(finite_rows(joints, len(self.axes), "joints") * scale)
+        out = self.arm.whole_chain.jacobian(values, tip)
+        if self.coupling:  # J2 turns what J3 turns as well
+            out[:, :, 1] += self.coupling * out[:, :, 2]
+        if unit == "deg":
+            out[:, :3, ~self.sliding] *= np.radians(1.0)
+            return out
+        out[:, :3] /= METRE["m"]
+        out[:, :, self.sliding] *= METRE["m"]
+        return out
+
+    def manipulability(
+        self, joints: ArrayLike, *, unit: JointUnit, tool: AnyPose = IDENTITY
+    ) -> Floats:
+        """Return Yoshikawa's measure (n,) of joints (n, a): 0 in a singularity.
+
+        The product of the singular values of the Jacobian in metres and radians, which for six axes
+        is `manipulability` of roboticstoolbox. unit: of the joints, as of `jacobian`, which has the
+        other arguments too. Raises Refused.
+        """
+        matrix = self.jacobian(joints, unit=unit, tool=tool)
+        if unit == "deg":
+            matrix[:, :3] /= METRE["m"]
+            matrix[:, 3:] = np.radians(matrix[:, 3:])
+            matrix[:] *= self._axis_scale("rad")
+        return np.asarray(np.linalg.svd(matrix, compute_uv=False).prod(axis=1))
+
+    def plot(self, joints: ArrayLike | None = None) -> Figure:
+        """Return a figure of matplotlib with the links of the arm at joints (n, a), degrees or mm.
+
+        joints: several stand side by side, the last one in full colour; None for home. Show it in a
+        notebook, or keep it: `robot.plot().savefig("arm.png")`. Raises Refused, without the extra
+        `plot` too.
+        """
+        given = self.home if joints is None else joints
+        rows = finite_rows(given, len(self.axes), "joints")
+        drawn: Figure = drawing_of("Robot.plot")(self, rows)
+        return drawn
+
+    def _axis_scale(self, unit: JointUnit) -> Floats:
+        """(a,) factors from joints in a unit to degrees and mm; raises Refused."""
+        if unit not in _LENGTHS:
+            raise Refused(_NO_JOINT_UNIT(unit=str(unit)[:40]))
+        if unit == "deg":
+            return np.ones(len(self.axes))
+        return np.where(self.sliding, METRE["m"], np.degrees(1.0))
 
     def solve(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...] | None = None

@@ -69,7 +69,9 @@ def main():
                 try:
                     with mxt:
                         report = mxt.follow(
-                            Trajectory.of_joints(here + np.outer(swing, np.eye(6)[0]), times),
+                            Trajectory.of_joints(
+                                here + np.outer(swing, np.eye(6)[0]), times, unit="deg"
+                            ),
                             end=True,
                             watch=lambda now: print(
                                 f"{now.seconds:.1f} s, J1 at {now.values[0]:.2f}"

@@ -153,6 +153,40 @@ def test_poses_take_speed_blend_tool_and_frame():
     assert np.abs(path.positions - [[300, -100, 300], [300, 0, 300], [300, 100, 300]]).max() < 1e-9
 
 
+def test_tools_and_frames_are_taken_in_every_form():
+    tip = SE3(0.0, 0.0, 0.12) * SE3.Ry(90, "deg")
+    wanted = Pose.of_matrix(tip.R, 1000.0 * tip.t)
+    poses = [Pose.of_matrix(one.R, 1000.0 * one.t) for one in LINE]
+    first = assistant.from_poses(LINE, unit="m", tool=tip, frame=tip.A)
+    again = assistant.from_poses(poses, tool=wanted, frame=wanted)
+    for program in (first, again):
+        assert program.tools["tool"].tip.matrix == pytest.approx(wanted.matrix)
+        assert program.frames["frame"].pose.matrix == pytest.approx(wanted.matrix)
+    assert [s.path.positions.tolist() for s in first.statements()] == [
+        s.path.positions.tolist() for s in again.statements()
+    ]
+    swing = assistant.from_joints(WAY, unit="rad", robot=IRB, tool=tip)
+    assert swing.tools["tool"].tip.matrix == pytest.approx(wanted.matrix)
+
+
+@pytest.mark.parametrize(
+    ("code", "given"),
+    [
+        ("TB438", {"unit": "m", "tool": (0, 0, 0.12)}),
+        ("TB438", {"unit": "m", "frame": (0.4, 0, 0.1)}),
+        ("TB436", {"unit": "m", "tool": np.zeros((2, 3))}),
+        ("TB445", {}),
+        ("TB445", {"poses": [Pose()], "tool": SE3()}),
+        ("TB413", {"unit": "cm"}),
+    ],
+)
+def test_a_unit_that_may_be_another_is_asked_for(code, given):
+    given = {"poses": LINE, **given}
+    with pytest.raises(assistant.Refused) as caught:
+        assistant.from_poses(given.pop("poses"), **given)
+    assert caught.value.findings[0].code == code
+
+
 def test_tools_by_value_by_name_and_from_a_process_file(tmp_path):
     file = tmp_path / "cell.process.toml"
     file.write_text("[motion]\nspeed = 40\n[tools.tool]\ntip = [0, 0, 50]\n", encoding="utf-8")

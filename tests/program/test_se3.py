@@ -7,7 +7,9 @@ import itertools
 import numpy as np
 import pytest
 
+from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
+from assistant.program.motion import Path
 from assistant.program.se3 import columns_of, pose_of, se3_of
 
 spatialmath = pytest.importorskip("spatialmath")
@@ -53,8 +55,48 @@ def test_what_is_no_pose_is_refused(given):
 
 
 def test_the_unit_is_never_guessed():
-    with pytest.raises(KeyError):
-        columns_of(SE3(), unit="cm")
+    for unit, said in (("cm", "TB446"), (None, "TB445")):
+        with pytest.raises(Refused, match=said):
+            columns_of(SE3(), unit=unit)
+
+
+def test_every_form_of_a_pose_is_the_same():
+    poses = some(3)
+    p, q = columns_of(poses, unit="m")
+    given = [Pose.of(*row) for row in zip(p, q, strict=True)]
+    forms = [given, (p, q), [p.tolist(), q.tolist()], np.hstack([p, q]), Path.of("p", p, q)]
+    forms += [[one.matrix for one in given], list(np.hstack([p, q]))]
+    for form in forms:
+        for one, wanted in zip(columns_of(form, unit="mm"), (p, q), strict=True):
+            assert one == pytest.approx(wanted, abs=1e-12)
+    assert columns_of(given)[0] == pytest.approx(p)  # a `Pose` and columns are mm
+    assert columns_of((p, q))[0] == pytest.approx(p)
+    assert columns_of(given, unit="m")[0] == pytest.approx(p)
+    assert columns_of((p, q), unit="m")[0] == pytest.approx(1000.0 * p)
+    assert pose_of(given[0]) is given[0]
+    assert np.abs(se3_of(given[0], unit="m").A - poses[0].A).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (np.diag([2.0, 2.0, 2.0, 1.0]), "the pose has no rotation"),
+        (np.diag([1.0, 1.0, -1.0, 1.0]), "no rotation"),
+        (np.ones((4, 4)), "last row"),
+        ([0, 0, 0, 1, 1, 0, 0], "no unit quaternion"),
+        ([[0, 0, 0, 1, 0, 0, 0], [0, np.inf, 0, 1, 0, 0, 0]], "pose 2 has no finite position"),
+        (np.zeros((2, 6)), r"the shape is \(2, 6\)"),
+        (3, "int is no pose"),
+        ([[1.0, 2.0], [3.0]], "list is no pose"),
+        (([[0, 0, 0]], [[1, 0, 0, 0]] * 2), "1 positions but 2 quaternions"),
+        (Pose((np.nan, 0.0, 0.0)), "no number|no finite"),
+    ],
+)
+def test_what_is_no_pose_says_what_is_wanted(given, said):
+    with pytest.raises(Refused, match=said):
+        columns_of(given, unit="mm")
+    with pytest.raises(Refused, match=said):
+        pose_of(given, unit="mm")
 
 
 def test_a_pose_has_the_matrices_of_spatialmath():

@@ -14,16 +14,14 @@ from typing import ClassVar, Final, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
 from assistant.blocks.diagrams import Block, Port
 from assistant.blocks.library.ports import joints_port, pose_parts, pose_port, pose_signal
 from assistant.program.geometry import IDENTITY, Pose
+from assistant.program.se3 import AnyPose, pose_of
 from assistant.robots.robot import LIMIT_TOLERANCE, Robot
 from assistant.robots.timing import Drive, drive_of
 
-_JACOBIAN_STEP: Final = 1e-4
-"""Degrees or mm by which a joint is changed to either side for its column of the Jacobian."""
 NEAREST_BRANCH: Final = -1.0
 """A branch input that asks for the branch nearest to the joints of the step before."""
 
@@ -31,9 +29,9 @@ NEAREST_BRANCH: Final = -1.0
 class ForwardKinematics(Block):
     """joints → pose of the tool in the base. tool: in the frame of the flange."""
 
-    def __init__(self, name: str, robot: Robot, tool: Pose = IDENTITY) -> None:
+    def __init__(self, name: str, robot: Robot, tool: AnyPose = IDENTITY) -> None:
         super().__init__(name, [joints_port(robot)], [pose_port()])
-        self.robot, self.tool = robot, tool
+        self.robot, self.tool = robot, pose_of(tool, what="tool")
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del now
@@ -48,7 +46,7 @@ class InverseKinematics(Block):
     home. Axes that turn further than once go on from the step before as far as their limits allow.
     """
 
-    def __init__(self, name: str, robot: Robot, tool: Pose = IDENTITY) -> None:
+    def __init__(self, name: str, robot: Robot, tool: AnyPose = IDENTITY) -> None:
         count = robot.branches
         super().__init__(
             name,
@@ -60,7 +58,7 @@ class InverseKinematics(Block):
                 Port("which", count),
             ],
         )
-        self.robot, self.flange = robot, tool.inverse()
+        self.robot, self.flange = robot, pose_of(tool, what="tool").inverse()
         self._last = robot.home.copy()
 
     def begin(self) -> None:
@@ -93,13 +91,12 @@ class InverseKinematics(Block):
 class Jacobian(Block):
     """joints → 6 a numbers, row by row: mm and degrees of the tool by each joint, in the base.
 
-    Rows: x, y, z, and the turn about x, y, z. By differences to either side; the closed forms give
-    thirteen digits, so that nine are left.
+    Rows: x, y, z, and the turn about x, y, z.
     """
 
-    def __init__(self, name: str, robot: Robot, tool: Pose = IDENTITY) -> None:
+    def __init__(self, name: str, robot: Robot, tool: AnyPose = IDENTITY) -> None:
         super().__init__(name, [joints_port(robot)], [Port("jacobian", 6 * len(robot.axes))])
-        self.robot, self.tool = robot, tool
+        self.robot, self.tool = robot, pose_of(tool, what="tool")
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del now
@@ -116,11 +113,11 @@ class Resolved(Block):
     direct: ClassVar[bool] = True
 
     def __init__(
-        self, name: str, robot: Robot, tool: Pose = IDENTITY, *, damping: float = 0.05
+        self, name: str, robot: Robot, tool: AnyPose = IDENTITY, *, damping: float = 0.05
     ) -> None:
         speeds = Port("speeds", len(robot.axes), "deg/s")
         super().__init__(name, [joints_port(robot), Port("speed", 6)], [speeds])
-        self.robot, self.tool, self.damping = robot, tool, damping
+        self.robot, self.tool, self.damping = robot, pose_of(tool, what="tool"), damping
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del now
@@ -140,15 +137,7 @@ def tool_pose(robot: Robot, tool: Pose, joints: Floats) -> Floats:
 
 def tool_jacobian(robot: Robot, joints: Floats, tool: Pose = IDENTITY) -> Floats:
     """(6, a) mm and degrees of the tool, in the base, a degree (or mm) of each of joints (a,)."""
-    count = len(robot.axes)
-    change = _JACOBIAN_STEP * np.eye(count)
-    p, q = robot.fk(np.concatenate([joints + change, joints - change]))
-    p = p + rotations.rotate(q, np.array(tool.position))
-    moved = (p[:count] - p[count:]) / (2.0 * _JACOBIAN_STEP)
-    turn = rotations.multiply(q[:count], rotations.conjugate(q[count:]))
-    turn[turn[:, 0] < 0.0] *= -1.0
-    turned = np.degrees(2.0 * turn[:, 1:]) / (2.0 * _JACOBIAN_STEP)  # small: the sine is the angle
-    return np.concatenate([moved.T, turned.T])
+    return np.asarray(robot.jacobian(joints, unit="deg", tool=tool)[0])
 
 
 @dataclass(slots=True)
@@ -312,7 +301,7 @@ class SimulatedArm(Block):
         name: str,
         robot: Robot,
         *,
-        tool: Pose = IDENTITY,
+        tool: AnyPose = IDENTITY,
         start: ArrayLike | None = None,
         lag: float = 0.0,
         percent: float = 100.0,
@@ -320,7 +309,7 @@ class SimulatedArm(Block):
     ) -> None:
         outputs = [joints_port(robot), pose_port(), Port("limited")]
         super().__init__(name, [joints_port(robot, "wanted")], outputs)
-        self.robot, self.tool, self.rests = robot, tool, rests
+        self.robot, self.tool, self.rests = robot, pose_of(tool, what="tool"), rests
         self._made = partial(ArmMotion.of, robot, start=start, lag=lag, percent=percent)
         self.begin()
 

@@ -38,6 +38,7 @@ from assistant.blocks.rules import (
 )
 from assistant.blocks.setpoint_connections import SetpointSender, StatusSource
 from assistant.program.geometry import IDENTITY, Pose
+from assistant.program.se3 import AnyPose, pose_of
 from assistant.robots.robot import Robot
 
 _RATE_SECONDS: Final = 1.0
@@ -198,13 +199,13 @@ class RelCart(Relative):
         connection: Connection[SetpointSender],
         robot: Robot,
         *,
-        tool: Pose = IDENTITY,
+        tool: AnyPose = IDENTITY,
         in_tool: bool = False,
         most: tuple[float, float] = (20.0, 5.0),
         period: float | None = None,
     ) -> None:
         super().__init__(name, connection, robot, step_port("by"), period)
-        self.tool, self.in_tool = tool, in_tool
+        self.tool, self.in_tool = pose_of(tool, what="tool"), in_tool
         self.most = check_not_negative("mm", most[0]), check_not_negative("degrees", most[1])
 
     def stepped(self, joints: Floats, by: Floats) -> Floats:

@@ -35,7 +35,8 @@ from assistant.controllers.cyclic import Report, Settings, Timing
 from assistant.controllers.cyclic.trajectory import braked
 from assistant.controllers.setpoint_streams import CyclicCarrier
 from assistant.controllers.trajectory_execution import LinkOptions, on_network
-from assistant.program.geometry import IDENTITY, Pose
+from assistant.program.geometry import IDENTITY
+from assistant.program.se3 import AnyPose, pose_of
 from assistant.robots.robot import Robot
 from assistant.vision.servoing.bounds import Bounds, Guard
 
@@ -65,7 +66,7 @@ def by_egm(
     robot: Robot,
     *,
     bounds: Bounds | None = None,
-    tool: Pose = IDENTITY,
+    tool: AnyPose = IDENTITY,
     port: int | None = None,
     cycle: float | None = None,
     settings: Settings | None = None,
@@ -78,7 +79,7 @@ def by_egm(
 
     @contextmanager
     def opening() -> Iterator[Led]:
-        guard = Guard(robot, bounds or Bounds(), tool)
+        guard = Guard(robot, bounds or Bounds(), pose_of(tool, what="tool"))
         with setpoint_streams.by_egm(host, guard.arm(), port, cycle, settings) as carrier:
             yield Led(guard, carrier)
 
@@ -91,7 +92,7 @@ def by_mxt(
     robot: Robot,
     *,
     bounds: Bounds | None = None,
-    tool: Pose = IDENTITY,
+    tool: AnyPose = IDENTITY,
     wishes: LinkOptions | None = None,
     servo: bool = True,
     timeout: float | None = None,
@@ -104,7 +105,8 @@ def by_mxt(
 
     @contextmanager
     def opening() -> Iterator[Led]:
-        guard, wanted = Guard(robot, bounds or Bounds(), tool), wishes or LinkOptions()
+        guard = Guard(robot, bounds or Bounds(), pose_of(tool, what="tool"))
+        wanted = wishes or LinkOptions()
         session = connect(address, timeout=timeout)
         if not isinstance(session, Controller):
             raise Refused(NOT_OPERATED(name=name, address=session.address), exit_status=2)

@@ -11,7 +11,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.blocks.diagrams import Block, Port
 from assistant.blocks.library.ports import joints_port, pose_port, pose_signal
-from assistant.program.geometry import Pose
+from assistant.program.se3 import AnyPose, pose_of
 from assistant.robots.robot import Robot
 
 
@@ -70,11 +70,11 @@ class PoseToPose(Block):
     about one axis.
     """
 
-    def __init__(self, name: str, start: Pose, end: Pose, seconds: float) -> None:
+    def __init__(self, name: str, start: AnyPose, end: AnyPose, seconds: float) -> None:
         if not 0.0 < seconds < np.inf:
             raise ValueError("the time is seconds above 0")
         super().__init__(name, (), [pose_port(), Port("over")])
-        self._ends, self.seconds = (start, end), seconds
+        self._ends, self.seconds = (pose_of(start), pose_of(end)), seconds
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del given

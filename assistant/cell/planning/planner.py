@@ -45,6 +45,7 @@ from assistant.cell.scene import PlacedRobot, Scene
 from assistant.program.geometry import FLANGE, IDENTITY, Pose
 from assistant.program.motion import MAXIMUM_SPEED, Speed
 from assistant.program.program import Program
+from assistant.program.se3 import AnyPose, Unit, pose_of
 from assistant.program.statements import Move, MoveJoints
 from assistant.robots.robot import Robot
 
@@ -110,10 +111,11 @@ class Planned:
 def plan(
     scene: Scene,
     start: ArrayLike,
-    goal: Pose | ArrayLike,
+    goal: AnyPose | ArrayLike,
     *,
+    unit: Unit | None = None,
     robot: str | None = None,
-    tool: Pose = IDENTITY,
+    tool: AnyPose = IDENTITY,
     others: Mapping[str, ArrayLike] | None = None,
     margin: float | None = None,
     cone: Cone | None = None,
@@ -124,9 +126,10 @@ def plan(
     """A way of a robot from joints to a pose of its tool, or to other joints.
 
     start: (a,) degrees, mm of an axis that slides. goal: the pose of the tip in the base of the
-    robot, held in whichever way (branch, turns) is found first, or joints (a,). robot: its name
-    in the scene, None for the only one. tool: the tip in the flange; bodies that move with it are
-    those of the scene. others: (a,) joints of other robots by name, at home if it names them not.
+    robot, a `Pose`, an SE3 or a matrix (4, 4), held in whichever way (branch, turns) is found
+    first, or joints (a,). unit: of the positions of SE3 and matrices. robot: its name in the scene,
+    None for the only one. tool: the tip in the flange; bodies that move with it are those of the
+    scene. others: (a,) joints of other robots by name, at home if it names them not.
     margin: mm, None for the margins of the scene. cone: how far the tool may be tilted. linear:
     the tip goes on straight lines where the arm can follow them and they are clear. seconds: the
     search takes at most. seed: of what is random.
@@ -140,6 +143,10 @@ def plan(
     robot of that name; without coal or OMPL.
     """
     placed = _robot(scene.robots, robot)
+    if not isinstance(tool, Pose):
+        tool = pose_of(tool, unit=unit, what="tool")
+    if hasattr(goal, "A") or np.shape(goal) == (4, 4):
+        goal = pose_of(goal, unit=unit, what="goal")
     _sensible(goal, tool, margin, cone, seconds)
     begin = _joints(placed.robot, start, "start", "begins")
     where = {}

@@ -1,6 +1,6 @@
 """Externally Guided Motion (EGM): an ABB arm led cycle by cycle over UDP, every 4 ms.
 
-report = guide("192.168.125.1", Trajectory.of_joints(joints), Limits(speeds))
+report = guide("192.168.125.1", Trajectory.of_joints(joints, unit="deg"), Limits(speeds))
 report.save("run.csv")
 
 The controller is the client: it sends `EgmRobot` every 4 ms to the address of its UdpUc device, and

@@ -11,6 +11,18 @@ BAD_TRAJECTORY = error(
     "the trajectory cannot be followed: {reason}; nothing was sent",
     "put it right, or simulate the program again",
 )
+NO_ROW_UNIT = error(
+    "CN705",
+    "the trajectory cannot be followed: {reason}; nothing was sent",
+    'state it: Trajectory.of_joints(rows, times, unit="deg"), or unit="rad", robot=… for radians '
+    "as of roboticstoolbox and numpy",
+)
+NO_ROBOT_OF_ROWS = error(
+    "CN706",
+    "the trajectory cannot be followed: only its robot tells which columns in radians are metres "
+    "of an axis that slides; nothing was sent",
+    'name it: Trajectory.of_joints(rows, times, unit="rad", robot=assistant.robots.get("rv-4frl"))',
+)
 BAD_LIMITS = error(
     "CN702",
     "the limits cannot be used: {reason}; nothing was sent",

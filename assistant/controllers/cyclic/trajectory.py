@@ -10,21 +10,42 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final, Literal, Protocol, get_args
 
 import numpy as np
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats, Rows, norms, reals
+from assistant.base.arrays import Floats, Rows, Truths, norms, reals
 from assistant.base.diagnostics import Refused
-from assistant.controllers.cyclic.rules import BAD_LIMITS, BAD_SETTING, BAD_TRAJECTORY
+from assistant.controllers.cyclic.rules import (
+    BAD_LIMITS,
+    BAD_SETTING,
+    BAD_TRAJECTORY,
+    NO_ROBOT_OF_ROWS,
+    NO_ROW_UNIT,
+)
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE
 from assistant.program.motion import Kind as Move
 from assistant.program.motion import Path
+from assistant.program.se3 import METRE, AnyPoses, Unit, columns_of
 
 Kind = Literal["joints", "poses"]
 """Rows of joints, degrees or mm each (or pulses); or of x, y, z in mm with w, x, y, z."""
+
+RowUnit = Literal["deg", "rad", "pulse"]
+"""Degrees, and mm of an axis that slides; radians, and m; or pulses of motors."""
+
+
+class Axes(Protocol):
+    """What a `Robot` tells of its axes: their names (a,), and which (a,) slide."""
+
+    @property
+    def axes(self) -> tuple[str, ...]: ...
+
+    @property
+    def sliding(self) -> Truths: ...
+
 
 POSE_COLUMNS: Final = 7
 _TO_FULL_SPEED: Final = 0.3
@@ -224,18 +245,52 @@ class Trajectory:
 
     @staticmethod
     def of_joints(
-        rows: Sequence[Sequence[float]] | Floats, times: Sequence[float] | Floats | None = None
+        rows: Sequence[Sequence[float]] | Floats,
+        times: Sequence[float] | Floats | None = None,
+        *,
+        unit: RowUnit | None = None,
+        robot: Axes | None = None,
     ) -> Trajectory:
-        """rows: (n, a) degrees, mm of an axis that slides, or pulses. Raises Refused."""
-        return _made("joints", rows, times)
+        """Return a trajectory of joints, which leads an arm.
+
+        rows: (n, a), or an object with such an array as `q`, like what `jtraj` of roboticstoolbox
+        gives. times: (n,) seconds, None for as fast as the limits allow. unit: it has to be stated:
+        "deg" for degrees, and mm of an axis that slides; "rad" for radians, and m; "pulse" for
+        pulses of the motors. robot: whose axes the columns are, needed for "rad", as it knows which
+        of them slide. Raises Refused.
+        """
+        if unit not in get_args(RowUnit):
+            reason = f"the unit of its joints is {unit!r}" if unit else "no unit of its joints"
+            raise Refused(NO_ROW_UNIT(reason=reason), exit_status=2)
+        made = _made("joints", getattr(rows, "q", rows), times)
+        width = made.rows.shape[1]
+        if robot is not None and width != len(robot.axes):
+            reason = f"its shape is {made.rows.shape}, not (n, {len(robot.axes)})"
+            raise Refused(BAD_TRAJECTORY(reason=reason), exit_status=2)
+        if unit != "rad":
+            return made
+        if robot is None:
+            raise Refused(NO_ROBOT_OF_ROWS(), exit_status=2)
+        turned = np.where(robot.sliding, made.rows * METRE["m"], np.degrees(made.rows))
+        return replace(made, rows=turned)
 
     @staticmethod
     def of_poses(
-        positions: Sequence[Sequence[float]] | Floats,
-        quaternions: Sequence[Sequence[float]] | Floats,
+        positions: AnyPoses,
+        quaternions: Sequence[Sequence[float]] | Floats | None = None,
         times: Sequence[float] | Floats | None = None,
+        *,
+        unit: Unit | None = None,
     ) -> Trajectory:
-        """positions: (n, 3) mm. quaternions: (n, 4), scalar first. Raises Refused."""
+        """Return a trajectory of poses of the tool.
+
+        positions: (n, 3) mm, with quaternions (n, 4), scalar first; or poses of any form of
+        `assistant.pose.columns`, without. unit: of the positions, needed for SE3, matrices and rows
+        of seven. times: as of `of_joints`. Raises Refused.
+        """
+        if quaternions is None or unit is not None:
+            poses = positions if quaternions is None else (positions, quaternions)
+            positions, quaternions = columns_of(poses, unit=unit)
         try:
             place, turn = _checked_rows(positions), _checked_rows(quaternions)
             if place.shape[1] != 3 or turn.shape != (len(place), 4):

@@ -1,7 +1,7 @@
 """Real-time external control (`Mxt`): leads an arm of a CR controller cycle by cycle over UDP.
 
 with Mxt("192.168.0.20", limits=Limits((420, 336, 250, 540, 623, 720))) as mxt:
-    report = mxt.follow(Trajectory.of_joints(angles, times))
+    report = mxt.follow(Trajectory.of_joints(angles, times, unit="deg"))
 
 A program on the controller has to be waiting in `Mxt`, see `program` (BFP-A3379-A, 4.2). The
 packet, the same in both directions, has 196 bytes, little-endian (4.2.2 and 7.2.2); controllers of

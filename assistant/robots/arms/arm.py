@@ -231,6 +231,24 @@ class Chain:
         frames[:, -1] = turn @ rotations.to_matrix(self.flange.quaternion)
         return ChainPoses(origins, axes, frames)
 
+    def jacobian(self, values: Floats, tip: Floats) -> Floats:
+        """Values (n, a) of the joints → (n, 6, a): mm and radians for a radian, or a mm of sliding.
+
+        How a point tip (3,) mm of the flange moves along x, y, z, and how it turns about them. The
+        geometric Jacobian: Siciliano and others, Robotics (2009), 3.1.
+        """
+        found = self.along(values)
+        place = found.origins[:, -1] + found.turns @ tip
+        out = np.zeros((len(values), 6, values.shape[1]))
+        for i, joint in enumerate(self.joints):
+            axis = found.axes[:, i]
+            if joint.sliding:
+                out[:, :3, i] = axis
+            else:
+                out[:, :3, i] = np.cross(axis, place - found.origins[:, i])
+                out[:, 3:, i] = axis
+        return out
+
     def elementary(self, zero: Floats | None = None, limits: Floats | None = None) -> Any:
         """The chain as elementary transforms of roboticstoolbox, in metres and radians.
 

@@ -149,23 +149,10 @@ def jacobian(robot: Robot, joints: Floats, tip: Pose = IDENTITY) -> Floats:
     """(n, a) joints → (n, 6, a): how the tip of a tool moves and turns with each axis.
 
     Its speed in the base over the reach of the arm, then how it turns; for a radian of an axis, or
-    as many mm of one that slides as the arm reaches. tip: in the flange. The geometric Jacobian:
-    Siciliano and others, Robotics (2009), 3.1.
+    as many mm of one that slides as the arm reaches. tip: in the flange.
     """
-    values = robot.chained(joints)
-    found = robot.arm.whole_chain.along(values)
-    place = found.origins[:, -1] + found.turns @ np.array(tip.position)
-    length = robot.reach
-    out = np.zeros((len(values), 6, values.shape[1]))
-    for i, slides in enumerate(robot.sliding):
-        axis = found.axes[:, i]
-        if slides:
-            out[:, :3, i] = axis
-        else:
-            out[:, :3, i] = np.cross(axis, place - found.origins[:, i]) / length
-            out[:, 3:, i] = axis
-    if robot.coupling:  # J2 turns what J3 turns as well
-        out[:, :, 1] += robot.coupling * out[:, :, 2]
+    out = robot.jacobian(joints, unit="deg", tool=tip)
+    out[:, :3, ~robot.sliding] *= np.degrees(1.0) / robot.reach
     return out
 
 

@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import json
 import pathlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 
-from assistant.base.arrays import Floats, reals
+from assistant.base.arrays import Floats
 from assistant.base.diagnostics import (
     Diagnostic,
     Refused,
@@ -33,6 +33,7 @@ from assistant.base.length_units import UNITS
 from assistant.base.source_text import decode, read_bytes
 from assistant.program.motion import Kind, Path
 from assistant.program.program import Program, identifier
+from assistant.program.se3 import METRE, NO_UNIT, AnyPoses, Unit, stacked
 from assistant.sources.contours.path_tolerance import shortest_piece
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reading
@@ -75,14 +76,7 @@ _POSE_FORM = error(
     "write every pose as the first one, with all its numbers",
 )
 _KEY_TWICE = error("TB425", "the key {name} stands twice in one object", "keep one of them")
-_NO_SE3 = error(
-    "TB426",
-    "`{given}` is no sequence of poses",
-    "give spatialmath SE3 objects or an array (n, 7) or (n, 4, 4)",
-)
-
-Unit = Literal["mm", "m"]
-_UNITS: Final = ("mm", "m")
+_UNITS: Final = tuple(METRE)
 
 
 def read(path: pathlib.Path, process: Process) -> Reading:
@@ -91,46 +85,28 @@ def read(path: pathlib.Path, process: Process) -> Reading:
 
 
 def from_poses(
-    poses: Any, process: Process = NO_PROCESS, name: str = "path", *, unit: Unit
+    poses: AnyPoses, process: Process = NO_PROCESS, name: str = "path", *, unit: Unit
 ) -> Program:
     """The program that follows poses; `read_poses` tells what was found on the way as well."""
     return read_poses(poses, process, name, unit=unit).program
 
 
 def read_poses(
-    poses: Any, process: Process = NO_PROCESS, name: str = "path", *, unit: Unit
+    poses: AnyPoses, process: Process = NO_PROCESS, name: str = "path", *, unit: Unit | None
 ) -> Reading:
     """The program that follows a sequence of poses.
 
-    poses: one spatialmath SE3 of many poses (what roboticstoolbox's `ctraj` gives), a
-    sequence of SE3, or an array (n, 7) or (n, 4, 4). unit: of their positions; it is not
-    guessed, roboticstoolbox uses metres. Raises Refused.
+    poses: of any form of `se3.columns_of`. unit: of their positions, None if each is a `Pose`; it
+    is not guessed, roboticstoolbox uses metres. Raises Refused.
     """
-    if unit not in _UNITS:
+    if unit is not None and unit not in _UNITS:
         raise Refused(_UNKNOWN_UNIT(place="unit", unit=shown(str(unit))))
-    given = _array_of(poses)
-    path, findings = _path_of(identifier(str(name)), given, process, unit, None, "poses")
+    given, in_mm = stacked(poses)
+    if unit is None and not in_mm:
+        raise Refused(NO_UNIT(place="unit", what="poses"))
+    measured: Unit | None = "mm" if in_mm else unit
+    path, findings = _path_of(identifier(str(name)), given, process, measured, None, "poses")
     return _reading(name, [path], process, None, findings)
-
-
-def _array_of(poses: Any) -> Floats:
-    if isinstance(poses, np.ndarray):
-        items: Any = poses
-    elif hasattr(poses, "A"):  # an SE3; its `A` is a list of matrices if it holds many
-        items = poses.A
-    elif isinstance(poses, Iterable) and not isinstance(poses, str | bytes):
-        items = []
-        for pose in poses:
-            found = getattr(pose, "A", pose)
-            # An SE3 of many poses is a list of matrices itself.
-            items.extend(found if isinstance(found, list) and hasattr(pose, "A") else [found])
-    else:
-        raise Refused(_NO_SE3(given=type(poses).__name__))
-    try:
-        array = reals(items)
-    except (TypeError, ValueError):
-        raise Refused(_NO_SE3(given=type(poses).__name__)) from None
-    return array[None] if array.shape == (4, 4) else array
 
 
 def _read_npy(data: bytes, path: str, stem: str, process: Process) -> Reading:

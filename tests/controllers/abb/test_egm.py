@@ -47,7 +47,7 @@ def free_port():
 
 
 def to(*turns):
-    return Trajectory.of_joints([HERE, *((turn, *HERE[1:]) for turn in turns)])
+    return Trajectory.of_joints([HERE, *((turn, *HERE[1:]) for turn in turns)], unit="deg")
 
 
 @contextmanager

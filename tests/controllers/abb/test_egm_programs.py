@@ -65,7 +65,7 @@ def test_the_sample_is_guided_until_the_pc_falls_silent(timed):
     motion = Timed(ROBOT, joints=START) if timed else None
     goal = (4.0, 12.0, -18.0, 0.0, 30.0, 0.0)
     limits = Limits((100.0,) * 6, (800.0,) * 6)
-    way = Trajectory.of_joints([START, goal])
+    way = Trajectory.of_joints([START, goal], unit="deg")
     text = GUIDED.replace("CommTimeout:=1", "CommTimeout:=0.7")
     done, run = both(text, way, limits, motion)
     assert done.code == "" and done.done == len(resampled(way, limits, 0.004))

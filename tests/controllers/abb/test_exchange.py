@@ -137,7 +137,7 @@ def test_columns_that_are_none_are_never_sent(robot, programs):
         for places in (ragged, words, flat, [[10**400, 0, 0]]):
             with pytest.raises(Refused) as refused:
                 exchange.follow((places, [here.quaternion]))
-            assert codes(refused) == ["CN511"]
+            assert codes(refused) in (["CN511"], ["TB444"])
         for configuration in [(0, 0), (0, 0, math.nan, 0), (0, 0, 0, 10**400), ("0", 0, 0, 0)]:
             with pytest.raises(Refused) as refused:
                 exchange.move_to(here.offset(z=5.0), configuration=configuration)

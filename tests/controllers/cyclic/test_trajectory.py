@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from spatialmath import SE3
 
 from assistant import robots
 from assistant.base.diagnostics import Refused
@@ -32,7 +33,7 @@ def largest(rows, cycle):
 @given(joints, CYCLES, st.one_of(st.none(), st.floats(0.001, 5.0)))
 def test_no_step_exceeds_a_limit(points, cycle, each):
     times = None if each is None else np.arange(len(points)) * each
-    rows = resampled(Trajectory.of_joints(points, times), LIMITS, cycle)
+    rows = resampled(Trajectory.of_joints(points, times, unit="deg"), LIMITS, cycle)
     assert max(largest(rows, cycle)) <= 1.0
     assert np.allclose(rows[0], points[0])
     assert np.allclose(rows[-1], points[-1])
@@ -46,7 +47,9 @@ def test_a_trajectory_that_keeps_the_limits_keeps_its_times():
     times = np.linspace(0.0, 4.0, 401)
     soft = (1 - np.cos(np.pi * times / 4.0)) / 2
     rows = resampled(
-        Trajectory.of_joints(np.outer(soft, [30, 20, 10, 5, 5, 60]), times), LIMITS, 0.004
+        Trajectory.of_joints(np.outer(soft, [30, 20, 10, 5, 5, 60]), times, unit="deg"),
+        LIMITS,
+        0.004,
     )
     at = np.arange(len(rows)) * 0.004
     assert at[-1] == pytest.approx(4.0, abs=0.05)
@@ -56,7 +59,9 @@ def test_a_trajectory_that_keeps_the_limits_keeps_its_times():
 def test_the_curve_is_gone_through_in_its_shape():
     turn = np.linspace(0.0, 2 * np.pi, 120)
     circle = np.column_stack([40 * np.cos(turn), 40 * np.sin(turn)])
-    rows = resampled(Trajectory.of_joints(circle), Limits((400.0, 400.0), (900.0, 900.0)), 0.0035)
+    rows = resampled(
+        Trajectory.of_joints(circle, unit="deg"), Limits((400.0, 400.0), (900.0, 900.0)), 0.0035
+    )
     assert np.hypot(*rows.T) == pytest.approx(40.0, abs=0.05)
 
 
@@ -133,14 +138,14 @@ def led(rows, times=None):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: Trajectory.of_joints([]), "shape"),
-        (lambda: Trajectory.of_joints([[1.0, np.nan]]), "not finite"),
-        (lambda: Trajectory.of_joints([[1.0], [2.0]], [0.0, 0.0]), "do not rise"),
-        (lambda: Trajectory.of_joints([[1.0], [2.0]], [0.0]), "times of shape"),
-        (lambda: Trajectory.of_joints([[1.0], [2.0, 3.0]]), "cannot be followed"),
+        (lambda: Trajectory.of_joints([], unit="deg"), "shape"),
+        (lambda: Trajectory.of_joints([[1.0, np.nan]], unit="deg"), "not finite"),
+        (lambda: Trajectory.of_joints([[1.0], [2.0]], [0.0, 0.0], unit="deg"), "do not rise"),
+        (lambda: Trajectory.of_joints([[1.0], [2.0]], [0.0], unit="deg"), "times of shape"),
+        (lambda: Trajectory.of_joints([[1.0], [2.0, 3.0]], unit="deg"), "cannot be followed"),
         (lambda: Trajectory.of_poses([[0, 0, 0]], [[0, 0, 0, 0]]), "quaternion is 0"),
         (lambda: Trajectory.of_poses([[0, 0, 0]], [[1, 0, 0, 0]] * 2), "quaternions"),
-        (lambda: Trajectory.of_joints([[1.0], [2.0]], [0.0, 1e-300]), "do not rise"),
+        (lambda: Trajectory.of_joints([[1.0], [2.0]], [0.0, 1e-300], unit="deg"), "do not rise"),
         (lambda: led(np.full((2, 1), np.nan)), "not finite"),
         (lambda: led(np.ones((2, 1)), np.array([0.0, np.nan])), "do not rise"),
     ],
@@ -150,6 +155,32 @@ def test_a_trajectory_that_is_none_is_refused(make, said):
     with pytest.raises(Refused, match=said) as refused:
         make()
     assert [one.code for one in refused.value.findings] == ["CN701"]
+
+
+def test_the_unit_of_joints_is_asked_for():
+    arm, scara = robots.get("irb1200-7-0.7"), robots.get("rh-6frh5520")
+    radians = np.radians([[0, 10, 20, 30, 40, 50], [1, 2, 3, 4, 5, 6]])
+    led = Trajectory.of_joints(radians, unit="rad", robot=arm)
+    assert led.rows == pytest.approx(np.degrees(radians))
+    slides = Trajectory.of_joints([[0.1, 0.2, 0.05, 0.0]], unit="rad", robot=scara)
+    assert slides.rows[0] == pytest.approx([*np.degrees([0.1, 0.2]), 50.0, 0.0])
+    for code, settings_of in (
+        ("CN705", {}),
+        ("CN705", {"unit": "grad"}),
+        ("CN706", {"unit": "rad"}),
+        ("CN701", {"unit": "deg", "robot": scara}),
+    ):
+        with pytest.raises(Refused) as refused:
+            Trajectory.of_joints(radians, **settings_of)
+        assert [one.code for one in refused.value.findings] == [code]
+
+
+def test_poses_of_every_form_are_a_trajectory():
+    poses = [SE3(0.4, 0.0, z) * SE3.Rx(180, "deg") for z in (0.3, 0.4)]
+    led = Trajectory.of_poses(poses, unit="m")
+    assert led.rows == pytest.approx(np.array([[400, 0, z, 0, 1, 0, 0] for z in (300, 400)]))
+    with pytest.raises(Refused, match="TB445"):
+        Trajectory.of_poses(poses)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +199,7 @@ def test_a_trajectory_that_is_none_is_refused(make, said):
 )
 def test_limits_that_cannot_hold_are_refused(limits, cycle, code):
     with pytest.raises(Refused) as refused:
-        resampled(Trajectory.of_joints([[0.0, -10.0], [1.0, 10.0]]), limits, cycle)
+        resampled(Trajectory.of_joints([[0.0, -10.0], [1.0, 10.0]], unit="deg"), limits, cycle)
     assert [one.code for one in refused.value.findings] == [code]
 
 
@@ -176,5 +207,5 @@ def test_limits_that_cannot_hold_are_refused(limits, cycle, code):
 def test_what_is_no_real_number_is_refused(wrong):
     for rows, times in (([[0.0, wrong]], None), ([[0.0], [1.0]], [0.0, wrong])):
         with pytest.raises(Refused) as refused:
-            Trajectory.of_joints(np.array(rows) if times is None else rows, times)
+            Trajectory.of_joints(np.array(rows) if times is None else rows, times, unit="deg")
         assert [one.code for one in refused.value.findings] == ["CN701"]

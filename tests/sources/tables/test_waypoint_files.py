@@ -343,7 +343,7 @@ def test_a_single_se3_is_one_pose() -> None:
 def test_what_is_no_sequence_of_poses_is_refused(poses: Any) -> None:
     with pytest.raises(Refused) as refused:
         waypoints.from_poses(poses, unit="mm")
-    assert refused.value.findings[0].code in {"TB426", "TB411", "TB412"}
+    assert refused.value.findings[0].code in {"TB444", "TB411", "TB412"}
 
 
 def test_the_unit_of_poses_must_be_stated() -> None:

@@ -40,7 +40,7 @@ def test_an_arm_is_led_while_its_monitor_tells(virtual):
     with connect(virtual.address) as controller:
         started(controller)
         with mxt, Monitor("127.0.0.1", ("joints",), port=virtual.monitor_port) as monitor:
-            report = mxt.follow(Trajectory.of_joints([robot.home, goal]), end=True)
+            report = mxt.follow(Trajectory.of_joints([robot.home, goal], unit="deg"), end=True)
             columns = monitor.record(2)
         assert report.done == report.rows
         assert controller.position().joints == pytest.approx(tuple(goal), abs=0.02)
@@ -51,7 +51,7 @@ def test_an_arm_is_led_while_its_monitor_tells(virtual):
 @pytest.mark.slow
 def test_a_stop_from_the_panel_ends_the_client(virtual):
     robot = virtual.state.robot
-    far = Trajectory.of_joints([robot.home, robot.home + 60.0])
+    far = Trajectory.of_joints([robot.home, robot.home + 60.0], unit="deg")
     mxt = Mxt(
         "127.0.0.1",
         port=virtual.mxt_port,

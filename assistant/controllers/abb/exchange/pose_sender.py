@@ -27,6 +27,7 @@ from assistant.controllers.controller import Programs
 from assistant.controllers.recording import Recording
 from assistant.program.geometry import Pose
 from assistant.program.motion import Kind, Path
+from assistant.program.se3 import AnyPose, AnyPoses, Unit, are_columns, columns_of, pose_of
 
 _PLACE, _TURN = ("x", "y", "z"), ("w", "x", "y", "z")
 _RECORDED_FIELDS: Final[dict[str, Sequence[str]]] = {
@@ -219,30 +220,41 @@ class PoseSender(ABC):
         """Send a pose that was checked, and wait for its answer."""
 
     def move_to(
-        self, pose: Pose, *, configuration: Configuration | None = None, through: bool = False
+        self,
+        pose: AnyPose,
+        *,
+        unit: Unit | None = None,
+        configuration: Configuration | None = None,
+        through: bool = False,
     ) -> Answer:
         """Move the robot to a pose in a line; return its pose once it has stopped there.
 
+        pose: a `Pose` in mm, or an SE3, matrix or row of seven with the unit of its position.
         through: return as soon as the program continues, so that the arm passes a pose through the
         zone of the module if the next one arrives in time. configuration: None to let the
         controller choose the nearest one. Raises Refused if the pose must not be sent, or the robot
         does not go there; it then stays where it was.
         """
+        if not isinstance(pose, Pose):
+            pose = pose_of(pose, unit=unit)
         positions, quaternions = _checked_poses([pose.position], [pose.quaternion], self._check)
         return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)
 
     def follow(
         self,
-        trajectory: Path | tuple[ArrayLike, ArrayLike],
+        trajectory: AnyPoses,
         *,
+        unit: Unit | None = None,
         configurations: Sequence[Configuration] | None = None,
         through: bool = False,
         progress: Progress | None = None,
     ) -> Recording:
         """Move the robot to all poses in their order, each once the one before is answered.
 
-        trajectory: a path of lines, or columns (n, 3) mm and (n, 4). All of them are checked
-        before the first is sent. Returns `recording`, which holds what came before an error too.
+        trajectory: a path of lines, or poses of any form of `assistant.pose.columns`: SE3 of
+        roboticstoolbox, matrices, columns (n, 3) mm and (n, 4). unit: of their positions, needed
+        for SE3, matrices and rows of seven. All of them are checked before the first is sent.
+        Returns `recording`, which holds what came before an error too.
         """
         if isinstance(trajectory, Path):
             arcs = np.flatnonzero(np.isin(trajectory.kinds, (Kind.VIA, Kind.END)))
@@ -250,9 +262,9 @@ class PoseSender(ABC):
                 raise Refused(
                     _bad_pose(int(arcs[0]), "it is a part of an arc", "divide arcs into lines")
                 )
-            columns: tuple[ArrayLike, ArrayLike] = trajectory.positions, trajectory.quaternions
-        else:
-            columns = trajectory
+        # Numbers of columns are judged below, with the row that must not be sent.
+        plain = unit is None and are_columns(trajectory)
+        columns = trajectory if plain else columns_of(trajectory, unit=unit)
         positions, quaternions = _checked_poses(columns[0], columns[1], self._check)
         if configurations is not None and len(configurations) != len(positions):
             raise Refused(

@@ -40,7 +40,7 @@ def controller(kind=1, *, servo=0.5, filter_ms=0.0, **settings):
 def joints(points=3):
     """From near home on, and back."""
     away = np.sin(np.linspace(0.0, np.pi, points))
-    return Trajectory.of_joints(ARM.home + np.outer(away, [6, 3, -4, 5, 2, 8]) + 0.1)
+    return Trajectory.of_joints(ARM.home + np.outer(away, [6, 3, -4, 5, 2, 8]) + 0.1, unit="deg")
 
 
 def led(control, trajectory, *, mode="joint", settings=PATIENT, stop=None, tell=None, **link):

@@ -36,7 +36,7 @@ def test_two_trajectories_in_one_control(tmp_path):
     with MxtProcess(cycle=CYCLE) as virtual, Mxt("127.0.0.1", port=virtual.port, **GIVEN) as mxt:
         assert mxt.position() == pytest.approx(tuple(ARM.home), abs=1e-4)
         first = mxt.follow(joints(), watch=seen.append)
-        second = mxt.follow(Trajectory.of_joints([ARM.home]))
+        second = mxt.follow(Trajectory.of_joints([ARM.home], unit="deg"))
     assert (first.done, second.done) == (first.rows, second.rows)
     assert virtual.result["reason"] == "end"
     assert virtual.result["joints"] == pytest.approx(list(ARM.home), abs=1e-4)
@@ -58,7 +58,7 @@ def test_two_trajectories_in_one_control(tmp_path):
 
 def test_a_stop_from_outside():
     stop = threading.Event()
-    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
+    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0], unit="deg")
     slow = Limits(tuple(ARM.speeds * 0.1), tuple(ARM.speeds * 4.0))
     with controller() as control:
         mxt = Mxt("127.0.0.1", port=control.port, **GIVEN)
@@ -138,7 +138,7 @@ def test_what_does_not_fit_is_refused_before_anything_is_sent():
         with pytest.raises(Refused, match="limits"):
             mxt.follow(joints())
         with pytest.raises(Refused, match="columns"):
-            mxt.follow(Trajectory.of_joints([[1.0, 2.0]]), LIMITS)
+            mxt.follow(Trajectory.of_joints([[1.0, 2.0]], unit="deg"), LIMITS)
         with pytest.raises(Refused, match="of its range"):
             mxt.follow(joints(), Limits(tuple(ARM.speeds), highest=(0.0,) * 6))
     assert control.result.replies == 0
@@ -154,7 +154,7 @@ def children():
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="tells of processes on Linux only")
 def test_a_loop_that_is_killed_is_told_and_the_control_ended():
     slow = Limits(tuple(ARM.speeds * 0.1), tuple(ARM.speeds * 4.0))
-    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
+    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0], unit="deg")
 
     def kill(progress):
         for process in children():
@@ -177,7 +177,7 @@ from tests.controllers.mitsubishi.mxt.test_client import ARM, GIVEN, PATIENT, Li
 
 settings = {"settings": replace(PATIENT, alive=2.0)}
 with Mxt("127.0.0.1", port=int(sys.argv[1]), **GIVEN | settings) as mxt:
-    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
+    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0], unit="deg")
     slow = Limits(tuple(ARM.speeds * 0.05), tuple(ARM.speeds * 2.0))
     mxt.follow(away, slow, watch=lambda now: print("led", flush=True))
 """

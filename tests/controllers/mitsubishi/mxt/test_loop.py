@@ -52,7 +52,7 @@ def test_pulses_arrive_as_they_were_given():
     with controller(2) as control:
         done = led(
             control,
-            Trajectory.of_joints(away),
+            Trajectory.of_joints(away, unit="deg"),
             mode="pulse",
             settings=replace(PATIENT, slack=500, approach=500),
         )
@@ -119,7 +119,7 @@ def test_an_arm_that_does_not_follow_is_held_and_the_control_ended():
 
 
 def test_a_first_point_that_is_too_far_moves_nothing():
-    far = Trajectory.of_joints([ARM.home + 30.0])
+    far = Trajectory.of_joints([ARM.home + 30.0], unit="deg")
     with controller() as control:
         done = led(control, far)
     assert done.code == "CN703"
@@ -133,7 +133,12 @@ def test_a_stop_brings_the_arm_to_rest_on_its_way():
         stop.asked = True
 
     with controller() as control:
-        done = led(control, Trajectory.of_joints([ARM.home, ARM.home + 45.0]), stop=stop, tell=tell)
+        done = led(
+            control,
+            Trajectory.of_joints([ARM.home, ARM.home + 45.0], unit="deg"),
+            stop=stop,
+            tell=tell,
+        )
     assert done.code == "CN715"
     assert control.result.reason == "end"
     moved = steps(control.result.track)
