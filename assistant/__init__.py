@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from assistant.cell.planning.planner import plan
     from assistant.compiler import Proving, compare, compile, load, translate
     from assistant.controllers import connect
+    from assistant.languages import pose_conventions as pose
     from assistant.program.geometry import Pose
 
 _LAZY: Final = {
@@ -36,6 +37,7 @@ _LAZY: Final = {
     "from_poses": ("assistant.api.arrays", "from_poses"),
     "languages": ("assistant.languages", None),
     "load": ("assistant.compiler", "load"),
+    "pose": ("assistant.languages.pose_conventions", None),
     "plan": ("assistant.cell.planning.planner", "plan"),
     "read_scene": ("assistant.cell.cell_file", "read_scene"),
     "robots": ("assistant.robots", None),
@@ -59,6 +61,7 @@ __all__ = [
     "languages",
     "load",
     "plan",
+    "pose",
     "read_scene",
     "robots",
     "simulate",

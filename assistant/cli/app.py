@@ -97,6 +97,7 @@ COMMANDS: Final[Mapping[str, str]] = {
     "robots": "robots",
     "exchange": "pose_exchange",
     "reach": "reach",
+    "pose": "pose_conversion",
     "explore": "exploration_charts",
     "camera": "cameras",
     "objects": "known_objects",
@@ -104,7 +105,7 @@ COMMANDS: Final[Mapping[str, str]] = {
 """Command, in the order of the help → the module of this folder that has it: a class of its name
 with a capital, or a group.
 """
-_NEGATIVE_ARGUMENTS: Final = frozenset({"jog"})
+_NEGATIVE_ARGUMENTS: Final = frozenset({"jog", "pose"})
 """Commands with an argument that may begin with a minus."""
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from assistant.base.diagnostics import Refused
 from assistant.program.geometry import Pose
-from assistant.program.motion import Path
+from assistant.program.motion import Path, Speed
 from assistant.program.se3 import columns_of, pose_of, se3_of
 
 spatialmath = pytest.importorskip("spatialmath")
@@ -64,7 +64,13 @@ def test_every_form_of_a_pose_is_the_same():
     poses = some(3)
     p, q = columns_of(poses, unit="m")
     given = [Pose.of(*row) for row in zip(p, q, strict=True)]
-    forms = [given, (p, q), [p.tolist(), q.tolist()], np.hstack([p, q]), Path.of("p", p, q)]
+    forms = [
+        given,
+        (p, q),
+        [p.tolist(), q.tolist()],
+        np.hstack([p, q]),
+        Path.of("p", p, q, speeds=[Speed(9.0)]),
+    ]
     forms += [[one.matrix for one in given], list(np.hstack([p, q]))]
     for form in forms:
         for one, wanted in zip(columns_of(form, unit="mm"), (p, q), strict=True):

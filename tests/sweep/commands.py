@@ -138,6 +138,10 @@ COMMANDS: Final[Mapping[str, Command]] = {
     ),
     "lsp": Command(("lsp", "--extension", "out/one.vsix"), {}),
     "poses": Command(("robots", "poses", "rv-2aj", "--count", "6", "-o", "out/one.csv"), {}),
+    "pose": Command(
+        ("pose", "one.csv", "--from", "rapid", "--to", "kuka", "-o", "out/one.csv"),
+        {"one.csv": TABLE.format(9)},
+    ),
     "kinematics": Command(("kinematics", "rv-2aj", "-o", "out"), {}),
     "exchange": Command(("exchange", "module", "-o", "exchange.mod"), {}),
     "explore": Command(

@@ -136,6 +136,17 @@ CASES: Final = (
         change={"a.npz": npz(positions=[[400, 0, 400]], quaternions=[[0, 0, 1, 0]])},
     ),
     Case(
+        "TB454",
+        "pose a.csv --from kuka --to rapid",
+        {"a.csv": "px,py,pz,rz,ry,rx\n1,2,3,4,5,6\n"},
+        then=("pose a.csv --from kuka --to rapid --columns px,py,pz,rz,ry,rx",),
+    ),
+    Case(
+        "CL076",
+        "pose 1 2 3 0 0 0 1 --from xyzw --to rapid",
+        then=("pose 1 2 3 0 0 0 1 --from xyzw --to rapid --unit m",),
+    ),
+    Case(
         "TB422",
         "check a.json",
         {"a.json": "5"},
