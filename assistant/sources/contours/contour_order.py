@@ -501,7 +501,7 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
     import shapely
 
     across = _view_axes(direction)
-    outlines = [_polygon_outline(c, tolerance) @ across.T for c in contours]
+    outlines = [polygon_outline(c, tolerance) @ across.T for c in contours]
     low, high = (np.array([f(o, axis=0) for o in outlines]) for f in (np.min, np.max))
     areas = np.zeros(len(contours))
     closed = [i for i, c in enumerate(contours) if c.closed and len(outlines[i]) > 2]
@@ -531,7 +531,7 @@ def _view_axes(direction: Vector) -> Points:
     return np.stack([x, cross(np.asarray(direction, dtype=np.float64), x)])
 
 
-def _polygon_outline(contour: Contour, tolerance: float) -> Points:
+def polygon_outline(contour: Contour, tolerance: float) -> Points:
     """Corners (n, 3) of a polygon along the contour, its end left out if it is closed."""
     parts = []
     for is_free, group in groupby(contour.curves, key=lambda curve: isinstance(curve, FreeCurve)):
@@ -649,7 +649,7 @@ def _numbers_of_contours(
         if (number := one.number) is None:
             continue
         place = f"entity {one.handle}" if one.handle else None
-        apart = np.array([_distance_to_outline(one.at, outline) for outline in outlines])
+        apart = np.array([distance_to_outline(one.at, outline) for outline in outlines])
         nearest = int(apart.argmin())
         if (
             np.partition(apart, 1)[1] - apart[nearest] < _LEAST_DISTANCE_GAP
@@ -679,8 +679,8 @@ def _sampled_outline(contour: Contour) -> Floats:
     return np.concatenate(points)
 
 
-def _distance_to_outline(at: Vector, outline: Floats) -> float:
-    """Mm from a point to a line through points (n, 3)."""
+def distance_to_outline(at: Sequence[float], outline: Floats) -> float:
+    """Mm from a point to a line through points (n, 3), or both in a plane."""
     first, step = outline[:-1], np.diff(outline, axis=0)
     size = (step**2).sum(axis=1)
     to = np.asarray(at) - first

@@ -20,6 +20,7 @@ from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.settings_tables import shown
 from assistant.program.statements import Comment, Statement
 from assistant.sources.contours.chains import Contour, chain_curves, wide_gaps, without_overlaps
+from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_order import (
     NO_HOLDER,
     LayerText,
@@ -109,6 +110,7 @@ def contour_program(
     path: str | None = None,
     marks: Sequence[tuple[str, Vector]] = (),
     texts: Sequence[LayerText] = (),
+    order: list[Row] | None = None,
 ) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
     """A procedure for each layer that has a process, the targets they name, what was found.
 
@@ -118,7 +120,8 @@ def contour_program(
     process, every layer moves as the defaults say. Curves of other layers are counted in a
     finding. taken: names that must not be used; those that the program got are added.
     path: the drawing, for findings. marks: points on layers, where contours start. texts: of the
-    drawing, where they number contours.
+    drawing, where they number contours. order: gets the contours in the order of the program, as
+    they are numbered in pictures.
     """
     layers: dict[str, list[Curve]] = {}
     for curve in curves:
@@ -152,6 +155,24 @@ def contour_program(
         if contours:
             direction = process.placed(layer.direction)
             followed.append((name, replace(layer, direction=direction), contours))
+
+    def numbered() -> list[Row]:
+        """Rows of the program as it is without the entries that have a number."""
+        found: list[Row] = []
+        others = tuple(one for one in process.left_out if one.number is None)
+        without = replace(process, left_out=others)
+        contour_program(curves, without, taken=set(taken), marks=marks, texts=texts, order=found)
+        return found
+
+    choice = ContourChoice.of([contours for *_, contours in followed], process, numbered)
+    findings += choice.findings
+    kept = [choice.kept(i) for i in range(len(followed))]
+    left = [rows for rows in kept if rows]
+    followed = [
+        (name, layer, [contours[k] for _, k in rows])
+        for (name, layer, contours), rows in zip(followed, kept, strict=True)
+        if rows
+    ]
     shaper = PathShaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
     # All procedures have their names before any path gets one.
     before: Layer | None = None
@@ -163,9 +184,11 @@ def contour_program(
         shaped = shaper.shaped(row, np.reshape(points, (-1, 3)))
         findings += shaper.findings
         shaper.findings.clear()
-        made, named, found = _layer_procedure(
+        made, named, found, numbers = _layer_procedure(
             name, drawn, shaped, layer, process, names, beside, before=before
         )
+        if order is not None:
+            order += [left[row][k] for k in numbers]
         before = layer if made else before
         procedures += made
         targets |= named
@@ -213,20 +236,21 @@ def _layer_procedure(
     texts: Sequence[LayerText],
     *,
     before: Layer | None,
-) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
+) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic], list[int]]:
     """The procedure of that name along the contours of one layer, none if nothing is left.
 
     shaped: what the contours have become. before: the layer that comes before it. With the
-    procedure come the targets that it names, and the findings.
+    procedure come the targets that it names, the findings, and the places in `drawn` of what it
+    follows, in its order.
     """
     name, findings = drawn[0].layer, list[Diagnostic]()
     placed = PlacedLayer.of(name, layer, process)
     if isinstance(placed, Diagnostic):
-        return [], {}, [placed]
+        return [], {}, [placed], []
     kept = [one for one in shaped if one is not None]
     contours = [one.main for one in kept]
     if not contours:
-        return [], {}, findings
+        return [], {}, findings, []
     around = holders(drawn, layer.direction, process.tolerance) if layer.inside_first else []
     around = _remaining_holders(around, shaped)
     if layer.order == "travel":
@@ -259,6 +283,7 @@ def _layer_procedure(
     wound = 0.0 if before is not None and _is_reached_by_lines(before, layer) else None
     top = highest_point(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
+    numbers: list[int] = []
     of_number = {one.main.number: one for one in kept}
     followed = [
         (of_number[main.number], way)
@@ -278,6 +303,7 @@ def _layer_procedure(
             findings.append(_TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
         else:
             count += 1
+            numbers.append(one.main.number)
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
             if one.dropped or rows.dropped:
                 thinned, dropped = max(thinned, rows.deviation), dropped + rows.dropped
@@ -310,7 +336,8 @@ def _layer_procedure(
             if corners
             else _NO_SLOW_CORNER(**about)
         )
-    return ([Procedure(named, tuple(body))] if count else []), targets, findings
+    made_procedures = [Procedure(named, tuple(body))] if count else []
+    return made_procedures, targets, findings, numbers
 
 
 def _remaining_holders(around: Sequence[int], shaped: Sequence[ShapedContour | None]) -> list[int]:

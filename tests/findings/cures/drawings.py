@@ -57,6 +57,18 @@ def bordered_only(space: Any) -> None:
     space.add_line((0, 20), (50, 20), dxfattribs={"layer": "BORDER"})
 
 
+def two_views(space: Any) -> None:
+    """A square with a circle in it, and what is seen from its side."""
+    square(space)
+    space.add_circle((40, 40), 5)
+    space.add_lwpolyline([(0, -30), (80, -30), (80, -25), (0, -25)], close=True)
+
+
+def meeting(space: Any) -> None:
+    line(space)
+    space.add_line((50, 0), (50, 30), dxfattribs={"layer": "OTHER"})
+
+
 CUT: Final = "[layers.CUT]\nspeed = 20\n"
 HOLLOW: Final = """\
 [tools.knife]
@@ -81,6 +93,54 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(line), "a.process.toml": 'unit = "in"\n'},
         change={"a.process.toml": "tolerance = 0.05\n"},
+    ),
+    Case(
+        "CT229",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views)},
+        change={"a.process.toml": "leave_out = [{group = 2}]\n"},
+    ),
+    Case(
+        "CT230",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{at = [500, 0]}]\n"},
+        change={"a.process.toml": "leave_out = [{at = [40, 40]}]\n"},
+    ),
+    Case(
+        "CT231",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{at = [40, 40]}]\n"},
+        change={"a.process.toml": "leave_out = [{at = [45, 40]}]\n"},
+    ),
+    Case(
+        "CT232",
+        "check a.dxf",
+        {"a.dxf": dxf(meeting), "a.process.toml": "leave_out = [{at = [50, 0]}]\n"},
+        change={"a.process.toml": 'leave_out = [{layer = "CUT", at = [50, 0]}]\n'},
+    ),
+    Case(
+        "CT233",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{number = 9}]\n"},
+        change={"a.process.toml": "leave_out = [{number = 1}]\n"},
+    ),
+    Case(
+        "CT233",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{number = 9}]\n"},
+        change={"a.process.toml": "leave_out = [{at = [40, 40]}]\n"},
+    ),
+    Case(
+        "CT234",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{number = 1}]\n"},
+        change={"a.process.toml": 'leave_out = [{layer = "0", at = [45, 40]}]\n'},
+    ),
+    Case(
+        "CT235",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{group = 9}]\n"},
+        change={"a.process.toml": "leave_out = [{group = 2}]\n"},
     ),
     Case(
         "DX011",
