@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.diagnostics import FailOn, Refused, error, fold_files
 from assistant.cli.command import argument, command, option
-from assistant.cli.options import EditOptions, FindingFormatOption, UnitOption
+from assistant.cli.options import (
+    EditOptions,
+    FindingFormatOption,
+    UnitOption,
+    complete_language,
+    complete_robot,
+)
 from assistant.cli.presentation import (
     FindingFormat,
     print_findings,
@@ -17,6 +25,13 @@ from assistant.cli.presentation import (
     say,
     working,
 )
+
+if TYPE_CHECKING:
+    from assistant.program.geometry import Pose, Vector
+    from assistant.project.first_values import FirstValues
+    from assistant.sources.drawing.survey import Extents
+
+NO_UNIT: Final = "DX101"
 
 
 @command
@@ -73,6 +88,27 @@ class Init:
         metavar="[FOLDER] [DRAWING]...",
     )
     unit: UnitOption
+    robot: str | None = option(
+        "Arm that it is for, or its file.",
+        "--robot",
+        "-r",
+        default=None,
+        completions=complete_robot,
+    )
+    language: str | None = option(
+        "Of its programs; default the robot's own.",
+        "--language",
+        "-l",
+        default=None,
+        completions=complete_language,
+    )
+    place: str | None = option(
+        "Where the drawing's origin stands in the robot's base, mm, and degrees about z, y, x.",
+        default=None,
+        metavar="X,Y,Z[,A,B,C]",
+    )
+    tip: str | None = option("Tool centre point in the flange, mm.", default=None, metavar="X,Y,Z")
+    yes: bool = option("Assume what is not stated, and ask nothing.")
 
     def run(self) -> int:
         from assistant.project.new_project import BLANK_KEYS, start_project
@@ -86,10 +122,9 @@ class Init:
         folders = [path for path in self.paths if path not in drawings]
         if len(folders) > 1:
             raise Refused(_ONE_FOLDER(name=folders[1]), exit_status=2)
-        if self.unit is not None and not drawings:
-            raise Refused(_NO_DRAWING(), exit_status=2)
         folder = folders[0] if folders else Path()
-        started = start_project(folder, drawings, self.unit)
+        unit, values = self._first_values(folder, drawings)
+        started = start_project(folder, drawings, unit, values)
         print_findings(started.findings)
         for file in started.written:
             say(f"wrote {file}")
@@ -104,6 +139,138 @@ class Init:
         say(f"next, {inside}robot-assistant {first}")
         return 0
 
+    def _first_values(
+        self, folder: Path, drawings: Sequence[Path]
+    ) -> tuple[str | None, FirstValues | None]:
+        """The unit of the drawings and what the project states first; nothing without a drawing,
+        or where a script states nothing. Asks on a terminal if no option is given.
+        """
+        from assistant.project.first_values import first_values
+        from assistant.project.new_project import has_project
+
+        of_drawings = {"unit": self.unit, "place": self.place, "tip": self.tip}
+        of_project = {"robot": self.robot, "language": self.language}
+        stated = [name for name, one in (of_drawings | of_project).items() if one is not None]
+        if not drawings:
+            if stated:
+                raise Refused(_NO_DRAWING(option=stated[0]), exit_status=2)
+            return None, None
+        there = has_project(folder)
+        if there and any(one is not None for one in of_project.values()):
+            from assistant.project import rules
+
+            raise Refused(rules.HAS_CONTROLLER(), exit_status=2)
+        robot = _robot_of(folder) if there else self.robot
+        if not stated and not self.yes and sys.stdin.isatty():
+            return _asked_values(folder, drawings, robot, there)
+        if not self.yes and not set(stated) - {"unit"}:
+            return self.unit, None
+        given = option_values(self.place, self.tip)
+        extents = extents_of(drawings, self.unit)
+        return self.unit, first_values(folder, extents, robot, self.language, *given)
+
+
+def _robot_of(folder: Path) -> str | None:
+    """The robot that a project's first controller moves, None if it names none."""
+    from assistant.project import project_of
+
+    return next(
+        (one.controller.robot for one in project_of(folder).places if one.controller.robot), None
+    )
+
+
+def extents_of(drawings: Sequence[Path], unit: str | None) -> Extents | None:
+    """The size of the work of all drawings. Raises Unreadable or Refused."""
+    import numpy as np
+
+    from assistant.project.new_project import survey_of
+    from assistant.sources.drawing.survey import Extents
+
+    boxes = [survey_of(drawing, unit).extents for drawing in drawings]
+    return Extents.around([np.array([box.low, box.high]) for box in boxes if box is not None])
+
+
+def option_values(place: str | None, tip: str | None) -> tuple[Pose | None, Vector | None]:
+    """The values of --place and --tip. Raises Refused (exit status 2)."""
+    from assistant.sources.process.placement import option_numbers, placement_of_options
+
+    placed = placement_of_options(place, ())
+    if tip is None:
+        return None if placed is None else placed.pose, None
+    x, y, z = option_numbers(tip, "tip of a tool", (3,), "X,Y,Z")
+    return None if placed is None else placed.pose, (x, y, z)
+
+
+def _asked_values(
+    folder: Path, drawings: Sequence[Path], robot: str | None, there: bool
+) -> tuple[str | None, FirstValues]:
+    """Ask for what a new project states first; Enter takes what is in brackets."""
+    from assistant.base.length_units import UNITS, known_unit
+    from assistant.project.first_values import (
+        chosen_language,
+        first_values,
+        known_robot,
+        robot_text,
+    )
+    from assistant.project.new_project import survey_of
+
+    say("Enter takes what is in brackets.")
+    seen = survey_of(drawings[0], None)
+    own = next((short for short, (name, _) in UNITS.items() if name == seen.unit), "mm")
+    given = _ask(f"unit of {drawings[0].name}, {seen.stated}", own, known_unit)
+    unit = None if given == own and NO_UNIT not in {f.code for f in seen.findings} else given
+    extents = extents_of(drawings, unit)
+    if extents is not None:
+        say(f"  it is {' x '.join(f'{length:.1f}' for length in extents.size)} mm")
+    usual = first_values(folder, extents, robot)
+    language = None
+    if not there:
+        robot = _ask("robot", usual.robot_name, lambda text: robot_text(text, folder))
+        arm = known_robot(robot)
+        if len(arm.languages) > 1:
+            language = _ask(
+                f"language, of {', '.join(arm.languages)}",
+                arm.languages[0],
+                lambda text: chosen_language(arm, text),
+            )
+    tip = _ask(
+        "tool centre point in the flange, mm",
+        ",".join(f"{part:g}" for part in usual.tip),
+        lambda text: option_values(None, text),
+    )
+    # What is taken over is not measured: it stays marked as assumed.
+    given_tip = option_values(None, tip)[1]
+    stated = None if given_tip == usual.tip else given_tip
+    fitting = usual
+    if (robot or usual.robot_name, language, stated) != (usual.robot_name, None, None):
+        fitting = first_values(folder, extents, robot, language, None, stated)
+    place = _ask(
+        "where the drawing's origin stands in the robot's base, mm, and degrees about z, y, x",
+        ",".join(f"{part:g}" for part in fitting.place.position),
+        lambda text: option_values(text, None),
+    )
+    placed = option_values(place, None)[0]
+    if placed == fitting.place:
+        return unit, fitting
+    return unit, first_values(folder, extents, robot, language, placed, stated)
+
+
+def _ask(question: str, usual: str, read: Callable[[str], object]) -> str:
+    """An answer that `read` takes; what it refuses is told, and asked again."""
+    while True:
+        sys.stderr.write(f"{question} [{usual}]: ")
+        sys.stderr.flush()
+        line = sys.stdin.readline()
+        if not line:
+            raise Refused(_NOT_ANSWERED(question=question), exit_status=2)
+        answer = line.strip() or usual
+        try:
+            read(answer)
+        except Refused as wrong:
+            print_findings(wrong.findings)
+        else:
+            return answer
+
 
 _ONE_FOLDER = error(
     "CL051",
@@ -111,7 +278,12 @@ _ONE_FOLDER = error(
     "name one folder, and drawings that end in .dxf",
 )
 _NO_DRAWING = error(
-    "CL052", "--unit is of drawings, and none is named", "name one, or leave it out"
+    "CL052", "--{option} is of drawings, and none is named", "name one, or leave it out"
+)
+_NOT_ANSWERED = error(
+    "CL055",
+    "the input ended before an answer: {question}",
+    "answer it, state it by an option, or give --yes to have it assumed",
 )
 
 

@@ -23,6 +23,7 @@ from assistant.program.program import TakenNames, identifier
 from assistant.program.project_file import read_project
 from assistant.program.settings_tables import shown
 from assistant.project import rules
+from assistant.project.first_values import FirstValues
 from assistant.project.project_file import SCHEMA_FILE, project_of, schema_text
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
@@ -53,6 +54,7 @@ _TOOL_ROWS: Final = (
     ("# centre = [0, 0, 60]", "mm, of gravity"),
     ("# free_turn = true", "a round tool, which may be turned about its axis"),
 )
+_FRAME_TURN_ROW: Final = ("euler_zyx = [0, 0, 0]", "degrees about z, y, x")
 _PLACEMENT_ROWS: Final = (
     ("# [placement]", "where the drawing stands in that frame, if not at its origin"),
     ("# position = [0, 0, 0]", "mm; or three marks, as drawn and as taught, instead:"),
@@ -112,17 +114,21 @@ CHOICE_KEYS: Final = (
 _KeyRow = tuple[str, str]
 
 
-def process_text(name: str, survey: Survey) -> str:
-    """The process file of a drawing by its name."""
-    return "\n".join(_process_lines(name, survey)) + "\n"
+def process_text(name: str, survey: Survey, values: FirstValues | None = None) -> str:
+    """The process file of a drawing by its name. values: None to leave blank what they state."""
+    return "\n".join(_process_lines(name, survey, values)) + "\n"
 
 
-def _process_lines(name: str, survey: Survey) -> Iterator[str]:
+def _process_lines(name: str, survey: Survey, values: FirstValues | None) -> Iterator[str]:
     works = [layer for layer in survey.layers if layer.works and not layer.drafting]
     idle = [layer for layer in survey.layers if layer.kinds and not _is_worked(layer)]
     yield f"# How {shown(name, 80)} is worked: lengths in mm, speeds in mm/s, times in seconds,"
     yield "# angles in degrees, masses in kg. A line with a # before its key is a choice: take the"
-    yield "# mark away to have it. Empty brackets have to be filled in before anything moves."
+    yield (
+        "# mark away to have it. Empty brackets have to be filled in before anything moves."
+        if values is None
+        else "# mark away to have it."
+    )
     yield ""
     yield from _commented_rows(
         [*_unit_rows(survey), ("tolerance = 0.05", "for joining ends, fitting curves")]
@@ -135,13 +141,13 @@ def _process_lines(name: str, survey: Survey) -> Iterator[str]:
     yield from _commented_rows(_MOTION_ROWS)
     yield ""
     yield "[tools.tool]"
-    yield from _commented_rows(_TOOL_ROWS)
+    yield from _commented_rows(_with_value(_TOOL_ROWS, values, "tip"))
     yield ""
     yield from _commented_rows(
         [("[frames.work]", "where the drawing's origin stands, in the robot's base")]
     )
-    yield from _commented_rows([("position = []", f"mm; {_extent_text(survey.extents)}")])
-    yield from _commented_rows([("euler_zyx = [0, 0, 0]", "degrees about z, y, x")])
+    standing = [("position = []", f"mm; {_extent_text(survey.extents)}"), _FRAME_TURN_ROW]
+    yield from _commented_rows(_with_value(standing, values, "position"))
     for rows in (_PLACEMENT_ROWS, _SIGNAL_ROWS):
         yield ""
         yield from _commented_rows(rows)
@@ -151,6 +157,19 @@ def _process_lines(name: str, survey: Survey) -> Iterator[str]:
         yield f"# {_layer_content(layer)}"
         yield from _commented_rows(LAYER_ROWS)
         yield from _commented_rows(CHOICE_KEYS if not number else ())
+
+
+def _with_value(rows: Sequence[_KeyRow], values: FirstValues | None, key: str) -> Iterator[_KeyRow]:
+    """Rows of which one, and the rotation beside it, has the values of the user."""
+    stated = {} if values is None else values.keys(key)
+    for row, about in rows:
+        name = row.split(" = ")[0]
+        if name in stated:
+            if name == key and values is not None and values.assumes(key):
+                about = f"assumed, measure it! {about}"
+            yield f"{name} = {toml_value(stated[name])}", about
+        else:
+            yield row, about
 
 
 def _is_worked(layer: SurveyedLayer) -> bool:
@@ -222,7 +241,7 @@ def _size_text(extents: Extents) -> str:
     return " x ".join(f"{length:.1f}" for length in extents.size)
 
 
-def _commented_rows(rows: Sequence[_KeyRow]) -> Iterator[str]:
+def _commented_rows(rows: Iterable[_KeyRow]) -> Iterator[str]:
     for key, about in rows:
         yield f"{key:{COMMENT_COLUMN - 1}} # {about}" if about else key
 
@@ -232,9 +251,13 @@ def _encodable(name: str) -> str:
     return name.encode("utf-8", "replace").decode("utf-8")
 
 
-def _program_text(sources: Mapping[str, str]) -> str:
+def _program_text(sources: Mapping[str, str], values: FirstValues | None) -> str:
     """Tables of programs, by their names, of sources as paths from the project's folder."""
-    return toml_text({"programs": {name: {"source": path} for name, path in sources.items()}})
+    other = values is not None and values.language != values.robot.languages[0]
+    language = {"language": values.language} if values is not None and other else {}
+    return toml_text(
+        {"programs": {name: {"source": path, **language} for name, path in sources.items()}}
+    )
 
 
 PROJECT_FILE: Final = "assistant.toml"
@@ -285,28 +308,32 @@ class StartedProject:
 
 
 def start_project(
-    folder: FilePath, drawings: Sequence[FilePath] = (), unit: str | None = None
+    folder: FilePath,
+    drawings: Sequence[FilePath] = (),
+    unit: str | None = None,
+    values: FirstValues | None = None,
 ) -> StartedProject:
     """Writes what is missing of a project into a folder; overwrites nothing.
 
     drawings: programs of the project, each with a process file to be filled in; without any a new
     project has an example. One that is not in the folder is copied. unit: that they are in,
-    whatever they say. Raises Unreadable or Refused for drawings that cannot be used, Refused
+    whatever they say. values: of robot, language, tool and place; None for the example's robot and
+    blanks. Raises Unreadable or Refused for drawings that cannot be used, Refused
     (exit status 2) if a file cannot be written.
     """
-    drawn = [_add_drawing(folder, drawing, unit) for drawing in dict.fromkeys(drawings)]
+    drawn = [_add_drawing(folder, drawing, unit, values) for drawing in dict.fromkeys(drawings)]
     contents = {name: _template_bytes(template) for name, template in REPOSITORY_FILES.items()}
     contents[SCHEMA_FILE] = schema_text().encode()
     found = [finding for one in drawn for finding in one.findings]
     of_drawings = {name: data for one in drawn for name, data in one.files.items()}
     programs = _program_names([one.source for one in drawn])
-    if _has_project_table(folder):
+    if has_project(folder):
         found += _missing_entries(folder, programs)
         contents = {**of_drawings, **contents}
     elif drawn:
         contents = {
             **of_drawings,
-            PROJECT_FILE: _project_text(_program_text(programs), programs),
+            PROJECT_FILE: _project_text(_program_text(programs, values), programs, values),
             **contents,
         }
     else:
@@ -321,7 +348,10 @@ def start_project(
             continue
         _refuse_link_folders(folder, file)
         wanted[file] = data
-    blank = tuple(file for file in wanted if file.name.endswith(PROCESS_SUFFIX) and drawn)
+    blank = tuple(
+        file for file in wanted if file.name.endswith(PROCESS_SUFFIX) and drawn and values is None
+    )
+    found += () if values is None else values.findings
     return StartedProject(folder, write_all(wanted), tuple(found), blank)
 
 
@@ -334,10 +364,17 @@ class _AddedDrawing:
     findings: tuple[Diagnostic, ...]
 
 
-def _add_drawing(folder: FilePath, drawing: FilePath, unit: str | None) -> _AddedDrawing:
-    """A drawing of the project, with its process file. Raises Unreadable or Refused."""
+def survey_of(drawing: FilePath, unit: str | None) -> Survey:
+    """What a drawing holds, in a unit whatever it says. Raises Unreadable or Refused."""
     chosen = NO_PROCESS if unit is None else replace(NO_PROCESS, unit=known_unit(unit))
-    found = survey(drawing, chosen, "as was stated")
+    return survey(drawing, chosen, "as was stated")
+
+
+def _add_drawing(
+    folder: FilePath, drawing: FilePath, unit: str | None, values: FirstValues | None
+) -> _AddedDrawing:
+    """A drawing of the project, with its process file. Raises Unreadable or Refused."""
+    found = survey_of(drawing, unit)
     files: dict[str, bytes] = {}
     here = drawing.resolve()
     if here.is_relative_to(folder.resolve()):
@@ -349,7 +386,7 @@ def _add_drawing(folder: FilePath, drawing: FilePath, unit: str | None) -> _Adde
             raise Refused(rules.OTHER_DRAWING(path=str(drawing), file=source), exit_status=2)
         files[source] = data
     process = FilePath(source).with_suffix(PROCESS_SUFFIX).as_posix()
-    files[process] = process_text(drawing.name, found).encode("utf-8", "replace")
+    files[process] = process_text(drawing.name, found, values).encode("utf-8", "replace")
     told = tuple(
         finding.within(str(drawing))
         for finding in (*found.findings, *_told_drafting(found, process))
@@ -382,11 +419,36 @@ def _program_names(sources: Sequence[str]) -> dict[str, str]:
     return names
 
 
-def _project_text(programs: str, names: Iterable[str]) -> bytes:
+def _project_text(programs: str, names: Iterable[str], values: FirstValues | None) -> bytes:
     """Return the example's project file, with these programs instead of the example's."""
     listed = toml_value(list(names))
     text = _template_bytes(PROJECT_FILE).decode().replace(_EXAMPLE_PROGRAM, programs)
-    return text.replace(f"{_EXAMPLE_NAMES:{_NAMES_WIDTH}}", f"{listed:{_NAMES_WIDTH}}").encode()
+    text = text.replace(f"{_EXAMPLE_NAMES:{_NAMES_WIDTH}}", f"{listed:{_NAMES_WIDTH}}")
+    return _with_controller(text, values).encode()
+
+
+def _with_controller(text: str, values: FirstValues | None) -> str:
+    """A project file whose virtual controller moves this robot."""
+    if values is None:
+        return text
+    same = f'address = "{values.address}" ' in text
+    lines = []
+    for line in text.splitlines(keepends=True):
+        key = line.partition(" ")[0]
+        if key in (_OF_EXAMPLE_CONTROLLER if not same else ()):
+            continue
+        stated = {"address": values.address, "robot": values.robot_name}
+        if key in stated:
+            row, _, about = line.partition(" # ")
+            row = f"{key} = {toml_value(stated[key])}"
+            about = about if same or key != "address" else about.partition(";")[0]
+            line = f"{row:{COMMENT_COLUMN + 3}} # {about.removesuffix(chr(10))}\n"
+        lines.append(line)
+    return "".join(lines)
+
+
+_OF_EXAMPLE_CONTROLLER: Final = ("task", "load")
+"""Keys of a target that controllers of other languages do not have."""
 
 
 def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[Diagnostic]:
@@ -400,7 +462,7 @@ def _missing_entries(folder: FilePath, programs: Mapping[str, str]) -> Iterator[
             yield rules.NOT_ADDED(name=name, source=source, table=table)
 
 
-def _has_project_table(folder: FilePath) -> bool:
+def has_project(folder: FilePath) -> bool:
     """True if the folder itself has a file with a project table; raise Unreadable."""
     file = folder / PROJECT_FILE
     python = folder / "pyproject.toml"

@@ -100,6 +100,28 @@ NOTHING_ELSE: Final = warning(
     "all that could be followed is drafting by its name, and `{file}` leaves it out: {what}",
     "give each layer that is work a table there, [layers.NAME]",
 )
+ASSUMED: Final = warning(
+    "PR307",
+    "assumed, as it is not stated: {what}",
+    "measure it before an arm moves, and write it into the process file",
+)
+NO_ROOM: Final = warning(
+    "PR308",
+    "no position was found at which {robot} reaches all of the work{size}, with its tool pointing"
+    " down",
+    "name a robot with more reach by --robot, or make the work smaller",
+)
+OTHER_LANGUAGE: Final = error("PR309", "{robot} takes no programs in `{given}`", "{cure}")
+HAS_CONTROLLER: Final = error(
+    "PR310",
+    "the project is there already, and its assistant.toml says which robot it has",
+    "name no robot and no language",
+)
+ROBOT_OUTSIDE: Final = error(
+    "PR311",
+    "the robot file `{file}` is outside of the folder of the project",
+    "copy it into the folder, and name it there",
+)
 NOT_STARTED: Final = error(
     "PR401",
     "the virtual controller `{name}` cannot start: {reason}",

@@ -47,7 +47,7 @@ _BETWEEN = error(
 _NO_NUMBER = error(
     "CT233",
     "`{entry}` under leave_out names no contour: the order has {count}{where}",
-    "take the number from the picture that check --plot makes without that entry, or give `at`",
+    "take the number from the picture of the order without that entry, or give `at`",
 )
 _NUMBERED = warning(
     "CT234",

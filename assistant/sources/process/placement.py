@@ -224,7 +224,7 @@ def placement_of_options(place: str | None, marks: Sequence[str]) -> DrawingPlac
     if place is not None and marks:
         raise Refused(ONE_PLACEMENT(what="both --place and --mark are given"), exit_status=2)
     if place is not None:
-        numbers = _option_numbers(
+        numbers = option_numbers(
             place, "place of a drawing", (3, 4, 6), "X,Y,Z, X,Y,Z,TURN or X,Y,Z,A,B,C"
         )
         position = settings_tables.position(numbers[:3])
@@ -247,11 +247,12 @@ def _mark_pair(mark: str) -> tuple[list[float], list[float]]:
         raise Refused(
             _PLACEMENT_WITHOUT_NUMBERS(text=shown(mark), what="mark", cure=cure), exit_status=2
         )
-    one = _option_numbers(drawn, "mark", (2, 3), cure)
-    return [*one, 0.0][:3], _option_numbers(taught, "mark", (3,), cure)
+    one = option_numbers(drawn, "mark", (2, 3), cure)
+    return [*one, 0.0][:3], option_numbers(taught, "mark", (3,), cure)
 
 
-def _option_numbers(text: str, what: str, counts: Sequence[int], cure: str) -> list[float]:
+def option_numbers(text: str, what: str, counts: Sequence[int], cure: str) -> list[float]:
+    """Numbers between commas, as many as one of the counts. Raises Refused (exit status 2)."""
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:

@@ -179,6 +179,26 @@ CASES: Final = (
         change={"p/drawings/a.process.toml": "[layers.BORDER]\n"},
     ),
     Case(
+        "PR307",
+        "init p a.dxf --yes",
+        {"a.dxf": dxf(line)},
+        change={"p/drawings/a.process.toml": CUT},
+        then=("init q a.dxf --tip 0,0,80 --place 300,0,200",),
+    ),
+    Case(
+        "PR308",
+        "init p a.dxf --yes --unit m",
+        {"a.dxf": dxf(line)},
+        then=("init q a.dxf --robot irb6700-150-3.20",),
+    ),
+    Case(
+        "PR310",
+        "init p a.dxf --robot rv-4frl",
+        {"a.dxf": dxf(line)},
+        before=("init p",),
+        then=("init p a.dxf",),
+    ),
+    Case(
         "CT105",
         "check a.dxf",
         {"a.dxf": dxf(apart)},

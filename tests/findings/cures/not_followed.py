@@ -18,6 +18,7 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CL047": _LIVE.format("view/test_live.py"),
     "CL048": _LIVE.format("view/test_live.py"),
     "CL060": "a browser has to be missing: tests/view/test_reports.py has one that does not open",
+    "CL055": "somebody sits at a terminal: tests/project/test_starting_values.py has one",
     "CL121": "an editor speaks to the command over pipes: tests/virtual/test_debugging.py",
     "CL251": _LIVE.format("cli/test_follow.py"),
     "CL254": _LIVE.format("cli/test_follow.py"),

@@ -1,0 +1,228 @@
+"""First values of a new project: the robot, its language, where the work stands, the tool's tip.
+
+Where the user states none, a robot that reaches the work is chosen, and the work is put in front of
+it: as far from its limits and from the singularity of its wrist as the positions that are tried
+allow. The tip of the tool is assumed. All of that is enough to compile and to simulate; what is
+assumed is to be measured before an arm moves, and the process file says so.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Final
+
+import numpy as np
+
+from assistant import languages, robots
+from assistant.base import rotations
+from assistant.base.arrays import Floats
+from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.near_names import near_name
+from assistant.compiler.arms import robot_of
+from assistant.controllers.controller import LANGUAGES
+from assistant.controllers.named import ROBOT_FILES, VIRTUAL
+from assistant.program.geometry import Pose, Vector
+from assistant.program.settings_tables import listed
+from assistant.project import rules
+from assistant.robots import Robot
+from assistant.sources.drawing.survey import Extents
+
+USUAL_ROBOT: Final = "irb1200-7-0.7"
+"""Of a project that names none; the same as in the template."""
+ASSUMED_TIP: Final[Vector] = (0.0, 0.0, 100.0)
+_CLEARANCE: Final = 60.0
+"""mm above the work that the tip comes to: the approach of a new process file, and a little."""
+_NEAREST_PART: Final = 0.25
+"""Part of the reach around axis 1 in which no work stands."""
+_DISTANCES: Final = (0.65, 0.6, 0.7, 0.55, 0.75, 0.5, 0.8, 0.45, 0.9)
+"""Parts of the reach at which the middle of the work is tried."""
+_HEIGHTS: Final = (0.2, 0.3, 0.1, 0.4, 0.0, 0.5, -0.1)
+"""Parts of the reach as heights of the work above the floor of the base."""
+_GRID: Final = 5
+"""Points along each side of the work that are looked at."""
+_ROOMY_WRIST: Final = 20.0
+"""Degrees of axis 5 from the singularity of the wrist that are enough."""
+_WRIST_AXIS: Final = 4
+_AXES_WITH_WRIST: Final = 6
+
+
+@dataclass(frozen=True, slots=True)
+class FirstValues:
+    """What a new project states. robot_name: the robot as it is named. place: of the drawing's
+    origin in its base. assumed: keys that the user did not state. findings: about them.
+    """
+
+    robot_name: str
+    robot: Robot
+    language: str
+    place: Pose
+    tip: Vector
+    assumed: tuple[str, ...] = ()
+    findings: tuple[Diagnostic, ...] = ()
+
+    def keys(self, key: str) -> dict[str, list[float]]:
+        """Values of a process file that go with `tip` or with `position`."""
+        if key == "tip":
+            return {"tip": _rounded(self.tip)}
+        turn = rotations.to_euler(np.array(self.place.quaternion), "ZYX")
+        return {"position": _rounded(self.place.position), "euler_zyx": _rounded(turn)}
+
+    def assumes(self, key: str) -> bool:
+        """True if the user did not state a key."""
+        return key in self.assumed
+
+    @property
+    def address(self) -> str:
+        """Of a virtual controller that takes the language."""
+        taken = (name for name, one in VIRTUAL.items() if self.language in LANGUAGES[one.scheme])
+        return f"virtual:{next(taken)}"
+
+
+def known_robot(name: str) -> Robot:
+    """A robot of the catalogue, or of a file. Raises Refused or Unreadable."""
+    robot = robot_of(name)
+    assert robot is not None
+    return robot
+
+
+def chosen_language(robot: Robot, given: str | None) -> str:
+    """The language of a robot's programs. Raises Refused (exit status 2) for another one."""
+    if given is None:
+        return robot.languages[0]
+    if given not in robot.languages:
+        near = near_name(given, list(robot.languages))
+        cure = f"write {near}" if near else f"use {listed(list(robot.languages))}"
+        if given in languages.names():
+            cure += ", or name a robot that takes it"
+        raise Refused(
+            rules.OTHER_LANGUAGE(robot=robot.title, given=given, cure=cure), exit_status=2
+        )
+    return given
+
+
+def first_values(
+    folder: FilePath,
+    extents: Extents | None,
+    robot: str | None = None,
+    language: str | None = None,
+    place: Pose | None = None,
+    tip: Vector | None = None,
+) -> FirstValues:
+    """All values of a project in a folder, those that are not given chosen to fit work of that
+    size. Raises Refused.
+    """
+    tool = ASSUMED_TIP if tip is None else tip
+    assumed = {} if tip is not None else {"tip": f"`tip` {_rounded(tool)}"}
+    findings: list[Diagnostic] = []
+    if robot is None:
+        candidates = _usual_robots(language)
+    else:
+        candidates = [(robot_text(robot, folder), known_robot(robot))]
+    name, arm = candidates[0]
+    if place is None:
+        found = ((one, work_position(one[1], extents, tool)) for one in candidates)
+        fitting = next((one for one in found if one[1] is not None), None)
+        if fitting is not None and fitting[1] is not None:
+            (name, arm), position = fitting[0], fitting[1]
+        else:
+            name, arm = candidates[-1]
+            position = _in_front(arm, extents, _DISTANCES[0], _HEIGHTS[0])
+            size = "" if extents is None else ", " + " x ".join(f"{x:.0f}" for x in extents.size)
+            findings.append(rules.NO_ROOM(robot=arm.title, size=size and f"{size} mm"))
+        place = Pose(position)
+        assumed["position"] = f"`position` {_rounded(position)}"
+    spoken = chosen_language(arm, language)
+    if assumed:
+        findings.append(rules.ASSUMED(what=" and ".join(assumed.values())))
+    return FirstValues(name, arm, spoken, place, tool, tuple(assumed), tuple(findings))
+
+
+def robot_text(robot: str, folder: FilePath) -> str:
+    """A robot as a project in a folder names it: its file from there, or as the catalogue has it.
+
+    Raises Refused (exit status 2) for a file elsewhere, and for a robot that is not known.
+    """
+    file = FilePath(robot)
+    if file.suffix.lower() not in ROBOT_FILES:
+        return known_robot(robot).name
+    if not file.resolve().is_relative_to(folder.resolve()):
+        raise Refused(rules.ROBOT_OUTSIDE(file=robot), exit_status=2)
+    return file.resolve().relative_to(folder.resolve()).as_posix()
+
+
+def _usual_robots(language: str | None) -> list[tuple[str, Robot]]:
+    """The usual robot, then larger ones that take the same language. Raises Refused."""
+    usual = known_robot(USUAL_ROBOT)
+    if language is not None and language not in languages.names():
+        chosen_language(usual, language)
+    wanted = language or usual.languages[0]
+    every = sorted(((name, robots.get(name)) for name in robots.names()), key=_reach)
+    fitting = [one for one in every if wanted in one[1].languages]
+    if wanted in usual.languages:
+        larger = [one for one in fitting if one[1].reach > usual.reach]
+        return [(USUAL_ROBOT, usual), *larger]
+    return fitting
+
+
+def _reach(one: tuple[str, Robot]) -> float:
+    return one[1].reach
+
+
+def work_position(robot: Robot, extents: Extents | None, tip: Vector) -> Vector | None:
+    """Where the origin of work of that size stands so that the tool, pointing down, comes to all of
+    it; None if no position that is tried does.
+    """
+    best: tuple[float, Vector] | None = None
+    for distance, height in itertools.product(_DISTANCES, _HEIGHTS):
+        position = _in_front(robot, extents, distance, height)
+        margin = _margin(robot, extents, position, tip)
+        if margin is not None and (best is None or margin > best[0]):
+            best = margin, position
+            if margin >= _ROOMY_WRIST:
+                break
+    return None if best is None else best[1]
+
+
+def _in_front(robot: Robot, extents: Extents | None, distance: float, height: float) -> Vector:
+    """The origin of work whose middle is that far in front of the robot, in whole cm."""
+    box = extents or Extents((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    x, y = ((a + b) / 2.0 for a, b in zip(box.low[:2], box.high[:2], strict=True))
+    at = (distance * robot.reach - x, -y, height * robot.reach - box.low[2])
+    cm = [round(part / 10.0) * 10.0 + 0.0 for part in at]
+    return (cm[0], cm[1], cm[2])
+
+
+def _margin(robot: Robot, extents: Extents | None, position: Vector, tip: Vector) -> float | None:
+    """Degrees of the wrist from its singularity; None if something is out of reach or too near."""
+    points = _points(extents) + np.array(position)
+    away = np.hypot(points[:, 0], points[:, 1])
+    # With the tool pointing down the wrist is above the flange, and no farther than the reach.
+    off = float(np.hypot(*tip[:2]))
+    if away.min() < _NEAREST_PART * robot.reach or away.max() - off > robot.reach:
+        return None
+    down = np.array((0.0, 1.0, 0.0, 0.0))
+    flange = points - rotations.rotate(down, np.array(tip))
+    joints, valid = robot.ik(flange, np.tile(down, (len(flange), 1)))
+    branches = np.flatnonzero(valid.all(axis=0))
+    if not len(branches):
+        return None
+    if len(robot.axes) < _AXES_WITH_WRIST:
+        return _ROOMY_WRIST
+    return float(np.abs(joints[:, branches, _WRIST_AXIS]).min(axis=0).max())
+
+
+def _points(extents: Extents | None) -> Floats:
+    """Points (n, 3) over the work, and above them."""
+    box = extents or Extents((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    x, y = (np.linspace(a, b, _GRID) for a, b in zip(box.low[:2], box.high[:2], strict=True))
+    z = [box.low[2], box.high[2] + _CLEARANCE]
+    return np.stack(np.meshgrid(x, y, z), axis=-1).reshape(-1, 3)
+
+
+def _rounded(values: Sequence[float] | Floats) -> list[float]:
+    """Numbers as they are written: whole ones without a point."""
+    found = [round(float(value), 3) + 0.0 for value in values]
+    return [int(value) if value == int(value) else value for value in found]
