@@ -387,15 +387,10 @@ def _add_drawing(
         files[source] = data
     process = FilePath(source).with_suffix(PROCESS_SUFFIX).as_posix()
     files[process] = process_text(drawing.name, found, values).encode("utf-8", "replace")
-    told = tuple(
-        finding.within(str(drawing))
-        for finding in (*found.findings, *_told_drafting(found, process))
-    )
-    return _AddedDrawing(
-        source,
-        files,
-        tuple(f for f in told if f.severity is not Severity.INFO or f.code == rules.NOT_WORK.code),
-    )
+    told = [finding for finding in found.findings if finding.severity is not Severity.INFO]
+    if not (folder / process).exists():
+        told += _told_drafting(found, process)
+    return _AddedDrawing(source, files, tuple(f.within(str(drawing)) for f in told))
 
 
 def _told_drafting(survey: Survey, file: str) -> list[Diagnostic]:
