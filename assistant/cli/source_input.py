@@ -107,6 +107,28 @@ def standard_input(language: str | None) -> tuple[SourceText, str | None]:
     return decode(data, "standard input", encodings), language
 
 
+def cell_of(source: str) -> Path | None:
+    """Return the cell file of a robot program or folder that no option names, None for none.
+
+    It is that of the project, else the one beside it.
+    """
+    from assistant import languages
+    from assistant.base.source_text import is_folder
+    from assistant.project.source_options import SourceOptions, completed_options
+    from assistant.sources.cell_values import cell_file_beside
+
+    path = Path(source)
+    if source == STANDARD or not path.exists():
+        return None
+    if not is_folder(source):
+        suffixes = {suffix for name in languages.names() for suffix in languages.get(name).suffixes}
+        if path.suffix.lower() not in suffixes:
+            return None
+        if (stated := completed_options(source, SourceOptions(), ("cell",)).cell) is not None:
+            return stated
+    return cell_file_beside(source)
+
+
 _PSEUDO: Final = re.compile(rb"^\s*program\b", re.MULTILINE)
 
 

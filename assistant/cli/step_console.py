@@ -18,6 +18,7 @@ from assistant.virtual.run_log import short_place
 
 if TYPE_CHECKING:
     from assistant.base.source_text import SourceText
+    from assistant.virtual.tasks import SignalNames
 
 
 _HELP: Final = (
@@ -38,12 +39,16 @@ _WIDEST_VALUE: Final = 200
 
 
 class StepConsole:
-    """Holds a run and asks what to do. flush: prints what happened until now."""
+    """Holds a run and asks what to do. names: of signals. flush: prints what happened until now."""
 
     def __init__(
-        self, kernel: Kernel, sources: Sequence[SourceText], flush: Callable[[], None]
+        self,
+        kernel: Kernel,
+        sources: Sequence[SourceText],
+        names: SignalNames,
+        flush: Callable[[], None],
     ) -> None:
-        self.kernel, self.sources, self.flush = kernel, sources, flush
+        self.kernel, self.sources, self.names, self.flush = kernel, sources, names, flush
         self.holding = Holding()
         self.last = "next"
 
@@ -116,13 +121,16 @@ class StepConsole:
             except ValueError:
                 yield f"`{rest[1]}` is no number"
                 return
-            board.inputs.set(rest[0].lower(), value)
+            board.inputs.set(self.names.input_key(rest[0]), value)
         elif rest:
             yield "name an input and its value, or nothing"
             return
-        for title, signals in (("input", board.inputs), ("output", board.outputs)):
-            for name in sorted(_call_names(signals)):
-                yield f"{title} {name} = {signals.read(name):g}"
+        for title, signals, names in (
+            ("input", board.inputs, self.names.inputs),
+            ("output", board.outputs, self.names.outputs),
+        ):
+            for key in sorted(_call_names(signals)):
+                yield f"{title} {names.get(key, key)} = {signals.read(key):g}"
 
 
 def _full_command(word: str) -> str | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from io import FileIO
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Final
@@ -34,7 +35,14 @@ from assistant.cli.options import (
     SightOptions,
 )
 from assistant.cli.presentation import Format, print_findings, print_json, say, working
-from assistant.cli.source_input import NO_FILE_NAME, STANDARD, TWICE, keep_sources, standard_input
+from assistant.cli.source_input import (
+    NO_FILE_NAME,
+    STANDARD,
+    TWICE,
+    cell_of,
+    keep_sources,
+    standard_input,
+)
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -44,7 +52,7 @@ if TYPE_CHECKING:
     from assistant.virtual.events import Run as EndedRun
     from assistant.virtual.kernel import Kernel, Task
     from assistant.virtual.kernel.script import Script
-    from assistant.virtual.tasks import Programs
+    from assistant.virtual.tasks import Programs, SignalNames
 
 
 @command
@@ -56,6 +64,9 @@ class Run:
         "backup, or any other source; - for standard input."
     )
     robot: RobotOption
+    cell: Path | None = option(
+        "File of what programs use and do not declare; default cell.toml beside them."
+    )
     signals: Path | None = option("Script of inputs and answers, in TOML.", metavar="FILE")
     until: str | None = option(
         "End the run there: seconds, or FILE:LINE.", metavar="TIME|FILE:LINE"
@@ -154,6 +165,7 @@ class Run:
             unit=self.reader.unit,
             placement=self.reader.placement,
             entry=self.entry,
+            cell=self.cell or cell_of(self.programs[0]),
             seeing=self.sight.seeing,
         )
 
@@ -211,17 +223,20 @@ class _PrintedRun:
         from assistant.virtual.run_log import ColumnWidths
 
         self.programs, self.options, self.format = programs, options, options.format
+        self.names = programs.names()
+        script = self.names.keyed(script)
         self.arm, self.sources = arm, programs.sources()
         self.read = list(fold(finding.within(programs.title) for finding in programs.findings))
         self.findings = [
             *self.read,
-            *_unused_signals(programs, script),
+            *_unused_signals(programs, self.names, script),
             *unknown_visits(script, self.sources),
         ]
         settings = Settings(
             robot=arm,
             entry=options.entry,
-            inputs={one.name: 0.0 for one in script.changes},  # which are signals, if they are used
+            # Names that only an expression reads are signals if they are inputs.
+            inputs=programs.known_inputs() | {one.name: 0.0 for one in script.changes},
             most_steps=options.max_steps,
             most_time=options.max_time,
             pace=1.0 if options.real_time else None,
@@ -310,7 +325,7 @@ class _PrintedRun:
 
         stepping = None
         if self.options.step or self.points:
-            stepping = StepConsole(self.kernel, self.sources, self.flush)
+            stepping = StepConsole(self.kernel, self.sources, self.names, self.flush)
             stepping.begin(self.points, at_once=self.options.step)
         place = None
         if isinstance(self.until, float):
@@ -351,7 +366,7 @@ class _PrintedRun:
         if not {row.task for row in log} <= {*self.tasks}:  # that others have started
             self.tasks = list(dict.fromkeys((*self.tasks, *(row.task for row in log))))
             self.columns = ColumnWidths.of(self.tasks, self.sources)
-        for row in log_rows(log, given, first):
+        for row in map(self.names.shown, log_rows(log, given, first)):
             if isinstance(row, Logged):
                 say(self.columns.line(row.time, row.task, row.place, row.what))
             else:
@@ -376,7 +391,7 @@ class _PrintedRun:
             "line": line,
             "seconds": run.seconds,
             "statements": run.steps,
-            "events": [json_record(row) for row in log_rows(run.log, self.given)],
+            "events": list(map(json_record, map(self.names.shown, log_rows(run.log, self.given)))),
             "findings": [finding_record(finding) for finding in findings],
             "written": [str(path) for path in written],
         }
@@ -388,10 +403,12 @@ class _PrintedRun:
         trace, plot = self.options.trace, self.options.plot
         if trace is None and plot is None:
             return []
-        samples = motion_columns(run, self.given, self.kernel.motion, self.options.period)
+        run = replace(run, log=tuple(map(self.names.shown, run.log)))
+        given = list(map(self.names.shown, self.given))
+        samples = motion_columns(run, given, self.kernel.motion, self.options.period)
         files: dict[Path, bytes] = {}
         if trace is not None:
-            files[trace] = npz({**event_columns(run, self.given), **samples})
+            files[trace] = npz({**event_columns(run, given), **samples})
         if plot is not None and self.arm is not None:
             from assistant.report.figures import format_of, run_plot
 
@@ -400,19 +417,21 @@ class _PrintedRun:
         return list(write_all(files))
 
 
-def _unused_signals(programs: Programs, script: Script) -> Iterator[Diagnostic]:
+def _unused_signals(programs: Programs, names: SignalNames, script: Script) -> Iterator[Diagnostic]:
     """Signals of a script that no program uses, most likely misspelled."""
     from assistant.base.near_names import near_name
     from assistant.virtual.kernel.script import When
 
     known = programs.signals()
+    if known is None and names.numbered:
+        known = frozenset(name.lower() for name in (*names.inputs.values(), *names.groups))
     if known is None:
         return
     for name in dict.fromkeys(
         [one.name for one in script.changes]
         + [one.when.name for one in script.changes if isinstance(one.when, When)]
     ):
-        if name not in known:
+        if name not in known and not (names.numbered and name.isdecimal()):
             near = near_name(name, known)
             cure = f"write `{near}`" if near else "name a signal that they use"
             yield _NOT_USED(name=name, cure=cure)
@@ -592,9 +611,12 @@ def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:
         language=texts.get("language"),
         robot=robot,
         entry=texts.get("entry"),
+        cell=cell_of(str(named[0])),
     )
     most = steps if isinstance(steps, int) and steps > 0 else MOST_STEPS
-    settings = Settings(robot=robot, entry=texts.get("entry"), most_steps=most)
+    settings = Settings(
+        robot=robot, entry=texts.get("entry"), most_steps=most, inputs=found.known_inputs()
+    )
     return prepared(found, settings), statement_lines(found)
 
 

@@ -40,8 +40,10 @@ from assistant.program.undeclared_names import (
     SAME_ARM,
     SLOW_SPEED,
     TAUGHT_ON,
+    Supplied,
     SuppliedValue,
     Wanted,
+    WantedKind,
     neutral_value,
 )
 from assistant.sources.cell_values import (
@@ -193,6 +195,28 @@ def _of_stated_kind(one: Wanted, cell: Cell, signals: Mapping[str, Signal]) -> W
     if signal is None or (one.kind == "signal" and signal.number is None):
         return one
     return replace(one, kind="signal", signal=signal, perhaps=None)
+
+
+def values_stated(
+    wanted: Iterable[Wanted],
+    held: Mapping[tuple[WantedKind, str], SuppliedValue],
+    cell: Cell,
+    signals: Mapping[str, Signal],
+) -> Supplied:
+    """Return the undeclared names that a cell file, or else the controller, gives a value.
+
+    held: values of the controller by kind and lower-case name. signals: of both.
+    """
+    found: list[tuple[Wanted, SuppliedValue | None]] = []
+    for one in (_of_stated_kind(one, cell, signals) for one in wanted):
+        if one.kind == "signal":
+            continue
+        value = held.get((one.kind, one.name.lower()))
+        if cell.value(one) is not None:
+            value = _value_of(one, cell)
+        if value is not None:
+            found.append((_with_extents(_with_stated_type(one, cell), value), value))
+    return found
 
 
 def _joint_speed(cell: Cell) -> float | None:

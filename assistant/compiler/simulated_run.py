@@ -30,6 +30,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -40,6 +41,8 @@ from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has
 from assistant.base.near_names import near_name
 from assistant.base.source_text import SourceText, decode, is_folder, lines_of, read_bytes
 from assistant.compiler.arms import Arms, teaching_arm
+from assistant.compiler.cell_defaults import values_stated
+from assistant.compiler.cell_equipment import STATED_TEXT_NAME, controller_configuration
 from assistant.compiler.loader import (
     language_of,
     load,
@@ -62,6 +65,7 @@ from assistant.program.settings_tables import (
     read_toml,
     shown,
 )
+from assistant.sources.cell_values import NO_CELL, read_cell
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 from assistant.virtual.kernel.script import Answer, Change, Script, Visit, When, words_of
 from assistant.virtual.tasks import Group, Part, Programs, groups
@@ -96,6 +100,7 @@ def programs(
     unit: str | None = None,
     entry: str | None = None,
     placement: DrawingPlacement | None = None,
+    cell: str | FilePath | None = None,
     seeing: Seeing = NOTHING_SEEN,
 ) -> Programs:
     """Return the programs of files and folders that run together on one controller.
@@ -103,7 +108,8 @@ def programs(
     named: a drawing, table or pseudo-program; or robot programs of one language, or a folder with
     them. language: of robot programs, if neither suffix nor text identifies it. robot, process,
     unit, placement: see `load`, for other sources. entry: the procedure that a pseudo-program
-    begins with. seeing: source of its frames located by cameras. Raises Unreadable or Refused.
+    begins with. cell: file of what robot programs use and do not declare. seeing: source of its
+    frames located by cameras. Raises Unreadable or Refused.
     """
     title = ", ".join(named)
     folder = named[0] if is_folder(named[0]) else None
@@ -129,8 +135,34 @@ def programs(
     files = list(programs_in(folder, language)) if folder else list(dict.fromkeys(named))
     spoken = _one_language(files, language)
     parts = [_run_part(spoken, group) for group in groups(spoken, files, folder)]
-    missing = tuple(found for part in parts for found in spoken.missing(part.trees))
-    return Programs(title, spoken, tuple(parts), findings=missing)
+    return _in_cell(Programs(title, spoken, tuple(parts)), files[0], cell)
+
+
+def _in_cell(made: Programs, file: str, cell: str | FilePath | None) -> Programs:
+    """Robot programs with what the files of their controller, and a cell file, state."""
+    spoken = made.language
+    assert spoken is not None
+    given, found = controller_configuration(spoken, file)
+    stated = NO_CELL if cell is None else read_cell(cell)
+    signals = {**given.signals, **stated.process.signals}
+    parts = []
+    for part in made.parts:
+        values = values_stated(spoken.wanted(part.trees), given.values, stated, signals)
+        if values:
+            trees = spoken.with_supplied(part.trees, values, STATED_TEXT_NAME)
+            part = replace(part, trees=tuple(trees))
+        parts.append(part)
+        with suppress(Refused):  # told by whoever translates the program
+            if any(
+                _SIGNAL_HEADING in (tree.source.text if tree.source else "") for tree in part.trees
+            ):
+                signals = {**spoken.lift(part.trees).signals, **signals}
+    missing = (finding for part in parts for finding in spoken.missing(part.trees))
+    return replace(made, parts=tuple(parts), findings=(*found, *missing), stated=signals)
+
+
+_SIGNAL_HEADING: Final = "signal: "
+"""In the heading of a program that names its signals."""
 
 
 def programs_of_text(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,7 +19,9 @@ from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.base.file_access import read_text
 from assistant.base.source_text import SourceText
 from assistant.languages import Language
-from assistant.program.program import Program
+from assistant.program.program import Program, Signal
+from assistant.virtual.events import Logged, Switched
+from assistant.virtual.kernel.script import Change, InputChange, Script, When
 
 _NOT_RUN: Final = error(
     "VC201", "programs in {language} cannot be run here", "choose a program in {languages}"
@@ -54,11 +56,62 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
+class SignalNames:
+    """Names that people read for the keys that a run has of its signals.
+
+    inputs, outputs: by key. groups: numbers and bits of group inputs, by name in lower case.
+    numbered: True if the keys are numbers.
+    """
+
+    inputs: Mapping[str, str]
+    outputs: Mapping[str, str]
+    groups: Mapping[str, range] = field(default_factory=dict)
+    numbered: bool = False
+
+    def shown(self, row: Logged | InputChange) -> Logged | InputChange:
+        """An event, or a change of an input, with the name that people read."""
+        if isinstance(row, InputChange):
+            return replace(row, name=self.inputs.get(row.name, row.name))
+        match row.what:
+            case Switched(signal) if signal in self.outputs:
+                return replace(row, what=replace(row.what, signal=self.outputs[signal]))
+        return row
+
+    def input_key(self, name: str) -> str:
+        """The key of an input by its name in any case, else the name itself in lower case."""
+        low = name.lower()
+        return next((key for key, shown in self.inputs.items() if shown.lower() == low), low)
+
+    def keyed(self, script: Script) -> Script:
+        """A script with the keys of the signals that it names; a group is one for each bit."""
+        inputs, outputs = (
+            {name.lower(): key for key, name in names.items()}
+            for names in (self.inputs, self.outputs)
+        )
+
+        def change(one: Change) -> Change:
+            when = one.when
+            if isinstance(when, When):
+                when = replace(
+                    when, name=(inputs if when.is_input else outputs).get(when.name, when.name)
+                )
+            return replace(one, name=inputs.get(one.name, one.name), when=when)
+
+        def bits(one: Change) -> Iterator[Change]:
+            for at, number in enumerate(self.groups.get(one.name, ())):
+                yield replace(one, name=str(number), value=float(int(one.value) >> at & 1))
+
+        changes = (tuple(bits(one)) or (one,) for one in map(change, script.changes))
+        return replace(script, changes=tuple(one for group in changes for one in group))
+
+
+@dataclass(frozen=True, slots=True)
 class Programs:
     """Programs that run together: parts in one language, or a pseudo-program.
 
     title: its name from the user. language: None for the pseudo-program. text: that of the
-    pseudo-program, None if it comes from another source. findings: those of the reader.
+    pseudo-program, None if it comes from another source. findings: those of the reader. stated:
+    signals that files beside the programs, or their headings, name.
     """
 
     title: str
@@ -67,6 +120,34 @@ class Programs:
     program: Program | None = None
     text: SourceText | None = None
     findings: tuple[Diagnostic, ...] = ()
+    stated: Mapping[str, Signal] = field(default_factory=dict)
+
+    def names(self) -> SignalNames:
+        """The names of signals in the spelling of the programs, else of the files beside them."""
+        if self.language is not None and self.language.family in _NUMBERED:
+            digital = [(n, s) for n, s in self.stated.items() if s.kind == "digital"]
+            inputs, outputs = (
+                {str(s.number): name for name, s in digital if s.direction == way}
+                for way in ("input", "output")
+            )
+            groups = {
+                name.lower(): range(s.number, s.number + s.bits)
+                for name, s in self.stated.items()
+                if (s.kind, s.direction) == ("group", "input") and s.number is not None
+            }
+            return SignalNames(inputs, outputs, groups, numbered=True)
+        names = {name.lower(): name for name in self.stated}
+        if self.program is not None:
+            names |= {name.lower(): name for name in self.program.signals}
+        elif self.language is not None:
+            names |= _rapid_spellings(self)
+        return SignalNames(names, names)
+
+    def known_inputs(self) -> dict[str, float]:
+        """Inputs that the files beside the programs state, each 0 until something sets it."""
+        if self.language is not None and self.language.family in _NUMBERED:
+            return {}
+        return {name.lower(): 0.0 for name in self.stated}
 
     def sources(self) -> list[SourceText]:
         """The texts that places are in."""
@@ -124,6 +205,21 @@ def _rapid_signals(programs: Programs) -> frozenset[str] | None:
     return frozenset(used.union(*(used_signals(part.trees)[1] for part in programs.parts)))
 
 
+def _rapid_spellings(programs: Programs) -> dict[str, str]:
+    """Names by their lower case, as they are spelled first."""
+    from assistant.languages.rapid.tree import syntax
+    from assistant.languages.rapid.tree.walk import nodes
+
+    found: dict[str, str] = {}
+    for part in programs.parts:
+        for one in nodes(tuple(tree.parts for tree in part.trees)):
+            if isinstance(one, syntax.NameRef):
+                found.setdefault(one.name.lower(), one.name)
+    return found
+
+
+_NUMBERED: Final = ("MB",)
+"""Families of the languages whose signals are numbers."""
 _SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str] | None]]] = {"RA": _rapid_signals}
 """By the family of a language whose signals have names."""
 _GROUPS: Final[Mapping[str, _Grouping]] = {"RA": _tasks, "MB": _slots}

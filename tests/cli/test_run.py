@@ -60,8 +60,8 @@ def test_a_run_tells_what_happens_when_and_where(capsys: Capture, cell: Path, pa
     status, out, err = run(capsys, "run", cell, "--robot", "irb1200-7-0.7", "--signals", part)
     assert (status, err) == (0, "")
     assert [line.split(None, 2) for line in out.splitlines()[:3]] == [
-        ["1.250", "input", "dipart = 1"],
-        ["1.250", "cell.mod:6", "dogrip = 1"],
+        ["1.250", "input", "diPart = 1"],
+        ["1.250", "cell.mod:6", "doGrip = 1"],
         ["1.250", "cell.mod:7", "waits 0.5 s"],
     ]
     assert out.splitlines()[3].startswith(f"{cell}: came to its end: 1.75 s, 0 motions, 1 output")
@@ -94,7 +94,7 @@ def test_the_answer_for_programs(capsys: Capture, cell: Path, part: Path, tmp_pa
         "file": str(cell),
         "line": 6,
         "event": "output",
-        "signal": "dogrip",
+        "signal": "doGrip",
         "value": 1.0,
         "on_way": None,
     }
@@ -102,7 +102,7 @@ def test_the_answer_for_programs(capsys: Capture, cell: Path, part: Path, tmp_pa
     assert answer["written"] == [str(trace)]
     with np.load(trace) as columns:
         assert columns["event_time"].tolist() == [1.25, 1.25, 1.25]
-        assert columns["signal"].tolist() == ["dipart", "dogrip", ""]
+        assert columns["signal"].tolist() == ["diPart", "doGrip", ""]
         assert columns["event_line"].tolist() == [0, 6, 7]
 
 
@@ -224,9 +224,9 @@ def test_the_motion_is_written_and_drawn(capsys: Capture, tmp_path: Path) -> Non
     assert f"wrote {trace}" in out and f"wrote {plot}" in out
     assert plot.read_bytes().startswith(b"<?xml")
     with np.load(trace) as columns:
-        on, off = columns["event_time"][columns["signal"] == "dogrip"]
+        on, off = columns["event_time"][columns["signal"] == "doGrip"]
         assert off - on == pytest.approx(1.0, abs=0.2)  # 100 mm at 100 mm/s
-        assert columns["output_names"].tolist() == ["dogrip"]
+        assert columns["output_names"].tolist() == ["doGrip"]
         grip = columns["outputs"][:, 0]
         assert columns["t"][grip == 1.0].min() == pytest.approx(on, abs=0.05)
         assert columns["position"][-1] == pytest.approx([400, -100, 300], abs=5.0)
@@ -251,10 +251,10 @@ def test_a_person_steps_through_a_program(
         "Routine: num by = 2",
         "there is no data of that name here",
         "`x` is no number",
-        "input dipart = 1",
+        "input diPart = 1",
         "`wat` is no command; h prints them",
         "T_ROB1  cell.mod:7  WaitTime 0.5;",
-        "dogrip = 1",
+        "doGrip = 1",
     ):
         assert shown in out, shown
     assert out.splitlines()[-1].startswith(f"{cell}: came to its end: 0.50 s")
@@ -267,7 +267,7 @@ def test_stepping_in_a_terminal(cell: Path, forks: Forks) -> None:
     with Command(forks, "run", cell, "--break", "cell.mod:5", **streams) as child:
         os.close(theirs)
         said = b""
-        for typed, awaited in ((b"", b"> "), (b"i diPart 1\n", b"dipart = 1"), (b"q\n", b"asked")):
+        for typed, awaited in ((b"", b"> "), (b"i diPart 1\n", b"diPart = 1"), (b"q\n", b"asked")):
             os.write(ours, typed)
             while awaited not in said:
                 said += os.read(ours, 4096)
@@ -433,7 +433,7 @@ def test_a_run_that_is_interrupted_tells_what_it_did(tmp_path: Path, forks: Fork
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
     with Command(forks, *words, **streams) as child:
         assert child.stdout is not None
-        assert "dogrip = 1" in child.stdout.readline()
+        assert "doGrip = 1" in child.stdout.readline()
         child.send_signal(signal.SIGINT)
         assert "was ended as asked" in child.stdout.read()
     assert child.returncode == 130

@@ -157,7 +157,9 @@ def _wait_for(given: Given) -> None:
     compare = next((_COMPARISONS[name] for name in _COMPARISONS if given.has(name)), operator.eq)
     signal, value = given.signal(0), given.number(1)
     read = given.machine.signals.read
-    what = f"`{signal}` is {read(signal):g}, {value:g} is waited for"
+    node = given.required[0]
+    named = node.name if isinstance(node, s.NameRef) else signal
+    what = f"`{named}` is {read(signal):g}, {value:g} is waited for"
     _wait_for_condition(given, lambda: bool(compare(read(signal), value)), what)
 
 
