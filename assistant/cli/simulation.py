@@ -27,7 +27,7 @@ from assistant.cli.options import (
     with_project_defaults,
 )
 from assistant.cli.presentation import Format, print_answer, working
-from assistant.cli.source_input import NO_FILE_NAME, STANDARD, keep_sources, load_given
+from assistant.cli.source_input import NO_FILE_NAME, STANDARD, cell_of, keep_sources, load_given
 
 if TYPE_CHECKING:
     from assistant.compiler.arms import InCell
@@ -134,6 +134,7 @@ def solved_source(
     stands: the cell, where it has been read already.
     """
     from assistant.compiler.arms import open_cell
+    from assistant.compiler.cell_defaults import with_stated_values
     from assistant.compiler.retarget import solve
 
     stands = stands or open_cell(cell, robot)
@@ -141,6 +142,9 @@ def solved_source(
     arm = written.from_robot or stands.robot
     named, entry = written.from_language, written.entry
     loaded = load_given(source, arm, reader, named, entry, stands.around)
+    values = (cell or cell_of(source)) if loaded.language is not None else None
+    if values is not None:
+        loaded = with_stated_values(loaded, values)
     return solve(loaded, stands, source, written.from_robot)
 
 

@@ -197,6 +197,26 @@ def _of_stated_kind(one: Wanted, cell: Cell, signals: Mapping[str, Signal]) -> W
     return replace(one, kind="signal", signal=signal, perhaps=None)
 
 
+def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
+    """A program with what a cell file states of it, and nothing in place of what it lacks.
+
+    Raises Unreadable or Refused for a file that cannot be used.
+    """
+    origin = loaded.program.origin
+    if origin is None:
+        return loaded
+    cell, language, program = read_cell(path), language_of(origin.language), loaded.program
+    signals = program.signals | dict(loaded.signals) | dict(cell.process.signals)
+    given = values_stated(language.wanted(origin.trees), {}, cell, signals)
+    if given:
+        trees = language.with_supplied(origin.trees, given, STATED_TEXT_NAME)
+        anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
+        program = _with_stated_tables(anew, program, origin.lifted)
+    check_signals(program, cell.process, str(path))
+    program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
+    return replace(loaded, program=program, findings=(*loaded.findings, *findings))
+
+
 def values_stated(
     wanted: Iterable[Wanted],
     held: Mapping[tuple[WantedKind, str], SuppliedValue],

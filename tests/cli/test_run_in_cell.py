@@ -107,3 +107,23 @@ def test_a_script_names_the_signals_of_a_translated_program(folder: Path, capsys
     (folder / "script.toml").write_text('[[set]]\ninput = "diRedy"\n')
     _, _, err = run(capsys, "run", "PART.prg", "--signals", "script.toml")
     assert "CL026" in err and "write `diready`" in err.lower()
+
+
+TOOLED = """MODULE part
+  PROC main()
+    MoveL [[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tHand;
+    MoveL [[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tHand;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def test_a_simulation_takes_the_tool_of_the_cell_file(folder: Path, capsys: Capture) -> None:
+    (folder / "part.mod").write_text(TOOLED)
+    given = ("simulate", "part.mod", "-r", "irb1200-7-0.7")
+    (folder / "cell.toml").write_text("[tools.tHand]\ntip = [0, 0, 2000]\n")
+    status, said, err = run(capsys, *given)
+    assert status == 1 and "out of reach" in said + err
+    (folder / "cell.toml").write_text("[tools.tHand]\ntip = [0, 0, 100]\n")
+    status, said, err = run(capsys, *given)
+    assert status == 0, said + err
