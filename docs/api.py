@@ -41,10 +41,46 @@ CLASSES: Final = (
     "assistant.base.diagnostics.Refused",
     "assistant.program.program.Program",
     "assistant.program.geometry.Pose",
+    "assistant.robots.robot.Robot",
 )
 """What they give."""
+CONTROLLERS: Final = (
+    "assistant.controllers.abb.exchange.PoseExchange",
+    "assistant.controllers.abb.exchange.PlainExchange",
+    "assistant.controllers.abb.exchange.Module",
+    "assistant.controllers.abb.exchange.Answer",
+    "assistant.controllers.abb.egm.guide",
+    "assistant.controllers.mitsubishi.external_control.Mxt",
+    "assistant.controllers.mitsubishi.external_control.Monitor",
+    "assistant.controllers.mitsubishi.data_link.DataLink",
+    "assistant.controllers.mitsubishi.data_link.Form",
+    "assistant.controllers.mitsubishi.control_mode.ControlMode",
+    "assistant.controllers.cyclic.Trajectory",
+    "assistant.controllers.cyclic.Limits",
+    "assistant.controllers.cyclic.ArmLimits",
+    "assistant.controllers.cyclic.Settings",
+    "assistant.controllers.cyclic.Report",
+    "assistant.controllers.recording.Recording",
+)
+"""How arms are led and programs spoken with."""
+BLOCKS: Final = (
+    "assistant.blocks.diagrams",
+    *(
+        f"assistant.blocks.library.{name}"
+        for name in (
+            *("arms", "sources", "stopped_moves", "continuous_moves", "controller_io"),
+            *("external_control", "sensors"),
+        )
+    ),
+    "assistant.blocks.robot",
+    "assistant.blocks.robot_around",
+    "assistant.blocks.connections",
+    "assistant.blocks.setpoint_connections",
+)
+"""Modules of blocks and of their connections to controllers."""
 MODULES: Final = {
-    "robots": ("get", "load", "names", "solve_program"),
+    "pose": ("of", "columns", "se3", "read", "write", "convert", "parse", "conventions"),
+    "robots": ("get", "load", "names", "solve_program", "from_rtb"),
     "languages": ("get", "names", "of_file"),
     "deploy": ("plan", "deploy", "rollback", "verify", "resume", "deploy_to_all"),
 }
@@ -62,7 +98,35 @@ def page() -> str:
         module: ModuleType = getattr(assistant, name)
         parts.append(f"## assistant.{name}\n\n{_first(module.__doc__)}\n")
         parts += [_function(f"assistant.{name}.{f}", getattr(module, f)) for f in functions]
+    parts.append("## Controllers\n\nEach is imported from its module.\n")
+    for path in CONTROLLERS:
+        module_name, _, name = path.rpartition(".")
+        one = getattr(importlib.import_module(module_name), name)
+        parts.append(_class(path, one) if isinstance(one, type) else _function(path, one))
+    parts.append("## Blocks\n\n[Block diagrams](blocks.md) tells how they are put together.\n")
+    for module_name in BLOCKS:
+        module = importlib.import_module(module_name)
+        parts.append(f"### {module_name}\n\n{_first(module.__doc__)}\n")
+        parts += [f"{_row(name, one)}" for name, one in _public(module)]
+        parts.append("")
     return "\n".join(parts)
+
+
+def _public(module: ModuleType) -> Iterator[tuple[str, Any]]:
+    """Classes and functions that a module defines, with a docstring."""
+    for name, value in vars(module).items():
+        own = getattr(value, "__module__", "") == module.__name__
+        if own and not name.startswith("_") and callable(value) and value.__doc__:
+            yield name, value
+
+
+def _row(name: str, one: Any) -> str:
+    made = one.__init__ if isinstance(one, type) else one
+    kinds = {each.kind for each in inspect.signature(made).parameters.values()}
+    # What only passes its arguments on has them in the page about blocks.
+    if inspect.Parameter.VAR_POSITIONAL in kinds:
+        return f"- `{name}`: {_first(one.__doc__)}"
+    return f"- `{_signature(name, made, ' ').removesuffix(' -> None')}`: {_first(one.__doc__)}"
 
 
 def _function(name: str, function: Any) -> str:
@@ -86,8 +150,9 @@ def _class(name: str, kind: type) -> str:
 
 
 def _members(kind: type) -> Iterator[tuple[str, Any]]:
-    """Properties, methods and static methods of the class itself that say what they are for."""
-    for name, value in vars(kind).items():
+    """Properties, methods and static methods of a class of ours that say what they are for."""
+    ours = [one for one in reversed(kind.__mro__) if one.__module__.startswith("assistant.")]
+    for name, value in {n: v for one in ours for n, v in vars(one).items()}.items():
         value = value.__func__ if isinstance(value, staticmethod) else value
         told = isinstance(value, property) or inspect.isfunction(value)
         if told and not name.startswith("_") and value.__doc__:

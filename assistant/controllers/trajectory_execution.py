@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -20,10 +20,6 @@ from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import SCHEMES
 from assistant.controllers.controller import Controller, Programs
-
-if TYPE_CHECKING:
-    from assistant.controllers.cyclic import Limits
-
 
 Progress = Callable[[float], None]
 """Receives the completed part of the motion, 0 to 1."""
@@ -57,11 +53,9 @@ class TimedMotion:
 
     def numbered(self, values: Floats, missing: float) -> Floats:
         """Values of axes (…, a) with a column for each number; missing: of the others."""
-        # At least six columns: protocols count six axes even where the arm has fewer.
-        width = max(6, max(self.places) + 1)
-        found = np.full((*values.shape[:-1], width), missing)
-        found[..., self.places] = values
-        return found
+        from assistant.controllers.cyclic.trajectory import numbered
+
+        return numbered(self.axes, values, missing)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,19 +129,6 @@ class Mode:
     unbegun: frozenset[str] = frozenset()
 
 
-def _limits(led: TimedMotion) -> Limits:
-    """Return the limits that no cycle may exceed; an axis that the arm lacks stays at rest."""
-    from assistant.controllers.cyclic import Limits
-
-    rises = led.accelerations
-    return Limits(
-        tuple(led.numbered(led.speeds, 1.0).tolist()),
-        None if rises is None else tuple(led.numbered(rises, 1.0).tolist()),
-        tuple(led.numbered(led.limits[:, 0], -1.0).tolist()),
-        tuple(led.numbered(led.limits[:, 1], 1.0).tolist()),
-    )
-
-
 # ------------------------------------------------------------------------------------- ABB
 
 _NOTHING_SENT: Final = "nothing that moves the robot was sent"
@@ -186,12 +167,12 @@ def _exchange(
 def _egm(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress) -> Done:
     """Joints cycle by cycle; a program on the controller is to come and ask for them."""
     from assistant.controllers.abb import egm
-    from assistant.controllers.cyclic import Trajectory
+    from assistant.controllers.cyclic import Limits, Trajectory
 
     report = egm.guide(
         session.address.host,
         Trajectory.of_joints(led.numbered(led.joints, 0.0), led.seconds, unit="deg"),
-        _limits(led),
+        Limits.of_robot(led),
         port=wishes.port or egm.PORT,
         cycle=wishes.cycle or egm.CYCLE,
         watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
@@ -307,7 +288,7 @@ FIRST_PACKET_TIMEOUT: Final = 10.0
 
 def _mxt(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Progress) -> Done:
     """Joints cycle by cycle; the program that waits for them is installed and started."""
-    from assistant.controllers.cyclic import Settings, Trajectory
+    from assistant.controllers.cyclic import Limits, Settings, Trajectory
     from assistant.controllers.mitsubishi import external_control
 
     on_network(session, wishes)
@@ -319,7 +300,7 @@ def _mxt(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Pro
     mxt = external_control.Mxt(
         host,
         port=wishes.port or external_control.PORT,
-        limits=_limits(led),
+        limits=Limits.of_robot(led),
         cycle=wishes.cycle or external_control.CYCLES["CR750"],
         axes=joints.shape[1],
         sliding=sliding,

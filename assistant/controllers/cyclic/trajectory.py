@@ -38,13 +38,36 @@ RowUnit = Literal["deg", "rad", "pulse"]
 
 
 class Axes(Protocol):
-    """What a `Robot` tells of its axes: their names (a,), and which (a,) slide."""
+    """What a `Robot` tells of its axes: names (a,), which (a,) slide, and limits.
+
+    speeds, accelerations: (a,) a second. limits: (a, 2).
+    """
 
     @property
     def axes(self) -> tuple[str, ...]: ...
 
     @property
-    def sliding(self) -> Truths: ...
+    def sliding(self) -> Truths | Sequence[bool]: ...
+
+    @property
+    def speeds(self) -> Floats: ...
+
+    @property
+    def accelerations(self) -> Floats | None: ...
+
+    @property
+    def limits(self) -> Floats: ...
+
+
+def numbered(axes: Sequence[str], values: Floats, missing: float) -> Floats:
+    """Values of axes (…, a) with a column for each number; missing: of axes that the arm lacks.
+
+    At least six columns: protocols count six axes even where the arm has fewer.
+    """
+    places = [int(axis[1:]) - 1 for axis in axes]
+    found = np.full((*values.shape[:-1], max(6, max(places) + 1)), missing)
+    found[..., places] = values
+    return found
 
 
 POSE_COLUMNS: Final = 7
@@ -91,6 +114,23 @@ class Limits:
     lowest: tuple[float, ...] | None = None
     highest: tuple[float, ...] | None = None
     arm: ArmLimits | None = None
+
+    @staticmethod
+    def of_robot(robot: Axes, percent: float = 100.0) -> Limits:
+        """Return the limits of the joints of an arm, a column for each number from J1 to J6.
+
+        percent: of its speeds; accelerations get slower by its square, so that the path stays.
+        """
+        if not 0.0 < percent <= 100.0:
+            raise Refused(BAD_LIMITS(reason=f"{percent:g} percent of its speeds"), exit_status=2)
+        part, rises = percent / 100.0, robot.accelerations
+        low, high = robot.limits.T
+        return Limits(
+            tuple(numbered(robot.axes, part * robot.speeds, 1.0).tolist()),
+            None if rises is None else tuple(numbered(robot.axes, part**2 * rises, 1.0).tolist()),
+            tuple(numbered(robot.axes, low, -1.0).tolist()),
+            tuple(numbered(robot.axes, high, 1.0).tolist()),
+        )
 
     def columns(self, kind: Kind, width: int) -> tuple[Floats, Floats]:
         """Speeds and accelerations (k,) for rows of that kind; Refused if they do not fit."""
@@ -257,7 +297,8 @@ class Trajectory:
         gives. times: (n,) seconds, None for as fast as the limits allow. unit: it has to be stated:
         "deg" for degrees, and mm of an axis that slides; "rad" for radians, and m; "pulse" for
         pulses of the motors. robot: whose axes the columns are, needed for "rad", as it knows which
-        of them slide. Raises Refused.
+        of them slide; the trajectory then has a column for each number from J1 to J6, as the
+        protocols have, 0 for an axis that the arm lacks. Raises Refused.
         """
         if unit not in get_args(RowUnit):
             reason = f"the unit of its joints is {unit!r}" if unit else "no unit of its joints"
@@ -267,12 +308,14 @@ class Trajectory:
         if robot is not None and width != len(robot.axes):
             reason = f"its shape is {made.rows.shape}, not (n, {len(robot.axes)})"
             raise Refused(BAD_TRAJECTORY(reason=reason), exit_status=2)
-        if unit != "rad":
-            return made
         if robot is None:
-            raise Refused(NO_ROBOT_OF_ROWS(), exit_status=2)
-        turned = np.where(robot.sliding, made.rows * METRE["m"], np.degrees(made.rows))
-        return replace(made, rows=turned)
+            if unit == "rad":
+                raise Refused(NO_ROBOT_OF_ROWS(), exit_status=2)
+            return made
+        if unit == "rad":
+            turned = np.where(robot.sliding, made.rows * METRE["m"], np.degrees(made.rows))
+            made = replace(made, rows=turned)
+        return replace(made, rows=numbered(robot.axes, made.rows, 0.0))
 
     @staticmethod
     def of_poses(

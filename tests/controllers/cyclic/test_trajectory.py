@@ -163,7 +163,12 @@ def test_the_unit_of_joints_is_asked_for():
     led = Trajectory.of_joints(radians, unit="rad", robot=arm)
     assert led.rows == pytest.approx(np.degrees(radians))
     slides = Trajectory.of_joints([[0.1, 0.2, 0.05, 0.0]], unit="rad", robot=scara)
-    assert slides.rows[0] == pytest.approx([*np.degrees([0.1, 0.2]), 50.0, 0.0])
+    assert slides.rows[0] == pytest.approx([*np.degrees([0.1, 0.2]), 50.0, 0.0, 0.0, 0.0])
+    five = robots.get("rv-2aj")
+    led = Trajectory.of_joints([[1, 2, 3, 5, 6]], unit="deg", robot=five)
+    assert led.rows.tolist() == [[1, 2, 3, 0, 5, 6]]
+    limits = Limits.of_robot(five, 50.0)
+    assert len(limits.speeds) == 6 and limits.speeds[4] == 0.5 * five.speeds[3]
     for code, settings_of in (
         ("CN705", {}),
         ("CN705", {"unit": "grad"}),
