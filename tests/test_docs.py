@@ -271,3 +271,17 @@ def test_the_rooms_of_languages_are_counted() -> None:
         assert {"tree", "reading", "text", "checks", "lift", "lower", "tables"} <= set(sizes[name])
     lines = house.table(sizes).splitlines()
     assert lines[-1].split()[1:] == [str(sum(inside.values())) for inside in sizes.values()]
+
+
+ON_AN_INDEX = re.compile(r"pip[x]? install[^`\n]*?(?<![\w./\\-])robot-assistant(?![\w.-]*[/\\])")
+
+
+def test_no_page_and_no_message_asks_an_index_for_the_package() -> None:
+    """It is on none: a stranger's package may have its name tomorrow."""
+    texts = [*PAGES, PROJECT / "CHANGELOG.md", PROJECT / "action.yml"]
+    for folder in ("assistant", "samples", "templates"):
+        texts += [f for f in (PROJECT / folder).rglob("*") if f.suffix in {".py", ".toml", ".yml"}]
+    wrong = {str(f): ON_AN_INDEX.findall(f.read_text("utf-8", "replace")) for f in texts}
+    assert {file: found for file, found in wrong.items() if found} == {}
+    assert ON_AN_INDEX.search("pip install 'robot-assistant[studio]'")
+    assert ON_AN_INDEX.search("pip install robot-assistant\n")

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.base.diagnostics import error, info, warning
+from assistant.base.installation import missing_extra
 
-NO_LIBRARY = error(
+NO_LIBRARY = missing_extra(
     "CK400",
     "{what} handled by the library {name}, which is not installed",
-    "install the extra: pip install 'robot-assistant[cell]'",
+    "cell",
 )
 NO_PARENT = error(
     "CK401",
@@ -236,10 +237,10 @@ CHART_ONLY_HERE = error(
 )
 
 
-NO_PLANNER = error(
+NO_PLANNER = missing_extra(
     "CK440",
     "ways are planned by the library ompl, which is not installed",
-    "install the extra: pip install 'robot-assistant[plan]'",
+    "plan",
 )
 PATH_OUTSIDE_LIMITS = error(
     "CK441",

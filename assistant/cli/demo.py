@@ -51,7 +51,22 @@ class Demo:
         with working("drawing the page"):
             (report,), _ = write_page(PageOptions(report=self.output / _REPORT), sheets, (), "demo")
         say(f"to be looked at in a browser: {report}")
+        for line in _next_steps():
+            say(line)
         return 0
+
+
+def _next_steps() -> Iterator[str]:
+    """Yield the first steps of the studio, the installation too where it lacks its libraries."""
+    from importlib.util import find_spec
+
+    from assistant.base.installation import install_command
+
+    yield "next: a drawing of yours, in one window of the browser:"
+    if any(find_spec(name) is None for name in ("starlette", "uvicorn", "websockets")):
+        yield f"  {install_command('studio')}"
+    yield "  robot-assistant init cell samples/plate.dxf"
+    yield "  robot-assistant studio cell"
 
 
 ABB: Final = "irb1200-7-0.7"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.base.diagnostics import Refused, Severity, error, info, warning
+from assistant.base.installation import missing_extra
 
 ERROR: Final = Severity.ERROR
 
@@ -156,10 +157,10 @@ HOST_KEY = error(
     "compare the key with that of the controller, then add it to the known hosts, or write its "
     "fingerprint into the address: `sftp://user@host?fingerprint=SHA256:…`",
 )
-NEEDS_SFTP = error(
+NEEDS_SFTP = missing_extra(
     "CN212",
     "SFTP needs paramiko, which is not installed",
-    "install it with `pip install 'robot-assistant[sftp]'`",
+    "sftp",
 )
 SHORT = error(
     "CN213",
@@ -244,10 +245,10 @@ LEFT_OUT = warning(
     "the controller has {count} files that are no programs and are not in the backup: {names}",
     "keep them by RT ToolBox if they are wanted; all of their names are in `{file}`",
 )
-NEEDS_RWS = error(
+NEEDS_RWS = missing_extra(
     "CN220",
     "Robot Web Services need httpx and websockets, which are not installed",
-    "install them with `pip install 'robot-assistant[rws]'`",
+    "rws",
 )
 MAY_BE_HELD = error(
     "CN221",

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Final, cast
 
 from assistant.base.diagnostics import Refused, Span, error
+from assistant.base.installation import missing_extra
 from assistant.editing.answers import Change, Changes, Location, OutlineItem, OutlineKind
 from assistant.editing.text_lines import Lines, Place, Range
 from assistant.editing.workspace import Document
@@ -27,10 +28,10 @@ _NOT_DECLARED: Final = error(
     "nothing with a name that can be changed stands here",
     "put the cursor on a name that the program declares",
 )
-NO_LIBRARY: Final = error(
+NO_LIBRARY: Final = missing_extra(
     "ED010",
     "the language server is made with the library {name}, which is not installed",
-    "install the extra: pip install 'robot-assistant[lsp]'",
+    "lsp",
 )
 NOT_BOUND: Final = error(
     "ED011",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.base.diagnostics import error, info, warning
+from assistant.base.installation import missing_extra
 
 NO_PROJECT: Final = error(
     "PR101",
@@ -122,11 +123,11 @@ ROBOT_OUTSIDE: Final = error(
     "the robot file `{file}` is outside of the folder of the project",
     "copy it into the folder, and name it there",
 )
-NOT_STARTED: Final = error(
+NOT_STARTED: Final = missing_extra(
     "PR401",
     "the virtual controller `{name}` cannot start: {reason}",
-    "see whether another command uses it, and whether its packages are installed "
-    "(`robot-assistant[virtual,rws]`)",
+    "virtual,rws",
+    "see whether another command uses it, and whether its packages are installed: `{install}`",
 )
 BUSY: Final = error(
     "PR402",

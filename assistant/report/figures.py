@@ -18,6 +18,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, evenly_spaced
 from assistant.base.diagnostics import Refused, error
+from assistant.base.installation import missing_extra
 from assistant.program.se3 import METRE, Unit
 from assistant.report.track import Track
 from assistant.robots import Robot
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-NEEDS_PLOT: Final = error(
+NEEDS_PLOT: Final = missing_extra(
     "CL008",
     "drawing needs matplotlib, which is not installed",
-    "install it with `pip install 'robot-assistant[plot]'`",
+    "plot",
 )
 NO_PICTURE: Final = error(
     "CL009", "`{name}` is no picture that can be drawn", "end its name in .png or .svg"

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from assistant.base.diagnostics import error, info
+from assistant.base.installation import missing_extra
 
-NO_LIBRARY = error(
+NO_LIBRARY = missing_extra(
     "ST001",
     "the studio is served by the library {name}, which is not installed",
-    "install the extra: pip install 'robot-assistant[studio]'",
+    "studio",
 )
 NOT_SERVED = error(
     "ST002",

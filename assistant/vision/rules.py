@@ -10,11 +10,12 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.base.diagnostics import error, info, warning
+from assistant.base.installation import missing_extra
 
-NO_OPENCV = error(
+NO_OPENCV = missing_extra(
     "VS001",
     "pictures are handled by the library OpenCV, which is not installed",
-    "install the extra: pip install 'robot-assistant[vision]'",
+    "vision",
 )
 
 

@@ -1,6 +1,6 @@
 """A Cartesian trajectory of the Robotics Toolbox, as programs for two makers, and its plot.
 
-Needs `pip install 'robot-assistant[plot,toolbox]'`; writes into the folder that it runs in.
+Needs `python -m pip install '.[plot,toolbox]'`; writes into the folder that it runs in.
 
     python trajectory.py positioning.png
 """

@@ -292,7 +292,7 @@ def test_the_demo_without_the_toolbox_tells_what_installs_it(capsys, tmp_path, m
     monkeypatch.setitem(sys.modules, "roboticstoolbox", None)
     out = demo(capsys, tmp_path)
     (line,) = [line for line in out.splitlines() if "roboticstoolbox" in line]
-    assert "pip install 'robot-assistant[toolbox]'" in line and "positioning.csv" in line
+    assert "pip install" in line and "[toolbox]'" in line and "positioning.csv" in line
 
 
 @pytest.mark.slow

@@ -226,4 +226,4 @@ def test_without_matplotlib_the_extra_is_named(
     status, out, err = run(capsys, "robots", "show", "rv-4frl", "--draw", tmp_path / "arm.png")
     assert (status, out) == (2, "")
     assert err.startswith("CL008")
-    assert "robot-assistant[plot]" in err
+    assert "[plot]" in err

@@ -190,7 +190,7 @@ def test_without_the_library_the_extra_is_named(
     with pytest.raises(Refused) as refused:
         check_files([across], cell=written(tmp_path / "post.toml", POST))
     (finding,) = refused.value.findings
-    assert (finding.code, "robot-assistant[cell]" in (finding.cure or "")) == ("CK400", True)
+    assert (finding.code, "[cell]" in (finding.cure or "")) == ("CK400", True)
 
 
 @pytest.mark.parametrize(("length", "told"), [(80, []), (129, []), (200, ["CK427"])])

@@ -32,7 +32,7 @@ from tests.findings.cures.naming import FOLLOWED, OPTION, followable, in_text, n
 from tests.findings.cures.not_followed import NOT_FOLLOWED, NOT_WRITTEN
 
 PACKAGE = Path(assistant.__file__).parent
-OTHER_PROGRAMS = ("deploy/repository.py", "virtual/cr/mxt_process.py")
+OTHER_PROGRAMS = ("base/installation.py", "deploy/repository.py", "virtual/cr/mxt_process.py")
 """What calls programs that are none of ours, or itself, with options of their own."""
 SENTENCES = {"robot-assistant itself failed"}
 MODULES = (

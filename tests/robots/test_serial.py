@@ -205,7 +205,7 @@ def test_without_roboticstoolbox_the_extra_is_named(monkeypatch) -> None:
     with pytest.raises(Refused) as refused:
         robot.ik(*pose)
     (finding,) = refused.value.findings
-    assert finding.code == "RB003" and "robot-assistant[toolbox]" in finding.cure
+    assert finding.code == "RB003" and "[toolbox]" in finding.cure
 
 
 @pytest.mark.parametrize(

@@ -5,16 +5,17 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.base.diagnostics import Refused, error
+from assistant.base.installation import missing_extra
 
 BAD_LINE: Final = error(
     "CN611",
     "`{target}` is no communication line: {reason}",
     "write `host:port`, `listen:address:port`, or a serial port as `/dev/ttyS0` or `COM3`",
 )
-NO_SERIAL: Final = error(
+NO_SERIAL: Final = missing_extra(
     "CN612",
     "serial lines need pyserial, which is not installed",
-    "install it with `pip install 'robot-assistant[serial]'`",
+    "serial",
 )
 NO_LINE: Final = error(
     "CN613",

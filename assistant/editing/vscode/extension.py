@@ -71,8 +71,8 @@ _ABOUT: Final = (
     "Findings with quick fixes, names, outline and layout of robot programs, and a debugger."
 )
 _NEEDS: Final = (
-    "It runs the command `robot-assistant`, which is installed with pip:"
-    " `pip install 'robot-assistant[lsp]'`."
+    "It runs the command `robot-assistant`, which is installed from its folder or its wheel:"
+    " `python -m pip install '.[lsp]'`."
 )
 _ENGINE: Final = "^1.82.0"
 """The oldest VS Code that the bundled client runs in."""

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Refused, error, info
+from assistant.base.installation import missing_extra
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import METRE, Joint
 from assistant.robots.arms.serial import Serial
@@ -27,10 +28,10 @@ if TYPE_CHECKING:
     from roboticstoolbox import Robot as ToolboxRobot
 
 
-_NEEDS_TOOLBOX: Final = error(
+_NEEDS_TOOLBOX: Final = missing_extra(
     "RB003",
     "{purpose} needs roboticstoolbox, which is not installed",
-    "install it with `pip install 'robot-assistant[toolbox]'`",
+    "toolbox",
 )
 _COUPLED: Final = error(
     "RB009",

@@ -19,8 +19,9 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final, Self
 from urllib.parse import quote
 
-from assistant.base.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused
 from assistant.base.file_access import read_file
+from assistant.base.installation import missing_extra
 from assistant.virtual.irc5.cabinet import Cabinet, Signal
 from assistant.virtual.irc5.panel import Mode
 from assistant.virtual.irc5.programs import (
@@ -40,10 +41,10 @@ if TYPE_CHECKING:
     from assistant.virtual.irc5.rws_service import Service
 
 
-NEEDS_PYFTPDLIB = error(
+NEEDS_PYFTPDLIB = missing_extra(
     "VC001",
     "the virtual IRC5 needs pyftpdlib, which is not installed",
-    "install it with `pip install 'robot-assistant[virtual]'`",
+    "virtual",
 )
 POLL_PERIOD: Final = 0.05
 """Seconds after which the server looks whether it shall stop."""

@@ -13,7 +13,8 @@ from pathlib import Path as FilePath
 from typing import Literal
 
 from assistant.base import certificate
-from assistant.base.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused
+from assistant.base.installation import missing_extra
 
 FaultKind = Literal["delay", "cut", "garbage", "twice"]
 
@@ -75,10 +76,10 @@ GARBLED_ANSWER = b"\x00\xff\x7f not a protocol \r\n\x16\x03"
 """Bytes that are sent instead of an answer."""
 
 
-NEEDS_PACKAGE = error(
+NEEDS_PACKAGE = missing_extra(
     "VC002",
     "the virtual IRC5 needs {package} for Robot Web Services, which is not installed",
-    "install it with `pip install 'robot-assistant[virtual]'`",
+    "virtual",
 )
 
 

@@ -189,7 +189,7 @@ def test_without_opencv_it_is_said_what_to_install(tmp_path: Path, forks) -> Non
     words = ("camera", "view", "cameras.toml", "left", "-o", "v.png", "--source", "3")
     done = forks.python("lacking.py", *words, cwd=tmp_path)
     assert done.returncode == 2
-    assert "VS001" in done.stderr and "robot-assistant[vision]" in done.stderr
+    assert "VS001" in done.stderr and "[vision]" in done.stderr
 
 
 def test_dark_and_saturated_pictures_are_told() -> None:
