@@ -15,7 +15,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.columns import columns_html, html_text
-from assistant.base.diagnostics import Diagnostic, Refused, Severity
+from assistant.base.diagnostics import Diagnostic, Refused, Severity, notes_last
 from assistant.base.source_text import lines_of, visible
 from assistant.compiler.arms import known_robot
 from assistant.program.expressions import JointValue, Name
@@ -65,7 +65,7 @@ def _findings_html(findings: Sequence[Diagnostic]) -> str:
     """A table of findings, and how many more there are."""
     if not findings:
         return "<p>no findings</p>"
-    lines = [_finding_row(finding) for finding in findings[:_MOST_FINDINGS]]
+    lines = [_finding_row(finding) for finding in notes_last(findings)[:_MOST_FINDINGS]]
     more = len(findings) - len(lines)
     rest = f"<p>and {more} more</p>" if more > 0 else ""
     return f"<table><tbody>{''.join(lines)}</tbody></table>{rest}"

@@ -453,6 +453,11 @@ _MOST_PLACES: Final = 3
 """Source locations that a folded finding names before it counts the rest."""
 
 
+def notes_last(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Errors and warnings in their order, then the notes."""
+    return sorted(findings, key=lambda finding: finding.severity is Severity.INFO)
+
+
 def fold(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Join findings that differ only in their place, and those of a stretch, into one with a count.
 

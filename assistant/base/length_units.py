@@ -28,6 +28,14 @@ _UNIT_STATED = info(
 )
 
 
+def length_text(mm: float) -> str:
+    """A measured length in mm, as far as it means something: tenths, two digits below 1."""
+    size = abs(mm)
+    if 0.0 < size < 0.01:
+        return "less than 0.01"
+    return f"{round(mm, 1 if size >= 1.0 else 2) + 0.0:g}"
+
+
 def unit_stated(path: object, unit: str) -> Diagnostic:
     """That a file states its own lengths; raises Refused as `known_unit` does."""
     return _UNIT_STATED(path=str(path), unit=known_unit(unit))

@@ -250,7 +250,7 @@ PATH_OUTSIDE_LIMITS = error(
 )
 START_TOUCHES = error(
     "CK442",
-    "where the way begins `{one}` touches `{other}`, {deep:.3g} mm deep",
+    "where the way begins `{one}` touches `{other}`, {deep} mm deep",
     "begin away from it; two that may touch stand under `allowed` of [world]",
 )
 GOAL_NOT_REACHED = error(
@@ -260,7 +260,7 @@ GOAL_NOT_REACHED = error(
 )
 GOAL_TOUCHES = error(
     "CK444",
-    "at {goal} `{one}` touches `{other}`, {deep:.3g} mm deep; so in each of the ways to hold the "
+    "at {goal} `{one}` touches `{other}`, {deep} mm deep; so in each of the ways to hold the "
     "arm there ({count})",
     "move the goal away from it; two that may touch stand under `allowed` of [world]",
 )
@@ -272,7 +272,7 @@ NO_PATH = error(
 )
 LESS_MARGIN = info(
     "CK446",
-    "the way keeps `{one}` only {least:.3g} mm from `{other}`, whose margin is {margin:g} mm, as "
+    "the way keeps `{one}` only {least} mm from `{other}`, whose margin is {margin:g} mm, as "
     "it is that near where the way {where}",
     "move the target, or state a smaller margin in the cell file",
 )

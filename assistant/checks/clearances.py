@@ -17,9 +17,9 @@ from assistant.base.diagnostics import (
     info,
     warning,
 )
+from assistant.base.length_units import length_text
 from assistant.program.statements import Follow
 from assistant.robots import SolvedProgram
-from assistant.robots.solved_program import Leg
 
 if TYPE_CHECKING:
     from assistant.cell.clearances import Closeness
@@ -93,8 +93,6 @@ _SHALLOW: Final = 0.05
 """Share of the radii of two links by which their capsules may overlap where the links may not: the
 radii are not measured, and the capsules are thicker than the castings.
 """
-_NEIGHBOURS: Final = 2
-"""Moves that are at most so far apart are neighbours; the points of an arc are two apart."""
 _BARE: Final = 50.0
 """mm from a tip to the next body; from this distance on, the tool is assumed to have no body."""
 
@@ -178,42 +176,17 @@ def _told_of(
         if key not in touched:
             rule = _NOT_PROVEN if one.bound <= 0.0 else NEAR
             told.append((_told(solution, scene, one, rule), one))
-    return _in_stretches(solution, told)
+    return _by_pairs(told)
 
 
-def _in_stretches(
-    solution: SolvedProgram, told: Sequence[tuple[Diagnostic, Closeness]]
+def _by_pairs(
+    told: Sequence[tuple[Diagnostic, Closeness]],
 ) -> Iterator[tuple[Diagnostic, Closeness]]:
-    """The same findings, those of two bodies at neighbouring moves as one stretch."""
-    at = {name: _positions(legs) for name, legs in solution.legs.items()}
-    places = []
+    """The same findings, those of the same two bodies as one stretch of all moves."""
     for finding, one in told:
-        first, lines = at[one.procedure][one.number - 1]
-        pair = finding.code, one.procedure, one.contact.one, one.contact.other
-        places.append((pair, first + (one.row if lines else 0)))
-    stretches: dict[int, str] = {}
-    before: tuple[object, int] = None, 0
-    for number in sorted(range(len(told)), key=places.__getitem__):
-        pair, position = places[number]
-        if pair != before[0] or position - before[1] > _NEIGHBOURS:
-            key = " ".join((*pair, str(number)))
-        stretches[number], before = key, (pair, position)
-    for number, (finding, one) in enumerate(told):
         least = one.bound if finding.code == _NOT_PROVEN.code else one.least
-        yield replace(finding, stretch=Stretch(stretches[number], -round(least, 1))), one
-
-
-def _positions(legs: Iterable[Leg]) -> list[tuple[int, bool]]:
-    """The first move of each motion statement, counted in the procedure, and whether each of its
-    moves has a line.
-    """
-    found, count = [], 0
-    for leg in legs:
-        path = leg.statement.path if isinstance(leg.statement, Follow) else None
-        lines = path is not None and path.places is not None
-        found.append((count, lines))
-        count += len(path) if path is not None and lines else 1
-    return found
+        key = " ".join((finding.code, one.contact.one, one.contact.other))
+        yield replace(finding, stretch=Stretch(key, -round(least, 1))), one
 
 
 def _hardly(scene: Scene, one: Closeness) -> bool:
@@ -267,18 +240,18 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
         return rule(
             touches="starts in contact with" if one.starts else "touches",
             point=_vector(contact.points[0], 1),
-            deep=f"{'up to' if one.exact else 'at least'} {figure(deep)}",
+            deep=f"{'up to' if one.exact else 'at least'} {length_text(deep)}",
             normal=_vector(contact.normal, 2),
             **said,
         )
     if rule is _NOT_PROVEN:
-        return rule(least=figure(one.least), doubt=one.least - one.bound, **said)
+        return rule(least=length_text(one.least), doubt=one.least - one.bound, **said)
     names = contact.one, contact.other
     margins = [body.margin for body in scene.all_bodies() if body.name in names]
     margin = max(scene.margin if m is None else m for m in margins)
-    least = f"{figure(min(one.least, margin))} mm"
+    least = f"{length_text(min(one.least, margin))} mm"
     if not one.exact:
-        least += f" or less (more than {figure(one.bound)} mm)"
+        least += f" or less (more than {length_text(one.bound)} mm)"
     return rule(least=least, margin=margin, **said)
 
 
@@ -301,11 +274,6 @@ def _span(solution: SolvedProgram, one: Closeness) -> Span | None:
         return None
     statement = legs[one.number - 1].statement
     return statement.row_span(one.row) if isinstance(statement, Follow) else statement.span
-
-
-def figure(value: float) -> str:
-    """A number of mm, in tenths, with two digits below 1."""
-    return f"{round(value, 1):g}" if abs(value) >= 1.0 else f"{round(value, 2):g}"
 
 
 def _vector(values: tuple[float, float, float], digits: int) -> str:

@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from assistant.base.diagnostics import LONGEST_EXCERPT, Diagnostic, FailOn, Severity
+from assistant.base.diagnostics import LONGEST_EXCERPT, Diagnostic, FailOn, Severity, notes_last
 from assistant.base.source_text import STEERING
 from assistant.base.source_text import visible as visible_text
 
@@ -111,9 +111,11 @@ def console() -> Console:
 def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -> None:
     """Print each finding on standard error: code, place, sentence, source line with a caret, cure.
 
+    Notes come after errors and warnings.
+
     explained: a last line says where the findings are explained.
     """
-    listed = list(findings)
+    listed = notes_last(findings)
     if not listed:
         return
     from rich.text import Text

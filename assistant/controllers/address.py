@@ -132,9 +132,7 @@ def parse(text: str) -> Address:
         raise _bad(shown, "the host is no name") from None
     scheme = SCHEMES.get(parts.scheme.lower())
     if scheme is None:
-        known = ", ".join(f"`{name}://`" for name in SCHEMES)
-        given = parts.scheme if "://" in text else ""
-        raise Refused(rules.UNKNOWN_SCHEME(place=shown, given=given, known=known), exit_status=2)
+        raise Refused(_without_scheme(text, shown, parts.scheme), exit_status=2)
     try:
         port = parts.port
     except ValueError:
@@ -150,6 +148,26 @@ def parse(text: str) -> Address:
     user = unquote(parts.username) if parts.username else None
     assert parts.hostname is not None
     return Address(parts.scheme.lower(), parts.hostname, port or scheme.port, user, folder, options)
+
+
+VIRTUAL: Final[Mapping[str, Address]] = {
+    "irc5": Address("rws", "127.0.0.1", 0, "engineer", "HOME:"),
+    "cr": Address("melfa", "127.0.0.1", 0),
+}
+"""Words after `virtual:` in an address of a project → address of that controller."""
+VIRTUALLY: Final = "virtual:"
+
+
+def _without_scheme(text: str, shown: str, scheme: str) -> Diagnostic:
+    """Why a text is no address of a controller, and what it may mean."""
+    virtual = [f"`{VIRTUALLY}{name}`" for name in VIRTUAL]
+    if text.lower().startswith(VIRTUALLY):
+        return rules.VIRTUAL_ADDRESS(place=shown, known=" and ".join(virtual))
+    if "://" not in text and shown == text and _HOST.fullmatch(text):
+        return rules.NO_SCHEME(place=shown, host=text)
+    known = ", ".join([*(f"`{name}://`" for name in SCHEMES), *virtual])
+    given = f"{scheme}://" if "://" in text else shown
+    return rules.UNKNOWN_SCHEME(place=shown, given=given, known=known)
 
 
 def _bad(shown: str, reason: str) -> Refused:
@@ -200,6 +218,8 @@ def _wrong_options(parts: SplitResult, scheme: _Scheme) -> str | None:
     return None if len(dict(pairs)) == len(pairs) else "an option stands twice"
 
 
+_HOST: Final = re.compile(r"(?=.*[.:])[\w.-]+(?::\d{1,5})?", re.ASCII)
+"""An IP or a host with or without a port, alone."""
 _BEGINNING: Final = re.compile(
     rf"(?:(?:{'|'.join(sorted(SCHEMES, key=len, reverse=True))}|https?):?"
     r"|[a-z][a-z0-9+.-]*:(?=//))?[/\\]*",

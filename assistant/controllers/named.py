@@ -26,6 +26,8 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.controllers import rules
 from assistant.controllers.address import (
+    VIRTUAL,
+    VIRTUALLY,
     Address,
     holds_password,
     parse,
@@ -46,12 +48,6 @@ SECRET: Final = re.compile(r"pass|pwd|secret|token|credential", re.IGNORECASE)
 ROBOT_FILES: Final = (".toml", ".urdf")
 """Endings of the name of a robot file."""
 LONGEST_TIMEOUT: Final = 3600.0
-VIRTUAL: Final[Mapping[str, Address]] = {
-    "irc5": Address("rws", "127.0.0.1", 0, "engineer", "HOME:"),
-    "cr": Address("melfa", "127.0.0.1", 0),
-}
-"""Words after `virtual:` in an address → address of that controller."""
-_VIRTUALLY: Final = "virtual:"
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,7 +218,7 @@ class _Reader:
 
 def _virtual(text: str) -> str | None:
     """Which virtual controller an address names, None for the address of another."""
-    kind = text.removeprefix(_VIRTUALLY)
+    kind = text.removeprefix(VIRTUALLY)
     return kind if kind != text and kind in VIRTUAL else None
 
 

@@ -25,6 +25,17 @@ PASSWORD_IN_ADDRESS = error(
     "leave it out; set ROBOT_ASSISTANT_PASSWORD, store it with keyring, or type it when asked",
 )
 UNKNOWN_SCHEME = error("CN103", "no controller is reached by `{given}`", "use {known}")
+NO_SCHEME = error(
+    "CN117",
+    "nothing says how `{host}` is reached",
+    "write `melfa://{host}` (Mitsubishi CR), `rws://{host}` or `ftp://{host}` (ABB IRC5), "
+    "`rwss://{host}` or `sftp://{host}` (ABB OmniCore)",
+)
+VIRTUAL_ADDRESS = error(
+    "CN118",
+    "only {known} are virtual controllers, and only assistant.toml may name them",
+    "write one of them as `address` of a controller in [controllers] of assistant.toml",
+)
 UNKNOWN_NAME = error(
     "CN104",
     "no project names a controller `{name}`; those that are named: {known}",

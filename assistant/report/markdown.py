@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from assistant.base.diagnostics import Diagnostic
+from assistant.base.diagnostics import Diagnostic, notes_last
 from assistant.base.source_text import lines_of, visible
 
 _MOST_LINES: Final = 300
@@ -15,7 +15,7 @@ _MOST_CHARACTERS: Final = 20_000
 
 
 def findings_markdown(findings: Sequence[Diagnostic]) -> list[str]:
-    return [f"- {finding.severity} {code(_told(finding))}" for finding in findings]
+    return [f"- {finding.severity} {code(_told(finding))}" for finding in notes_last(findings)]
 
 
 def _told(finding: Diagnostic) -> str:

@@ -132,3 +132,20 @@ def test_a_controller_has_variables_of_its_own():
     assert (own.user, own.password) == ("bert", "of-cell-1")
     other = find_credentials(address, controller="cell2", environment=environment)
     assert (other.user, other.password) == ("anna", "of-all")
+
+
+@pytest.mark.parametrize(
+    ("address", "code", "said"),
+    [
+        ("192.168.0.20", "CN117", "melfa://192.168.0.20"),
+        ("cell.local:8080", "CN117", "rws://cell.local:8080"),
+        ("virtual:cr800", "CN118", "`virtual:irc5` and `virtual:cr`"),
+        ("virtual:irc5", "CN118", "assistant.toml"),
+        ("telnet://192.168.0.20", "CN103", "`virtual:irc5`"),
+    ],
+)
+def test_an_address_without_a_scheme_says_which_to_try(address, code, said):
+    with pytest.raises(Refused) as refused:
+        named(address)
+    (finding,) = refused.value.findings
+    assert finding.code == code and said in f"{finding.message} {finding.cure}"

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base.arrays import Floats, Truths, reals
 from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.length_units import length_text
 from assistant.cell.collision.continuous import RESOLUTION
 from assistant.cell.findings import (
     FEWER_LINES,
@@ -288,7 +289,7 @@ def _start(space: Space, row: Floats) -> Iterator[Diagnostic]:
     pair = int(np.argmin(distances)) if len(distances) else 0
     if len(distances) and distances[pair] <= _TOUCHING:
         contact = space.contact(row, pair)
-        deep = max(-float(distances[pair]), 0.0)
+        deep = length_text(max(-float(distances[pair]), 0.0))
         raise Refused(START_TOUCHES(one=contact.one, other=contact.other, deep=deep))
     _upright(space, row, "begins")
     yield from _less(space, row, distances, "begins")
@@ -310,7 +311,12 @@ def _less(space: Space, row: Floats, distances: Floats, where: str) -> Iterator[
         names = contact.one, contact.other
         if names not in told and least < margin - _TOUCHING:
             told.add(names)
-            yield LESS_MARGIN(one=names[0], other=names[1], least=least, margin=margin, where=where)
+            said: dict[str, Any] = {
+                "least": length_text(max(least, 0.0)),
+                "margin": margin,
+                "where": where,
+            }
+            yield LESS_MARGIN(one=names[0], other=names[1], **said)
 
 
 def _goals(
@@ -337,7 +343,7 @@ def _goals(
                 goal=_shown(goal),
                 one=contact.one,
                 other=contact.other,
-                deep=max(-float(least[best]), 0.0),
+                deep=length_text(max(-float(least[best]), 0.0)),
                 count=len(goals),
             )
         )

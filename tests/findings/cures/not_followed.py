@@ -29,6 +29,7 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CN113": _RUN.format("it is asked of Python", "docs/controllers/virtual.md"),
     "CN115": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
     "CN116": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
+    "CN118": "a deployment starts the controller then: tests/controllers/test_named.py",
     "CN208": _LIVE.format("controllers/abb/rws/test_session.py"),
     "CN512": "a controller runs the module: tests/controllers/abb/test_exchange.py",
     "CN518": "a module of an earlier version runs: tests/controllers/abb/test_exchange.py",
