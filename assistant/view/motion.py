@@ -184,7 +184,9 @@ MOST_MOVES: Final = 2_000
 _MOST_PLAYED: Final = 40_000
 """Passings of moves that the time line knows; loops have many."""
 _MOST_TEXT: Final = 200
-"""Characters of a statement, or of a line, that are shown."""
+"""Characters of a statement that are shown."""
+_MOST_LINE_TEXT: Final = 2_000
+"""Characters of a line that are shown."""
 _MOST_LINES: Final = 100_000
 """Lines of the program's texts."""
 
@@ -198,11 +200,15 @@ def text_records(texts: Sequence[SourceText]) -> tuple[list[Record], int]:
     first = 1
     for source in texts:
         count = max(0, min(source.line_count, _MOST_LINES + 1 - first))
-        lines = [visible(source.line_text(i + 1))[:_MOST_TEXT] for i in range(count)]
+        lines = [_shortened(visible(source.line_text(i + 1))) for i in range(count)]
         path = None if source.path is None else visible(source.path)
         found.append({"path": path, "first": first, "lines": lines})
         first += source.line_count
     return found, max(0, first - 1 - _MOST_LINES)
+
+
+def _shortened(line: str) -> str:
+    return line if len(line) <= _MOST_LINE_TEXT else line[:_MOST_LINE_TEXT] + "…"
 
 
 class Moves:

@@ -16,6 +16,7 @@ import numpy as np
 
 from assistant.base.source_text import SourceText, lines_of, visible
 from assistant.compiler.comparison import Comparison, paired_statements
+from assistant.compiler.loader import language_of
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translation import LEVELS, Translation
 from assistant.report.translation import renamed_items
@@ -86,6 +87,10 @@ def translation_side_by_side(translation: Translation) -> SideBySide:
             spans.setdefault(went, []).extend(range(first, first + max(1, count)))
     links += [(sources, list(went)) for went, sources in spans.items()]
     links += _declaration_pairs(translation, source, written)
+    origin = compiled.source.origin
+    marks = ["#" if origin is None else language_of(origin.language).comment_mark]
+    marks.append(language_of(compiled.language).comment_mark)
+    links += _comment_pairs(source, written, marks, links)
     return SideBySide(source.texts, _paired_rows(source, written, links, levels), reasons)
 
 
@@ -163,6 +168,39 @@ def _declaration_pairs(
         found = made(new)
         if len(lines) == len(found) == 1 and lines[0] and found[0]:
             yield lines, found
+
+
+def _comment_pairs(
+    source: _CountedTexts,
+    written: _CountedTexts,
+    marks: Sequence[str],
+    links: Iterable[tuple[Sequence[int], Sequence[int]]],
+) -> Iterator[tuple[list[int], list[int]]]:
+    """Lines of both that hold the same comment and nothing else, in their order, if neither is
+    paired already.
+    """
+    linked = list(links)
+    taken = {line for mine, _ in linked for line in mine}
+    made = {line for _, its in linked for line in its}
+    known: dict[str, list[int]] = {}
+    for line, comment in _comments(written, marks):
+        if line not in made:
+            known.setdefault(comment, []).append(line)
+    for line, comment in _comments(source, marks):
+        if line not in taken and (there := known.get(comment)):
+            yield [line], [there.pop(0)]
+
+
+def _comments(texts: _CountedTexts, marks: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """The lines that are a comment, without its mark and the step number before it."""
+    number = 0
+    for text in texts.texts:
+        for line in range(1, text.line_count + 1):
+            number += 1
+            said = text.line_text(line).lstrip("0123456789 \t")
+            mark = next((one for one in marks if said.startswith(one)), "")
+            if mark and (comment := said[len(mark) :].strip()):
+                yield number, comment
 
 
 def _declaring_lines(places: Places) -> Callable[[str], list[int]]:

@@ -239,9 +239,9 @@ def test_lines_of_a_translation_stand_beside_each_other(
     to = ("-p", samples / "cell.process.toml", "-o", tmp_path, "--report", tmp_path / "t.html")
     run(capsys, "translate", samples / "gluing.mod", *given, *to)
     with looking(browser, (tmp_path / "t.html").as_uri()) as page:
+        page.locator("#findings button:not(:disabled)", has_text="MB204").first.click()
         line = page.locator("#listing button", has_text="AccSet 60,100")
         assert "Accel 60,60" in line.inner_text()
-        page.locator("#findings button:not(:disabled)", has_text="MB204").first.click()
         assert "MoveJ pHome" in page.locator("#listing button.now").first.inner_text()
         page.evaluate("view.setTime(view.seconds - 0.01)")
         assert "Mov PHOME" in page.locator("#listing button.now").last.inner_text()

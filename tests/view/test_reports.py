@@ -108,6 +108,8 @@ def test_each_line_of_a_translation_stands_beside_what_it_became(
         for a, b, _ in rows.tolist()
         if a and b
     }
+    comment = "Cell: IRB 1200-7/0.7, cartridge dispenser on the flange, cover on a table."
+    assert pairs[f"! {comment}"] == f"' {comment}"
     assert pairs["WaitTime 0.15"] == "Dly 0.15"
     assert pairs["SetDO doGlue,1"] == "M_Out(11)=1"
     assert pairs["MoveL pCorner3,vBead,z5,tNozzle\\WObj:=wCover"] == "Mvs PCORNER3"

@@ -35,36 +35,50 @@ function approach(place) {
     return;
   }
   const back = camera.position.clone().sub(controls.target);
-  back.setLength(Math.min(back.length(), look.far / 3));
+  back.setLength(Math.min(back.length(), look.far / 2));
   camera.position.copy(place).add(back);
   controls.target.copy(place);
   dirty = true;
 }
-/** Turns the view to the arms and what the program goes through. */
-function look() {
+const LEAST_SHARE = 0.35; // of the size of the arm and all, so that a small part is seen with the tool that works it
+const boxOf = (objects) => {
   const around = new THREE.Box3();
-  const grow = (object) => {
+  for (const object of objects) {
     const box = new THREE.Box3().setFromObject(object);
     if (!box.isEmpty()) around.expandByPoint(box.min).expandByPoint(box.max);
-  };
-  [...carriers.slice(1), path, targets, drawn].forEach(grow);
-  if (around.isEmpty()) grow(scene);
-  if (around.isEmpty()) around.set(new THREE.Vector3(-500, -500, 0), new THREE.Vector3(500, 500, 1000));
-  plan.box.copy(around);
-  const ball = around.getBoundingSphere(new THREE.Sphere());
-  const far = ball.radius / Math.sin((camera.fov * Math.PI) / 360);
-  look.far = far;
+  }
+  return around;
+};
+/** Frames the work: the lines of its drawing, or what the program goes through; or the arms and all. */
+function look(all) {
+  const size = look.all.getBoundingSphere(new THREE.Sphere()).radius, least = LEAST_SHARE * size;
+  plan.box.copy(all ? look.all : look.work);
+  const ball = plan.box.getBoundingSphere(new THREE.Sphere());
+  if (!all) {
+    ball.radius = Math.max(Math.min(1.3 * ball.radius, size), least);
+    const half = plan.box.getSize(new THREE.Vector3()).multiplyScalar(0.5);
+    plan.box.expandByVector(half.set(...half.toArray().map((one) => Math.max(0, 0.6 * least - one))));
+  }
+  look.far = ball.radius / Math.sin((camera.fov * Math.PI) / 360) / Math.min(1, camera.aspect);
   camera.near = ball.radius / 500;
-  camera.far = far + 40 * ball.radius;
+  camera.far = look.far + 40 * size;
   camera.updateProjectionMatrix();
-  aim(ball.center, far);
-  grow(scene);
+  if (plan.on) { fitted(); dirty = true; } else aim(ball.center, look.far);
+}
+function beginLook() {
+  look.all = boxOf([...carriers.slice(1), path, targets, drawn]);
+  if (look.all.isEmpty()) look.all = boxOf([scene]);
+  if (look.all.isEmpty()) look.all.set(new THREE.Vector3(-500, -500, 0), new THREE.Vector3(500, 500, 1000));
+  look.work = boxOf(drawn.children.length ? [drawn] : [path, targets]);
+  if (look.work.isEmpty()) look.work = look.all;
+  const ball = look.all.getBoundingSphere(new THREE.Sphere());
   const cells = 20, size = Math.pow(10, Math.ceil(Math.log10(ball.radius * 2)));
   const grid = new THREE.GridHelper(size, cells, "#c8c8c8", "#ffffff");
   inked.push([grid.material, "borderTopColor"]);
   grid.rotation.x = Math.PI / 2;
-  grid.position.z = Math.min(around.min.z, 0) - 0.5;
+  grid.position.z = Math.min(boxOf([scene]).union(look.all).min.z, 0) - 0.5;
   scene.add(grid);
+  look(false);
 }
 
 const MANY = 500 * 22; // characters of zones: 22 a ball
@@ -93,20 +107,34 @@ function draw(at) {
   dirty = false;
   const whole = [0, 0, stage.clientWidth, stage.clientHeight];
   if (!plan.on) renderer.render(scene, camera);
-  const [eye, [left, top, width, height]] = plan.on ? drawPlan() : [camera, whole];
-  const place = new THREE.Vector3(), inside = (value) => value > -1 && value < 1;
-  const taken = []; // left and top of names that are shown: others would stand over them
-  for (const { element, object, on } of named) {
+  const [eye, pane] = plan.on ? drawPlan() : [camera, whole];
+  const place = new THREE.Vector3(), wanted = find("with-names").checked;
+  const taken = [...keptFree]; // boxes of names that are shown, and of buttons: others would stand over them
+  for (const { element, object, on, wide } of named) {
     place.setFromMatrixPosition(object.matrixWorld).project(eye);
-    const seen = on.visible && inside(place.z) && (!plan.on || (inside(place.x) && inside(place.y))) && find("with-names").checked;
-    const x = left + ((place.x + 1) / 2) * width + 6, y = top + ((1 - place.y) / 2) * height - 18;
-    const long = 7 * element.textContent.length;
-    const free = seen && !taken.some((one) => Math.abs(one.y - y) < 14 && one.x < x + long && x < one.x + one.long);
+    const box = wanted && on.visible && nameBox(place, pane, wide);
+    const free = box && !taken.some((one) => box.x < one.x + one.w && one.x < box.x + box.w && box.y < one.y + one.h && one.y < box.y + box.h);
     element.style.display = free ? "" : "none";
     if (!free) continue;
-    element.style.transform = `translate(${x}px, ${y}px)`;
-    taken.push({ x, y, long });
+    element.style.transform = `translate(${box.x}px, ${box.y}px)`;
+    taken.push(box);
   }
+}
+const NAME_HIGH = 17, NAME_GAP = 6; // px of a name, and from its place
+let keptFree = [];
+/** Where a name stands, in its pane: on the right of its place, or on the left where there is no room; null where it cannot. */
+function nameBox({ x, y, z }, [left, top, width, height], wide) {
+  if (!(Math.max(Math.abs(x), Math.abs(y), Math.abs(z)) < 1)) return null;
+  const at = left + ((x + 1) / 2) * width, right = at + NAME_GAP + wide <= left + width;
+  const from = right ? at + NAME_GAP : at - NAME_GAP - wide;
+  const high = Math.max(top, Math.min(top + ((1 - y) / 2) * height - 18, top + height - NAME_HIGH));
+  return from < left ? null : { x: from, y: high, w: wide, h: NAME_HIGH };
+}
+function keepFree() {
+  keptFree = ["views", "above", "side"].map(find).filter((one) => one.offsetWidth).map((one) => {
+    const { left, top } = stage.getBoundingClientRect(), box = one.getBoundingClientRect();
+    return { x: box.left - left, y: box.top - top, w: box.width, h: one.id === "side" ? 30 : box.height };
+  });
 }
 function resized() {
   if (!renderer) return;
@@ -115,6 +143,7 @@ function resized() {
   renderer.setPixelRatio(window.devicePixelRatio * (pace.coarse ? 0.5 : 1));
   renderer.setSize(stage.clientWidth, stage.clientHeight);
   if (plan.on) flat(true);
+  keepFree();
   dirty = true;
 }
 if (controls) controls.addEventListener("change", () => { dirty = true; });

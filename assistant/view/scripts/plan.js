@@ -18,7 +18,7 @@ function halves() {
   const w = wide ? width / 2 : width, h = wide ? height : height / 2;
   return [[0, 0, w, h], wide ? [w, 0, w, h] : [0, h, w, h]];
 }
-/** Shows all of what the camera in space shows at first. */
+/** Shows all of what the camera in space is turned to. */
 function fitted() {
   const size = plan.box.getSize(new THREE.Vector3()), [[, , w, h]] = halves();
   plan.box.getCenter(plan.centre);
@@ -63,6 +63,7 @@ function flat(on) {
   find("side").style.left = `${left}px`;
   find("side").style.top = `${top}px`;
   find("side").style.borderLeftWidth = left ? "1px" : "0";
+  keepFree();
   dirty = true;
 }
 function beginPlan() {
@@ -81,5 +82,6 @@ function beginPlan() {
     dirty = true;
   });
   find("plan").addEventListener("click", () => { fitted(); flat(true); });
-  find("space").addEventListener("click", () => flat(false));
+  find("space").addEventListener("click", () => { if (!plan.on) look(false); flat(false); });
+  find("all").addEventListener("click", () => look(true));
 }

@@ -69,11 +69,13 @@ function framed(pose, size) {
   return lines;
 }
 
-const named = []; // {element, object: whose place it stands at, on: what must be seen}
+const named = []; // {element, object: whose place it stands at, on: what must be seen, wide: px}
+const ruler = document.createElement("canvas").getContext("2d");
+ruler.font = "12px system-ui, sans-serif"; // as in the style
 function name(text, object, on) {
   const element = made("span", text);
   find("names").append(element);
-  named.push({ element, object, on });
+  named.push({ element, object, on, wide: Math.ceil(ruler.measureText(text).width) + 2 });
 }
 
 const bodies = data.bodies.map((body) => {

@@ -35,8 +35,9 @@ document.addEventListener("keydown", (event) => {
 });
 colourBy("speed");
 setTime(0);
+if (data.beside) listing.scrollTop = 0; // read from the top, wherever the arm begins
 scene.updateMatrixWorld(true);
-look();
+beginLook();
 themed();
 if (renderer) beginPlan();
 if (renderer) beginPicking();
