@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base import toml_edits
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
@@ -18,7 +18,7 @@ from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, encode, is_file
 from assistant.base.toml_text import KeyPath, toml_content
-from assistant.project.new_project import process_text
+from assistant.project.new_project import PROJECT_FILE, process_text
 from assistant.sources import PROCESS_SUFFIX, process_of
 from assistant.sources.drawing import read_contents
 from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
@@ -27,6 +27,10 @@ from assistant.sources.process.file import parse_process
 from assistant.studio import rules
 from assistant.studio.route_answers import finding_records, not_asked, plain_value
 from assistant.studio.studio import Studio
+
+if TYPE_CHECKING:
+    from assistant.project.project_file import Project
+    from assistant.report.contour_plot import DrawnLine
 
 
 def with_values(text: str, values: Mapping[KeyPath, Any], name: str) -> str:
@@ -70,6 +74,8 @@ _FORM_FIELDS: Final = (
     ("motion", "speed"),
 )
 """Fields of the page other than layers, in its order, by the names of a new process file."""
+_ROBOT_KEY: Final = "robot"
+"""Key of the arm, in a program's entry of the project file, else at the top of a process file."""
 _CHOSEN_ENTRIES: Final = {"tools": "tool", "frames": "frame"}
 """Which of a table's entries the motion takes, under `[motion]`."""
 
@@ -105,7 +111,7 @@ def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
             for one in seen.layers
             if one.kinds
         ],
-        "values": _field_values(content),
+        "values": [_robot_field(studio, drawing, content), *_field_values(content)],
         "lines": _drawn_lines(drawing, process),
         "findings": finding_records([*seen.findings, *found]),
     }
@@ -116,7 +122,11 @@ def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 
     A rotation given as a quaternion is not a field.
     """
-    found = []
+    chosen = _value_at(content, ("motion", "tool"))
+    tools = content.get("tools", {})
+    names = list(tools) if isinstance(tools, dict) else []
+    tool = {"field": "motion.tool", "key": ["motion", "tool"], "value": chosen, "choices": names}
+    found = [tool] if isinstance(chosen, str) and chosen in names else []
     for field in _FORM_FIELDS:
         table, *rest = field
         said = _value_at(content, ("motion", _CHOSEN_ENTRIES.get(table, "")))
@@ -126,6 +136,39 @@ def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
         value = plain_value(_value_at(content, key))
         found.append({"field": ".".join(field), "key": list(key), "value": value})
     return found
+
+
+def _robot_field(studio: Studio, drawing: FilePath, content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arm of a drawing's program, empty for that of its controller."""
+    from assistant import robots
+
+    entry = _program_entry(studio, drawing)
+    stated = content.get(_ROBOT_KEY) if entry is None else _value_at(*entry[1:])
+    value = stated if isinstance(stated, str) else ""
+    choices = ["", *sorted({*robots.names(), value} - {""})]
+    return {"field": _ROBOT_KEY, "key": [_ROBOT_KEY], "value": value, "choices": choices}
+
+
+def _program_entry(
+    studio: Studio, drawing: FilePath
+) -> tuple[FilePath, dict[str, Any], KeyPath] | None:
+    """Return the project file, its contents, and the key of the robot of a drawing's program."""
+    from assistant.project import project_of
+
+    try:
+        project = project_of(studio.folder)
+    except Refused:
+        return None
+    names = [n for n, one in project.programs.items() if one.source.resolve() == drawing.resolve()]
+    content = toml_content(read_file(project.file).decode("utf-8")) if names else None
+    if content is None:
+        return None
+    return project.file, content, (*project_table(project), "programs", names[0], _ROBOT_KEY)
+
+
+def project_table(project: Project) -> KeyPath:
+    """Return the table of a project in its file."""
+    return () if project.file.name == PROJECT_FILE else ("tool", "robot-assistant")
 
 
 def _is_worked(layer: SurveyedLayer, process: Process) -> bool:
@@ -145,6 +188,10 @@ def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[
     _check_tables(before)
     text = before.text
     wanted = dict(values)
+    written: dict[FilePath, bytes] = {}
+    entry = _program_entry(studio, drawing) if _ROBOT_KEY in wanted else None
+    if entry is not None:
+        written[entry[0]] = _with_robot(*entry, wanted.pop(_ROBOT_KEY))
     for name, table in _table_names(wanted.pop(_LAYERS_TABLE, {})).items():
         used = table.pop(_USED_FIELD, None)
         text = _with_use(text, name, used, file.name) if isinstance(used, bool) else text
@@ -155,8 +202,17 @@ def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[
     text = with_values(text, dict(_flat_keys(wanted)), file.name)
     changed = replace(before, text=text)
     _refuse_new_errors(before, changed)
-    write_all({file: encode(changed)})
+    write_all(written | {file: encode(changed)})
     return drawing_layers(studio, path)
+
+
+def _with_robot(file: FilePath, _: Mapping[str, Any], key: KeyPath, name: object) -> bytes:
+    """The project file with the arm of a program; None for that of its controller."""
+    from assistant import robots
+
+    if name is not None and name not in robots.names():
+        raise not_asked("`robot` is no robot of the catalogue")
+    return with_values(read_file(file).decode("utf-8"), {key: name}, file.name).encode("utf-8")
 
 
 def _with_use(text: str, name: str, used: bool, file: str) -> str:
@@ -266,6 +322,19 @@ def _drawn_lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
             break
         found.append({"layer": curve.layer, "points": np.round(points, 3).tolist()})
     return found
+
+
+def unplaced_lines(drawing: FilePath) -> list[DrawnLine]:
+    """Return the lines of a drawing as they are drawn, whatever its process file lacks."""
+    from assistant.report.contour_plot import DrawnLine
+    from assistant.sources.contours.curves import chorded
+
+    _, process, _ = _process_contents(drawing, drawing.with_suffix(PROCESS_SUFFIX))
+    curves = read_contents(drawing, replace(process, placement=None)).curves
+    return [
+        DrawnLine(curve.layer, chorded(curve, process.tolerance), curve.handle or "")
+        for curve in curves
+    ]
 
 
 def _table_names(value: Any) -> dict[str, dict[str, Any]]:

@@ -22,7 +22,7 @@ from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX, READERS
 from assistant.sources.process.placement import DRAWING_SUFFIXES
 from assistant.studio import rules
-from assistant.studio.process_files import with_values
+from assistant.studio.process_files import project_table, with_values
 from assistant.studio.route_answers import Question, asks, changes, finding_records, looks
 from assistant.studio.studio import Studio, program_suffixes
 
@@ -234,7 +234,7 @@ def _add_program_entry(studio: Studio, file: FilePath) -> None:
         return
     name = identifier(file.stem, TakenNames(project.programs))[:_LONGEST_NAME]
     text = read_file(project.file).decode(_PROJECT_ENCODING)
-    path = _program_table(project)
+    path = project_table(project)
     text = with_values(
         text, {(*path, "programs", name, "source"): studio.named(file)}, project.file.name
     )
@@ -269,10 +269,6 @@ def _example_project() -> tuple[str, str]:
     text = resource("templates", f"project/{PROJECT_FILE}").read_text(encoding=_PROJECT_ENCODING)
     program, target = text.index(_PROGRAMS_HEADER), text.index(_TARGET_HEADER)
     return text[:program].rstrip() + "\n", text[target:]
-
-
-def _program_table(project: Project) -> tuple[str, ...]:
-    return () if project.file.name == PROJECT_FILE else ("tool", "robot-assistant")
 
 
 def check_file_name(name: str) -> None:

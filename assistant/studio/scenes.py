@@ -116,7 +116,12 @@ def _process_of_drawing(studio: Studio, source: str) -> str:
 def _load_and_place(studio: Studio, source: str, process: str, text: str, name: str) -> Stage:
     given = completed_options(source, SourceOptions(), _STATED_OPTIONS)
     stands = open_cell(given.cell, given.robot or _common_robot(studio))
-    loaded = _load_text_of(studio, source, process, text, given, stands)
+    try:
+        loaded = _load_text_of(studio, source, process, text, given, stands)
+    except Refused as refused:
+        if not process:
+            raise
+        return _unplaced_stage(studio, source, process, text, name, refused)
     found: list[Diagnostic] = []
     solved: Solved | None = None
     try:
@@ -140,6 +145,25 @@ def _load_and_place(studio: Studio, source: str, process: str, text: str, name: 
     shown = shown_sheet(sheet)
     placed = _drawing_placement(process, text) if process else None
     return Stage(name, source, process, text, shown, solved, loaded, placed, page_record(shown))
+
+
+def _unplaced_stage(
+    studio: Studio, source: str, process: str, text: str, name: str, refused: Refused
+) -> Stage:
+    """Return the stage of a drawing whose process file is not complete: its lines, and no arm.
+
+    Raises the refusal for a drawing that cannot be read either.
+    """
+    from assistant.studio.process_files import unplaced_lines
+
+    try:
+        lines = unplaced_lines(studio.file(source))
+    except Refused:
+        raise refused from None
+    if not lines:
+        raise refused
+    shown = shown_sheet(Sheet(FilePath(source).name, refused.findings, drawn=lines, plan=False))
+    return Stage(name, source, process, text, shown, None, None, None, page_record(shown))
 
 
 def _drawing_placement(process: str, text: str) -> tuple[Pose, Pose] | None:
@@ -240,6 +264,7 @@ def _show_scene(studio: Studio, asked: Question) -> dict[str, Any]:
         "handles": [one.record() for one in stage.handles],
         "findings": finding_records(_shown_stage(stage)),
         "moves": stage.shown.simulation is not None,
+        "alone": stage.loaded is None,
     }
 
 

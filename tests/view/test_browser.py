@@ -22,6 +22,7 @@ from assistant.view.page import filled_page
 from docs.browsing import chromium, installed
 from tests.cell.test_holding import CELL, PICK
 from tests.cli.test_commands import SAMPLES, run
+from tests.view.boxes import wrong_boxes
 from tests.view.cases import data_of, numbers, written
 
 
@@ -245,6 +246,42 @@ def test_lines_of_a_translation_stand_beside_each_other(
         assert "MoveJ pHome" in page.locator("#listing button.now").first.inner_text()
         page.evaluate("view.setTime(view.seconds - 0.01)")
         assert "Mov PHOME" in page.locator("#listing button.now").last.inner_text()
+
+
+@pytest.mark.slow
+def test_nothing_of_a_page_is_cut_off(
+    browser: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Both reports and a scene: texts wrap in their columns, and names stay in their pane."""
+    out, samples = ("-o", tmp_path), SAMPLES / "rapid"
+    arms = ("--from-robot", "irb1200-7-0.7", "--robot", "rv-4frl")
+    cell = (*arms, "-p", samples / "cell.process.toml", *out)
+    pages = (
+        ("translate", samples / "gluing.mod", "--to", "melfa-basic-5", *cell, "--report"),
+        ("translate", samples / "pick_and_place.mod", "--to", "melfa-basic-5", *out, "--report"),
+        ("compile", SAMPLES / "plate.dxf", "-l", "rapid", "-r", "irb1200-7-0.7", *out, "--report"),
+        ("view", SAMPLES / "plate.dxf", "-r", "irb1200-7-0.7", "--html"),
+    )
+    for number, command in enumerate(pages):
+        file = tmp_path / f"{number}.html"
+        run(capsys, *command, file)
+        with looking(browser, file.as_uri()) as page:
+            assert wrong_boxes(page) == {}, command
+
+
+@pytest.mark.slow
+def test_the_work_is_framed(opened: tuple[Any, str]) -> None:
+    """The path is in the middle of the picture; a button shows the arm and all."""
+    page, text = opened
+    middle = [450.0, 0.0, 420.0]
+    assert data_of(text)["targets"][0]["pose"][:3] == [450.0, -100.0, 420.0]
+    x, y = page.evaluate(f"view.seen({middle})")
+    wide, high = page.evaluate("[stage.clientWidth, stage.clientHeight]")
+    assert abs(x - wide / 2) < wide / 4 and abs(y - high / 2) < high / 4
+    far = "Math.hypot(...view.camera()[0].map((at, i) => at - view.camera()[1][i]))"
+    near = page.evaluate(far)
+    page.click("#all")
+    assert page.evaluate(far) > 1.2 * near
 
 
 @pytest.mark.slow

@@ -4,12 +4,14 @@ import { ask, look } from "./server.js";
 import { doing } from "./findings.js";
 import { on } from "./line.js";
 import { choose } from "./tabs.js";
+import { fill } from "./parts.js";
+import { showScene } from "./scene.js";
 import { project, readProject, whenChosen } from "./project.js";
 
 const COLOURS = ["#d7301f", "#2667c9", "#1d7a3d", "#8a2a86", "#b77900", "#1f9aa8", "#5a6673"];
-const COLUMNS = [["process", "text"], ["speed", "number"], ["approach", "number"], ["retract", "number"], ["offset", "number"]];
-const NAMES = { "tools.tool.tip": "tip", "frames.work.position": "position", "frames.work.euler_zyx": "turned", "placement.position": "placed", "placement.euler_zyx": "placed_turned", "motion.speed": "motion_speed" };
-let path = "", read = ""; // the drawing that is shown, and what was read of it
+const OPTIONS = [["process", "text"], ["speed", "number"], ["approach", "number"], ["retract", "number"], ["travel", "number"], ["offset", "number"]];
+const NAMES = { "motion.tool": "tool", "tools.tool.tip": "tip", "frames.work.position": "position", "frames.work.euler_zyx": "turned", "placement.position": "placed", "placement.euler_zyx": "placed_turned", "motion.speed": "motion_speed" };
+let path = "", read = "", layerNow = ""; // the drawing that is shown, what was read of it, and the layer whose options are shown
 
 async function show(file) {
   const drawing = file.kind === "drawing" ? file.path : project.files.find((one) =>
@@ -19,18 +21,20 @@ async function show(file) {
   find("panel-drawing").replaceChildren(); // values of one drawing are not written to another
   const found = await doing(() => look("drawing", { path: drawing }));
   if (!found || path !== drawing) return;
-  fill(found);
+  draw(found);
   if (file.kind === "drawing") choose("tab-drawing");
 }
-function fill(found) {
+function draw(found) {
   const panel = find("panel-drawing"), form = made("form");
   panel.replaceChildren(made("h2", found.path), picture(found), form);
-  form.append(layerTable(found), values(found), said("button", "write_process"));
+  form.append(layerTable(found), ...found.layers.map(layerOptions), values(found), said("button", "write_process"));
   read = JSON.stringify(found);
+  const names = found.layers.map((layer) => layer.name);
+  chooseLayer(names.includes(layerNow) ? layerNow : found.layers.find((layer) => layer.used)?.name ?? names[0]);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     const done = await doing(() => ask("drawing/process", { path: found.path, values: stated(form) }));
-    if (done && path === found.path) { fill(done); await readProject(); }
+    if (done && path === found.path) { draw(done); await readProject(); await showScene(done.path); }
   });
 }
 /** What the disk has now is shown at once, if nothing is being typed here; else it is asked. */
@@ -40,11 +44,11 @@ async function changedOnDisk({ files }) {
   if (!path || !files.some((one) => one === path || one === `${stem}.process.toml`)) return;
   const found = await look("drawing", { path }).catch(() => undefined); // taken away: what stands here stays
   if (!found || JSON.stringify(found) === read) return;
-  if (Object.keys(stated(form)).length === 0) { fill(found); return; }
+  if (Object.keys(stated(form)).length === 0) { draw(found); return; }
   panel.querySelector(".notice")?.remove();
   const asked = made("div", undefined, "notice"), take = said("button", "take_theirs"), keep = said("button", "keep_mine");
   asked.setAttribute("role", "alert");
-  take.addEventListener("click", () => fill(found));
+  take.addEventListener("click", () => draw(found));
   keep.addEventListener("click", () => asked.remove());
   asked.append(said("span", "changed_on_disk"), take, keep);
   panel.prepend(asked);
@@ -62,60 +66,82 @@ function picture(found) {
     line.setAttribute("stroke", COLOURS[Math.max(0, names.indexOf(layer)) % COLOURS.length]);
     line.setAttribute("stroke-width", "1.5");
     line.setAttribute("vector-effect", "non-scaling-stroke");
+    line.dataset.of = layer;
+    line.addEventListener("click", () => chooseLayer(layer));
     svg.append(line);
   }
   const wide = Math.max(1, box[2] - box[0]), high = Math.max(1, box[3] - box[1]), edge = 0.03 * Math.max(wide, high);
   if (found.lines.length) svg.setAttribute("viewBox", [box[0] - edge, box[1] - edge, wide + 2 * edge, high + 2 * edge].join(" "));
   return svg;
 }
+/** Shows the options of a layer below the table, and its lines bold. */
+function chooseLayer(name) {
+  layerNow = name ?? "";
+  const panel = find("panel-drawing");
+  for (const row of panel.querySelectorAll("tr[data-layer]")) row.setAttribute("aria-current", String(row.dataset.layer === layerNow));
+  for (const group of panel.querySelectorAll("fieldset[data-layer]")) group.hidden = group.dataset.layer !== layerNow;
+  for (const line of panel.querySelectorAll("[data-of]")) line.setAttribute("stroke-width", line.dataset.of === layerNow ? "3" : "1.5");
+}
 function layerTable(found) {
   const table = made("table"), head = made("tr");
-  for (const key of ["layers", "worked", ...COLUMNS.map(([name]) => name)]) head.append(said("th", key));
+  for (const key of ["layers", "worked", "contours", "length"]) head.append(said("th", key));
   table.append(head);
   found.layers.forEach((layer, i) => {
-    const row = made("tr"), name = made("td"), colour = made("span", "■ "), use = made("input"), cell = made("td");
+    const row = made("tr"), name = made("td"), choose = made("button"), colour = made("span", "■ "), use = made("input"), cell = made("td");
     row.dataset.layer = layer.name;
     colour.style.color = COLOURS[i % COLOURS.length];
-    name.append(colour, shown(layer.name), made("br"), made("small", layer.use));
+    choose.type = "button";
+    choose.append(colour, shown(layer.name), " ", made("small", layer.use));
+    name.append(choose);
     use.type = "checkbox";
     use.defaultChecked = layer.used;
     use.disabled = layer.closed + layer.open === 0;
     use.dataset.key = "used";
     use.setAttribute("aria-label", `${layer.name}: ${word("worked")}`);
     cell.append(use);
-    row.append(name, cell);
-    for (const [key, type] of COLUMNS) {
-      const input = made("input"), place = made("td");
-      input.type = type;
-      if (type === "number") input.step = "any";
-      input.value = input.dataset.was = layer.values[key] ?? "";
-      input.dataset.key = key;
-      input.disabled = use.disabled;
-      input.setAttribute("aria-label", `${layer.name}: ${word(key)}`);
-      place.append(input);
-      row.append(place);
-    }
+    row.addEventListener("click", (event) => { if (event.target !== use) chooseLayer(layer.name); });
+    row.append(name, cell, made("td", String(layer.closed + layer.open + layer.locations)), made("td", layer.length ? layer.length.toFixed(0) : ""));
     table.append(row);
   });
   const group = made("fieldset");
   group.append(said("legend", "layers"), table);
   return group;
 }
+function layerOptions(layer) {
+  const group = made("fieldset"), disabled = layer.closed + layer.open === 0;
+  group.dataset.layer = layer.name;
+  group.append(made("legend", layer.name));
+  if (disabled) { group.append(made("p", layer.use, "empty")); return group; }
+  for (const [key, type] of OPTIONS) {
+    const input = made("input"), label = made("label");
+    input.type = type;
+    if (type === "number") input.step = "any";
+    input.value = input.dataset.was = layer.values[key] ?? "";
+    input.dataset.key = key;
+    input.setAttribute("aria-label", `${layer.name}: ${word(key)}`);
+    label.append(said("span", key), " ", input);
+    group.append(label);
+  }
+  return group;
+}
 function values(found) {
   const group = made("fieldset");
   group.append(said("legend", "process"));
-  for (const { field: name, key, value } of found.values) {
-    const label = made("label"), input = made("input");
-    input.type = "text";
+  for (const { field: name, key, value, choices } of found.values) {
+    const label = made("label"), input = made(choices ? "select" : "input");
+    if (choices) filledBy(input, choices, value ?? "");
+    else input.type = "text";
     input.dataset.path = name;
     input.dataset.keys = JSON.stringify(key);
-    if (!name.endsWith("speed")) input.dataset.many = "";
-    input.value = input.dataset.was = Array.isArray(value) ? value.join(", ") : value ?? "";
+    if (!choices && !name.endsWith("speed")) input.dataset.many = "";
+    if (!choices) input.value = Array.isArray(value) ? value.join(", ") : value ?? "";
+    input.dataset.was = input.value;
     label.append(said("span", NAMES[name] ?? name), " ", input);
     group.append(label);
   }
   return group;
 }
+const filledBy = (select, choices, value) => fill(select, choices.map((one) => one || ["", "of_controller"]), value);
 /** What was changed on the form, as tables of the process file; null takes a key away. */
 function stated(form) {
   const out = Object.create(null); // so that a layer may have any name
@@ -124,13 +150,13 @@ function stated(form) {
     for (const key of keys.slice(0, -1)) here = here[key] ??= Object.create(null);
     here[keys.at(-1)] = value;
   };
-  for (const row of form.querySelectorAll("tr[data-layer]")) for (const input of row.querySelectorAll("input:not(:disabled)")) {
-    const keys = ["layers", row.dataset.layer, input.dataset.key];
+  for (const input of form.querySelectorAll("[data-layer] input:not(:disabled)")) {
+    const keys = ["layers", input.closest("[data-layer]").dataset.layer, input.dataset.key];
     if (input.type === "checkbox") { if (input.checked !== input.defaultChecked) put(keys, input.checked); }
     else if (input.value !== input.dataset.was) put(keys, input.value === "" ? null : input.type === "number" ? Number(input.value) : input.value);
   }
-  for (const input of form.querySelectorAll("input[data-path]")) {
-    if (input.value !== input.dataset.was) put(JSON.parse(input.dataset.keys), typed(input.value, "many" in input.dataset));
+  for (const input of form.querySelectorAll("[data-path]")) {
+    if (input.value !== input.dataset.was) put(JSON.parse(input.dataset.keys), input.tagName === "SELECT" ? input.value || null : typed(input.value, "many" in input.dataset));
   }
   return out;
 }

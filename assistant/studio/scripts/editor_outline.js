@@ -7,6 +7,7 @@ const opened = new Set(); // kinds whose folds are open: the list is made anew w
 
 export function showOutline(items) {
   find("outline").replaceChildren(...rows(items));
+  find("outline-title").hidden = !items.length;
 }
 function rows(items) {
   const runs = [];

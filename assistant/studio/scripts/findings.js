@@ -6,7 +6,18 @@ const CONTROLS = { "--replace": "replace_there" }; // options of commands that a
 /** A cure by what the page has for it. */
 const byPage = (cure) => cure?.replace(/`(--[a-z-]+)[^`]*`/g, (said, option) => (option in CONTROLS ? `“${word(CONTROLS[option])}”` : said));
 let open = null; // goes to a finding: (finding) => void
-export const beginFindings = (goTo) => { open = goTo; };
+export function beginFindings(goTo) {
+  open = goTo;
+  find("fold-findings").addEventListener("click", () => fold(find("findings").hidden));
+  show();
+}
+/** Opens the pane of findings or closes it; it opens for an error or a warning that is new. */
+function fold(on) {
+  find("findings").hidden = find("split-foot").hidden = !on;
+  find("fold-findings").setAttribute("aria-expanded", String(on));
+}
+const WORST = ["error", "warning", "info"];
+let listed = ""; // what the list had
 let ofFile = [], ofDoing = [];
 
 /** Findings of the open file, with their cures: {finding, fixes: [{title, use}]}. */
@@ -40,13 +51,16 @@ let going = 0;
 function busy(step) {
   going += step;
   find("findings").setAttribute("aria-busy", String(going > 0));
+  counted();
 }
 const MOST = 300; // that are listed: thousands of rows make the page slow
 const keyOf = ({ finding }) => `${finding.code} ${finding.path} ${finding.line} ${finding.message}`;
 function show() {
   const own = new Set(ofFile.map(keyOf)); // those of the file come with their cures
   const seen = new Set(), list = find("findings"), items = [];
-  for (const { finding, fixes } of [...ofDoing.filter((one) => !own.has(keyOf(one))), ...ofFile]) {
+  const all = [...ofDoing.filter((one) => !own.has(keyOf(one))), ...ofFile];
+  all.sort((one, other) => WORST.indexOf(one.finding.severity) - WORST.indexOf(other.finding.severity));
+  for (const { finding, fixes } of all) {
     const key = keyOf({ finding });
     if (seen.has(key)) continue;
     seen.add(key);
@@ -63,6 +77,17 @@ function show() {
     }
     items.push(item);
   }
-  list.replaceChildren(...(items.length ? items : [made("li", word("no_findings"), "info")]));
-  find("finding-count").textContent = items.length ? `(${items.length}${seen.size > MOST ? "+" : ""})` : "";
+  list.replaceChildren(...items);
+  count = items.length ? `(${items.length}${seen.size > MOST ? "+" : ""})` : "";
+  counted();
+  const now = [...seen].join("\n");
+  if (!items.length) fold(false);
+  else if (all.some((one) => one.finding.severity !== "info" && !listed.includes(keyOf(one)))) fold(true);
+  listed = now;
+}
+let count = "";
+/** How many there are; while something is being done, that it is. */
+function counted() {
+  find("finding-count").textContent = count || word(going > 0 ? "working" : "no_findings");
+  find("fold-findings").disabled = !count;
 }

@@ -23,6 +23,7 @@ export async function readProject() {
   find("folder").textContent = shown(project.folder);
   document.title = `${shown(project.name)} · ${word("studio")}`;
   find("begin").hidden = project.there;
+  find("project-does").hidden = !project.there;
   showFiles();
   if (project.findings?.length) showOfDoing(project.findings);
   for (const does of told) does(project);
@@ -32,13 +33,24 @@ function showFiles() {
   const list = find("files"), had = list.contains(document.activeElement) ? document.activeElement.dataset.path : undefined;
   const inside = project.files.filter(isFolded);
   const open = list.querySelector("details")?.open || isFolded({ path: had ?? current });
-  list.replaceChildren(...project.files.filter((file) => !isFolded(file)).map(item), ...(inside.length ? [folder(inside, open)] : []));
+  list.replaceChildren(...GROUPS.flatMap(([key, holds]) => grouped(key, project.files.filter((file) => !isFolded(file) && groupOf(file) === holds))), ...(inside.length ? [folder(inside, open)] : []));
   if (!project.files.length) list.append(said("li", "no_files", "empty"));
   if (project.more) list.append(said("li", "more_files", "empty"));
   const buttons = walked();
   const first = buttons.find((one) => one.dataset.path === (had ?? current)) ?? buttons[0];
   if (first) first.tabIndex = 0;
   if (had !== undefined) first?.focus();
+}
+const BUILT = "build/";
+/** Groups of files in their order, by the key of their heading: what one works on first, settings last. */
+const GROUPS = [["drawings", "drawing"], ["programs", "program"], ["tables", "table"], ["other_files", "file"], ["built", "built"], ["settings", "settings"]];
+const OF_KIND = { drawing: "drawing", process: "drawing", program: "program", table: "table", settings: "settings", project: "settings" };
+const groupOf = ({ path, kind }) => (path.startsWith(BUILT) ? "built" : OF_KIND[kind] ?? "file");
+function grouped(key, files) {
+  if (!files.length) return [];
+  const head = said("li", key, "group");
+  head.setAttribute("role", "none");
+  return [head, ...files.map(item)];
 }
 const isFolded = ({ path }) => path.startsWith(FOLDED);
 function folder(files, open) {

@@ -8,7 +8,8 @@ import { applied, markLine, onLine, onText, openText, texts } from "./editor.js"
 
 const KINDS = new Set(["program", "table", "drawing", "process"]);
 const REST = 700; // ms without a key until the scene is worked out anew
-const stage = { name: "", path: "", edits: "", handles: [], frame: null, newest: null, opened: "", view: null, held: -1, look: null };
+const stage = { name: "", path: "", edits: "", handles: [], frame: null, newest: null, opened: "", view: null, held: -1, look: null, alone: false };
+let missed = ""; // a file that could not be shown as it was
 let last = ""; // the file that was chosen, or in whose text the cursor was moved
 let waiting = 0, round = 0, asked = null, next = null, quiet = false;
 
@@ -25,9 +26,10 @@ export async function showScene(path) {
   tell("working", "busy");
   const answer = await doing(() => ask("scene/show", { path }));
   if (mine !== round) return false;
+  missed = answer ? "" : path;
   if (!answer) { stale(path); return false; }
   if (answer.name !== stage.opened) await open(answer);
-  tell("", "");
+  tell(answer.alone ? word("drawn_alone") : "", answer.alone ? "doubtful" : "");
   return true;
 }
 /** The scene of the text as it was stays in sight, but nothing is dragged in it. */
@@ -38,7 +40,7 @@ function stale(path) {
 }
 /** A new frame stands behind the old one until it draws, so that nothing flickers. */
 function open(answer) {
-  const frame = stage.newest = made("iframe"), look = stage.path === answer.path && stage.view ? [stage.view.camera(), stage.view.time()] : null;
+  const frame = stage.newest = made("iframe"), look = stage.path === answer.path && stage.alone === answer.alone && stage.view ? [stage.view.camera(), stage.view.time()] : null;
   const chosen = stage.path === answer.path ? stage.handles[stage.held]?.name : undefined;
   frame.title = `${word("scene")}: ${answer.path}`;
   frame.src = `scene/${answer.name}/page`;
@@ -49,7 +51,7 @@ function open(answer) {
     if (frame !== stage.newest) { frame.remove(); resolve(); return; } // another one was asked for since
     const view = frame.contentWindow.view;
     for (const other of find("scene").querySelectorAll("iframe")) if (other !== frame) other.remove();
-    Object.assign(stage, { name: answer.name, path: answer.path, edits: answer.edits, handles: answer.handles, frame, view: view ?? null, held: -1 });
+    Object.assign(stage, { name: answer.name, path: answer.path, edits: answer.edits, handles: answer.handles, alone: answer.alone, frame, view: view ?? null, held: -1 });
     find("scene-of").textContent = answer.path;
     themed();
     form(-1);
@@ -179,17 +181,22 @@ function dragForm() {
   });
   return box;
 }
+/** What the button shows; without a file there is none. */
+function wants(path) {
+  last = path;
+  find("scene-bar").hidden = !path;
+}
 export function beginScene() {
   find("scene").append(dragForm());
   find("show-scene").addEventListener("click", () => {
     if (last) showScene(last);
   });
-  whenChosen((file) => { last = file.path; if (KINDS.has(file.kind) || project.programs.some(({ source }) => source === file.path)) showScene(file.path); });
-  onLine((place) => { last = place.path; follows(place); });
+  whenChosen((file) => { wants(file.path); if (KINDS.has(file.kind) || project.programs.some(({ source }) => source === file.path)) showScene(file.path); });
+  onLine((place) => { wants(place.path); follows(place); });
   onText((path) => {
-    if (path !== stage.edits && path !== stage.path) return;
+    if (path !== stage.edits && path !== stage.path && path !== missed) return;
     clearTimeout(waiting);
-    waiting = setTimeout(() => showScene(stage.path), REST);
+    waiting = setTimeout(() => showScene(missed || stage.path), REST);
   });
   find("theme").addEventListener("themed", themed);
   on("window", () => { if (stage.view) stage.view.movable = window_.writes; });

@@ -2,6 +2,7 @@
 import { beginWords, find } from "./words.js";
 import { beginLine } from "./line.js";
 import { beginTabs } from "./tabs.js";
+import { beginPanes } from "./panes.js";
 import { beginFindings } from "./findings.js";
 import { beginProject, chooseFile, readProject } from "./project.js";
 import { beginDrawing } from "./drawing.js";
@@ -13,6 +14,7 @@ import { beginControl } from "./control.js";
 
 beginWords();
 beginTabs();
+beginPanes();
 const theme = localStorage.getItem("theme");
 if (theme) document.documentElement.classList.add(theme);
 find("theme").addEventListener("click", () => {
