@@ -103,7 +103,12 @@ def load(
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _language_of_data(source, data, language)
     if spoken is None:
-        reading = sources.read(source, process, unit, around, placement, merging=True)
+        from assistant.compiler.style import style_of
+
+        # Only a drawing's program has a form that its project can choose.
+        drawn = source.suffix.lower() == ".dxf"
+        style = style_of(source.absolute().parent).drawings if drawn else None
+        reading = sources.read(source, process, unit, around, placement, merging=True, style=style)
         percent = reading.joint_percent
         read = reading.program, None, reading.findings
         return Loaded(*read, joint_percent=percent, seen=reading.seen)

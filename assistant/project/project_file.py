@@ -164,6 +164,17 @@ STYLE_TABLE_KEYS: Final[Mapping[str, ProjectKey]] = {
     "revision": ProjectKey(
         STYLE_KEYS["revision"], _TEXT_FORM, "Revision of the programs, for templates."
     ),
+    "procedures": ProjectKey(
+        STYLE_KEYS["procedures"],
+        {"enum": ["contour", "layer", "none"]},
+        "Procedures of a drawing's program: one for each contour, one for each layer, or none but"
+        " the main one.",
+    ),
+    "comments": ProjectKey(
+        STYLE_KEYS["comments"],
+        {"type": "boolean"},
+        "Whether a drawing's program says what each layer and contour is.",
+    ),
 }
 CONTROLLER_KEYS: Final[Mapping[str, ProjectKey]] = {
     name: ProjectKey(read, *_CONTROLLER_FORMS[name]) for name, read in keys().items()

@@ -44,7 +44,7 @@ from assistant.robots.motion.run import Run, continued
 from assistant.robots.program_solution import solve_program
 from assistant.robots.program_values import Names
 from assistant.robots.robot import Robot
-from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
+from assistant.robots.solved_program import SolvedProgram, SolvedRun
 
 _COARSE_STEP: Final = 10.0
 """degrees between the turns that are tried first."""
@@ -415,41 +415,42 @@ class _Turning:
         self.failed: list[Diagnostic] = []
 
     def go(self) -> None:
-        runs = [
-            [*self._runs(procedure.name, legs)]
-            for procedure in self.source.procedures
-            for legs in (self.solution.legs.get(procedure.name, ()),)
-        ]
+        runs = self._runs()
         self._keep_used_elsewhere(runs)
-        for each in runs:
-            ends: list[tuple[Floats, Floats]] = []
-            for rows in each:
-                last = self._choose(rows, ends)
-                if last is not None:
-                    ends.append((rows.run.joints[-1], last))
+        ends: list[tuple[Floats, Floats]] = []
+        for rows in runs:
+            last = self._choose(rows, ends)
+            if last is not None:
+                ends.append((rows.run.joints[-1], last))
 
-    def _runs(self, procedure: str, legs: tuple[Leg, ...]) -> Iterator[_TargetRows]:
-        """The runs of a procedure in order of text."""
-        names = Names(self.source)
-        names.enter(next(p for p in self.source.procedures if p.name == procedure))
-        gathered: dict[int, tuple[SolvedRun, list[_TargetKey]]] = {}
-        for leg in legs:
-            run = leg.solved_run
-            if run is None:
-                continue
-            _, keys = gathered.setdefault(id(run), (run, []))
-            match leg.statement:
-                case Follow(path):
-                    self.paths[id(path)] = path
-                    keys += [(id(path), row) for row in range(len(path))]
-                case Move(target=target):
-                    keys.append(self._key(target, names))
-                case MoveCircular(via=via, target=target):
-                    keys += [self._key(via, names), self._key(target, names)]
-        for run, keys in gathered.values():
+    def _runs(self) -> list[_TargetRows]:
+        """The runs of the program in the order in which they were solved."""
+        keys: dict[int, dict[int, list[_TargetKey]]] = {}
+        for procedure in self.source.procedures:
+            names = Names(self.source)
+            names.enter(procedure)
+            for leg in self.solution.legs.get(procedure.name, ()):
+                if leg.solved_run is None:
+                    continue
+                match leg.statement:
+                    case Follow(path):
+                        self.paths[id(path)] = path
+                        found = [(id(path), row) for row in range(len(path))]
+                    case Move(target=target):
+                        found = [self._key(target, names)]
+                    case MoveCircular(via=via, target=target):
+                        found = [self._key(via, names), self._key(target, names)]
+                    case _:
+                        continue
+                keys.setdefault(id(leg.solved_run), {})[leg.rows.start] = found
+        runs = []
+        for run in self.solution.solved_runs:
+            # A run goes on through the procedures that it calls.
+            ordered = [key for _, found in sorted(keys[id(run)].items()) for key in found]
             mounting = run.run.mounting
             free = np.array([tool.free_turn for tool in mounting.tools])[mounting.tool]
-            yield _TargetRows(run, keys, free)
+            runs.append(_TargetRows(run, ordered, free))
+        return runs
 
     def _key(self, place: Expression, names: Names) -> _TargetKey:
         """The target of a move; one that may not be turned is kept from it."""
@@ -466,7 +467,7 @@ class _Turning:
         self.uses[id(target)] += 1
         return id(target), -1
 
-    def _keep_used_elsewhere(self, runs: list[list[_TargetRows]]) -> None:
+    def _keep_used_elsewhere(self, runs: list[_TargetRows]) -> None:
         """Keeps from turning what other statements name, and what a tool goes to that is not free,
         with all rows of a path that is gone along so.
         """
@@ -478,16 +479,14 @@ class _Turning:
                 self.kept.add(id(target))
         bound = {
             key
-            for each in runs
-            for rows in each
+            for rows in runs
             for key, free in zip(rows.keys, rows.free.tolist(), strict=True)
             if not free
         }
-        for each in runs:
-            for rows in each:
-                rows.free = np.array(
-                    [key not in bound and self._open(key) for key in rows.keys], dtype=bool
-                )
+        for rows in runs:
+            rows.free = np.array(
+                [key not in bound and self._open(key) for key in rows.keys], dtype=bool
+            )
 
     def _open(self, key: _TargetKey) -> bool:
         number, row = key

@@ -2,11 +2,13 @@
 
 Targets and paths that state no configuration get one. The moves of a procedure are taken in the
 order of the text: where one surely follows the other they are solved together, so that a linear
-move keeps the arm branch that it starts with.
+move keeps the arm branch that it starts with. A procedure that is called at one place only is
+solved where it is called.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -17,15 +19,18 @@ from numpy.typing import NDArray
 from assistant.base.arrays import Floats
 from assistant.base.budgets import SOLVING, staged
 from assistant.base.diagnostics import Declared, Diagnostic, Goal, NumberedMove, fold
+from assistant.program.analysis.uses import called
 from assistant.program.expressions import Expression, JointValue, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.motion import FINE, MAXIMUM_SPEED, UNSTATED, Kind, Path, configuration_of
-from assistant.program.program import Procedure, Program, bodies
+from assistant.program.program import Procedure, Program, bodies, walk
 from assistant.program.rewriting import records, rewrite
 from assistant.program.statements import (
     Assign,
+    Call,
     Follow,
     If,
+    Interrupt,
     Motion,
     Move,
     MoveCircular,
@@ -69,6 +74,10 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     """
     survey = _ProgramSolver(program, robot)
     for procedure in program.procedures:
+        if procedure.name.lower() not in survey.solved_at_call:
+            survey.procedure(procedure)
+    # Procedures that only call each other, or that lie too deep.
+    for procedure in program.procedures:
         survey.procedure(procedure)
     survey.joint_targets()
     survey.unused()
@@ -82,13 +91,37 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
         return value
 
     configured = rewrite(program, visit)
-    return SolvedProgram(configured, robot, survey.legs, fold([*robot.findings, *survey.findings]))
+    legs = {name: tuple(found) for name, found in survey.legs.items()}
+    return SolvedProgram(configured, robot, legs, fold([*robot.findings, *survey.findings]))
 
 
 _UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
 """Motion that is assumed for a target that no move names."""
 _TRAITS_LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
 """Traits of statements behind which nothing tells where the arm is."""
+_TRAITS_WITHOUT_JUMPS: Final = ("moves", "waits", "sets", "calls", "holds", "says")
+"""Traits of the statements of a procedure that always runs from its first one to its last."""
+_DEEPEST_CALL: Final = 20
+"""Calls in calls that are followed."""
+
+
+def _called_at_one_place(program: Program) -> dict[str, Procedure]:
+    """Procedures without parameters, by name in lower case, that one call of the program runs, and
+    that return at their end only.
+    """
+    calls = Counter(name for procedure in program.procedures for name in called(procedure))
+    answers = {one.call.procedure.lower() for one in records(program) if isinstance(one, Interrupt)}
+    entry = (program.entry or "").lower()
+    return {
+        name: procedure
+        for procedure in program.procedures
+        for name in [procedure.name.lower()]
+        if calls[name] == 1
+        and name != entry
+        and name not in answers
+        and not procedure.parameters
+        and all(trait(one) in _TRAITS_WITHOUT_JUMPS for one in walk(procedure.body))
+    }
 
 
 def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
@@ -125,21 +158,62 @@ class _ProgramSolver:
         self.parts: list[RunPart] = []
         self.before, self.joined = robot.home, False
         self.where, self.count = "", 0
-        self.legs: dict[str, tuple[Leg, ...]] = {}
-        self.pending: list[tuple[Moving, int, int]] = []
-        self.made: list[Leg] = []
-        self.rows = self.flushes = 0
+        self.legs: dict[str, list[Leg]] = {one.name: [] for one in program.procedures}
+        self.pending: list[tuple[str, Moving, int, int]] = []
+        self.rows = self.flushes = self.runs = 0
+        self.solved_at_call = _called_at_one_place(program)
+        self.begun: set[int] = set()
+        """Procedures by their identity."""
+        self.calling: list[Procedure] = []
 
     def procedure(self, procedure: Procedure) -> None:
+        """Solve a procedure that nothing calls at a known place, unless that was done already."""
+        if id(procedure) in self.begun:
+            return
+        self.joined = False
+        self.inside(procedure)
+        self.flush()
+
+    def inside(self, procedure: Procedure) -> None:
+        """Go through a procedure; moves that came before are solved with its first ones."""
+        self.begun.add(id(procedure))
+        self.calling.append(procedure)
+        self.close_moves()
+        where, count = self.where, self.count
         self.where, self.count = procedure.name, 0
         self.names.enter(procedure)
-        self.joined = False
-        self.body(procedure.body)
-        self.legs[procedure.name], self.made = tuple(self.made), []
+        self.statements(procedure.body)
+        self.close_moves()
+        self.calling.pop()
+        self.where, self.count = where, count
+        if self.calling:
+            self.names.enter(self.calling[-1])
+
+    def call(self, statement: Call) -> None:
+        procedure = self.solved_at_call.get(statement.procedure.lower())
+        if (
+            procedure is None
+            or id(procedure) in self.begun
+            or len(self.calling) >= _DEEPEST_CALL
+            or statement.arguments
+        ):
+            self.flush()
+            self.joined = False
+        else:
+            self.inside(procedure)
+
+    def keep_leg(self, leg: Leg) -> None:
+        self.legs[self.where].append(leg)
 
     def body(self, body: tuple[Statement, ...]) -> None:
+        self.statements(body)
+        self.flush()
+
+    def statements(self, body: tuple[Statement, ...]) -> None:
         for statement in body:
             match statement:
+                case Call():
+                    self.call(statement)
                 case Move():
                     kind = Kind.JOINT if statement.kind == "joint" else Kind.LINEAR
                     self.moving(statement, (kind, statement.target))
@@ -150,7 +224,7 @@ class _ProgramSolver:
                     self.flush()
                     before = self.before if self.joined else None
                     joints = self.move_joints(statement)
-                    self.made.append(
+                    self.keep_leg(
                         self.unsolved(statement)
                         if joints is None
                         else Leg(statement, None, slice(0), joints[None], before)
@@ -166,7 +240,6 @@ class _ProgramSolver:
                 case _ if trait(statement) in _TRAITS_LEADING_AWAY:
                     self.flush()
                     self.joined = False
-        self.flush()
 
     def nested(self, statement: Statement, inner: tuple[tuple[Statement, ...], ...]) -> None:
         self.flush()
@@ -182,9 +255,9 @@ class _ProgramSolver:
         for kind, target in targets:
             self.move(kind, target, statement.motion)
         if self.rows == start + len(targets) and self.flushes == flushes:
-            self.pending.append((statement, start, self.rows))
+            self.pending.append((self.where, statement, start, self.rows))
         else:
-            self.made.append(self.unsolved(statement))
+            self.keep_leg(self.unsolved(statement))
 
     def unsolved(self, statement: Moving) -> Leg:
         return Leg(statement, None, slice(0), np.empty((0, len(self.robot.axes))), None)
@@ -224,18 +297,18 @@ class _ProgramSolver:
         known_tools = [tool for tool in tools if tool is not None]
         known_frames = [frame for frame in frames if frame is not None]
         if not len(path):
-            self.pending.append((statement, self.rows, self.rows))
+            self.pending.append((self.where, statement, self.rows, self.rows))
             return
         if len(known_tools) < len(tools) or len(known_frames) < len(frames):
             self.flush()
             self.joined = False
-            self.made.append(self.unsolved(statement))
+            self.keep_leg(self.unsolved(statement))
             return
         self.close_moves()
         configurations = self.paths.get(id(path), path).configurations
         self.parts.append(path_part(path, configurations, known_tools, known_frames))
         self.followed[id(path)] = path
-        self.pending.append((statement, self.rows, self.rows + len(path)))
+        self.pending.append((self.where, statement, self.rows, self.rows + len(path)))
         self.rows += len(path)
 
     def close_moves(self) -> None:
@@ -251,8 +324,8 @@ class _ProgramSolver:
         pending, self.pending = self.pending, []
         self.rows, self.flushes = 0, self.flushes + 1
         solved_run = self.solved(parts) if parts else None
-        for moving, first, end in pending:
-            self.made.append(
+        for where, moving, first, end in pending:
+            self.legs[where].append(
                 self.unsolved(moving)
                 if solved_run is None or first == end
                 else _leg(moving, solved_run, slice(first, end))
@@ -269,7 +342,8 @@ class _ProgramSolver:
             solved = solve_run(fixed, self.robot, self.cures, theirs)
         self.keep(parts, solved.configurations)
         self.findings.extend(solved.findings)
-        solved_run = SolvedRun(run, solved.joints, solved.configurations)
+        solved_run = SolvedRun(run, solved.joints, solved.configurations, self.runs)
+        self.runs += 1
         last = solved.joints[-1]
         self.joined = bool(np.isfinite(last).all())
         if self.joined:

@@ -21,12 +21,14 @@ from assistant.robots.robot import Robot
 class SolvedRun:
     """A solved run.
 
-    joints: (n, a) deg, NaN if missing. configurations: (n, 6).
+    joints: (n, a) deg, NaN if missing. configurations: (n, 6). number: of the run, in the order in
+    which the runs are solved.
     """
 
     run: Run
     joints: Floats
     configurations: NDArray[np.int8]
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,11 +61,10 @@ class SolvedProgram:
 
     @property
     def solved_runs(self) -> tuple[SolvedRun, ...]:
-        """Every run once, in order of text."""
+        """Every run once, in the order in which they were solved."""
         runs = (leg.solved_run for legs in self.legs.values() for leg in legs)
-        return tuple(
-            {id(solved_run): solved_run for solved_run in runs if solved_run is not None}.values()
-        )
+        found = {id(solved_run): solved_run for solved_run in runs if solved_run is not None}
+        return tuple(sorted(found.values(), key=lambda one: one.number))
 
     @property
     def tools(self) -> dict[str, Tool]:

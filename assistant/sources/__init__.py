@@ -17,7 +17,7 @@ from assistant.sources.reading import Reader, Reading
 from assistant.sources.seen_settings import NO_SEEN_SETTINGS
 
 if TYPE_CHECKING:
-    from assistant.sources.process import Process, SurroundingsByRobot
+    from assistant.sources.process import Process, ProgramStyle, SurroundingsByRobot
     from assistant.sources.process.placement import DrawingPlacement
 
 __all__ = ["READERS", "Reading", "process_of", "read"]
@@ -53,6 +53,7 @@ def read(
     placement: DrawingPlacement | None = None,
     *,
     merging: bool = False,
+    style: ProgramStyle | None = None,
 ) -> Reading:
     """The pseudo-program of a drawing, table or list of targets.
 
@@ -60,7 +61,8 @@ def read(
     unit: the short name of the unit that a drawing is in, instead of what the process file says.
     around: what stands around the work, by the robot that the process file names, if it names one.
     placement: of a drawing, instead of what the process file says. merging: rows of tables and
-    waypoints that repeat the one before them are left out, with a note.
+    waypoints that repeat the one before them are left out, with a note. style: of the program of a
+    drawing, where the process file states none.
     Raises Unreadable or Refused.
     """
     from assistant.sources.process.placement import PLACED_BY_OPTIONS, check_drawn
@@ -80,6 +82,8 @@ def read(
         told = () if chosen.placement is None else (PLACED_BY_OPTIONS(path=str(path)),)
         findings += (*(f.within(str(path)) for f in placement.findings), *told)
         chosen = replace(chosen, placement=placement.pose)
+    if style is not None:
+        chosen = replace(chosen, style=chosen.style.completed(style))
     if merging:
         chosen = replace(chosen, merges=True)
     if chosen.placement is not None:

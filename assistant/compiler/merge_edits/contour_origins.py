@@ -22,7 +22,9 @@ from assistant.program.statements import Statement
 
 _CONTOUR_PART_NAME: Final = re.compile(r"(.+_[0-9]+)_[A-Za-z][A-Za-z_]*")
 """A target of a contour: the name of that, and what it is of it, as `glue_1` and `start`."""
-_NUMBERED_NAME: Final = re.compile(r"(.+)_[0-9]+")
+_NUMBERED_NAME: Final = re.compile(r"(.+)_[0-9]+_pass_[0-9]+|(.+)_[0-9]+")
+_FIRST_ROUND: Final = "_pass_1"
+"""End of the name of the first path of a contour that is followed several times."""
 
 PoseKey = tuple[float, ...]
 PlaceProfile = tuple[Any, ...]
@@ -38,7 +40,7 @@ def pose_key(pose: Pose) -> PoseKey:
 def unnumbered_name(name: str) -> str:
     """Return a name without its trailing number, which contours of one layer have in common."""
     found = _NUMBERED_NAME.fullmatch(name)
-    return name if found is None else found[1]
+    return name if found is None else found[1] or found[2]
 
 
 class ContourOrigins:
@@ -80,6 +82,16 @@ class ContourOrigins:
         for name, paths in self.paths.items():
             parts[name] += [(bytes(one.kinds), *_row_poses(one)) for one in paths]
         return {name: tuple(found) for name, found in parts.items()}
+
+    @cached_property
+    def procedures(self) -> dict[str, str]:
+        """The procedures of single contours, each with the first path of its contour."""
+        found = {}
+        for procedure in self.program.procedures:
+            for name in (procedure.name, procedure.name + _FIRST_ROUND):
+                if name in self.contours:
+                    found[procedure.name] = name
+        return found
 
     @cached_property
     def counts(self) -> Counter[PlaceProfile]:
@@ -128,11 +140,29 @@ class ContourOrigins:
 def same_contours(old: ContourOrigins, new: ContourOrigins) -> dict[str, str]:
     """Contours of a program by what they are called in another one: those that are whole there."""
     there = {profile: name for name, profile in new.profiles.items()}
-    return {
+    same = {
         name: there[profile]
         for name, profile in old.profiles.items()
         if old.counts[profile] == new.counts[profile] == 1
     }
+    # A contour whose name begins otherwise now: its place alone tells what it is.
+    placed, others = (
+        _by_place(one, known) for one, known in ((old, set(same)), (new, set(same.values())))
+    )
+    return same | {
+        names[0]: others[place][0]
+        for place, names in placed.items()
+        if len(names) == len(others.get(place, ())) == 1
+    }
+
+
+def _by_place(origins: ContourOrigins, known: set[str]) -> dict[PlaceProfile, list[str]]:
+    """Contours but for known ones, by their profiles without the name."""
+    found: dict[PlaceProfile, list[str]] = {}
+    for name, profile in origins.profiles.items():
+        if name not in known:
+            found.setdefault(profile[1:], []).append(name)
+    return found
 
 
 def names_of(statement: Statement) -> Iterator[str]:

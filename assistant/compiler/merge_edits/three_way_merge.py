@@ -33,7 +33,7 @@ from assistant.program.geometry import JointTarget, Target, Tool
 from assistant.program.motion import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import rewrite
-from assistant.program.statements import Statement
+from assistant.program.statements import Call, Statement
 
 
 @dataclass(frozen=True, slots=True)
@@ -333,12 +333,13 @@ class Merge:
         new = {one.name: one for one in made}
         bodies = _BodyMerge(self)
         for name in dict.fromkeys((*old, *now)):
-            was, here, there = old.get(name), now.get(name), new.get(name)
+            to = self.procedure_there(name)
+            was, here, there = old.get(name), now.get(name), new.get(to)
             if was == here:
                 continue
             if was is not None and here is not None and there is not None:
                 body = bodies.merged(was, here, there)
-                new[name] = replace(there, body=body, **self._head(was, here, there))
+                new[to] = replace(there, body=body, **self._head(was, here, there))
                 continue
             what = f"procedure `{name}`"
             if self.is_dropped(name, what):
@@ -354,10 +355,17 @@ class Merge:
                 self.refuse(rules.STATEMENTS, name, reason=reason)
                 continue
             self.edits.append(what)
-            new.pop(name, None)
+            new.pop(to, None)
             if here is not None:
-                new[name] = bodies.renamed(here)
+                new[to] = bodies.renamed(here)
         return tuple(new.values())
+
+    def procedure_there(self, name: str) -> str:
+        """Return the new program's name of a procedure: that of a contour has its number."""
+        owner = self.base.procedures.get(name)
+        same = None if owner is None else self.contours.get(owner)
+        there = (one for one, contour in self.made.procedures.items() if contour == same)
+        return name if same is None else next(there, name)
 
     def _head(self, was: Procedure, here: Procedure, there: Procedure) -> dict[str, Any]:
         """Return the edits of a procedure outside its body."""
@@ -403,7 +411,7 @@ class _BodyMerge:
     def are_same(self, was: Procedure, there: Procedure) -> bool:
         """True if the source defines a procedure as before, positions included."""
         base, made = self._merge.base, self._merge.made
-        same = replace(was, body=()) == replace(there, body=())
+        same = replace(was, body=()) == replace(there, name=was.name, body=())
         return same and _statement_keys(was.body, base) == _statement_keys(there.body, made)
 
     def renamed(self, procedure: Procedure) -> Procedure:
@@ -505,6 +513,10 @@ class _BodyMerge:
             if isinstance(part, e.Name) and part.name in merge.edited.program.targets:
                 found = merge.renamed(part.name)
                 return part if found == part.name else replace(part, name=found)
+            if isinstance(part, Call) and part.procedure in merge.base.procedures:
+                if merge.base.procedures[part.procedure] not in merge.contours:
+                    raise _UnknownTarget(part.procedure)
+                return replace(part, procedure=merge.procedure_there(part.procedure))
             return part
 
         return rewrite(body, visit)
@@ -566,6 +578,10 @@ def _statement_keys(
             return e.Name(_path_digest(part, contours.get(part.name, part.name)))
         if isinstance(part, e.Name) and part.name in targets and known.is_numbered(part.name):
             return e.Name(f"{known.role(part.name)} {pose_key(targets[part.name].pose)}")
+        if isinstance(part, Call) and part.procedure in known.procedures:
+            # Which contour is called, whatever its number.
+            profile = repr(known.profiles[known.procedures[part.procedure]][1:])
+            return replace(part, procedure=hashlib.sha256(profile.encode()).hexdigest())
         return part
 
     return [repr(rewrite(statement, visit)) for statement in body]

@@ -500,7 +500,7 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
         return [NO_HOLDER] * len(contours)
     import shapely
 
-    across = _view_axes(direction)
+    across = view_axes(direction)
     outlines = [polygon_outline(c, tolerance) @ across.T for c in contours]
     low, high = (np.array([f(o, axis=0) for o in outlines]) for f in (np.min, np.max))
     areas = np.zeros(len(contours))
@@ -525,7 +525,22 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
     return [int(holder) for holder in found]
 
 
-def _view_axes(direction: Vector) -> Points:
+def nesting_depths(around: Sequence[int]) -> list[int]:
+    """Return the number of contours around each contour. around: `holders` of them."""
+    depths: list[int | None] = [None] * len(around)
+    for row in range(len(around)):
+        chain = []
+        while row != NO_HOLDER and depths[row] is None:
+            chain.append(row)
+            row = around[row]
+        depth = -1 if row == NO_HOLDER else depths[row] or 0
+        for inner in reversed(chain):
+            depth += 1
+            depths[inner] = depth
+    return [depth or 0 for depth in depths]
+
+
+def view_axes(direction: Vector) -> Points:
     """The two axes (2, 3) of the plane that the tool looks onto."""
     x = level_x_axis(direction)
     return np.stack([x, cross(np.asarray(direction, dtype=np.float64), x)])

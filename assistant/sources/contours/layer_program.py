@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -18,7 +18,7 @@ from assistant.base.near_names import near_name
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.settings_tables import shown
-from assistant.program.statements import Comment, Statement
+from assistant.program.statements import Call, Comment, Statement
 from assistant.sources.contours.chains import Contour, chain_curves, wide_gaps, without_overlaps
 from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_order import (
@@ -28,6 +28,7 @@ from assistant.sources.contours.contour_order import (
     order_contours,
     stated_order,
 )
+from assistant.sources.contours.contour_shapes import ContourShape, contour_shapes, number_text
 from assistant.sources.contours.contour_statements import (
     FramedSurroundings,
     PlacedLayer,
@@ -37,8 +38,8 @@ from assistant.sources.contours.contour_statements import (
 )
 from assistant.sources.contours.curves import Arc, Curve, Line
 from assistant.sources.contours.moves import WIDEST_ARC, contour_moves
-from assistant.sources.contours.tool_paths import PathShaper, ShapedContour
-from assistant.sources.process import Layer, Process
+from assistant.sources.contours.tool_paths import PathShaper, ShapedContour, ToolPath
+from assistant.sources.process import Layer, Process, ProgramStyle
 
 _NOT_USED_ON_LAYER = warning(
     "CT201",
@@ -100,6 +101,55 @@ shorter way from start to end, which has to stay the way of the arc."""
 
 _LONGEST_NAME_STEM: Final = 20
 """Letters of a layer's name that go into the names of its paths."""
+_LONGEST_LAYER_PART: Final = 12
+"""Letters of it that stand before the word for a shape."""
+_NAMELESS_PATH: Final = "path"
+"""Name of open contours on a layer whose name has no letters, such as `0`."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContourProgram:
+    """procedures: of the layers, each with those of its contours after it. called: those of the
+    layers, in the order of the work. targets: that they name.
+    """
+
+    procedures: tuple[Procedure, ...]
+    called: tuple[Procedure, ...]
+    targets: Mapping[str, Target]
+    findings: tuple[Diagnostic, ...]
+
+
+@dataclass(slots=True)
+class _ContourNames:
+    """Names of contours by their shapes, unique in a program.
+
+    several: more than one layer is followed, so that names begin with that of the layer.
+    """
+
+    several: bool
+    taken: TakenNames
+    stems: dict[tuple[str, str], str] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
+
+    def of(self, layer: str, shape: ContourShape) -> str:
+        """The next name of a contour on a layer, which is taken then."""
+        if (layer, shape.kind) not in self.stems:
+            self.stems[layer, shape.kind] = _path_name_stem(self._text(layer, shape), self.taken)
+        stem = self.stems[layer, shape.kind]
+        while True:
+            self.counts[stem] += 1
+            name = f"{stem}_{self.counts[stem]}"
+            if name.lower() not in self.taken.lower:
+                self.taken.add(name)
+                return name
+
+    def _text(self, layer: str, shape: ContourShape) -> str:
+        named = identifier(layer) if any(c.isalpha() for c in layer) else ""
+        if not shape.kind:
+            return named or _NAMELESS_PATH
+        if not (self.several and named):
+            return shape.kind
+        return f"{named[:_LONGEST_LAYER_PART].rstrip('_')}_{shape.kind}"
 
 
 def contour_program(
@@ -111,8 +161,8 @@ def contour_program(
     marks: Sequence[tuple[str, Vector]] = (),
     texts: Sequence[LayerText] = (),
     order: list[Row] | None = None,
-) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
-    """A procedure for each layer that has a process, the targets they name, what was found.
+) -> ContourProgram:
+    """Procedures of each layer that has a process, in the style of the process.
 
     curves: where the process places them in its default frame; the layers come in order of
     first appearance. A layer whose motion names another frame is followed at the same
@@ -131,6 +181,7 @@ def contour_program(
     usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
     names = TakenNames(taken)
     procedures: list[Procedure] = []
+    called: list[Procedure] = []
     targets: dict[str, Target] = {}
     findings: list[Diagnostic] = []
     followed: list[tuple[str, Layer, Sequence[Contour]]] = []
@@ -173,6 +224,12 @@ def contour_program(
         for (name, layer, contours), rows in zip(followed, kept, strict=True)
         if rows
     ]
+    shapes = contour_shapes(
+        [(layer.direction, contours) for _, layer, contours in followed],
+        process.placement,
+        process.tolerance,
+    )
+    contour_names = _ContourNames(len(followed) > 1, names)
     shaper = PathShaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
     # All procedures have their names before any path gets one.
     before: Layer | None = None
@@ -185,17 +242,20 @@ def contour_program(
         findings += shaper.findings
         shaper.findings.clear()
         made, named, found, numbers = _layer_procedure(
-            name, drawn, shaped, layer, process, names, beside, before=before
-        )
+            name, drawn, shaped, layer, process, names, beside,
+            shapes=shapes[row], contour_names=contour_names, before=before,
+        )  # fmt: skip
         if order is not None:
             order += [left[row][k] for k in numbers]
         before = layer if made else before
         procedures += made
+        called += made[:1]
         targets |= named
         findings += found
     taken.update(names)
     findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
-    return tuple(procedures), targets, tuple(f.within(path) for f in findings)
+    found_within = tuple(f.within(path) for f in findings)
+    return ContourProgram(tuple(procedures), tuple(called), targets, found_within)
 
 
 def _procedure_name(layer: str, taken: TakenNames) -> str:
@@ -235,13 +295,16 @@ def _layer_procedure(
     taken: TakenNames,
     texts: Sequence[LayerText],
     *,
+    shapes: Sequence[ContourShape],
+    contour_names: _ContourNames,
     before: Layer | None,
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic], list[int]]:
-    """The procedure of that name along the contours of one layer, none if nothing is left.
+    """The procedure of that name along the contours of one layer and those of the contours, none
+    if nothing is left.
 
-    shaped: what the contours have become. before: the layer that comes before it. With the
-    procedure come the targets that it names, the findings, and the places in `drawn` of what it
-    follows, in its order.
+    shaped: what the contours have become. shapes: of `drawn`. before: the layer that comes before
+    it. With the procedures come the targets that they name, the findings, and the places in `drawn`
+    of what they follow, in their order.
     """
     name, findings = drawn[0].layer, list[Diagnostic]()
     placed = PlacedLayer.of(name, layer, process)
@@ -274,9 +337,8 @@ def _layer_procedure(
         )
     if named != name:
         findings.append(MANGLED(place=f"layer {shown(name)}", given=name, name=named))
-    stem = _path_name_stem(name, taken)
     targets: dict[str, Target] = {}
-    body: list[Statement] = [Comment(_printable_line(f"{layer.process}: layer {name}"))]
+    parts: dict[str, list[Statement]] = {}
     widest = _WIDEST_TURN if layer.tangential else WIDEST_ARC
     deviation, fitted, count = 0.0, sum(one.fitted for one in kept), 0
     thinned, dropped = 0.0, sum(one.dropped for one in kept)
@@ -284,43 +346,54 @@ def _layer_procedure(
     top = highest_point(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
     numbers: list[int] = []
-    of_number = {one.main.number: one for one in kept}
-    followed = [
-        (of_number[main.number], way)
-        for main in order.contours
-        for way in of_number[main.number].ways(main, layer.shaping)
-    ]
-    for one, way in followed:
-        contour = way.contour
-        rows = contour_moves(contour, process.tolerance, widest=widest, spent=one.deviation)
-        handle = next((c.handle for c in contour.curves if c.handle), "")
-        place = f"entity {handle}" if handle else None
-        if not rows.within:
-            findings.append(
-                _CURVE_NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance)
-            )
-        elif not len(rows):
-            findings.append(_TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
-        else:
-            count += 1
-            numbers.append(one.main.number)
-            deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
-            if one.dropped or rows.dropped:
-                thinned, dropped = max(thinned, rows.deviation), dropped + rows.dropped
-            taken.add(f"{stem}_{count}")
-            lower = way.lower(layer)
-            # Without a home the program ends above the last contour.
-            stays = process.home is None and way is followed[-1][1]
-            made = follow_contour(
-                f"{stem}_{count}", rows, lower, placed, wound, process, taken, top,
-                drawn_on=name, stays=stays,
-            )  # fmt: skip
-            body += made.statements
-            corners += made.corners
-            findings += made.findings
-            targets |= made.targets
-            taken.update(made.targets)
-            wound = made.wound
+    of_number = {
+        one.main.number: (one, shape)
+        for one, shape in zip(shaped, shapes, strict=True)
+        if one is not None
+    }
+    last = order.contours[-1]
+    for main in order.contours:
+        one, shape = of_number[main.number]
+        ways = [*one.ways(main, layer.shaping)]
+        called, body = "", list[Statement]()
+        for at, way in enumerate(ways):
+            rows = contour_moves(way.contour, process.tolerance, widest=widest, spent=one.deviation)
+            handle = next((c.handle for c in way.contour.curves if c.handle), "")
+            place = f"entity {handle}" if handle else None
+            if not rows.within:
+                findings.append(
+                    _CURVE_NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance)
+                )
+            elif not len(rows):
+                findings.append(
+                    _TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance)
+                )
+            else:
+                count += 1
+                numbers.append(main.number)
+                deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
+                if one.dropped or rows.dropped:
+                    thinned, dropped = max(thinned, rows.deviation), dropped + rows.dropped
+                if not called:
+                    called = contour_names.of(name, shape)
+                    parts[called] = body = [*_described(shape, name)]
+                path_name = called
+                if len(ways) > 1:
+                    path_name = f"{called}_pass_{at + 1}"
+                    taken.add(path_name)
+                    body.append(Comment(_pass_text(at, ways)))
+                # Without a home the program ends above the last contour.
+                stays = process.home is None and main is last and at == len(ways) - 1
+                made = follow_contour(
+                    path_name, rows, way.lower(layer), placed, wound, process, taken, top,
+                    drawn_on=name, stays=stays,
+                )  # fmt: skip
+                body += made.statements
+                corners += made.corners
+                findings += made.findings
+                targets |= made.targets
+                taken.update(made.targets)
+                wound = made.wound
     if fitted:
         findings.append(_CURVES_FITTED(layer=shown(name), count=fitted, deviation=deviation))
     if dropped:
@@ -336,8 +409,42 @@ def _layer_procedure(
             if corners
             else _NO_SLOW_CORNER(**about)
         )
-    made_procedures = [Procedure(named, tuple(body))] if count else []
-    return made_procedures, targets, findings, numbers
+    title = f"layer {name}" if layer.process == shown(name) else f"{layer.process}: layer {name}"
+    procedures = _procedures(named, _printable_line(title), parts, process.style)
+    return (procedures if count else []), targets, findings, numbers
+
+
+def _procedures(
+    named: str, title: str, parts: Mapping[str, Sequence[Statement]], style: ProgramStyle
+) -> list[Procedure]:
+    """Return the procedure of a layer and those of its contours in a style.
+
+    title: of the layer. parts: statements of each contour by its name, with comments.
+    """
+    if not style.commented:
+        parts = {
+            name: [one for one in body if not isinstance(one, Comment)]
+            for name, body in parts.items()
+        }
+    above = [Comment(title)] if style.commented else []
+    # A single contour needs no procedure below that of its layer.
+    if style.procedures in (None, "contour") and len(parts) > 1:
+        calls = [Call(name) for name in parts]
+        return [
+            Procedure(named, (*above, *calls)),
+            *(Procedure(name, tuple(body)) for name, body in parts.items()),
+        ]
+    return [Procedure(named, (*above, *(one for body in parts.values() for one in body)))]
+
+
+def _described(shape: ContourShape, layer: str) -> Iterator[Statement]:
+    """The comment that says what a contour is."""
+    yield Comment(_printable_line(shape.text if shape.kind else f"{layer}, {shape.text}"))
+
+
+def _pass_text(at: int, ways: Sequence[ToolPath]) -> str:
+    depth = f", {number_text(ways[at].below)} mm deep" if ways[at].below else ""
+    return f"pass {at + 1} of {len(ways)}{depth}"
 
 
 def _remaining_holders(around: Sequence[int], shaped: Sequence[ShapedContour | None]) -> list[int]:

@@ -17,7 +17,7 @@ from assistant.base.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
 from assistant.program.settings_tables import shown
 from assistant.sources.contours.chains import Contour
-from assistant.sources.contours.contour_order import NO_HOLDER, holders
+from assistant.sources.contours.contour_order import NO_HOLDER, holders, nesting_depths
 from assistant.sources.contours.curves import (
     CHORD_TOLERANCE,
     Arc,
@@ -605,10 +605,11 @@ class PathShaper:
         for direction, members in alike.items():
             x, y, z = direction
             around = holders([c for _, c in members], (x, y, z), self.tolerance)
+            depths = nesting_depths(around)
             view = ToolView.along((x, y, z))
             lines = []
             for row, (key, contour) in enumerate(members):
-                self.depths[key] = _holder_count(row, around)
+                self.depths[key] = depths[row]
                 if around[row] != NO_HOLDER:
                     (outer, _), _ = members[around[row]]
                     self.held.setdefault(outer, set()).add(key[0])
@@ -734,11 +735,3 @@ class PathShaper:
             name = shown(contours[0].layer)
             self.findings.append(_START_MARKS(what="; ".join(said), layer=name))
         return {k: mark for k, (_, mark) in found.items()}
-
-
-def _holder_count(row: int, around: Sequence[int]) -> int:
-    """Return the number of contours around a contour."""
-    depth = 0
-    while around[row] != NO_HOLDER:
-        row, depth = around[row], depth + 1
-    return depth

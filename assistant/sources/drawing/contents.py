@@ -7,6 +7,7 @@ drawing.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import date
 from functools import cache
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final, cast
@@ -22,7 +23,7 @@ from assistant.program.statements import Motion
 from assistant.sources.contours.contour_order import LayerText
 from assistant.sources.contours.curves import Curve, vector
 from assistant.sources.drawing.attributes import Tags
-from assistant.sources.drawing.document import library_errors, open_drawing, unit_of
+from assistant.sources.drawing.document import library_errors, open_drawing, saved_on, unit_of
 from assistant.sources.drawing.drafting import Drafting
 from assistant.sources.drawing.entities import Degenerate, ignored_properties, primitives
 from assistant.sources.drawing.findings import (
@@ -82,6 +83,7 @@ class Contents:
     marks: points that are not locations but state where the contours of their layer start. texts:
     of the layers whose contours are numbered by them. aside: curves that are drafting, or whose
     line types or blocks the process file leaves out. drafting: what was found to be drafting.
+    saved: day on which the drawing was saved.
     """
 
     unit: str
@@ -92,6 +94,7 @@ class Contents:
     texts: tuple[LayerText, ...] = ()
     aside: tuple[Curve, ...] = ()
     drafting: Drafting | None = None
+    saved: date | None = None
 
 
 def read_contents(path: FilePath, process: Process) -> Contents:
@@ -148,6 +151,7 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     return Contents(
         *(unit, tuple(curves), tuple(found), said, tuple(marks), tuple(texts), tuple(aside)),
         drafting,
+        saved_on(document),
     )
 
 

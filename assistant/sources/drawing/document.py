@@ -14,6 +14,7 @@ import struct
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import date
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
@@ -185,7 +186,28 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     # Without a header, ezdxf adds its own defaults.
     if (_BINARY_HEADER_VARIABLE if binary else _HEADER_VARIABLE).search(data) is None:
         _forget_header(document)
+    elif _SAVED.encode() not in data and _SAVED in document.header:
+        del document.header[_SAVED]
     return document, (*repairs, *_note_findings(notes, str(path)))
+
+
+def saved_on(document: Drawing) -> date | None:
+    """Return the day on which the drawing was saved last; None if it does not state a day.
+
+    A Julian date that changes at midnight: DXF reference, header variable $TDUPDATE.
+    """
+    stated = document.header.get(_SAVED, None)
+    if not isinstance(stated, float) or not stated < _LAST_JULIAN_DAY:
+        return None
+    day = int(stated) - _JULIAN_DAY_OF_ORDINAL
+    return date.fromordinal(day) if day >= _FIRST_DAY else None
+
+
+_SAVED: Final = "$TDUPDATE"
+_JULIAN_DAY_OF_ORDINAL: Final = 1721425
+_LAST_JULIAN_DAY: Final = 2_500_000.0
+_FIRST_DAY: Final = date(1982, 1, 1).toordinal()
+"""Before it there was no DXF."""
 
 
 def _forget_header(document: Drawing) -> None:

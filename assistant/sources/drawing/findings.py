@@ -25,6 +25,12 @@ EMPTY = error(
     "draw contours on layers of the process file, or points and blocks with attributes, or delete"
     " from leave_out what is work",
 )
+NO_PROCEDURE_LEFT = error(
+    "DX014",
+    '`procedures = "none"` leaves nothing that other programs could call, and `main = false`'
+    " leaves no main procedure",
+    'write `procedures = "layer"` under [style], or leave out `main` under [program]',
+)
 UNKNOWN_MEANING = error(
     "DX008", "the process file gives a tag for `{meaning}`, which means nothing", "use {known}"
 )

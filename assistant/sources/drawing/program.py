@@ -7,7 +7,7 @@ file states one.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Final
@@ -34,6 +34,7 @@ from assistant.sources.drawing.findings import (
     DRAFTING,
     DUPLICATE,
     EMPTY,
+    NO_PROCEDURE_LEFT,
     ONLY_DRAFTING,
     QUICKEST,
     SAME_ORDER,
@@ -66,16 +67,19 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
     places = len(contents.curves) + len(contents.locations)
     with within(CONTOURS if process.around is None else AROUND, name, places):
         curves = contents.curves
-        contours, ends, followed = contour_program(
+        made = contour_program(
             curves, process, taken=taken, path=name, marks=contents.marks, texts=contents.texts
         )
         order = _visiting_order(contents.locations, name, process)
         visits, visited = _visit_procedure(contents.locations, named.names, order.rows, process)
     arriving = (finding.within(name) for finding in visited)
-    findings = [*contents.findings, *named.findings, *order.findings, *followed, *arriving]
+    findings = [*contents.findings, *named.findings, *order.findings, *made.findings, *arriving]
+    alone = process.style.procedures == "none"
+    if alone and process.interface is not None and not process.interface.main:
+        findings.append(NO_PROCEDURE_LEFT(path=name))
     if title != path.stem:
         findings.append(MANGLED(path=name, place="file name", given=shown(path.stem), name=title))
-    if not contours and not contents.locations and not has_errors(findings):
+    if not made.procedures and not contents.locations and not has_errors(findings):
         drafting = contents.drafting
         if drafting is not None and drafting.aside:
             findings = [one for one in findings if one.code != DRAFTING.code]
@@ -85,13 +89,18 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
             findings.append(EMPTY(path=name))
     if has_errors(findings):
         raise Refused(*findings)
-    procedures = [*visits, *contours]
+    called, procedures = [*visits, *made.called], [*visits, *made.procedures]
+    if alone:
+        work = tuple(one for procedure in called for one in procedure.body)
+        procedures = []
+    else:
+        work = tuple(Call(procedure.name) for procedure in called)
     program = Program(
         title,
-        (Procedure(_MAIN_PROCEDURE, _calls_from_home(home, procedures, process)), *procedures),
+        (Procedure(_MAIN_PROCEDURE, _between_homes(home, work, process)), *procedures),
         entry=_MAIN_PROCEDURE,
         robot=process.robot,
-        comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
+        comments=tuple(_facts(contents, path, process)),
         frames=dict(process.frames),
         tools=dict(process.tools),
         signals=dict(process.signals),
@@ -99,23 +108,38 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
             n: Target(location.pose)
             for n, location in zip(named.names, contents.locations, strict=True)
         }
-        | ends,
+        | dict(made.targets),
         joint_targets={home: JointTarget(process.home)} if home and process.home else {},
         placed=process.placement is not None,
     )
     return Reading(program, tuple(findings))
 
 
-def _calls_from_home(
-    home: str | None, procedures: Sequence[Procedure], process: Process
+def _facts(contents: Contents, path: FilePath, process: Process) -> Iterator[str]:
+    """Lines above the program, about what it was made from."""
+    saved = f", saved {contents.saved.isoformat()}" if contents.saved else ""
+    yield f"drawing {shown(path.name)}, in {contents.unit}{saved}"
+    motions = dict.fromkeys(one.motion for one in contents.locations)
+    motions |= dict.fromkeys(one.motion for one in process.layers.values())
+    used = list(motions) or [process.defaults.motion]
+    tools, frames = (
+        list(dict.fromkeys(names))
+        for names in ([one.tool for one in used], [one.frame for one in used])
+    )
+    yield f"tool {', '.join(tools)}, frame {', '.join(frames)}"
+    if contents.curves:
+        yield f"contours within {process.tolerance:g} mm; their sizes and positions as drawn, in mm"
+
+
+def _between_homes(
+    home: str | None, work: tuple[Statement, ...], process: Process
 ) -> tuple[Statement, ...]:
-    """Calls of the procedures, between two ways home if there is a home."""
-    calls = tuple(Call(p.name) for p in procedures)
+    """The work between two moves to home, if there is a home."""
     if home is None:
-        return calls
+        return work
     motion = replace(process.defaults.motion, blend=FINE)
     way = Travel if process.defaults.travels else MoveJoints
-    return (way(Name(home), motion), *calls, way(Name(home), motion))
+    return (way(Name(home), motion), *work, way(Name(home), motion))
 
 
 def _visit_procedure(

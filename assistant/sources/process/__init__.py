@@ -279,6 +279,37 @@ def seen_of(said: Mapping[str, Any], path: str | None) -> SeenSettings:
     return SeenSettings(said.get("ask"), Trust(**trust), found)
 
 
+@dataclass(frozen=True, slots=True)
+class ProgramStyle:
+    """Form of the program of a drawing; None for the default of a field.
+
+    procedures: one for each contour, called by that of its layer; one for each layer; or none but
+    the main one. comments: what each layer and contour is, above its statements.
+    """
+
+    procedures: Literal["contour", "layer", "none"] | None = None
+    comments: bool | None = None
+
+    def completed(self, other: ProgramStyle) -> ProgramStyle:
+        """Return the style with what another one states where this one states nothing."""
+        return ProgramStyle(
+            self.procedures or other.procedures,
+            other.comments if self.comments is None else self.comments,
+        )
+
+    @property
+    def commented(self) -> bool:
+        return self.comments is not False
+
+
+NO_STYLE: Final = ProgramStyle()
+
+STYLE_KEYS: Final[Mapping[str, Read]] = {
+    "procedures": settings_tables.choice("contour", "layer", "none"),
+    "comments": settings_tables.truth,
+}
+
+
 ALONG_TOOL: Vector = (0.0, 0.0, -1.0)
 """Back from a place along the tool, in the tool's own axes."""
 
@@ -494,8 +525,8 @@ class Process:
     begins and ends, None for the position of the arm. seen: for frames that are seen, the limits of
     trust in sights, and the server that a program asks. around: bodies around the work, which no
     process file states; None if they are unknown. merges: rows that repeat the pose of the row
-    before are left out; no process file states it. findings: warnings about the process file
-    itself.
+    before are left out; no process file states it. style: form of the program of a drawing.
+    findings: warnings about the process file itself.
     """
 
     defaults: Defaults = DEFAULT_MOTION
@@ -519,6 +550,7 @@ class Process:
     home: tuple[float, ...] | None = None
     seen: SeenSettings = NO_SEEN_SETTINGS
     around: Surroundings | None = None
+    style: ProgramStyle = NO_STYLE
     findings: tuple[Diagnostic, ...] = ()
 
     def leaves_out(self, layer: str) -> bool:

@@ -111,6 +111,10 @@ names are letters, digits and `_`, a letter first.
     # cell = [[412.1, 8.0, 20.3], [412.4, 208.0, 20.1], [312.1, 8.2, 20.2]]
     # misfit = 1.0                # mm that a mark may be off
 
+    [style]                       # of a drawing's program
+    procedures = "contour"        # one each, called by that of its layer; or "layer", "none"
+    comments = true               # false: no comments about layers and contours
+
     [tags]                        # attribute tags of locations, by meaning
     name = "NAME"
 """
@@ -146,12 +150,14 @@ from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process import SEEN_KEYS as KEYS_OF_SEEN
 from assistant.sources.process import (
     SHAPING_KEYS,
+    STYLE_KEYS,
     ContourTravel,
     Defaults,
     Layer,
     LeftOut,
     OutputSwitching,
     Process,
+    ProgramStyle,
     SpeedProfile,
     SwitchPoint,
     read_left_out,
@@ -546,7 +552,9 @@ DRAWING_KEYS: Final[Mapping[str, Read]] = {
 }
 """Keys of the top that only a drawing needs."""
 PLACEMENT_TABLE: Final = "placement"
-"""A table that only a drawing needs."""
+STYLE_TABLE: Final = "style"
+DRAWING_TABLES: Final = (PLACEMENT_TABLE, STYLE_TABLE)
+"""Tables that only a drawing needs."""
 
 ORIENTATION_KEYS: Final[Mapping[str, Read]] = {
     "quaternion": values.quaternion,
@@ -605,7 +613,8 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     """
     page = top.page
     keys = {**dict.fromkeys((*TOP_TABLES, *beside), _read_unchanged), **TOP_KEYS}
-    found = top.read(keys if beside else {**keys, **DRAWING_KEYS, PLACEMENT_TABLE: _read_unchanged})
+    drawn = {**DRAWING_KEYS, **dict.fromkeys(DRAWING_TABLES, _read_unchanged)}
+    found = top.read(keys if beside else {**keys, **drawn})
     tools = {n: _read_tool(n, t) for n, t in top.table("tools").named()}
     frames = {n: _read_frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _read_signal(n, t) for n, t in top.table("signals").named()}
@@ -626,6 +635,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         if not beside and PLACEMENT_TABLE in top.content
         else None
     )
+    style = {} if beside else top.table(STYLE_TABLE).read(STYLE_KEYS)
     findings = tuple(sorted(page.findings, key=lambda f: f.line or 0))
     if has_errors(findings):
         raise Refused(*findings)
@@ -639,6 +649,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         placement=placement,
         interface=interface,
         seen=seen,
+        style=ProgramStyle(**style),
         findings=findings,
         **plain,
     )

@@ -24,8 +24,9 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.sources.contours.curves import Arc, FreeCurve, Line
+from assistant.sources.contours.layer_program import ContourProgram
 from assistant.sources.contours.layer_program import contour_program as layer_program
-from assistant.sources.process import Defaults, Layer, Process
+from assistant.sources.process import Defaults, Layer, Process, ProgramStyle
 from tests.examples import drawn
 from tests.sources.contours.whole import pose, whole_paths
 from tests.tables import every_row
@@ -58,11 +59,13 @@ TARGETS = {}
 """Of the program made last."""
 
 
-def contour_program(*given, **options):
-    procedures, targets, findings = layer_program(*given, **options)
+def contour_program(curves, process, **options):
+    """One procedure a layer, and what was found."""
+    process = replace(process, style=ProgramStyle("layer"))
+    made = layer_program(curves, process, **options)
     TARGETS.clear()
-    TARGETS.update(targets)
-    return procedures, findings
+    TARGETS.update(made.targets)
+    return made.procedures, made.findings
 
 
 def paths(procedure):
@@ -74,16 +77,16 @@ def test_the_order_of_what_is_done_along_a_contour():
     (procedure,) = procedures
     assert findings == ()
     assert procedure.name == "GLUE"
-    comment, approach, down, on, wait, follow, end, off, retract = procedure.body
-    assert comment == Comment("gluing: layer GLUE")
+    layer, shape, approach, down, on, wait, follow, end, off, retract = procedure.body
+    assert (layer, shape) == (Comment("gluing: layer GLUE"), Comment("outline 10 x 10"))
     travel = Motion(Speed(200.0), FINE, "nozzle", "table")
     assert isinstance(approach, Move)
     assert (approach.kind, approach.motion) == ("joint", travel)
-    back = Apply("relative", (Name("glue_1_start"), Number(0), Number(0), Number(-50)))
+    back = Apply("relative", (Name("outline_1_start"), Number(0), Number(0), Number(-50)))
     assert approach.target == retract.target == back
     assert pose(approach.target, TARGETS) == Pose((0.0, 0.0, 50.0), (0.0, 1.0, 0.0, 0.0))
     assert (down.kind, down.motion) == ("linear", Motion(Speed(50.0), FINE, "nozzle", "table"))
-    assert down.target == end.target == Name("glue_1_start")
+    assert down.target == end.target == Name("outline_1_start")
     assert pose(down.target, TARGETS) == Pose((0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
     assert (end.kind, end.motion) == ("linear", replace(MOTION, blend=FINE))
     assert (on, off) == (SetSignal("glue", Number(1)), SetSignal("glue", Number(0)))
@@ -91,7 +94,7 @@ def test_the_order_of_what_is_done_along_a_contour():
     assert (retract.kind, retract.motion) == ("linear", travel)
     assert len(follow.path) == 3
     (path,) = paths(procedure)
-    assert path.name == "glue_1"
+    assert path.name == "outline_1"
     assert path.kinds.tolist() == [Kind.LINEAR] * 4
     assert path.positions.tolist() == [[10, 0, 0], [10, 10, 0], [0, 10, 0], [0, 0, 0]]
     assert [path.blends[i] for i in path.blend] == [Blend(1.0)] * 3 + [FINE]
@@ -103,16 +106,16 @@ def test_later_contours_are_approached_in_a_line():
     (procedure,), _ = contour_program(curves, process(GLUE=GLUE), taken=set())
     approaches = [s.kind for s in procedure.body if isinstance(s, Move)]
     assert approaches == ["joint", *["linear"] * 6]  # a circle ends with an arc
-    assert [p.name for p in paths(procedure)] == ["glue_1", "glue_2"]
+    assert [p.name for p in paths(procedure)] == ["outline_1", "circle_1"]
 
 
 def test_without_distances_signals_and_delay_there_is_only_the_way():
     plain = Layer("cutting", MOTION, approach=0.0, retract=0.0)
     (procedure,), _ = contour_program(square(), process(GLUE=plain), taken=set())
-    assert [type(s) for s in procedure.body] == [Comment, Move, Follow, Move]
+    assert [type(s) for s in procedure.body] == [Comment, Comment, Move, Follow, Move]
     circles = [circle("GLUE", 0.0)]
     (procedure,), _ = contour_program(circles, process(GLUE=plain), taken=set())
-    assert [type(s) for s in procedure.body] == [Comment, Move, Follow, MoveCircular]
+    assert [type(s) for s in procedure.body] == [Comment, Comment, Move, Follow, MoveCircular]
 
 
 def test_a_slow_travel_is_not_left_on_the_way_down():
@@ -394,23 +397,23 @@ def test_the_same_drawing_gives_the_same_program():
 
 
 def test_nothing_gives_nothing():
-    assert layer_program([], Process(), taken=set()) == ((), {}, ())
+    assert layer_program([], Process(), taken=set()) == ContourProgram((), (), {}, ())
 
 
 def test_the_ends_of_a_contour_have_names_that_all_around_them_use():
     curves = [Line((0, 0, 0), (40, 0, 0), "GLUE"), *square(at=100.0)]
-    (procedure,), targets, _ = layer_program(curves, process(GLUE=GLUE), taken={"glue_1_end"})
-    assert list(targets) == ["glue_1_start", "glue_1_end_2", "glue_2_start"]
+    (procedure,), _ = contour_program(curves, process(GLUE=GLUE), taken={"glue_1_end"})
+    assert list(TARGETS) == ["glue_1_start", "glue_1_end_2", "outline_1_start"]
     named = [s.target for s in procedure.body if isinstance(s, Move)]
     first = [t.name if isinstance(t, Name) else t.arguments[0].name for t in named]
-    open_, closed = ["glue_1_start"] * 2 + ["glue_1_end_2"] * 2, ["glue_2_start"] * 4
+    open_, closed = ["glue_1_start"] * 2 + ["glue_1_end_2"] * 2, ["outline_1_start"] * 4
     assert first == [*open_, *closed]
 
 
 def test_a_tool_that_turned_with_a_circle_does_not_end_at_the_target_it_began_from():
     layer = Layer("knife", MOTION, tangential=True)
-    _, targets, _ = layer_program([circle("GLUE", 0.0)], process(GLUE=layer), taken=set())
-    assert list(targets) == ["glue_1_start", "glue_1_end", "glue_1_via"]
+    contour_program([circle("GLUE", 0.0)], process(GLUE=layer), taken=set())
+    assert list(TARGETS) == ["circle_1_start", "circle_1_end", "circle_1_via"]
 
 
 def test_corners_without_a_stated_size_are_rounded_within_the_tolerance():

@@ -34,14 +34,15 @@ def ring(radius, at=(0.0, 0.0), layer="CUT"):
 
 def program(curves, keys, marks=(), more=""):
     process = parse_process(SourceText(f"{more}\n[layers.CUT]\n{keys}", "part.process.toml"))
-    return contour_program(curves, process, taken=set(), marks=marks)
+    made = contour_program(curves, process, taken=set(), marks=marks)
+    return made.procedures, made.targets, made.findings
 
 
 def ways(curves, keys, marks=(), more=""):
     """The points (n, 3) of each way, its start among them, and the codes of what was found."""
     procedures, targets, findings = program(curves, keys, marks, more)
     found = [path for p in procedures for path in whole_paths(p, targets)]
-    starts = [start(targets, f"cut_{i + 1}_start") for i in range(len(found))]
+    starts = [start(targets, f"{path.name}_start") for path in found]
     joined = [np.vstack([[s], path.positions]) for s, path in zip(starts, found, strict=True)]
     return joined, {f.code for f in findings}
 

@@ -40,9 +40,9 @@ def drawn(folder, process=PROCESS, *, closed=True):
 
 def travels(path):
     """The kinds of the moves that lead to each contour."""
-    body = sources.read(path).program.procedures[1].body
+    statements = sources.read(path).program.statements()
     return [
-        s.kind for s in body if isinstance(s, Move) and s.motion.speed.tcp == 200
+        s.kind for s in statements if isinstance(s, Move) and s.motion.speed.tcp == 200
     ]  # approaches and retracts
 
 
@@ -96,7 +96,7 @@ def test_linear_travel_holds_from_layer_to_layer(tmp_path, keys, kinds):
         tmp_path / "part.dxf", language="rapid", robot="irb4600-60-2.05"
     ).files
     (text,) = (raw.decode() for raw in compiled.values())
-    first = [part.split("Move")[1][0] for part in text.split("! ")[-2:]]
+    first = [part.split("Move")[1][0] for part in text.split("PROC ")[-2:]]
     assert first == [{"joint": "J", "linear": "L"}[kind] for kind in kinds]
 
 

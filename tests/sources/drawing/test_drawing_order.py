@@ -30,7 +30,7 @@ def starts(folder, draw, keys, units=4):
     program = loaded.program
     begun = [
         s.target.name
-        for s in program.procedure("CUT").body
+        for s in program.statements()
         if isinstance(s, Move) and isinstance(s.target, Name) and s.target.name.endswith("_start")
     ]
     places = [program.targets[name].pose.position[:2] for name in dict.fromkeys(begun)]

@@ -62,8 +62,8 @@ def test_sample() -> None:
         "INSPECT_1", "INSPECT_2",
     ]  # fmt: skip
     assert list(program.targets)[9:] == [
-        "glue_1_start", "glue_1_end", "glue_2_start", "glue_3_start",
-        "cut_1_start", "cut_1_via", "cut_2_start", "cut_2_via",
+        "glue_1_start", "glue_1_end", "glue_slot_1_start", "glue_outline_1_start",
+        "cut_hole_1_start", "cut_hole_1_via", "cut_opening_1_start", "cut_opening_1_via",
     ]  # fmt: skip
     assert program.targets["pick"].pose.position == (235.0, -85.0, 260.0)
     assert program.targets["place"].pose.quaternion == pytest.approx(

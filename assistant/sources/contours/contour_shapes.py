@@ -1,0 +1,163 @@
+"""Shape of a contour in words: what it is for the people who read the program.
+
+A closed contour inside an odd number of others is a hole (round), a slot or an opening; any other
+one is an outline, or a circle if it is round and holds nothing. Open contours have no shape: the
+name of their layer says what they are. Sizes and positions are mm in the axes of the drawing,
+so that a reader finds the contour there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.base import rotations
+from assistant.program.geometry import Pose, Vector
+from assistant.sources.contours.chains import Contour
+from assistant.sources.contours.contour_order import (
+    holders,
+    nesting_depths,
+    polygon_outline,
+    view_axes,
+)
+from assistant.sources.contours.curves import Arc, Line, Points
+
+_ROUND_PART: Final = 0.01
+"""Part of its radius that a circle of chords may be off its arc: 22 chords or more."""
+_FEWEST_CORNERS: Final = 6
+_HALF_TURN_TOLERANCE: Final = 1.0
+"""Degrees that the ends of a slot may differ from half circles."""
+_DECIMALS: Final = 2
+"""Decimals of mm of sizes and positions."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContourShape:
+    """kind: a word for names, empty of an open contour. text: what the contour is, on one line."""
+
+    kind: str
+    text: str
+
+
+def contour_shapes(
+    groups: Sequence[tuple[Vector, Sequence[Contour]]], placement: Pose | None, tolerance: float
+) -> list[list[ContourShape]]:
+    """Return the shapes of the contours of each group.
+
+    groups: direction of the tool, and contours of a layer. placement: of the drawing, None if
+    it is not placed. tolerance: mm. Contours lie inside those of all groups that are seen in the
+    same direction.
+    """
+    shapes: list[list[ContourShape]] = [[] for _ in groups]
+    back = (placement or Pose()).inverse()
+    for direction in dict.fromkeys(direction for direction, _ in groups):
+        rows = [row for row, (seen, _) in enumerate(groups) if seen == direction]
+        contours = [contour for row in rows for contour in groups[row][1]]
+        around = holders(contours, direction, tolerance)
+        depths, held = nesting_depths(around), set(around)
+        made = iter(
+            _shape(
+                contour,
+                _Nesting(depths[at] % 2 == 1, at in held),
+                direction,
+                back,
+                tolerance,
+            )
+            for at, contour in enumerate(contours)
+        )
+        for row in rows:
+            shapes[row] = [next(made) for _ in groups[row][1]]
+    return shapes
+
+
+@dataclass(frozen=True, slots=True)
+class _Nesting:
+    """inside: material is around the contour. holds: others lie inside it."""
+
+    inside: bool
+    holds: bool
+
+
+def _shape(
+    contour: Contour, nesting: _Nesting, direction: Vector, back: Pose, tolerance: float
+) -> ContourShape:
+    """back: from the default frame into the axes of the drawing."""
+    if not contour.closed:
+        start, end = (_place(np.array(p), back, tolerance) for p in (contour.start, contour.end))
+        return ContourShape("", f"{number_text(contour.length)} mm, from {start} to {end}")
+    outline = polygon_outline(contour, tolerance)
+    drawn = _in_drawing(outline, back)
+    low, high = drawn.min(axis=0), drawn.max(axis=0)
+    middle = _place(0.5 * (low + high), Pose(), tolerance)
+    if (circle := _circle(outline, direction, tolerance)) is not None:
+        centre, radius = circle
+        kind = "hole" if nesting.inside else "outline" if nesting.holds else "circle"
+        return ContourShape(
+            kind, f"{kind} {number_text(2.0 * radius)} at {_place(centre, back, tolerance)}"
+        )
+    if (slot := _slot(contour, tolerance)) is not None:
+        return ContourShape(
+            "slot", f"slot {number_text(slot[0])} x {number_text(slot[1])} at {middle}"
+        )
+    # Along the two axes of the drawing in which it is widest.
+    size = " x ".join(
+        number_text((high - low)[axis]) for axis in sorted(np.argsort(low - high)[:2])
+    )
+    kind = "opening" if nesting.inside else "outline"
+    return ContourShape(kind, f"{kind} {size}" + (f" at {middle}" if nesting.inside else ""))
+
+
+def _circle(outline: Points, direction: Vector, tolerance: float) -> tuple[Points, float] | None:
+    """Centre (3,) and radius of a round outline; None of any other."""
+    if len(outline) < _FEWEST_CORNERS:
+        return None
+    axes = view_axes(direction)
+    flat = outline @ axes.T
+    mean = flat.mean(axis=0)
+    # Circle of least squares: x² + y² = 2 a x + 2 b y + c.
+    x, y = (flat - mean).T
+    columns = np.stack([2.0 * x, 2.0 * y, np.ones_like(x)], axis=1)
+    (a, b, c), *_ = np.linalg.lstsq(columns, x * x + y * y, rcond=None)
+    radius = float(np.sqrt(max(c + a * a + b * b, 0.0)))
+    centre = mean + np.array([a, b])
+    # Middles of chords are on the circle only if the chords are short.
+    middles = 0.5 * (flat + np.roll(flat, -1, axis=0))
+    off, sagitta = (
+        float(np.abs(np.linalg.norm(points - centre, axis=1) - radius).max())
+        for points in (flat, middles)
+    )
+    if radius <= tolerance or off > tolerance or sagitta > max(tolerance, _ROUND_PART * radius):
+        return None
+    height = outline.mean(axis=0) - mean @ axes
+    return np.asarray(centre @ axes + height), radius
+
+
+def _slot(contour: Contour, tolerance: float) -> tuple[float, float] | None:
+    """Length and width of two parallel lines between half circles; None of any other contour."""
+    arcs = [curve for curve in contour.curves if isinstance(curve, Arc)]
+    lines = [curve for curve in contour.curves if isinstance(curve, Line)]
+    if not len(arcs) == len(lines) == 2 == len(contour.curves) - 2:
+        return None
+    half = all(abs(arc.sweep - 180.0) <= _HALF_TURN_TOLERANCE for arc in arcs)
+    if not half or abs(arcs[0].radius - arcs[1].radius) > tolerance:
+        return None
+    return lines[0].length + 2.0 * arcs[0].radius, 2.0 * arcs[0].radius
+
+
+def _in_drawing(points: Points, back: Pose) -> Points:
+    return rotations.rotate(back.quaternion, points) + back.position
+
+
+def _place(point: Points, back: Pose, tolerance: float) -> str:
+    """A point as it is drawn; its height only where there is one."""
+    x, y, z = _in_drawing(point[None], back)[0].tolist()
+    return ", ".join(map(number_text, (x, y, z) if abs(z) > tolerance else (x, y)))
+
+
+def number_text(value: float) -> str:
+    """A number as people write it: `6.6`, `200`."""
+    said = f"{value:.{_DECIMALS}f}".rstrip("0").rstrip(".")
+    return "0" if said == "-0" else said

@@ -1,0 +1,183 @@
+"""What contours are called and said to be, and the procedures that a style makes of them."""
+
+import re
+
+import ezdxf
+import pytest
+
+import assistant
+from assistant.base.diagnostics import Refused
+from assistant.compiler.loader import load
+from assistant.program.statements import Call, Comment
+
+PROCESS = """\
+[motion]
+frame = "table"
+[frames.table]
+position = [450, -75, 300]
+[layers.PLATE]
+"""
+
+
+def square(model, low, high, layer="PLATE"):
+    (x, y), (u, v) = low, high
+    model.add_lwpolyline([(x, y), (u, y), (u, v), (x, v)], close=True, dxfattribs={"layer": layer})
+
+
+def drawn(folder, draw, process=PROCESS, units=4):
+    document = ezdxf.new("R2010", units=units)
+    draw(document.modelspace())
+    document.saveas(folder / "part.dxf")
+    text = (folder / "part.dxf").read_text()
+    saved = re.sub(r"(\$TDUPDATE\n +40\n)[0-9.]+", r"\g<1>2461007.75", text)
+    (folder / "part.dxf").write_text(saved)
+    (folder / "part.process.toml").write_text(process)
+    return folder / "part.dxf"
+
+
+def sheet(model):
+    on = {"layer": "PLATE"}
+    square(model, (0, 0), (200, 150))
+    model.add_circle((125, 110), 3.3, dxfattribs=on)
+    slot = [(80, 60, 0), (110, 60, 1), (110, 70, 0), (80, 70, 1)]
+    model.add_lwpolyline(slot, format="xyb", close=True, dxfattribs=on)
+    square(model, (30, 60), (50, 75))
+    model.add_line((150, 70), (180, 110), dxfattribs=on)
+
+
+def bodies(program):
+    return {one.name: one.body for one in program.procedures}
+
+
+def comments(program):
+    found = {name: [s.text for s in body if isinstance(s, Comment)] for name, body in
+             bodies(program).items()}  # fmt: skip
+    return {name: texts for name, texts in found.items() if texts}
+
+
+def test_each_contour_is_a_procedure_that_says_what_it_is(tmp_path):
+    program = load(drawn(tmp_path, sheet)).program
+    assert comments(program) == {
+        "PLATE": ["layer PLATE"],
+        "hole_1": ["hole 6.6 at 125, 110"],
+        "slot_1": ["slot 40 x 10 at 95, 65"],
+        "opening_1": ["opening 20 x 15 at 40, 67.5"],
+        "outline_1": ["outline 200 x 150"],
+        "plate_1": ["PLATE, 50 mm, from 150, 70 to 180, 110"],
+    }
+    assert [s.procedure for s in bodies(program)["main"]] == ["PLATE"]
+    called = [s.procedure for s in bodies(program)["PLATE"] if isinstance(s, Call)]
+    assert set(called) == {*bodies(program)} - {"main", "PLATE"}
+    assert called[-1] == "outline_1"
+    assert program.comments == (
+        "drawing part.dxf, in millimetres, saved 2025-11-27",
+        "tool tool0, frame table",
+        "contours within 0.05 mm; their sizes and positions as drawn, in mm",
+    )
+
+
+def test_sizes_are_those_of_the_drawing_wherever_it_is_placed(tmp_path):
+    def draw(model):
+        square(model, (0, 0), (4, 2))
+        model.add_circle((1, 1), 0.25, dxfattribs={"layer": "PLATE"})
+
+    placed = PROCESS + "[placement]\nposition = [10, 20, 30]\neuler_zyx = [90, 0, 0]\n"
+    program = load(drawn(tmp_path, draw, placed, units=1)).program
+    assert comments(program)["hole_1"] == ["hole 12.7 at 25.4, 25.4"]
+    assert comments(program)["outline_1"] == ["outline 101.6 x 50.8"]
+
+
+def test_a_part_in_the_hole_of_another_one_has_an_outline(tmp_path):
+    def draw(model):
+        for half in (50, 30, 20):
+            square(model, (-half, -half), (half, half))
+        model.add_circle((0, 0), 10, dxfattribs={"layer": "PLATE"})
+
+    program = load(drawn(tmp_path, draw)).program
+    said = comments(program)
+    assert said["opening_1"] == ["opening 60 x 60 at 0, 0"]
+    assert [said[f"outline_{n}"] for n in (1, 2)] == [["outline 40 x 40"], ["outline 100 x 100"]]
+    assert said["hole_1"] == ["hole 20 at 0, 0"]
+
+
+@pytest.mark.parametrize(("sides", "kind"), [(8, "outline"), (64, "circle")])
+def test_a_circle_of_chords_is_a_circle_and_an_octagon_none(tmp_path, sides, kind):
+    import math
+
+    def draw(model):
+        corners = [
+            (50 + 20 * math.cos(2 * math.pi * k / sides), 20 * math.sin(2 * math.pi * k / sides))
+            for k in range(sides)
+        ]
+        model.add_lwpolyline(corners, close=True, dxfattribs={"layer": "PLATE"})
+
+    (_, texts), *_ = comments(load(drawn(tmp_path, draw)).program).items()
+    assert texts[1].startswith(kind)
+
+
+def test_names_of_several_layers_and_of_what_is_there_already(tmp_path):
+    def draw(model):
+        square(model, (0, 0), (100, 100))
+        model.add_circle((50, 50), 5, dxfattribs={"layer": "DRILL"})
+        model.add_circle((20, 50), 5, dxfattribs={"layer": "DRILL"})
+        model.add_line((0, 0), (5, 5), dxfattribs={"layer": "0"})
+
+    taken = PROCESS + "[layers.DRILL]\n[layers.0]\n[signals.drill_hole_1]\n"
+    program = load(drawn(tmp_path, draw, taken)).program
+    names = [*bodies(program)]
+    assert names == ["main", "PLATE", "DRILL", "drillhole2_1", "drillhole2_2", "n_0"]
+    assert {"plate_outline_1_start", "path_1_start"} <= program.targets.keys()
+
+
+STYLES = {
+    "contour": ["main", "PLATE", "hole_1", "slot_1", "opening_1", "outline_1", "plate_1"],
+    "layer": ["main", "PLATE"],
+    "none": ["main"],
+}
+
+
+@pytest.mark.parametrize("language", ["rapid", "melfa-basic-5"])
+@pytest.mark.parametrize("procedures", [*STYLES])
+def test_every_form_is_proven_and_moves_alike(tmp_path, procedures, language):
+    style = f'[style]\nprocedures = "{procedures}"\n'
+    path = drawn(tmp_path, sheet, PROCESS + style)
+    robot = {"rapid": "irb1200-7-0.7", "melfa-basic-5": "rv-7frl"}[language]
+    made = assistant.compile(path, language=language, robot=robot)
+    assert made.ok, made.findings
+    names = {one.name.lower() for one in made.program.procedures}
+    assert names == {name.lower() for name in STYLES[procedures]}
+
+
+def test_the_arm_keeps_its_branch_from_contour_to_contour(tmp_path):
+    targets = {}
+    for procedures in STYLES:
+        style = f'[style]\nprocedures = "{procedures}"\n'
+        path = drawn(tmp_path, sheet, PROCESS + style)
+        made = assistant.compile(path, language="rapid", robot="irb1200-7-0.7")
+        targets[procedures] = made.program.targets
+    assert targets["contour"] == targets["layer"] == targets["none"]
+
+
+def test_the_project_states_a_style_and_a_process_file_another(tmp_path):
+    (tmp_path / "assistant.toml").write_text('[style]\nprocedures = "layer"\ncomments = false\n')
+    program = load(drawn(tmp_path, sheet)).program
+    assert [*bodies(program)] == ["main", "PLATE"] and not comments(program)
+    own = PROCESS + '[style]\nprocedures = "none"\n'
+    program = load(drawn(tmp_path, sheet, own)).program
+    assert [*bodies(program)] == ["main"] and not comments(program)
+
+
+def test_without_any_procedure_there_is_nothing_to_call(tmp_path):
+    style = '[style]\nprocedures = "none"\n[program]\nmain = false\n'
+    with pytest.raises(Refused) as caught:
+        load(drawn(tmp_path, sheet, PROCESS + style))
+    assert [f.code for f in caught.value.findings if f.severity == "error"] == ["DX014"]
+
+
+def test_passes_of_a_contour_are_in_its_procedure(tmp_path):
+    keys = "depth = 4\npasses = 2\n"
+    program = load(drawn(tmp_path, sheet, PROCESS + keys)).program
+    assert comments(program)["hole_1"] == [
+        "hole 6.6 at 125, 110", "pass 1 of 2, 2 mm deep", "pass 2 of 2, 4 mm deep",
+    ]  # fmt: skip
+    assert {"hole_1_pass_1_start", "hole_1_pass_2_start"} <= program.targets.keys()
