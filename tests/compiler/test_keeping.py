@@ -309,3 +309,33 @@ def test_a_program_of_several_files_is_not_merged(tmp_path, capsys):
     assert {file: file.read_bytes() for file in files} == edited
     assert run(capsys, *words, "--overwrite")[0] == 0
     assert "[425,0,300]" in files[-1].read_text()
+
+
+def test_a_bead_that_is_not_called_any_more_is_left_out_whatever_its_number(here, capsys):
+    edit(module(here), "        seam_2;", "        ! seam_2;")
+    draw(here, {"new": ((440, -140), (400, -120)), **BEADS})
+    status, _, err = compiled(capsys, here)
+    assert status == 0, err
+    called = re.findall(r"^        (seam_\d);", module(here).read_text(), re.MULTILINE)
+    assert called == ["seam_1", "seam_2", "seam_4"]
+
+
+def test_statements_of_a_bead_follow_its_procedure_to_another_number(here, capsys):
+    edit(module(here), "MoveL seam_2_end,v50,fine", "MoveL seam_2_end,v30,fine")
+    draw(here, {"new": ((440, -140), (400, -120)), **BEADS})
+    status, _, err = compiled(capsys, here)
+    assert status == 0, err
+    text = module(here).read_text()
+    assert "MoveL seam_3_end,v30,fine" in text and "MoveL seam_2_end,v50,fine" in text
+
+
+def test_touch_ups_stay_where_contours_got_other_names(here, capsys):
+    edit(module(here), "seam_2_start:=[[460,-60,300]", "seam_2_start:=[[460.5,-60,300]")
+    drawing = ezdxf.readfile(here / "part.dxf")
+    for line in drawing.modelspace():
+        line.dxf.layer = "BEAD"
+    drawing.saveas(here / "part.dxf")
+    (here / "part.process.toml").write_text(PROCESS.replace("SEAM", "BEAD"))
+    status, _, err = compiled(capsys, here)
+    assert status == 0, err
+    assert positions(module(here).read_text())["bead_2_start"] == (460.5, -60, 300)

@@ -35,6 +35,7 @@ def _of(
 
 PLANNED: Final = '[motion]\nkind = "travel"\n'
 AT_HOME: Final = "home = [0, 0, 0, 0, 30, 0]\n"
+NO_MAIN: Final = "[program]\nmain = false\n"
 SLOW: Final = "corner_speed = 20\n"
 JOINT: Final = 'travel_kind = "joint"\n'
 WIDE: Final = "travel_blend = 60\n"
@@ -60,6 +61,18 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(slight), "a.process.toml": f"{AT_HOME}[program]\nmain = false\n"},
         change={"a.process.toml": AT_HOME},
+    ),
+    Case(
+        "DX014",
+        "check a.dxf",
+        {"a.dxf": dxf(slight), "a.process.toml": f"{NO_MAIN}[style]\nprocedures = 'none'\n"},
+        change={"a.process.toml": f"{NO_MAIN}[style]\nprocedures = 'layer'\n"},
+    ),
+    Case(
+        "DX014",
+        "check a.dxf",
+        {"a.dxf": dxf(slight), "a.process.toml": f"{NO_MAIN}[style]\nprocedures = 'none'\n"},
+        change={"a.process.toml": "[style]\nprocedures = 'none'\n"},
     ),
     Case(
         "CT345",

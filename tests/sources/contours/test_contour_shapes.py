@@ -148,6 +148,17 @@ def test_every_form_is_proven_and_moves_alike(tmp_path, procedures, language):
     assert names == {name.lower() for name in STYLES[procedures]}
 
 
+def test_position_numbers_have_the_name_of_their_contour_beside_them(tmp_path):
+    path = drawn(tmp_path, sheet)
+    for language in ("melfa-basic-5", "melfa-basic-6"):
+        made = assistant.compile(path, language=language, robot="rv-7frl")
+        assert made.ok, made.findings
+        assert "MB217" not in {f.code for f in made.findings}  # each arc names its start
+        (text,) = (raw.decode() for raw in made.files.values())
+        assert "' slot 40 x 10 at 95, 65" in text
+        assert re.search(r"Mvs P\w*slot_?1_?start\r?\n\d+ ' P\d+ to P\d+: slot_1\r?\n", text, re.I)
+
+
 def test_the_arm_keeps_its_branch_from_contour_to_contour(tmp_path):
     targets = {}
     for procedures in STYLES:

@@ -176,7 +176,9 @@ class Reader(Control):
         # A comment stays at its place, so the path of moves ends before it.
         if item.comment is not None:
             self.runs.flush(made)
-            made.append(p.Comment(simple_statements.comment_text(item.comment), span=item.span))
+            text = simple_statements.comment_text(item.comment)
+            if item.statement is not None or text not in self.path_notes:
+                made.append(p.Comment(text, span=item.span))
         # A wait takes several lines, so the check for it precedes that for the first line alone.
         found = simple_statements.wait_at(self.code, at, high, self.expressions, self.named)
         if found is not None:

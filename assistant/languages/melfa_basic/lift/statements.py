@@ -57,6 +57,7 @@ from assistant.languages.melfa_basic.lift.untranslatable_reasons import (
 from assistant.languages.melfa_basic.tables.equivalents import STATEMENT_ROWS
 from assistant.languages.melfa_basic.tables.variables import ALL_INTERRUPTS
 from assistant.languages.melfa_basic.text import effects
+from assistant.languages.melfa_basic.text.header import path_note
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.control_flow import (
     block_word,
@@ -139,6 +140,7 @@ class Control:
         self.unknown = UnknownSettings(ways.called.flow.lines, SETTING_WORDS, self.where)
         self.expressions = Expressions(symbols)
         self.runs = Runs(symbols, ways.single, symbols.own, self.one_move)
+        self.path_notes = frozenset(itertools.starmap(path_note, symbols.header.paths))
         self.moves = Moves(self.expressions, self.runs)
         self.reading: Reading[s.Expression] = Reading(
             {

@@ -38,6 +38,7 @@ from assistant.languages.melfa_basic.tables.variables import (
     line_name,
 )
 from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.text.header import path_note
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MOV, MVR, MVS, MoveRows
 from assistant.languages.melfa_basic.tree.control_flow import is_plain_wait, waiting_loop
@@ -498,6 +499,9 @@ def write_path(w: Writer, node: p.Follow) -> None:
     first = w.number
     w.number += len(path)
     w.paths.append((first, path))
+    if w.program.origin is None:
+        note = path_note(first, first + len(path) - 1, path.name)
+        w.items.append(s.Line(comment=marked(p.Comment(note))))
     for start, stop in path_segments(path):
         _write_segment(w, path, start, stop, first)
     w.previous = None
@@ -558,8 +562,9 @@ def _remember_place(
         ):
             target = (inner,)
     match target:
-        # Names with `_` are external or of the controller, and may change before the arc begins.
-        case (s.Variable(name=name, arguments=None, component=""),) if "_" not in name:
+        # Names whose second character is `_` are external or of the controller, and may change
+        # before the arc begins.
+        case (s.Variable(name=name, arguments=None, component=""),) if name[1:2] != "_":
             w.previous = name, motion.tool, motion.frame
 
 

@@ -39,7 +39,7 @@ _UNITS: Final = Units(
     path="{}",
     straight=True,
     most_steps=LAST_STEP - 700,
-    first=5,
+    first=6,
     steps={"speed": 2, "blend": 1, "tool": 1, "frame": 1},
     split=rules.SPLIT,
 )

@@ -11,7 +11,8 @@
 Names are written in ASCII. Malformed entries are ignored: it is only a comment. `elsewhere` holds
 a tool or work coordinates that the program calls by number: the name is that of the parameter that
 holds the value, after the letter of positions. An emitted program has the sections heading, code
-and positions.
+and positions. Above the moves of a path that no other language wrote are its numbers and name,
+as `path_note` writes them; that comment is no part of the program.
 """
 
 from __future__ import annotations
@@ -113,6 +114,11 @@ def header_lines(header: Header, dialect: str) -> Iterator[str]:
         words += [f"of {in_ascii(v.owner)}"] if v.owner else []
         yield f"variable: {short} = {in_ascii(v.name)} {' '.join(words)}"
     yield END
+
+
+def path_note(first: int, last: int, name: str) -> str:
+    """Return the comment above the moves of a path: its position numbers, and its name."""
+    return f"P{first} to P{last}: {in_ascii(name)}"
 
 
 def _name_entry(short: str, original: str) -> str:
