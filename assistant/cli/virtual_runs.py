@@ -403,8 +403,8 @@ class _PrintedRun:
         trace, plot = self.options.trace, self.options.plot
         if trace is None and plot is None:
             return []
-        run = replace(run, log=tuple(map(self.names.shown, run.log)))
-        given = list(map(self.names.shown, self.given))
+        run = replace(run, log=tuple(map(self.names.logged, run.log)))
+        given = list(map(self.names.changed, self.given))
         samples = motion_columns(run, given, self.kernel.motion, self.options.period)
         files: dict[Path, bytes] = {}
         if trace is not None:

@@ -70,8 +70,14 @@ class SignalNames:
 
     def shown(self, row: Logged | InputChange) -> Logged | InputChange:
         """An event, or a change of an input, with the name that people read."""
-        if isinstance(row, InputChange):
-            return replace(row, name=self.inputs.get(row.name, row.name))
+        return self.changed(row) if isinstance(row, InputChange) else self.logged(row)
+
+    def changed(self, row: InputChange) -> InputChange:
+        """A change of an input with the name that people read."""
+        return replace(row, name=self.inputs.get(row.name, row.name))
+
+    def logged(self, row: Logged) -> Logged:
+        """An event with the name that people read."""
         match row.what:
             case Switched(signal) if signal in self.outputs:
                 return replace(row, what=replace(row.what, signal=self.outputs[signal]))
