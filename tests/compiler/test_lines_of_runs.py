@@ -196,10 +196,10 @@ def contacts(form: str, size: int, at: Sequence[int]) -> str:
 
 
 @pytest.mark.parametrize("form", ["run", "apart"])
-def test_contacts_are_at_each_move_and_shown_by_stretches(
+def test_contacts_are_at_each_move_and_shown_by_pairs(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, form: str
 ) -> None:
-    """Two stretches of moves: what reads each line has them all, a user two findings."""
+    """Two stretches of moves: what reads each line has them all, a user one finding."""
     file, step = tmp_path / "m.mod", 1 + (form == "apart")
     file.write_text(contacts(form, 13, (2, 3, 4, 10)))
     lines = [2 + step * (k + 1) for k in (2, 3, 4, 5, 10, 11)]
@@ -213,6 +213,4 @@ def test_contacts_are_at_each_move_and_shown_by_stretches(
         said = "".join(both)
         shown = [x for x in said.splitlines() if x.startswith("CK421") and "`robot.J4`" in x]
         shown = [x.split(": ")[0].split(" ", 3)[-1] for x in shown if "`robot.base`" in x]
-        assert shown == [
-            f"4 moves, lines {lines[0]} to {lines[3]}", f"2 moves, lines {lines[4]} to {lines[5]}",
-        ]  # fmt: skip
+        assert shown == [f"6 moves, lines {lines[0]} to {lines[-1]}"]
