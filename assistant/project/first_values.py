@@ -22,8 +22,9 @@ from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.near_names import near_name
 from assistant.compiler.arms import robot_of
+from assistant.controllers.address import VIRTUAL
 from assistant.controllers.controller import LANGUAGES
-from assistant.controllers.named import ROBOT_FILES, VIRTUAL
+from assistant.controllers.named import ROBOT_FILES
 from assistant.program.geometry import Pose, Vector
 from assistant.program.settings_tables import listed
 from assistant.project import rules
