@@ -86,5 +86,5 @@ window.view = {
     dirty = true;
   },
   pathPoints: count,
-  drawn: () => (renderer ? renderer.info.render.triangles : 0),
+  drawn: () => (renderer ? renderer.info.render.triangles + renderer.info.render.lines : 0),
 };
