@@ -17,7 +17,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all
 from assistant.base.length_units import UNITS, known_unit
-from assistant.base.source_text import read_bytes
+from assistant.base.source_text import ended_lines, read_bytes
 from assistant.base.toml_edits import COMMENT_COLUMN, toml_key, toml_text, toml_value
 from assistant.program.program import TakenNames, identifier
 from assistant.program.project_file import read_project
@@ -428,7 +428,7 @@ def _with_controller(text: str, values: FirstValues | None) -> str:
         return text
     same = f'address = "{values.address}" ' in text
     lines = []
-    for line in text.splitlines(keepends=True):
+    for line in ended_lines(text):
         key = line.partition(" ")[0]
         if key in (_OF_EXAMPLE_CONTROLLER if not same else ()):
             continue

@@ -91,7 +91,7 @@ def test_an_address_that_is_no_virtual_controller(both):
     both.put("assistant.toml", text)
     with pytest.raises(Refused) as caught:
         targets_of()
-    assert [(finding.code, finding.line) for finding in caught.value.findings] == [("CN103", 8)]
+    assert [(finding.code, finding.line) for finding in caught.value.findings] == [("CN118", 8)]
 
 
 KILLED = """
