@@ -14,11 +14,8 @@ import shlex
 import shutil
 import sys
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path as FilePath
 from typing import Any, Final
-from urllib.parse import unquote, urlsplit
-from urllib.request import url2pathname
 
 from assistant.base.diagnostics import Diagnostic, Rule, Severity
 
@@ -69,6 +66,11 @@ def _sources(extra: str, package: FilePath) -> list[str]:
     root = package.parent
     if (root / "pyproject.toml").is_file():
         return ["--editable", f"{root}[{extra}]"]
+    # Only what is missing needs these: they load the network's libraries.
+    from importlib import metadata
+    from urllib.parse import unquote, urlsplit
+    from urllib.request import url2pathname
+
     try:
         copy = metadata.distribution(_NAME)
     except metadata.PackageNotFoundError:

@@ -433,6 +433,8 @@ def _unused_signals(programs: Programs, names: SignalNames, script: Script) -> I
     ):
         if name not in known and not (names.numbered and name.isdecimal()):
             near = near_name(name, known)
+            if names.numbered and not near:
+                continue  # a hand or another name that no header lists
             cure = f"write `{near}`" if near else "name a signal that they use"
             yield _NOT_USED(name=name, cure=cure)
 

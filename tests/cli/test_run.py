@@ -308,7 +308,7 @@ def test_questions_are_answered_on_standard_input(
     status, out, err = run(capsys, "run", program, "-r", "irb1200-7-0.7", "--ask")
     assert status == 0
     assert "answer to `How many?`: " in err
-    assert "gocount = 7" in out
+    assert "goCount = 7" in out
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     status, _, err = run(capsys, "run", program, "-r", "irb1200-7-0.7", "--ask")
     assert (status, "nobody answers `How many?`" in err) == (1, True)

@@ -444,7 +444,7 @@ class LeftOut:
     @property
     def text(self) -> str:
         """As it is written in a process file."""
-        given = ((name, getattr(self, name)) for name in _LEFT_OUT_KEYS)
+        given = ((name, getattr(self, name)) for name in LEFT_OUT_KEYS)
         rows = (f"{key} = {_toml_text(value)}" for key, value in given if value is not None)
         return "{" + ", ".join(rows) + "}"
 
@@ -461,7 +461,7 @@ _LEFT_OUT_FORMS: Final = (
     'write the name of a layer in quotes, {line_type = "CENTER"}, {layer = "CUT", at = [12, 30]},'
     " {number = 3} or {group = 2}"
 )
-_LEFT_OUT_KEYS: Final[Mapping[str, Read]] = {
+LEFT_OUT_KEYS: Final[Mapping[str, Read]] = {
     "layer": settings_tables.text,
     "line_type": settings_tables.text,
     "block": settings_tables.text,
@@ -487,7 +487,7 @@ def _read_left_out_entry(value: Any) -> str | LeftOut:
         raise Wrong(
             f"has {kind_of(value)}" if value != "" else "has an empty text", _LEFT_OUT_FORMS
         )
-    other = next((key for key in value if key not in _LEFT_OUT_KEYS), None)
+    other = next((key for key in value if key not in LEFT_OUT_KEYS), None)
     if other is not None:
         raise Wrong(f"has an entry with `{shown(other)}`", _LEFT_OUT_FORMS)
     if len(value.keys() - {"layer"}) != 1:
@@ -500,7 +500,7 @@ def _read_left_out_entry(value: Any) -> str | LeftOut:
     found = {}
     for key, given in value.items():
         try:
-            found[key] = _LEFT_OUT_KEYS[key](given)
+            found[key] = LEFT_OUT_KEYS[key](given)
         except Wrong as wrong:
             raise Wrong(f"has an entry whose `{key}` {wrong.what}", wrong.cure) from None
     return LeftOut(**found)

@@ -194,6 +194,7 @@ def keys() -> frozenset[str]:
             placement.PLACEMENT_KEYS,
             file.PROGRAM_KEYS,
             process.SEEN_KEYS,
+            process.LEFT_OUT_KEYS,
         ),
         *(
             of_cells.PLACE_KEYS,

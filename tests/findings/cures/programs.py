@@ -150,9 +150,9 @@ CASES: Final = (
     Case("CO404", "fmt a.mod --renumber 10,10", {"a.mod": MOVING}, ("fmt a.mod",)),
     Case(
         "CO503",
-        "translate a.mod --to melfa-basic-5",
+        "compile a.mod --language melfa-basic-5 --robot rv-4frl -o out",
         {"a.mod": TAUGHT},
-        ("translate a.mod --to melfa-basic-5 --from-robot irb1200-7-0.7 --robot rv-4frl",),
+        ("compile a.mod -l melfa-basic-5 --from-robot irb1200-7-0.7 -r rv-4frl -o out",),
     ),
     Case(
         "CO503",

@@ -75,7 +75,8 @@ def test_a_point_in_a_hole_or_on_its_line_leaves_the_hole_out(plate: Path, at) -
 
 def test_a_point_on_an_open_line_leaves_that_out_and_not_what_is_around_it(plate: Path) -> None:
     made = reading(plate, "leave_out = [{at = [70, 50.2]}]")
-    assert [one.name for one in made.program.procedures] == ["main", "CUT"]
+    names = [one.name for one in made.program.procedures]
+    assert "CUT" in names and "SEAM" not in names
     assert len(starts(made.program)) == 5
 
 
