@@ -285,7 +285,7 @@ class Robot:
         """Return a figure of matplotlib with the links of the arm at joints (n, a), degrees or mm.
 
         joints: several stand side by side, the last one in full colour; None for home. Show it in a
-        notebook, or keep it: `robot.plot().savefig("arm.png")`. Raises Refused, without the extra
+        notebook, or keep it by its `savefig`. Raises Refused, without the extra
         `plot` too.
         """
         given = self.home if joints is None else joints

@@ -67,7 +67,7 @@ def test_modules_of_a_list_are_one_program(tmp_path: Path, to: str) -> None:
     lifted = found.proof.lifted
     assert lifted is not None
     bodies = {q.name: q.body for q in lifted.procedures}
-    assert bodies["main"][0] == p.Call("Station_Prepare")
+    assert bodies["main"][:2] == (p.Stop(), p.Call("Station_Prepare"))
     assert p.Call("Shared_Prepare") in bodies["Carry"]
     assert b"not translated, b.mod line 6:" in found.files["STATION.prg"]
 
