@@ -261,10 +261,11 @@ class ContourChoice:
             while near := [one for one in found if _gap(one, new) <= apart]:
                 found = [one for one in found if all(one is not other for other in near)]
                 for one in near:
+                    one.rows.extend(new.rows)  # a copy for each contour would be too much
                     new = _Group(
                         np.minimum(one.low, new.low),
                         np.maximum(one.high, new.high),
-                        one.rows + new.rows,
+                        one.rows,
                         one.curves + new.curves,
                         one.closed + new.closed,
                     )
