@@ -1,4 +1,4 @@
-"""How this copy of the package was installed, and the command that adds an extra to it.
+"""Installation: the origin of this copy, and the command that adds an extra to it.
 
 No index has the package, so a command never asks one for it by its name alone: it names the
 folder, the wheel or the address that this copy came from, or the libraries of the extra.
@@ -62,7 +62,7 @@ def install_command(extra: str, *, package: FilePath = _PACKAGE, prefix: str = s
 
 
 def _sources(extra: str, package: FilePath) -> list[str]:
-    """What pip is asked for: the place that this copy came from, or the libraries of the extra."""
+    """Return the arguments for pip: the origin of this copy, or the libraries of the extra."""
     root = package.parent
     if (root / "pyproject.toml").is_file():
         return ["--editable", f"{root}[{extra}]"]

@@ -1,4 +1,4 @@
-"""What makes a shell complete the words of commands: `--show-completion SHELL` prints it.
+"""Scripts by which a shell completes the words of commands: `--show-completion SHELL` prints it.
 
 The shell then runs the program with `_ROBOT_ASSISTANT_COMPLETE=<shell>_complete`. click knows how
 bash, zsh and fish ask; PowerShell is added here.

@@ -15,7 +15,7 @@ from tests.project.test_starting_drawings import draw
 
 
 class Terminal(io.StringIO):
-    """Somebody who types these lines."""
+    """A user who types these lines."""
 
     def isatty(self) -> bool:
         return True
