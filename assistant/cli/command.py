@@ -255,18 +255,21 @@ def click_command(cls: type[Command], name: str, **settings: Any) -> click.Comma
     return _Described(name, callback=call, params=parameters(cls), help=cls.__doc__, **settings)
 
 
-def command_line(**more: str) -> str:
+def command_line(*arguments: str, **more: str) -> str:
     """Return the running command as it was typed, for a shell, with these options as well.
 
-    Empty outside of a command.
+    arguments: in place of those that were typed. Empty outside of a command.
     """
     context = click.get_current_context(silent=True)
     if context is None:
         return ""
     words = ["robot-assistant", *context.command_path.split()[1:]]
+    words += arguments
     options: list[str] = []
     for one in context.command.params:
         name = one.name or ""
+        if arguments and isinstance(one, click.Argument):
+            continue
         if name in more or context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
             continue
         value = context.params[name]

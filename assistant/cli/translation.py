@@ -176,7 +176,7 @@ class Translate:
         if self.names is not None:
             written += _write_report_file(self.names, names_csv(done).encode("utf-8"))
         written += _cell_files_with_blanks(done)
-        again = _next_command(done, options)
+        again = _next_commands(done, options)
         if self.format is TranslationFormat.TEXT:
             for line in beginning(done, again):
                 say(line)
@@ -193,7 +193,7 @@ class Translate:
         elif self.format is TranslationFormat.JSON:
             answer = {
                 "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
-                "next": again or None, "findings": list(map(finding_record, refusals)),
+                "next": next(iter(again), None), "findings": list(map(finding_record, refusals)),
             }  # fmt: skip
             print_json(answer)
         elif self.format is TranslationFormat.MARKDOWN:
@@ -306,13 +306,26 @@ def _found_cell_file(name: str, source: Loaded, options: Translate) -> Path | No
     return found or Path(options.output) / CELL_FILE
 
 
-def _next_command(done: Sequence[Translated], options: Translate) -> str:
-    """Return the command that goes on once the cell file is filled in, empty if nothing is."""
+_MOST_NEXT_COMMANDS: Final = 3
+
+
+def _next_commands(done: Sequence[Translated], options: Translate) -> list[str]:
+    """Return the command that goes on once the cell file is filled in, none if nothing is.
+
+    Without open values, the commands for the programs that have no procedure to begin with.
+    """
     cells = list(dict.fromkeys(one.cell for one in done if one.translation.wanting and one.cell))
-    if not cells:
-        return ""
-    stated = options.cell is not None or len(cells) > 1
-    return command_line() if stated else command_line(cell=str(cells[0]))
+    stated = options.cell is not None or len(cells) != 1
+    more = {} if stated else {"cell": str(cells[0])}
+    lone = [one for one in done if one.translation.beginnings]
+    if len(done) == 1 and lone:
+        return [command_line(**more, entry=lone[0].translation.beginnings[0])]
+    if cells:
+        return [command_line(**more)]
+    return [
+        command_line(one.source, entry=one.translation.beginnings[0])
+        for one in lone[:_MOST_NEXT_COMMANDS]
+    ]
 
 
 def _load_standard_input(options: Translate) -> Loaded:

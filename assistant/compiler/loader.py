@@ -25,6 +25,7 @@ from assistant.base.near_names import did_you_mean
 from assistant.base.source_text import SourceText, decode, folders_of, read_bytes
 from assistant.languages.language_types import Choice
 from assistant.program import pseudo
+from assistant.program.analysis.uses import called
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.project_file import Project, project_of
 from assistant.program.vendor_statements import with_effects
@@ -458,10 +459,17 @@ def with_entry(program: Program, entry: str | None) -> Program:
     known = program.procedure(entry)
     if known is not None and _can_begin(known):
         return replace(program, entry=known.name)
-    begin = ", ".join(q.name for q in program.procedures if _can_begin(q))
+    begin = ", ".join(beginnings(program))
     names = f"one of {begin}" if begin else "a procedure without parameters"
     rule = _NO_SUCH_ENTRY if known is None else _ENTRY_WITH_PARAMETERS
     raise Refused(rule(name=entry, names=names), exit_status=2)
+
+
+def beginnings(program: Program) -> tuple[str, ...]:
+    """Return the procedures that the program could begin with, those that no other calls first."""
+    names = [one.name for one in program.procedures if _can_begin(one)]
+    inner = {name for one in program.procedures for name in called(one) if name != one.name.lower()}
+    return tuple(sorted(names, key=lambda name: name.lower() in inner))
 
 
 def _can_begin(procedure: Procedure) -> bool:

@@ -49,7 +49,7 @@ from assistant.compiler.compilation import (
     proven_by_motion,
 )
 from assistant.compiler.drafts import draft_program as drafted
-from assistant.compiler.loader import Loaded, language_of, with_entry
+from assistant.compiler.loader import Loaded, beginnings, language_of, with_entry
 from assistant.compiler.merge_edits.last_output import write_unedited
 from assistant.compiler.motion_proof import MotionProof, Proving
 from assistant.compiler.program_files import load
@@ -210,6 +210,12 @@ class Translation:
     def ok(self) -> bool:
         """True if everything is translated and proven, and all of its values are known."""
         return self.compiled.ok and not self.wanting
+
+    @property
+    def beginnings(self) -> tuple[str, ...]:
+        """The procedures to begin with, of a program that is not written as it has no entry."""
+        begun = self.written.ok or self.compiled.source.entry is not None
+        return () if begun else beginnings(self.compiled.source)
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:

@@ -102,7 +102,7 @@ class Translated:
 
 def _report_text(done: Sequence[Translated]) -> str:
     """One line a statement, as compilers write them, and a line of totals each."""
-    lines = [*beginning(done, ""), *(line for one in done for line in report_lines(one))]
+    lines = [*beginning(done, ()), *(line for one in done for line in report_lines(one))]
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -126,10 +126,10 @@ _DOUBT: Final = "?"
 """Follows a kind that the uses leave open."""
 
 
-def beginning(done: Sequence[Translated], again: str) -> Iterator[str]:
+def beginning(done: Sequence[Translated], again: Sequence[str]) -> Iterator[str]:
     """Yield how much of each program is translated, what is to be filled in, and how to go on.
 
-    again: the command that goes on, empty for none.
+    again: the commands that go on.
     """
     for one in done:
         yield f"{one.source}: {share_in_words(one.translation)}"
@@ -143,9 +143,15 @@ def beginning(done: Sequence[Translated], again: str) -> Iterator[str]:
         values = "1 value" if len(missing) == 1 else f"{len(missing):,} values"
         yield f"to be filled in: {values}" + ("" if path is None else f", in {path}")
         yield from _wanted_table(list(missing.values()))
-    if again:
-        yield f"then: {again}"
-    if cells:
+    for one in done:
+        others = one.translation.beginnings[1:]
+        if others:
+            shown = ", ".join(others[:_MOST_USES])
+            more = len(others) - _MOST_USES
+            shown += f" and {more:,} more" if more > 0 else ""
+            yield f"{one.source}: --entry may name another procedure: {shown}"
+    yield from (f"then: {command}" for command in again)
+    if cells or again:
         yield ""
 
 
@@ -170,7 +176,8 @@ def share_in_words(translation: Translation) -> str:
     """Return how much is translated, and whether the files are complete."""
     share = f"{translated_share(translation):.1f} % translated: {level_totals(translation)}"
     if not translation.files:
-        return f"{share}; nothing is written"
+        why = ", as no procedure is named that it begins with" if translation.beginnings else ""
+        return f"{share}; nothing is written{why}"
     if not translation.draft:
         return share
     gaps, count = translation.totals["not"], len(translation.wanting)

@@ -128,6 +128,48 @@ def test_a_draft_stops_wherever_it_may_be_started(tmp_path: Path, capsys: Captur
     assert code[code.index("*Washed") + 1] == "Hlt"
 
 
+ROUTINES = """MODULE station
+  PROC Grip()
+    SetDO doGrip,1;
+  ENDPROC
+  PROC Cycle()
+    Grip;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def test_the_command_that_goes_on_names_what_a_program_begins_with(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("station.mod").write_text(ROUTINES)
+    status, said, _ = run(capsys, "translate", "station.mod", "--to", "melfa-basic-6")
+    assert status == 1
+    assert "nothing is written, as no procedure is named" in said.splitlines()[0]
+    assert "--entry may name another procedure: Grip" in said
+    assert next_command(said)[-4:] == ["--cell", "cell.toml", "--entry", "Cycle"]
+    filled(Path("cell.toml"))
+    status, said, _ = run(capsys, *next_command(said))
+    assert (status, "then: " in said) == (0, False), said
+    assert "M_Out(10)=1" in Path("STATION.prg").read_text("ascii")
+
+
+def test_each_program_without_a_beginning_has_a_command(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("one.mod").write_text("MODULE one\nPROC First()\nWaitTime 1;\nENDPROC\nENDMODULE\n")
+    Path("two.mod").write_text("MODULE two\nPROC main()\nWaitTime 2;\nENDPROC\nENDMODULE\n")
+    status, said, _ = run(capsys, "translate", "one.mod", "two.mod", "--to", "melfa-basic-6")
+    assert (status, Path("TWO.prg").is_file()) == (1, True)
+    assert next_command(said) == [
+        *("translate", "one.mod", "--to", "melfa-basic-6", "--entry", "First")
+    ]
+    status, _, _ = run(capsys, *next_command(said))
+    assert (status, Path("ONE.prg").is_file()) == (0, True)
+
+
 def test_a_translation_takes_what_the_project_states(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
