@@ -40,7 +40,7 @@ from assistant.cli.presentation import (
     working,
 )
 from assistant.cli.report_pages import page_name, write_page
-from assistant.cli.source_input import STANDARD, TWICE, standard_input
+from assistant.cli.source_input import STANDARD, TWICE, cell_of, standard_input
 
 if TYPE_CHECKING:
     from assistant.compiler.checker import Checked
@@ -155,7 +155,10 @@ def _check_alike(sources: Sequence[str], options: Check, keep: bool) -> Checked:
     from assistant.compiler.checker import Checked, check_files, check_text
 
     checked = Checked()
-    cell = replace(open_cell(options.cell, options.robot), seeing=options.sight.seeing)
+    # Beside robot programs a cell file may state no more than values.
+    programs = any(Path(one).suffix.lower() not in _CHECKED_AS_STATED for one in sources)
+    stands = open_cell(options.cell, options.robot, values=programs)
+    cell = replace(stands, seeing=options.sight.seeing)
     given: dict[str, Any] = {
         "robot": options.robot,
         "process": options.reader.process,
@@ -168,6 +171,7 @@ def _check_alike(sources: Sequence[str], options: Check, keep: bool) -> Checked:
         checked = check_text(text, language=spoken, **given)
     files = [source for source in sources if source != STANDARD]
     given["placement"] = options.reader.placement
+    given["values"] = lambda source: options.cell or cell_of(source)
     more = check_files(files, language=options.from_language, **given)
     return Checked(
         [*cell.findings, *checked.findings, *more.findings],

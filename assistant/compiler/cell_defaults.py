@@ -19,6 +19,7 @@ from assistant.base.source_text import SourceText
 from assistant.compiler.cell_equipment import (
     STATED_TEXT_NAME,
     check_signals,
+    controller_configuration,
     with_cell_equipment,
     with_lines,
     with_signals,
@@ -58,7 +59,8 @@ from assistant.sources.cell_values import (
 )
 
 if TYPE_CHECKING:
-    from assistant.languages import Language
+    from assistant.languages import Language, Tree
+    from assistant.languages.language_types import ControllerConfiguration
 
 
 UNFILLED: Final = warning(
@@ -215,6 +217,27 @@ def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
     check_signals(program, cell.process, str(path))
     program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
     return replace(loaded, program=program, findings=(*loaded.findings, *findings))
+
+
+def with_values_beside(
+    language: Language[Any], trees: Sequence[Tree], file: str, path: FilePath
+) -> list[Tree]:
+    """Trees with what the files of their controller, and a cell file, state of undeclared names.
+
+    file: of one of the trees. path: of the cell file. Raises Unreadable or Refused for a cell file
+    that cannot be used.
+    """
+    given, _ = controller_configuration(language, file)
+    return with_tree_values(language, trees, given, read_cell(path))
+
+
+def with_tree_values(
+    language: Language[Any], trees: Sequence[Tree], given: ControllerConfiguration, cell: Cell
+) -> list[Tree]:
+    """The same for files that were read. given: what the files of the controller state."""
+    signals = {**given.signals, **cell.process.signals}
+    values = values_stated(language.wanted(trees), given.values, cell, signals)
+    return list(language.with_supplied(trees, values, STATED_TEXT_NAME)) if values else list(trees)
 
 
 def values_stated(

@@ -7,7 +7,7 @@ already.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -18,6 +18,8 @@ from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_err
 from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, is_folder, read_bytes
 from assistant.compiler.arms import InCell, known_robot, open_cell, teaching_arm, with_robot_of_cell
+from assistant.compiler.cell_defaults import with_values_beside
+from assistant.compiler.cell_equipment import STATED_TEXT_NAME
 from assistant.compiler.loader import (
     Loaded,
     files_in,
@@ -57,6 +59,8 @@ _LEFT_OUT: Final = info(
     "name it with --from LANGUAGE if it is one",
 )
 _PSEUDO_MARK: Final = "#"
+CellFinder = Callable[[str], FilePath | None]
+"""Returns the file that states what a program uses and does not declare, by the program's path."""
 _FOLDER_SUFFIXES: Final = (pseudo.SUFFIX, ".dxf")
 """Files searched for in a folder beside programs; any folder may hold tables of other things."""
 
@@ -117,6 +121,7 @@ def check_files(
     unit: str | None = None,
     placement: DrawingPlacement | None = None,
     cell: str | FilePath | InCell | None = None,
+    values: CellFinder | None = None,
     keep: bool = False,
 ) -> Checked:
     """Check files and the contents of folders: robot programs, pseudo-programs and drawings.
@@ -125,9 +130,10 @@ def check_files(
     reach, limits and configurations are checked for it. process: process file, see `load`.
     language: of robot programs, if neither suffix nor text identifies it. unit: length unit of
     drawings. placement: of the drawings. cell: file of the cell that they run in, so that contacts
-    with its bodies are checked; or the cell read from it, whose findings the caller reports. keep:
-    store the programs in `looked`. Raises Refused for an unknown robot or language, or for an
-    invalid cell file.
+    with its bodies are checked; or the cell read from it, whose findings the caller reports.
+    values: returns the file that states what a program uses and does not declare, None for none.
+    keep: store the programs in `looked`. Raises Refused for an unknown robot or language, or for
+    an invalid cell file.
     """
     named = None if language is None else language_of(language)
     stands = _opened_cell(cell, robot)
@@ -155,7 +161,8 @@ def check_files(
 
                 check_drawn(FilePath(files[0]))
             if spoken is not None:
-                found = _check_program(spoken, files, stands, process, checked)
+                stated = None if values is None else values(files[0])
+                found = _check_program(spoken, files, stands, process, checked, stated)
             else:
                 found = _check_source(files[0], process, unit, placement, stands, checked)
             if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
@@ -324,9 +331,11 @@ def _check_program(
     stands: InCell,
     process: str | FilePath | None,
     checked: Checked,
+    stated: FilePath | None,
 ) -> list[Diagnostic]:
     texts = [language.read(file) for file in files]
-    return _check_texts(language, texts, FilePath(files[0]).parent, stands, process, checked)
+    beside = FilePath(files[0]).parent
+    return _check_texts(language, texts, beside, stands, process, checked, stated)
 
 
 def _check_texts(
@@ -336,8 +345,12 @@ def _check_texts(
     stands: InCell,
     process: str | FilePath | None,
     checked: Checked,
+    stated: FilePath | None = None,
 ) -> list[Diagnostic]:
-    """Findings of a program; of a broken one those of its text, as it is not known what it does."""
+    """Findings of a program; of a broken one those of its text, as it is not known what it does.
+
+    stated: the file of what it uses and does not declare.
+    """
     trees = read_trees(language, texts, beside=beside)
     found = [finding for tree in trees for finding in tree.findings]
     found += () if beside is None else missing_files(language, trees)
@@ -348,6 +361,9 @@ def _check_texts(
     beside_it = [] if beside is None else read_companions(language, trees, beside)
     # Companions are checked with the program, but their findings belong to other files.
     strangers = {tree.source.path for tree in beside_it}
+    if complete and beside is not None and stated is not None:
+        trees = with_values_beside(language, trees, texts[0].path or "", stated)
+        strangers.add(STATED_TEXT_NAME)
     said = with_project_settings(language, folder).check([*trees, *beside_it])
     found += (finding for finding in said if finding.path not in strangers)
     if not complete:

@@ -41,8 +41,8 @@ from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has
 from assistant.base.near_names import near_name
 from assistant.base.source_text import SourceText, decode, is_folder, lines_of, read_bytes
 from assistant.compiler.arms import Arms, teaching_arm
-from assistant.compiler.cell_defaults import values_stated
-from assistant.compiler.cell_equipment import STATED_TEXT_NAME, controller_configuration
+from assistant.compiler.cell_defaults import with_tree_values
+from assistant.compiler.cell_equipment import controller_configuration
 from assistant.compiler.loader import (
     language_of,
     load,
@@ -147,10 +147,8 @@ def _in_cell(made: Programs, file: str, cell: str | FilePath | None) -> Programs
     signals = {**given.signals, **stated.process.signals}
     parts = []
     for part in made.parts:
-        values = values_stated(spoken.wanted(part.trees), given.values, stated, signals)
-        if values:
-            trees = spoken.with_supplied(part.trees, values, STATED_TEXT_NAME)
-            part = replace(part, trees=tuple(trees))
+        trees = with_tree_values(spoken, part.trees, given, stated)
+        part = replace(part, trees=tuple(trees))
         parts.append(part)
         with suppress(Refused):  # told by whoever translates the program
             if any(

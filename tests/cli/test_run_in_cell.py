@@ -127,3 +127,33 @@ def test_a_simulation_takes_the_tool_of_the_cell_file(folder: Path, capsys: Capt
     (folder / "cell.toml").write_text("[tools.tHand]\ntip = [0, 0, 100]\n")
     status, said, err = run(capsys, *given)
     assert status == 0, said + err
+
+
+def test_a_check_takes_the_values_of_the_cell_file(folder: Path, capsys: Capture) -> None:
+    (folder / "part.mod").write_text(
+        TOOLED.replace("v100,fine,tHand;\n  ENDPROC", "vNear,fine,tHand;\n    rWash;\n  ENDPROC")
+    )
+    status, said, err = run(capsys, "check", "part.mod", "-r", "irb1200-7-0.7")
+    assert status == 1 and {"RA401", "RA403", "RB111"} <= set(said.split() + err.split())
+    values = '[speeds.vNear]\nspeed = 50\n[routines.rWash]\nroutine = "empty"\n[tools.tHand]\n'
+    (folder / "cell.toml").write_text(f"{values}tip = [0, 0, 100]\n")
+    status, said, err = run(capsys, "check", "part.mod", "-r", "irb1200-7-0.7")
+    assert (status, "1 checked, 0 findings" in said) == (0, True), said + err
+    (folder / "cell.toml").rename("other.toml")
+    status, said, err = run(capsys, "check", "part.mod", "-r", "irb1200-7-0.7")
+    assert status == 1
+    status, said, err = run(
+        capsys, "check", "part.mod", "-r", "irb1200-7-0.7", "--cell", "other.toml"
+    )
+    assert (status, err) == (0, ""), said + err
+    (folder / "other.toml").write_text(f"{values}tip = [0, 0, 2000]\n")
+    status, said, err = run(
+        capsys, "check", "part.mod", "-r", "irb1200-7-0.7", "--cell", "other.toml"
+    )
+    assert status == 1 and "RB102" in said + err
+
+
+def test_a_cell_file_that_is_wrong_is_a_finding_of_the_check(folder: Path, capsys: Capture) -> None:
+    (folder / "cell.toml").write_text('[signals.diReady]\nkind = "loud"\n')
+    status, said, err = run(capsys, "check", "part.mod")
+    assert status == 1 and "cell.toml" in said + err and "Traceback" not in err
