@@ -585,8 +585,11 @@ _EDITOR_KEY_PREFIX: Final = frozenset({"type", "request", "name", "cwd", "noDebu
 """Keys that editors add, besides names that begin with two underscores."""
 
 
-def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:
-    """The programs of a launch request, ready to run, and their lines; raises Refused."""
+def _launched_programs(wanted: Object) -> tuple[Kernel, Lines, SignalNames]:
+    """The programs of a launch request, ready to run, their lines, and the names of their signals.
+
+    Raises Refused.
+    """
     from assistant.compiler.arms import robot_of
     from assistant.compiler.simulated_run import programs
     from assistant.virtual.debugging.break_points import statement_lines
@@ -619,7 +622,7 @@ def _launched_programs(wanted: Object) -> tuple[Kernel, Lines]:
     settings = Settings(
         robot=robot, entry=texts.get("entry"), most_steps=most, inputs=found.known_inputs()
     )
-    return prepared(found, settings), statement_lines(found)
+    return prepared(found, settings), statement_lines(found), found.names()
 
 
 def _wrong_launch(reason: str) -> Refused:

@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 
 import pytest
 
+from assistant.compiler import translate
 from tests.forks import Forks
 from tests.virtual.editor import Editor, editing
 
@@ -256,6 +257,58 @@ def test_an_input_that_is_set_ends_a_wait(program: FilePath, editor: Editing) ->
         e.ask("continue", threadId=1)
         assert e.event("exited")["exitCode"] == 0
         e.event("terminated")
+
+
+CELL = """[data.nPause]
+type = "num"
+value = 0.25
+[signals.diReady]
+kind = "digital"
+direction = "input"
+number = 4
+[signals.doGrip]
+kind = "digital"
+direction = "output"
+number = 5
+"""
+PART = """MODULE Part
+  PROC main()
+    WaitTime nPause;
+    SetDO doGrip, 1;
+    WaitDI diReady, 1;
+    SetDO doGrip, 0;
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize("translated", [False, True])
+def test_signals_have_the_names_and_data_the_values_of_the_cell_file(
+    tmp_path: FilePath, editor: Editing, translated: bool
+) -> None:
+    (tmp_path / "cell.toml").write_text(CELL)
+    path = tmp_path / "Part.mod"
+    path.write_text(PART)
+    line = 5
+    if translated:
+        done = translate(path, to="melfa-basic-6", cell=tmp_path / "cell.toml")
+        (path,) = done.write(tmp_path)
+        texts = path.read_text("ascii").splitlines()
+        line = 1 + next(at for at, text in enumerate(texts) if "Wait M_In(4)=1" in text)
+    with editor() as e:
+        e.begin(path, (line,))
+        e.event("stopped")
+        said = [m["body"]["output"] for m in e.events if m["event"] == "output"]
+        assert any(text.startswith("0.25") and "doGrip" in text for text in said), said
+        assert e.data("Outputs")["doGrip"] == "1"
+        frame = e.ask("stackTrace", threadId=1)["stackFrames"][0]["id"]
+        assert e.ask("evaluate", expression="dogrip", frameId=frame)["result"] == "1"
+        scopes = e.ask("scopes", frameId=frame)["scopes"]
+        (inputs,) = (s["variablesReference"] for s in scopes if s["name"] == "Inputs")
+        e.ask("setVariable", variablesReference=inputs, name="diReady", value="1")
+        assert e.data("Inputs")["diReady"] == "1"
+        e.ask("continue", threadId=1)
+        assert e.event("exited")["exitCode"] == 0
 
 
 def test_a_wait_that_nothing_ends_is_told_and_ends_the_run(

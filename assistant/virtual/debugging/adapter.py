@@ -20,18 +20,22 @@ from assistant.virtual.debugging.break_points import Holding, Lines, Points, Rea
 from assistant.virtual.debugging.expressions import Evaluate, Read, is_true, read_expression, shown
 from assistant.virtual.debugging.messages import NoMessage, Object, inner, number, several, text
 from assistant.virtual.events import Place, Run, event_text
-from assistant.virtual.kernel import Board, Ending, Kernel, Signals, Task
+from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.kernel.task import Level, Shown
+from assistant.virtual.tasks import SignalNames
 
 _SIGNAL_BIT: Final = re.compile(r"m_(in|out)\((\d+)\)")
 """A bit of the inputs or outputs in MELFA-BASIC."""
 
 
 class _View:
-    """Numbers stand for calls and for data with parts, from one stop of the run to the next."""
+    """Numbers stand for calls and for data with parts, from one stop of the run to the next.
 
-    def __init__(self, kernel: Kernel) -> None:
-        self.kernel = kernel
+    names: of signals, as people read them.
+    """
+
+    def __init__(self, kernel: Kernel, names: SignalNames) -> None:
+        self.kernel, self.names = kernel, names
         self._threads: dict[str, int] = {}
         self.begin()
 
@@ -67,12 +71,19 @@ class _View:
     def scopes(self, arguments: Object) -> Object:
         level = self._level(number(arguments, "frameId"))
         scopes = [self._scope(name, shown) for name, shown in level.groups.items()]
-        board = self.kernel.board
-        scopes.append(self._scope("Inputs", partial(_shown_signals, board.inputs)))
-        # The reference that the inputs have just got: only these can be set.
-        self._inputs.add(len(self._shown))
-        scopes.append(self._scope("Outputs", partial(_shown_signals, board.outputs)))
+        for title, signals in self._signals():
+            scopes.append(self._scope(title, signals))
+            if title == "Inputs":
+                # The reference that the inputs have just got: only these can be set.
+                self._inputs.add(len(self._shown))
         return {"scopes": scopes}
+
+    def _signals(self) -> tuple[tuple[str, Callable[[], Sequence[Shown]]], ...]:
+        board, names = self.kernel.board, self.names
+        return (
+            ("Inputs", partial(_shown_signals, board.inputs, names.inputs)),
+            ("Outputs", partial(_shown_signals, board.outputs, names.outputs)),
+        )
 
     def _level(self, frame: int) -> Level:
         if not 1 <= frame <= len(self._levels):
@@ -110,7 +121,7 @@ class _View:
             value = float(text(arguments, "value"))
         except ValueError:
             raise LookupError("the value of a signal is a number") from None
-        self.kernel.board.inputs.set(text(arguments, "name"), value)
+        self.kernel.board.inputs.set(self.names.input_key(text(arguments, "name")), value)
         return {"value": f"{value:g}"}
 
     def evaluate(self, arguments: Object) -> Object:
@@ -125,34 +136,34 @@ class _View:
                 if found is not None:
                     variable = self._variable(found)
                     return {"result": variable.pop("value"), **variable}
-        value = read_expression(wanted)(partial(_read_name, self.kernel.board, levels))
+        value = read_expression(wanted)(partial(self._read_name, levels))
         return {"result": shown(value), "variablesReference": 0}
 
     def read(self, task: Task, name: str) -> str:
         """The value of data that a task knows, as it is shown; raises LookupError."""
-        return _read_name(self.kernel.board, task.levels()[:1], name)
+        return self._read_name(task.levels()[:1], name)
+
+    def _read_name(self, levels: Sequence[Level], name: str) -> str:
+        wanted, board = name.lower(), self.kernel.board
+        for level in levels:
+            for group in level.groups.values():
+                found = _find_shown(group(), wanted)
+                if found is not None:
+                    return found.value
+        if (port := _SIGNAL_BIT.fullmatch(wanted)) is not None:
+            return f"{(board.inputs if port[1] == 'in' else board.outputs).read(port[2]):g}"
+        for _, signals in self._signals():
+            for one in signals():
+                if one.name.lower() == wanted:
+                    return one.value
+        raise LookupError(f"`{name}` is no data that is known here")
 
 
-def _read_name(board: Board, levels: Sequence[Level], name: str) -> str:
-    wanted = name.lower()
-    for level in levels:
-        for group in level.groups.values():
-            found = _find_shown(group(), wanted)
-            if found is not None:
-                return found.value
-    if (port := _SIGNAL_BIT.fullmatch(wanted)) is not None:
-        return f"{(board.inputs if port[1] == 'in' else board.outputs).read(port[2]):g}"
-    for signals in (board.inputs, board.outputs):
-        for one in _shown_signals(signals):
-            if one.name.lower() == wanted:
-                return one.value
-    raise LookupError(f"`{name}` is no data that is known here")
-
-
-def _shown_signals(signals: Signals) -> Sequence[Shown]:
+def _shown_signals(signals: Signals, names: Mapping[str, str]) -> Sequence[Shown]:
+    """The signals that a run knows, by the names that people read. names: these, by key."""
     source = signals.source
-    names = set(signals.values) | (set() if callable(source) else set(source))
-    return [Shown(name, f"{signals.read(name):g}") for name in sorted(names)]
+    keys = set(signals.values) | (set() if callable(source) else set(source))
+    return [Shown(names.get(key, key), f"{signals.read(key):g}") for key in sorted(keys)]
 
 
 def _find_shown(shown: Sequence[Shown], wanted: str) -> Shown | None:
@@ -167,7 +178,7 @@ def _find_shown(shown: Sequence[Shown], wanted: str) -> Shown | None:
     return None
 
 
-Launch = Callable[[Object], tuple[Kernel, Lines]]
+Launch = Callable[[Object], tuple[Kernel, Lines, SignalNames]]
 """Makes the run that a launch request asks for; raises Refused for what cannot be run."""
 
 _CAPABILITIES: Final[Object] = {
@@ -260,8 +271,8 @@ class Adapter:
     def _launch(self, arguments: Object) -> None:
         if self.kernel is not None:
             raise LookupError("a program is running already")
-        self.kernel, self.points.lines = self.start(arguments)
-        self.view = _View(self.kernel)
+        self.kernel, self.points.lines, names = self.start(arguments)
+        self.view = _View(self.kernel, names)
         self.kernel.watch = self._watch
         if arguments.get("stopOnEntry") is True:
             self.holding.pause = "entry"
@@ -350,10 +361,10 @@ class Adapter:
         self.held = None
 
     def _tell_log(self) -> None:
-        assert self.kernel is not None
+        assert self.kernel is not None and self.view is not None
         # Times in the log are right only once the arm has caught up with the program.
         self.kernel.catch_up()
-        for row in self.kernel.log[self._logged :]:
+        for row in map(self.view.names.logged, self.kernel.log[self._logged :]):
             body: Object = {
                 "category": "stdout",
                 "output": f"{row.time:.3f} {event_text(row.what)}\n",
