@@ -6,6 +6,7 @@ text, with an `Effect`: what it reads, writes and calls. Passes ask the effect, 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Set
 from dataclasses import dataclass, field
 from typing import Final, Literal
@@ -101,6 +102,8 @@ BinaryOperator = Literal[
 values.
 """
 
+DEGREE: Final = math.pi / 180.0
+"""Radian of a degree: an angle in radian is one in degrees multiplied by it."""
 RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
 LOGICAL: Final = ("and", "or", "xor")
 

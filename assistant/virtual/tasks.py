@@ -153,9 +153,7 @@ class Programs:
         """Inputs that the files beside the programs state, each 0 until something sets it."""
         if self.language is not None and self.language.family in _NUMBERED:
             return {}
-        return {
-            name.lower(): 0.0 for name, one in self.stated.items() if one.direction == "input"
-        }
+        return {name.lower(): 0.0 for name, one in self.stated.items() if one.direction == "input"}
 
     def sources(self) -> list[SourceText]:
         """The texts that places are in."""

@@ -160,6 +160,11 @@ RENAMED = warning(
     "whose targets are `{name}_1` to `{name}_{count}`",
     "use the new names; `--names` writes a table of both",
 )
+IN_DEGREES = info(
+    "MB299",
+    "angles are in degrees here, which the source has in radian: {names}",
+    "none is needed: each of their uses is an angle",
+)
 LEFT_OPEN = warning(
     "MB298",
     "a jump leaves `{name}` without going back, so that it is called again while the first call is "

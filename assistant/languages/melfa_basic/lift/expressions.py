@@ -481,7 +481,7 @@ class Expressions:
         if is_length(node.component, self.m.robot):
             return e.Member(self.variable(whole), node.component.lower())
         if is_angle(node.component, self.m.robot) and not self.m.own:
-            return e.Binary("*", self.degrees(node), e.Number(DEGREE))
+            return e.Binary("*", self.degrees(node), e.Number(e.DEGREE))
         raise Unliftable
 
     def called(self, node: s.Variable, key: str) -> e.Expression:
@@ -516,8 +516,8 @@ class Expressions:
             return e.Apply(_NAMES_OF_ANGLES[key], (self.degrees(values[0]),))
         if key == "DEG" and len(values) == 1:
             return self.degrees(values[0])
-        if (key in _NAMES_TO_ANGLES or key == "RAD") and not self.m.own:
-            return e.Binary("*", self.degrees(node), e.Number(DEGREE))
+        if key == "RAD" or (key in _NAMES_TO_ANGLES and not self.m.own):
+            return e.Binary("*", self.degrees(node), e.Number(e.DEGREE))
         if key in ("SETJNT", "SETPOS") and self.m.telling:
             return self.built(key, values)
         if key == "INV" and (pose := constant_pose(node, self.m)) is not None:
@@ -581,7 +581,7 @@ class Expressions:
                 values = tuple(self.number(a) for a in given if a is not None)
                 return e.Apply(_NAMES_TO_ANGLES[node.key], values)
         if self.m.own:
-            raise Unliftable
+            return e.Binary("/", self.number(node), e.Number(e.DEGREE))
         match node:
             case s.Number(value=value):
                 return e.Number(math.degrees(value) if value else 0)
@@ -597,7 +597,7 @@ class Expressions:
                 left
             ):
                 return e.Binary(sign, self.degrees(left), self.number(right))
-        return e.Binary("/", self.number(node), e.Number(DEGREE))
+        return e.Binary("/", self.number(node), e.Number(e.DEGREE))
 
     def is_angle(self, node: s.Expression) -> bool:
         """True for a value that MELFA-BASIC gives in radian."""
@@ -794,7 +794,6 @@ _ZERO_POSITION: Final = s.Constant((0.0,) * 6, (0, 0))
 """Value of `P_Zero`."""
 _ROBOT_POSITIONS: Final = ("P_CURR", "P_FBC", "J_CURR", "J_FBC")
 """Status variables of where the robot stands, as commanded or as measured."""
-DEGREE: Final = math.pi / 180.0
 
 
 def _is_translated(record: Any) -> bool:

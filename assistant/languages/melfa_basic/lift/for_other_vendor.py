@@ -14,6 +14,7 @@ from typing import Any, Final
 from assistant.base.diagnostics import Diagnostic, Findings
 from assistant.languages.language_types import Adapted
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lift.angle_units import with_degrees
 from assistant.languages.melfa_basic.lift.position_angles import with_angles_beside, with_flags
 from assistant.languages.melfa_basic.lift.vendor_only import with_endings, with_told
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
@@ -111,7 +112,7 @@ def exported(program: Program) -> Adapted:
     program = _with_settings_of_cycle_end(
         with_told(_with_first_settings(with_flags(program)), findings)
     )
-    program = with_angles_beside(program, findings)
+    program = with_degrees(with_angles_beside(program, findings), findings)
     texts = [record.text for record in records(program) if _is_vendor_text(record)]
     if not texts:
         return Adapted(program, tuple(findings))

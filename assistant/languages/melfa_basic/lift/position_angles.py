@@ -22,7 +22,6 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lift.expressions import DEGREE
 from assistant.languages.melfa_basic.tables.poses import plain_pose
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.line_tables import Positions
@@ -316,9 +315,6 @@ class _AngleNumbers:
     def read(self, x: e.Expression) -> e.Expression:
         """An angle that is read: of a variable the number beside it, of a constant its value."""
         match x:
-            case e.Binary(sign, e.Binary("*", one, e.Number() as unit), e.Binary("*", two, other)):
-                if sign in e.RELATIONS and unit == other == e.Number(DEGREE):
-                    return e.Binary(sign, one, two)  # degrees are compared as radian are
             case e.Member(place, part) if _is_angle(x):
                 at = list(_ANGLE_SUFFIXES).index(part.lower())
                 key = self.key(place)

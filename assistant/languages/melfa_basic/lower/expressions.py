@@ -221,6 +221,10 @@ class Expressions:
                 operator in e.RELATIONS and (limit := _milliseconds(seconds)) is not None
             ):
                 return s.Binary(operator, s.Number(limit), self.timer(timer))
+            case e.Binary("*", degrees, e.Number(e.DEGREE)):
+                return self.call("Rad", self.of(degrees))
+            case e.Binary("/", radian, e.Number(e.DEGREE)):
+                return self.call("Deg", self.of(radian))
             case e.Binary("@", e.PoseValue(), _) | e.Binary("@", _, e.PoseValue()):
                 raise Unsayable("a pose in numbers in a product", "give a variable that value")
             case e.Binary(operator=operator, left=left, right=right):

@@ -7,6 +7,7 @@ one language is put together from the parts of the other one's.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import reduce
@@ -25,6 +26,7 @@ from assistant.languages.rapid.tree.literals import literal_number
 from assistant.languages.rapid.tree.walk import called
 from assistant.languages.records import aggregate
 from assistant.program import expressions as e
+from assistant.program.analysis.uses import declared
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import rewrite
@@ -194,6 +196,39 @@ def with_neutral_dates(program: Program) -> Program:
 def with_own_dates(program: Program) -> Program:
     """The program with dates of RAPID."""
     return _with_date_function(program, _NEUTRAL_DATE, _RAPID_DATE, "/")
+
+
+def with_neutral_radian(program: Program) -> Program:
+    """The program with angles in radian as other languages have them.
+
+    The name `pi` is its value by now, unless the program declares another one.
+    """
+
+    def visit(part: Any) -> Any:
+        match part:
+            case e.Binary("/", e.Binary("*", value, e.Number(math.pi)), e.Number(180)):
+                return e.Binary("*", value, e.Number(e.DEGREE))
+            case e.Binary("/", e.Binary("*", value, e.Number(180)), e.Number(math.pi)):
+                return e.Binary("/", value, e.Number(e.DEGREE))
+        return part
+
+    return replace(program, procedures=rewrite(program.procedures, visit))
+
+
+def with_own_radian(program: Program) -> Program:
+    """The program with angles in radian as people write them in RAPID, `300*pi/180`."""
+    # Another name of the program hides that of the constant.
+    pi = e.Number(math.pi) if "pi" in declared(program) else e.Name("pi")
+
+    def visit(part: Any) -> Any:
+        match part:
+            case e.Binary("*", value, e.Number(e.DEGREE)):
+                return e.Binary("/", e.Binary("*", value, pi), e.Number(180))
+            case e.Binary("/", value, e.Number(e.DEGREE)):
+                return e.Binary("/", e.Binary("*", value, e.Number(180)), pi)
+        return part
+
+    return replace(program, procedures=rewrite(program.procedures, visit))
 
 
 def _with_date_function(program: Program, old: str, new: str, between: str) -> Program:

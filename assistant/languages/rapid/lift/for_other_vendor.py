@@ -23,7 +23,7 @@ from assistant.languages.language_types import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.channels import with_channels
 from assistant.languages.rapid.lift.clocks import with_stopwatches
-from assistant.languages.rapid.lift.expressions import with_neutral_dates
+from assistant.languages.rapid.lift.expressions import with_neutral_dates, with_neutral_radian
 from assistant.languages.rapid.lift.flatten.library import QUATERNION_PART, TEST_AND_SET
 from assistant.languages.rapid.lift.flatten.program import FlatProgram, flatten
 from assistant.languages.rapid.lift.flatten.unread_data import OMISSION_MARK
@@ -391,6 +391,7 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
     }
     findings += _error_number_findings(program)
     program = with_constants(with_neutral_dates(program), {**PORTABLE_CONSTANTS, **error_numbers()})
+    program = with_neutral_radian(program)
     program = with_read_angles(with_predefined(program, types))
     findings += _quaternion_findings(program)
     findings += _cell_state_findings(program)

@@ -29,6 +29,7 @@ from assistant.languages.rapid.lift.expressions import (
     negated,
     tool_name,
     with_own_dates,
+    with_own_radian,
 )
 from assistant.languages.rapid.lift.statements import statements_of
 from assistant.languages.rapid.lift.vendor_effects import with_places
@@ -586,6 +587,7 @@ _PASSES: Final[tuple[Pass, ...]] = (
     with_breaks,
     with_interrupts,
     pure(with_own_dates),
+    pure(with_own_radian),
     pure(with_places),
     pure(with_directions),
     counted_loops,
