@@ -164,7 +164,8 @@ class Wanted:
     routine. signal: known properties of a signal. uses: `file:line` of each statement that uses it,
     in order, each once. assigned: True if the program itself gives it values. nothing: of data, the
     plainest value, None if its type has no values. perhaps: another kind that the uses allow as
-    well, None if they show the kind; what the cell states counts.
+    well, `type` if they show no type of data, None if they show the kind; what the cell states
+    counts.
     """
 
     name: str
@@ -176,7 +177,7 @@ class Wanted:
     uses: tuple[str, ...] = ()
     assigned: bool = False
     nothing: Plain | None = None
-    perhaps: Literal["signal", "data"] | None = None
+    perhaps: Literal["signal", "data", "type"] | None = None
 
 
 Supplied: TypeAlias = Sequence[tuple[Wanted, SuppliedValue | None]]

@@ -163,7 +163,10 @@ def _wanted_table(missing: Sequence[Wanted]) -> Iterator[str]:
         first = "  ".join(text.ljust(width) for text, width in zip(columns, widths, strict=True))
         yield f"  {first}  {uses}".rstrip()
     if any(one.perhaps for one in missing):
-        yield f"  {_DOUBT}: the uses do not show whether it is a signal or data; the file tells how"
+        kinds = {one.perhaps for one in missing if one.perhaps}
+        unclear = ["whether it is a signal or data"] if kinds - {"type"} else []
+        unclear += ["which type it has"] if "type" in kinds else []
+        yield f"  {_DOUBT}: the uses do not show {' or '.join(unclear)}; the file tells how"
 
 
 def _wanted_row(one: Wanted) -> tuple[str, str, str]:
@@ -176,8 +179,8 @@ def share_in_words(translation: Translation) -> str:
     """Return how much is translated, and whether the files are complete."""
     share = f"{translated_share(translation):.1f} % translated: {level_totals(translation)}"
     if not translation.files:
-        why = ", as no procedure is named that it begins with" if translation.beginnings else ""
-        return f"{share}; nothing is written{why}"
+        lacks = ", as no procedure is named that it begins with" if translation.beginnings else ""
+        return f"{share}; nothing is written{lacks}"
     if not translation.draft:
         return share
     gaps, count = translation.totals["not"], len(translation.wanting)

@@ -313,6 +313,7 @@ _MOST_USES: Final = 6
 _OTHER_KINDS: Final = {
     "data": "if it is data, write [data.{name}] with its type and value instead.",
     "signal": "if it is a signal, write [signals.{name}] with kind, direction, number instead.",
+    "type": "no use shows the type; correct it if it is another one.",
 }
 """What to write for a name whose uses allow another kind."""
 
@@ -343,7 +344,9 @@ def wanted_in_words(wanted: Wanted) -> str:
 
 
 def _perhaps(wanted: Wanted) -> str:
-    return "data" if wanted.perhaps == "data" else "a signal"
+    return {"data": "data", "signal": "a signal", "type": "of another type"}[
+        wanted.perhaps or "type"
+    ]
 
 
 def _wanted_words(wanted: Wanted) -> str:

@@ -48,6 +48,20 @@ def test_doubt_is_in_the_cell_file_and_in_the_draft(tmp_path: Path) -> None:
     assert "to be filled in: data of type num nOther (perhaps a signal)" in draft
 
 
+def test_a_type_that_no_use_shows_is_in_doubt(tmp_path: Path) -> None:
+    source, path = tmp_path / "cell.mod", tmp_path / "cell.toml"
+    source.write_text("MODULE Cell\nPROC main()\nx:=y;\nENDPROC\nENDMODULE\n", encoding="utf-8")
+    done = translate(source, to="melfa-basic-6", cell=path, draft=True)
+    text = cell_text(read_cell(path), done.wanting)
+    assert "# Doubtful: no use shows the type; correct it if it is another one." in text
+    path.write_text(
+        '[data.x]\ntype = "string"\nvalue = "a"\n[data.y]\ntype = "string"\nvalue = "b"\n'
+    )
+    done = translate(source, to="melfa-basic-6", cell=path)
+    assert done.ok, [f.message for f in done.findings]
+    assert "Cx$=Cy$" in b"".join(done.files.values()).decode("ascii")
+
+
 def test_the_cell_file_decides_either_way(tmp_path: Path) -> None:
     signals = SIGNAL.format(name="nOther", kind="group", number=32).replace(
         "number = 32", "number = 32\nbits = 8"

@@ -39,6 +39,12 @@ def wanted(*bodies: str) -> dict[str, Wanted]:
         ("IF doX=1 n:=1;", "signal", ""),
         ("SetGO x, 3;", "signal", "signalgo"),
         ("IF x=n+1 x:=1;", "data", "num"),
+        ("x:=dIn;", "data", "num"),
+        ("IF x=TRUE n:=1;", "data", "bool"),
+        ("p:=CRobT(\\Tool:=x);", "tool", "tooldata"),
+        ("x:=[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];", "data", "robtarget"),
+        ("x:=[[1,2,3,4,5,6],[9E9,9E9,9E9,9E9,9E9,9E9]];", "data", "jointtarget"),
+        ("x:=[[1,2,3],[1,0,0,0]];", "data", "pose"),
         ("ClkStart x;", "data", "clock"),
         ("own x;", "data", "string"),
         ('TEST x CASE "a": n:=1; ENDTEST', "data", "string"),
@@ -46,7 +52,7 @@ def wanted(*bodies: str) -> dict[str, Wanted]:
 )
 def test_the_type_is_that_which_the_uses_want(statement: str, kind: str, type: str) -> None:
     body = (
-        f"VAR num n;\nVAR robtarget p;\nPROC main()\n{statement}\nENDPROC\n"
+        f"VAR num n;\nVAR robtarget p;\nVAR signaldi dIn;\nPROC main()\n{statement}\nENDPROC\n"
         "PROC own(string text)\nENDPROC"
     )
     (found,) = (one for name, one in wanted(body).items() if name in ("x", "doX"))
@@ -94,6 +100,27 @@ def test_a_kind_that_the_uses_leave_open_is_doubtful(
     found = wanted(f"VAR num n;\nPROC main()\n{statement}\nENDPROC")
     (one,) = (one for name, one in found.items() if name in ("x", "diX", "giX"))
     assert (one.kind, one.perhaps) == (kind, perhaps)
+
+
+@every_row(
+    ("statements", "type", "perhaps"),
+    [
+        ('x:=y; y:="s";', "string", None),
+        ("y:=x; x:=TRUE;", "bool", None),
+        ("y:=z; x:=y; z:=CRobT();", "robtarget", None),
+        ("IF x=y n:=1; y:=n>1;", "bool", None),
+        ("x:=y+z; z:=StrPart(y,1,1);", "string", None),
+        ("x:=y; SetDO y,1;", "num", None),
+        ("x:=y; y:=z;", "num", "type"),
+        ("x:=[1,2,3];", "num", "type"),
+        ("x:=[TRUE,FALSE];", "num", "type"),
+    ],
+)
+def test_names_tell_the_types_of_those_that_they_are_assigned_to(
+    statements: str, type: str, perhaps: str | None
+) -> None:
+    found = wanted(f"VAR num n;\nPROC main()\n{statements}\nENDPROC")["x"]
+    assert (found.type, found.perhaps) == (type, perhaps)
 
 
 def test_data_local_to_another_module_are_wanted() -> None:

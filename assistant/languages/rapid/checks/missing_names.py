@@ -16,7 +16,9 @@ from assistant.languages.rapid.checks.missing_types import (
     GivenArgument,
     NameUses,
     UndeclaredRecords,
+    agree_on_types,
     record_of,
+    type_of_row,
     wanted_of,
 )
 from assistant.languages.rapid.checks.rule_context import (
@@ -68,7 +70,7 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     use.
     """
     files = with_single_rows(files)
-    task, met = Task(files), dict[str, NameUses]()
+    task, met, alike = Task(files), dict[str, NameUses](), list[tuple[str, str]]()
     stands = units_can_stand([module for file in files for module in file.modules])
     first = next((file for file in files if file.modules), None)
     if first is None:
@@ -78,7 +80,10 @@ def wanted(files: Sequence[s.File]) -> tuple[Wanted, ...]:
     for file in files:
         for module in file.modules:
             look = RuleContext(file, module, task)
-            _ModuleWalk(look, met, records, stands, handling).walk()
+            walk = _ModuleWalk(look, met, records, stands, handling)
+            walk.walk()
+            alike += walk.alike
+    agree_on_types(alike, met)
     types = Types(RuleContext(first, first.modules[0], task))
     # Only after all modules are read is it known which components a type has.
     for one in met.values():
@@ -111,6 +116,8 @@ class _ModuleWalk:
     ) -> None:
         self.look, self.met, self.records, self.stands = look, met, records, stands
         self.handling, self.handles = handling, False
+        self.alike: list[tuple[str, str]] = []
+        """Pairs of undeclared names, in lower case, that have one type."""
         self.types = Types(look)
         self.place = ""
 
@@ -149,10 +156,11 @@ class _ModuleWalk:
                 self._data(node, scope)
             case s.Assignment(target, value):
                 kind = scope.kind(target)
-                given = scope.kind(value)
+                given = _value_type(scope.kind(value)) or type_of_row(value)
                 # Each side of an assignment tells the type of the other.
-                self._expression(target, scope, _type_of_kind(given) or "", assigned=True)
+                self._expression(target, scope, given, assigned=True)
                 self._expression(value, scope, _type_of_kind(kind) or "")
+                self._pair(target, value)
             case s.ProcedureCall(str(name)):
                 self._call(node, name, scope, "PROC")
             case s.ProcedureCall(late, arguments) if not isinstance(late, str):
@@ -403,15 +411,25 @@ class _ModuleWalk:
             for side in (left, right):
                 self._expression(side, scope, "bool")
             return
+        if operator in e.RELATIONS or operator == "+":
+            self._pair(left, right)
         for side, other in ((left, right), (right, left)):
-            kind = scope.kind(other)
-            known = _type_of_kind(kind)
+            known = _value_type(scope.kind(other)) or None
             compared = operator in e.RELATIONS
             # A number that is compared may be the state of a signal.
             weak = compared and (known in ("num", "dionum") or known is None)
             fallback = type if not compared else ""
             switch = operator in ("=", "<>") and _is_switch(other) if compared else None
             self._expression(side, scope, known or fallback or "", weak=weak, switch=switch)
+
+    def _pair(self, one: s.Expression, other: s.Expression) -> None:
+        """Two values of one type, each perhaps the mere name of undeclared data."""
+        match one, other:
+            case s.NameRef(first), s.NameRef(second):
+                self.alike.append((first.lower(), second.lower()))
+            case _, s.Infix("+", left, right):
+                self._pair(one, left)
+                self._pair(one, right)
 
     def _part(self, node: s.Component | s.Element, scope: Scope, type: str, assigned: bool) -> None:
         """A component or element: what it is a part of, and its indices."""
@@ -492,6 +510,12 @@ def _is_switch(node: s.Expression) -> bool:
         case s.NameRef(name):
             return name.lower() in ("low", "high")
     return literal_number(node) in (0, 1)
+
+
+def _value_type(kind: Any) -> str:
+    """The type of a value, empty for an unknown one: a signal that is read gives a number."""
+    type = _type_of_kind(kind) or ""
+    return "num" if type in SIGNAL_TYPES else type
 
 
 def _type_of_kind(kind: Any) -> str | None:

@@ -324,6 +324,37 @@ class NameUses:
     parts: RecordUses = field(default_factory=lambda: RecordUses(""))
 
 
+def agree_on_types(alike: Sequence[tuple[str, str]], met: Mapping[str, NameUses]) -> None:
+    """Give names without a use that tells their type that of the names they are compared with.
+
+    alike: pairs of names in lower case that have one type. A signal that is read is a number.
+    """
+    pairs = [(met[a], met[b]) for a, b in alike if a in met and b in met]
+    changed = True
+    while changed:
+        changed = False
+        for one, other in (*pairs, *((b, a) for a, b in pairs)):
+            type, weight = other.types.most_common(1)[0] if other.types else ("", 0)
+            if type and weight >= 1 and not one.types and not one.parts.parts:
+                one.types["num" if type in SIGNAL_TYPES else type] += 1
+                changed = True
+
+
+_ROWS: Final[Mapping[tuple[int, ...], str]] = {
+    (3, 4, 4, 6): "robtarget", (6, 6): "jointtarget", (3, 4): "pose",
+}  # fmt: skip
+"""Numbers in the brackets of a value that one type alone has → that type."""
+
+
+def type_of_row(value: s.Expression) -> str:
+    """Return the type that a value in brackets shows, empty if several have such values."""
+    if not isinstance(value, s.AggregateNode):
+        return ""
+    inner = [one.items if isinstance(one, s.AggregateNode) else () for one in value.items]
+    numbers = all(_value_kind(one) != _BRACKETS for items in inner for one in items)
+    return _ROWS.get(tuple(map(len, inner)), "") if numbers else ""
+
+
 def wanted_of(
     met: Mapping[str, NameUses], types: Types, records: Mapping[str, SolvedRecord]
 ) -> Iterator[Wanted]:
@@ -449,7 +480,9 @@ def _missing_data(
     kind = KIND_OF_TYPE.get(type, "data") if not (met.extents or met.assigned) else "data"
     nothing = _array_of(_neutral_value(type, types), met.extents)
     size = tuple(met.extents)
-    perhaps: Literal["signal"] | None = "signal" if read and kind == "data" else None
+    perhaps: Literal["signal", "type"] | None = None
+    if kind == "data":
+        perhaps = "signal" if read else "type" if not met.types else None
     return Wanted(met.name, kind, type, size, (), None, uses, met.assigned, nothing, perhaps)
 
 
