@@ -181,8 +181,9 @@ class Translate:
             for line in beginning(done, again):
                 say(line)
             print_findings(refusals)
+            told_before = set[tuple[str, str, str | None]]()
             for one in done:
-                _print_translation(one, self.every)
+                _print_translation(one, self.every, told_before)
             changed = any(
                 row.level != "supported" for one in done for row in one.translation.rows.noted
             )
@@ -436,9 +437,14 @@ def _cell_files_with_blanks(done: Sequence[Translated]) -> list[str]:
     return list(map(str, write_all(files))) if files else []
 
 
-def _print_translation(one: Translated, every: bool) -> None:
+def _print_translation(
+    one: Translated, every: bool, before: set[tuple[str, str, str | None]]
+) -> None:
     """Print how much is translated, or every statement; findings on the complete program come
     first.
+
+    before: findings of programs before it, by code, message and file; of a file that programs
+    share, such as system parameters, they are printed once.
     """
     from assistant.compiler.cell_defaults import UNFILLED
     from assistant.report.translation import reason_lines, report_lines, summary
@@ -447,6 +453,8 @@ def _print_translation(one: Translated, every: bool) -> None:
     # The table at the beginning lists what is to be filled in.
     found = (finding for finding in translation.whole if finding.code != UNFILLED.code)
     whole = [finding.within(one.source) for finding in found]
+    whole = [f for f in whole if (f.code, f.message, f.path) not in before]
+    before |= {(f.code, f.message, f.path) for f in whole if f.path != one.source}
     print_findings(whole if every else _first_of_each_code(whole))
     if every and sys.stdout.isatty():
         _print_statements(one)

@@ -26,12 +26,13 @@ from assistant.compiler.cell_equipment import (
 )
 from assistant.compiler.loader import Loaded, language_of
 from assistant.compiler.retarget import has_joint_angles
+from assistant.compiler.source_map import Places
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.uses import called
-from assistant.program.motion import ComputedSpeed, Speed
+from assistant.program.analysis.uses import called, texts_in
+from assistant.program.motion import ComputedSpeed, Kind, Speed
 from assistant.program.program import Program, Signal
-from assistant.program.rewriting import records
+from assistant.program.rewriting import head, records
 from assistant.program.statement_index import records_in_procedures
 from assistant.program.undeclared_names import (
     JOINT_SPEED,
@@ -172,9 +173,62 @@ def with_cell_values(
         findings=(*loaded.findings, *findings),
         joint_speed=joint_speed,
         joint_percent=cell.process.joint_percent or loaded.joint_percent,
-        wanting=(*missing, *unnumbered, *([arm] if stated is None else [])),
+        wanting=_with_uses((*missing, *unnumbered, *([arm] if stated is None else [])), told),
         arm=str(neutral_value(arm) if stated is None else stated) if joints else loaded.arm,
     )
+
+
+def _with_uses(missing: Iterable[Wanted], program: Program) -> tuple[Wanted, ...]:
+    """Values that are missing, with where the program needs those that it does not name itself.
+
+    program: lowered for a language of another family.
+    """
+    missing = tuple(missing)
+    if all(one.uses for one in missing):
+        return missing
+    places = Places(program)
+    needs = [
+        (place, needed)
+        for statement in program.statements()
+        if statement.span is not None and (place := places.of(statement.span)) is not None
+        for needed in (_needs(head(statement), program),)
+    ]
+
+    def uses(one: Wanted) -> tuple[str, ...]:
+        found = (at for at, needed in needs if (one.kind, one.name.lower()) in needed)
+        names = (f"{FilePath(at.path or '').name}:{at.line}".lstrip(":") for at in found)
+        return tuple(dict.fromkeys(names))
+
+    return tuple(one if one.uses else replace(one, uses=uses(one)) for one in missing)
+
+
+def _needs(statement: p.Statement, program: Program) -> set[tuple[WantedKind, str]]:
+    """What of a cell a statement needs, by kind and lower-case name."""
+    texts = texts_in(statement)
+    kinds: tuple[WantedKind, ...] = ("signal", "data")
+    found: set[tuple[WantedKind, str]] = {(kind, text) for kind in kinds for text in texts}
+    joints = {name.lower() for name in program.joint_targets}
+    joints |= {name.lower() for name, one in program.variables.items() if one.type == "joints"}
+    for record in records(statement):
+        if isinstance(record, e.JointValue | p.MoveJoints) or not joints.isdisjoint(texts):
+            found.add(("arm", TAUGHT_ON))
+        if _moves_joints(record):
+            found.add(("speed", JOINT_SPEED))
+        if isinstance(record, p.Attach) and record.kind == "line":
+            number = e.plain_number(record.place[0]) if record.place else None
+            if number is not None:
+                found.add(("line", LINE_NAME.format(int(number))))
+    return found
+
+
+def _moves_joints(record: Any) -> bool:
+    """True if a record moves each axis on its own way."""
+    match record:
+        case p.Move(kind="joint") | p.MoveJoints():
+            return True
+        case p.Follow(path):
+            return Kind.JOINT in path.kinds
+    return False
 
 
 def _of_stated_kind(one: Wanted, cell: Cell, signals: Mapping[str, Signal]) -> Wanted:

@@ -71,7 +71,7 @@ _JOINTS_OF_UNKNOWN_ARM = error(
     "lead to another place",
     "name the arm that they were taught on: `--from-robot`, or `robot` in the file",
 )
-_JOINTS_OF_OTHER_MAKER = error(
+JOINTS_OF_OTHER_MAKER = error(
     "CO504",
     "{name} has joint angles of {source}, whose controller does not run {language}",
     "name the arm that will run the program: `--robot`",
@@ -193,7 +193,7 @@ def _refusal_rule(
     if source is None:
         return _JOINTS_OF_UNKNOWN_ARM if arm is not None or not own else None
     driven = arm is not None or own or language.name in source.languages
-    return None if driven else _JOINTS_OF_OTHER_MAKER
+    return None if driven else JOINTS_OF_OTHER_MAKER
 
 
 def joint_angle_errors(

@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from assistant.base.diagnostics import TABLE_NOUNS, Diagnostic, Span
 from assistant.compiler.loader import language_of
+from assistant.compiler.retarget import JOINTS_OF_OTHER_MAKER
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translation import Level, ReportRow, Translation
 from assistant.findings.formats import finding_record
@@ -150,8 +151,17 @@ def beginning(done: Sequence[Translated], again: Sequence[str]) -> Iterator[str]
             more = len(others) - _MOST_USES
             shown += f" and {more:,} more" if more > 0 else ""
             yield f"{one.source}: --entry may name another procedure: {shown}"
+    armless = sum(
+        row.count
+        for one in done
+        for row in one.translation.rows.noted
+        if any(reason.code == JOINTS_OF_OTHER_MAKER.code for reason in row.reasons)
+    )
+    if armless:
+        statements = "1 statement needs" if armless == 1 else f"{armless:,} statements need"
+        yield f"{statements} the arm that will run it: add --robot NAME of `robot-assistant robots`"
     yield from (f"then: {command}" for command in again)
-    if cells or again:
+    if cells or again or armless:
         yield ""
 
 

@@ -334,7 +334,7 @@ def _lines(wanted: Wanted, value: SuppliedValue | None) -> Iterator[str]:
 _WORDS: Final[Mapping[WantedKind, str]] = {
     "tool": "tool", "frame": "frame", "speed": "speed", "blend": "corner", "position": "position",
     "joints": "joint angles", "signal": "signal", "data": "data", "routine": "routine",
-    "record": "type", "arm": "arm that joint angles were", "line": "communication",
+    "record": "type", "arm": "arm of the joint angles", "line": "communication line",
 }  # fmt: skip
 
 
@@ -354,8 +354,9 @@ def _wanted_words(wanted: Wanted) -> str:
         given = ", ".join(map(_argument, wanted.arguments))
         result = f" that gives {wanted.type}" if wanted.type else ""
         return f"routine {wanted.name}({given}){result}"
-    name = wanted.name.replace("_", " ") if wanted.kind == "arm" else wanted.name
-    return f"{kind_in_words(wanted)} {name}"
+    if wanted.kind == "arm":
+        return f"arm that joint angles were {wanted.name.replace('_', ' ')}"
+    return f"{kind_in_words(wanted)} {wanted.name}"
 
 
 def kind_in_words(wanted: Wanted) -> str:

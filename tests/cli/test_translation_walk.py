@@ -155,6 +155,52 @@ def test_the_command_that_goes_on_names_what_a_program_begins_with(
     assert "M_Out(10)=1" in Path("STATION.prg").read_text("ascii")
 
 
+PENDANT = f"""MODULE desk
+  VAR num n;
+  PROC main()
+    TPReadNum n,"how many";
+    MoveAbsJ [[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tool0;
+    MoveL {PLACE},v100,fine,tool0;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def test_the_table_tells_where_a_value_is_needed_that_no_program_names(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("desk.mod").write_text(PENDANT)
+    _, said, _ = run(capsys, "translate", "desk.mod", "--to", "melfa-basic-6")
+    table = {line.split()[0]: line.split()[-1] for line in said.splitlines()[4:7]}
+    assert table == {
+        "operator_entered": "desk.mod:4", "operator_number": "desk.mod:4", "taught_on": "desk.mod:5",
+    }  # fmt: skip
+    Path("cell.toml").unlink()
+    given = ("translate", "desk.mod", "--to", "melfa-basic-6", "--from-robot", "irb1200-7-0.7")
+    _, said, _ = run(capsys, *given)
+    assert "1 statement needs the arm that will run it: add --robot NAME" in said
+    filled(Path("cell.toml"))
+    status, said, err = run(capsys, *next_command(said), "--robot", "rv-4frl")
+    assert (status, "--robot NAME" in said) == (0, False), said + err
+
+
+def test_what_programs_of_a_folder_share_is_told_once(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("one", "two"):
+        module = f"MODULE {name}\nPROC main()\nMoveL {PLACE},v9,fine,tool0;\nENDPROC\nENDMODULE\n"
+        Path(f"{name}.mod").write_text(module.replace("v9", "v100"))
+    Path("SYSPAR").mkdir()
+    Path("SYSPAR", "MOC.cfg").write_text(
+        'MOC:CFG_1.0:6:1::\nROBOT:\n      -name "ROB_1" -use_robot_type "ROB1_1200_0.7_7" '
+        "-base_frame_pos_z 0.5\n"
+    )
+    _, said, err = run(capsys, "translate", "one.mod", "two.mod", "--to", "melfa-basic-6")
+    assert err.count("RA381 ") == 1, err
+
+
 def test_each_program_without_a_beginning_has_a_command(
     tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
