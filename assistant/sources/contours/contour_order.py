@@ -496,10 +496,22 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
     direction: of the tool, along which it is seen. tolerance: mm that an arc may leave its
     chords. A contour that crosses another one is inside it if most of it is.
     """
+    return _holders_in_groups([contours], direction, tolerance)[0]
+
+
+def _holders_in_groups(
+    groups: Sequence[Sequence[Contour]], direction: Vector, tolerance: float
+) -> tuple[list[int], list[int]]:
+    """The holders of the contours of all groups, one after the other: among all of them, and among
+    those of the same group.
+    """
+    contours = [contour for group in groups for contour in group]
+    among_all, in_group = (np.full(len(contours), NO_HOLDER, dtype=np.intp) for _ in range(2))
     if not any(c.closed for c in contours):
-        return [NO_HOLDER] * len(contours)
+        return among_all.tolist(), in_group.tolist()
     import shapely
 
+    group_of = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
     across = view_axes(direction)
     outlines = [polygon_outline(c, tolerance) @ across.T for c in contours]
     low, high = (np.array([f(o, axis=0) for o in outlines]) for f in (np.min, np.max))
@@ -509,7 +521,7 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
     areas[closed] = shapely.area(polygons)
     parts = len(_PROBED_PARTS)
     probes = shapely.points(np.concatenate([_probe_points(o) for o in outlines]))
-    tree, found = shapely.STRtree(probes), np.full(len(contours), NO_HOLDER, dtype=np.intp)
+    tree = shapely.STRtree(probes)
     order = np.argsort(areas[closed], kind="stable")[::-1]  # the smallest holder is set last
     for first in range(0, len(order), _HOLDER_BATCH):
         some = order[first : first + _HOLDER_BATCH]
@@ -521,8 +533,45 @@ def holders(contours: Sequence[Contour], direction: Vector, tolerance: float) ->
         # A contour that leaves the box of an outline is not inside it; twins have equal areas.
         boxed = (low[holder] <= low[inner] + tolerance) & (high[holder] >= high[inner] - tolerance)
         held = boxed.all(axis=1) & (areas[holder] > areas[inner] + tolerance**2)
-        found[inner[held]] = holder[held]
-    return [int(holder) for holder in found]
+        among_all[inner[held]] = holder[held]
+        own = held & (group_of[holder] == group_of[inner])
+        in_group[inner[own]] = holder[own]
+    return among_all.tolist(), in_group.tolist()
+
+
+@dataclass(frozen=True, slots=True)
+class GroupNesting:
+    """Nesting of the contours of one group.
+
+    holders: see `holders`, among the contours of the group. depths: how many contours of all groups
+    are around each. holds: True for those that others of any group lie inside.
+    """
+
+    holders: list[int]
+    depths: list[int]
+    holds: list[bool]
+
+
+def group_nestings(
+    groups: Sequence[tuple[Vector, Sequence[Contour]]], tolerance: float
+) -> list[GroupNesting]:
+    """Return the nesting of each group of contours, among all groups seen in the same direction.
+
+    groups: direction of the tool, and contours.
+    """
+    found: dict[int, GroupNesting] = {}
+    for direction in dict.fromkeys(direction for direction, _ in groups):
+        rows = [row for row, (seen, _) in enumerate(groups) if seen == direction]
+        members = [groups[row][1] for row in rows]
+        around, in_group = _holders_in_groups(members, direction, tolerance)
+        depths, held = nesting_depths(around), set(around)
+        first = 0
+        for row, contours in zip(rows, members, strict=True):
+            part = range(first, first + len(contours))
+            own = [NO_HOLDER if (at := in_group[k]) == NO_HOLDER else at - first for k in part]
+            found[row] = GroupNesting(own, [depths[k] for k in part], [k in held for k in part])
+            first += len(contours)
+    return [found[row] for row in range(len(groups))]
 
 
 def nesting_depths(around: Sequence[int]) -> list[int]:

@@ -17,12 +17,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.program.geometry import Pose, Vector
 from assistant.sources.contours.chains import Contour
-from assistant.sources.contours.contour_order import (
-    holders,
-    nesting_depths,
-    polygon_outline,
-    view_axes,
-)
+from assistant.sources.contours.contour_order import GroupNesting, polygon_outline, view_axes
 from assistant.sources.contours.curves import Arc, Line, Points
 
 _ROUND_PART: Final = 0.01
@@ -43,34 +38,21 @@ class ContourShape:
 
 
 def contour_shapes(
-    groups: Sequence[tuple[Vector, Sequence[Contour]]], placement: Pose | None, tolerance: float
-) -> list[list[ContourShape]]:
-    """Return the shapes of the contours of each group.
+    contours: Sequence[Contour],
+    nesting: GroupNesting,
+    direction: Vector,
+    placement: Pose | None,
+    tolerance: float,
+) -> list[ContourShape]:
+    """Return the shapes of the contours of a layer.
 
-    groups: direction of the tool, and contours of a layer. placement: of the drawing, None if
-    it is not placed. tolerance: mm. Contours lie inside those of all groups that are seen in the
-    same direction.
+    direction: of the tool. placement: of the drawing, None if it is not placed. tolerance: mm.
     """
-    shapes: list[list[ContourShape]] = [[] for _ in groups]
     back = (placement or Pose()).inverse()
-    for direction in dict.fromkeys(direction for direction, _ in groups):
-        rows = [row for row, (seen, _) in enumerate(groups) if seen == direction]
-        contours = [contour for row in rows for contour in groups[row][1]]
-        around = holders(contours, direction, tolerance)
-        depths, held = nesting_depths(around), set(around)
-        made = iter(
-            _shape(
-                contour,
-                _Nesting(depths[at] % 2 == 1, at in held),
-                direction,
-                back,
-                tolerance,
-            )
-            for at, contour in enumerate(contours)
-        )
-        for row in rows:
-            shapes[row] = [next(made) for _ in groups[row][1]]
-    return shapes
+    return [
+        _shape(contour, _Nesting(depth % 2 == 1, holds), direction, back, tolerance)
+        for contour, depth, holds in zip(contours, nesting.depths, nesting.holds, strict=True)
+    ]
 
 
 @dataclass(frozen=True, slots=True)

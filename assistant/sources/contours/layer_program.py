@@ -23,8 +23,9 @@ from assistant.sources.contours.chains import Contour, chain_curves, wide_gaps, 
 from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_order import (
     NO_HOLDER,
+    GroupNesting,
     LayerText,
-    holders,
+    group_nestings,
     order_contours,
     stated_order,
 )
@@ -224,10 +225,8 @@ def contour_program(
         for (name, layer, contours), rows in zip(followed, kept, strict=True)
         if rows
     ]
-    shapes = contour_shapes(
-        [(layer.direction, contours) for _, layer, contours in followed],
-        process.placement,
-        process.tolerance,
+    nestings = group_nestings(
+        [(layer.direction, contours) for _, layer, contours in followed], process.tolerance
     )
     contour_names = _ContourNames(len(followed) > 1, names)
     shaper = PathShaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
@@ -243,7 +242,7 @@ def contour_program(
         shaper.findings.clear()
         made, named, found, numbers = _layer_procedure(
             name, drawn, shaped, layer, process, names, beside,
-            shapes=shapes[row], contour_names=contour_names, before=before,
+            nesting=nestings[row], contour_names=contour_names, before=before,
         )  # fmt: skip
         if order is not None:
             order += [left[row][k] for k in numbers]
@@ -295,14 +294,14 @@ def _layer_procedure(
     taken: TakenNames,
     texts: Sequence[LayerText],
     *,
-    shapes: Sequence[ContourShape],
+    nesting: GroupNesting,
     contour_names: _ContourNames,
     before: Layer | None,
 ) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic], list[int]]:
     """The procedure of that name along the contours of one layer and those of the contours, none
     if nothing is left.
 
-    shaped: what the contours have become. shapes: of `drawn`. before: the layer that comes before
+    shaped: what the contours have become. nesting: of `drawn`. before: the layer that comes before
     it. With the procedures come the targets that they name, the findings, and the places in `drawn`
     of what they follow, in their order.
     """
@@ -314,8 +313,8 @@ def _layer_procedure(
     contours = [one.main for one in kept]
     if not contours:
         return [], {}, findings, []
-    around = holders(drawn, layer.direction, process.tolerance) if layer.inside_first else []
-    around = _remaining_holders(around, shaped)
+    around = _remaining_holders(nesting.holders if layer.inside_first else [], shaped)
+    shapes = contour_shapes(drawn, nesting, layer.direction, process.placement, process.tolerance)
     if layer.order == "travel":
         standing = FramedSurroundings.of(process, layer.motion)
         measure = travel_measure(layer, placed, standing) if process.defaults.travels else None
