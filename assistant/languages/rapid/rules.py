@@ -96,6 +96,11 @@ SPLIT: Final = info(
     "path `{name}` of {count} targets is spread over {parts} modules",
     "they are loaded one after the other while the program runs",
 )
+PACKED: Final = info(
+    "RA320",
+    "{count} paths of `{name}` are in further modules, {parts} in all",
+    "they are loaded one after the other while the program runs",
+)
 COUNTER: Final = error(
     "RA310",
     "the variable `{name}` of a `for` {why}; a loop of RAPID has a variable of its own",

@@ -61,7 +61,9 @@ class Units:
     the piece), of its unit (the same), both if that is empty, and of its path (from the procedure's
     name). straight: True if a piece begins with a straight move when one is near. most_steps: of a
     path in one unit, None without limit; first, steps: steps that its first row, and a change of a
-    column, take besides one for each move. split: has the fields name, count and parts.
+    column, take besides one for each move. split: has the fields name, count and parts. packed:
+    reports that paths of a procedure move to units together (name, count, parts), None if they do
+    not.
     """
 
     most: int
@@ -76,6 +78,7 @@ class Units:
     most_steps: int | None = None
     first: int = 0
     steps: Mapping[str, int] = field(default_factory=dict)
+    packed: Rule | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,8 +1,7 @@
-"""Paths: made from numbered moves, as single moves, their tables, and their split into units.
+"""Paths: made from numbered moves, as single moves, and their tables.
 
 Moves through consecutively numbered targets become one path; a path becomes moves row by row for a
-language without paths. A controller limits the number of targets in one program, so long paths move
-to separate units.
+language without paths.
 """
 
 from __future__ import annotations
@@ -11,24 +10,21 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.base.arrays import Ints, Rows
-from assistant.base.diagnostics import Declared, Findings, Span, span_over
+from assistant.base.arrays import Rows
+from assistant.base.diagnostics import Findings, Span, span_over
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
 from assistant.program.geometry import Target
 from assistant.program.motion import Kind, Path, configuration_row
-from assistant.program.program import Procedure, Program, TakenNames, bodies, identifier, walk
+from assistant.program.program import Program, TakenNames, bodies, identifier
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.vendor_statements import effect_of
-
-if TYPE_CHECKING:
-    from assistant.program.passes.legalisation import Legalisation, Units
 
 _ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
 
@@ -255,15 +251,6 @@ def with_whole_arcs(path: Path) -> Path:
     return replace(path, **made)
 
 
-def _with_used_entries(path: Path) -> Path:
-    """The path with only those table rows that it uses, in the order of their first use."""
-    made: dict[str, Any] = {}
-    for column in COLUMNS:
-        table: tuple[Any, ...] = getattr(path, column + "s")
-        made[column + "s"], made[column] = table_of(getattr(path, column), table.__getitem__)
-    return replace(path, **made)
-
-
 def reported_at_lines(
     findings: Findings,
     line: Callable[[int], Span | None],
@@ -304,132 +291,3 @@ def table_of(
             entries.append(entry)
         rows[i] = entries.index(entry)
     return tuple(entries), rows[inverse.reshape(-1)]
-
-
-def split(job: Legalisation) -> Program:
-    """The program with calls of new procedures for the paths that fill a unit over its limit."""
-    if job.can.units is None:
-        return job.program
-    splitter = _Splitter(job, job.can.units)
-    procedures = tuple(map(splitter.procedure, job.program.procedures))
-    if not splitter.new:
-        return job.program
-    return replace(job.program, procedures=(*procedures, *splitter.new))
-
-
-class _Splitter:
-    """count: targets that each unit still has. new: procedures of pieces."""
-
-    def __init__(self, job: Legalisation, units: Units) -> None:
-        program = job.program
-        self.findings, self.units = job.findings, units
-        self.most = max(units.most, units.least_most)
-        self.new: list[Procedure] = []
-        self.taken = TakenNames((program.name, *(q.name for q in program.procedures)))
-        self.taken.update(q.unit for q in program.procedures if q.unit is not None)
-        self.taken.update(program.targets, program.variables, program.signals, program.tools)
-        self.count: dict[str | None, int] = {None: len(program.targets)}
-        for q in program.procedures:
-            # Longer paths move to units in any case, and do not count.
-            kept = sum(size for size in _path_sizes(q) if size <= self.most)
-            self.count[q.unit] = self.count.get(q.unit, 0) + kept
-
-    def procedure(self, procedure: Procedure) -> Procedure:
-        return replace(procedure, body=self.body(procedure.body, procedure))
-
-    def body(self, body: Body, owner: Procedure) -> Body:
-        made: list[p.Statement] = []
-        for node in body:
-            if isinstance(node, p.Follow):
-                made += self.follow(node, owner)
-            else:
-                made.append(map_bodies(node, lambda inner: self.body(inner, owner)))
-        return tuple(made)
-
-    def follow(self, node: p.Follow, owner: Procedure) -> Iterator[p.Statement]:
-        """A path, or calls of a new procedure, in a new unit, for each piece of it."""
-        pieces = _unit_ranges(node.path, self.units, self.most)
-        if len(pieces) < 2 and self.stays(len(node.path), owner):
-            yield node
-            return
-        by_procedure = self.units.counted == "procedure"
-        about = Declared(owner.name, "procedures") if by_procedure else None
-        name, count = node.path.name, len(node.path)
-        self.findings.append(
-            self.units.split(name=name, count=count, parts=len(pieces), about=about)
-        )
-        for number, (start, stop) in enumerate(pieces, 1):
-            procedure = identifier(self.units.part.format(name, number), self.taken)
-            self.taken.add(procedure)
-            unit = procedure
-            if self.units.unit:
-                unit = identifier(self.units.unit.format(name, number), self.taken)
-                self.taken.add(unit)
-            rows = node.path.rows(start, stop, self.units.path.format(procedure))
-            self.new.append(Procedure(procedure, (p.Follow(_with_used_entries(rows)),), unit=unit))
-            yield p.Call(procedure, unit=unit, span=node.span)
-
-    def stays(self, size: int, owner: Procedure) -> bool:
-        """True if a path in one piece stays in its unit; the last one of a unit does."""
-        if self.units.counted == "procedure":
-            sizes = _path_sizes(owner)
-            lone = owner.unit is not None and len(owner.body) == 1
-            return lone or len(sizes) < 2 or sum(sizes) <= self.most
-        left = self.count[owner.unit] - size
-        if self.count[owner.unit] <= self.most or (owner.unit is not None and left == 0):
-            return True
-        self.count[owner.unit] = left
-        return False
-
-
-def _path_sizes(procedure: Procedure) -> list[int]:
-    return [len(node.path) for node in walk(procedure.body) if isinstance(node, p.Follow)]
-
-
-def _unit_ranges(path: Path, units: Units, most: int) -> list[tuple[int, int]]:
-    """Ranges of rows that fit one unit each; an arc's two rows stay together."""
-    n = len(path)
-    costs, most_steps = _row_steps(path, units), units.most_steps or np.iinfo(np.int64).max
-    total = np.concatenate([[0], np.cumsum(costs)])
-    if n <= most and total[-1] <= most_steps:
-        return [(0, n)]
-    pieces, start = [], 0
-    while start < n:
-        room = min(int(total[start]) + most_steps, int(total[-1]))
-        stop = int(np.searchsorted(total, room, side="right")) - 1
-        # At least two rows, so that an arc fits.
-        stop = min(n, start + most, max(stop, start + 2))
-        if stop < n:
-            # A short rest would be a unit of its own: the cut moves back.
-            stop -= units.least if n - stop < units.least else 0
-            stop = _good_cut(path, start, stop, units.straight)
-        pieces.append((start, stop))
-        start = stop
-    return pieces
-
-
-def _good_cut(path: Path, start: int, stop: int, straight: bool) -> int:
-    """The last row up to `stop` that a piece may begin with.
-
-    straight: it begins with a straight move where one is near, so that no arc starts unknown.
-    """
-    # At most a quarter of the piece is given up for a straight start.
-    least = max(start + 1, stop - (stop - start) // 4)
-    kinds = path.kinds[least : stop + 1]
-    straights = np.flatnonzero((kinds != Kind.VIA) & (kinds != Kind.END))
-    if straight and len(straights):
-        return least + int(straights[-1])
-    # An END must not begin a piece: its VIA would be in the one before.
-    whole = np.flatnonzero(path.kinds[start + 1 : stop + 1] != Kind.END)
-    return start + 1 + int(whole[-1]) if len(whole) else stop
-
-
-def _row_steps(path: Path, units: Units) -> Ints:
-    """Steps that each row takes at most: its move, and its settings where they change."""
-    # The two rows of an arc are one move.
-    costs = (path.kinds != Kind.VIA).astype(np.int64)
-    costs[:1] += units.first
-    for column, lines in units.steps.items():
-        values = getattr(path, column)
-        costs[1:] += lines * (values[1:] != values[:-1])
-    return np.asarray(costs)

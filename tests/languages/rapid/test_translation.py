@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.geometry import Pose, Target, Tool
-from assistant.program.motion import FULL_BLEND, MAXIMUM_SPEED, Blend, Kind, Path, Speed
+from assistant.program.motion import FINE, FULL_BLEND, MAXIMUM_SPEED, Blend, Kind, Path, Speed
 from assistant.program.passes.procedure_forms import units
 from assistant.program.program import Procedure, Program, Signal, Variable
 from tests.examples import drawn
@@ -449,3 +450,46 @@ def test_random_programs_come_back(body: list[p.Statement], comments: list[str])
         signals={"ao1": Signal("analog", "output"), "go1": Signal("group", "input", 4, 8)},
     )
     proved(program)
+
+
+def packed(contours: int, most: int, *, comments: bool = True, blend: Blend = FINE) -> Program:
+    """A program of that many short contours in modules of so many targets."""
+
+    def contour(number: int) -> tuple[p.Statement, ...]:
+        end = p.Motion(Speed(50.0), blend)
+        note = (p.Comment(f"contour {number}"),) if comments else ()
+        up = p.Move("joint", e.Apply("relative", (e.Name("a"), *map(e.Number, (0, 0, -9)))), end)
+        return (*note, up, p.Follow(path(f"seam_{number}_x", 4)), up)
+
+    calls = tuple(p.Call(f"contour_{k}") for k in range(contours))
+    made = tuple(Procedure(f"contour_{k}", contour(k)) for k in range(contours))
+    program = Program(
+        "cell",
+        (
+            Procedure("main", (p.Call("cut"),)),
+            Procedure("cut", (p.Comment("cutting"), *calls)),
+            *made,
+        ),
+        targets={"a": Target(Pose())},
+    )
+    return proved(program, most)
+
+
+def test_short_paths_are_packed_in_modules() -> None:
+    program = packed(9, 16)
+    assert list(units(program)) == ["cut_unit1", "cut_unit2"]  # the ninth has room in the main one
+    holding = Counter(q.unit for q in program.procedures if q.name.startswith("contour"))
+    assert holding == {"cut_unit1": 4, "cut_unit2": 4, None: 1}
+    shown = RAPID.render(RAPID.build(program))
+    assert shown.count("Load\\Dynamic") == 2
+    assert "! cutting" in shown
+    inner = RAPID.render(RAPID.build(program, unit="cut_unit1"))
+    # The procedure that is called from outside comes first, the others are called as usual.
+    assert inner.index("PROC cut_part1()") < inner.index("PROC contour_0()")
+    assert "Load" not in inner
+
+
+def test_modules_are_not_loaded_while_the_arm_moves() -> None:
+    program = packed(9, 16, blend=Blend(5.0))
+    # Nothing stops between the contours, so that each path has a module as before.
+    assert all("part" in q.name for q in program.procedures if q.unit)

@@ -77,7 +77,6 @@ from assistant.program.passes.loops import with_settled_loops
 from assistant.program.passes.motions import ByValue
 from assistant.program.passes.names import with_declared_names
 from assistant.program.passes.parameters import with_sayable_procedures
-from assistant.program.passes.paths import split
 from assistant.program.passes.positions import in_base
 from assistant.program.passes.procedure_forms import (
     with_entry_first,
@@ -102,6 +101,7 @@ from assistant.program.passes.trigger_positions import (
     with_ends_apart,
     with_measured_places,
 )
+from assistant.program.passes.units import split
 from assistant.program.passes.variables import (
     with_array_parameters,
     with_copied_arrays,

@@ -102,7 +102,7 @@ from assistant.program.passes.motions import (
     one_acceleration,
 )
 from assistant.program.passes.operator_texts import short_messages
-from assistant.program.passes.paths import move_at, reported_at_lines, split, with_paths
+from assistant.program.passes.paths import move_at, reported_at_lines, with_paths
 from assistant.program.passes.positions import with_named_places, with_whole_angles
 from assistant.program.passes.procedure_forms import (
     units,
@@ -112,6 +112,7 @@ from assistant.program.passes.procedure_forms import (
 from assistant.program.passes.signals import find_outputs_of_two_names
 from assistant.program.passes.switches import plain_switch, with_floors_read_once
 from assistant.program.passes.trigger_positions import with_measured_places
+from assistant.program.passes.units import split
 from assistant.program.program import Declaration, Procedure, Program, Variable, identifier
 from assistant.program.rewriting import (
     is_repeatable,
@@ -132,6 +133,7 @@ _UNITS: Final = Units(
     path="{}_p",
     straight=False,
     split=rules.SPLIT,
+    packed=rules.PACKED,
 )
 _ACCELERATION: Final = Acceleration(
     least=LEAST_ACCELERATION,
