@@ -48,6 +48,7 @@ from assistant.compiler.motion_proof import (
     written_pair,
 )
 from assistant.compiler.program_files import load
+from assistant.compiler.program_forms import form_differences, form_refused, with_form
 from assistant.compiler.program_names import interface_findings, stated_interface, with_interface
 from assistant.compiler.read_back_proof import READ_BACK_DIFFERS, Proof, prove_read_back
 from assistant.compiler.retarget import (
@@ -88,8 +89,9 @@ from assistant.sources.sights import NOTHING_SEEN, Seeing
 if TYPE_CHECKING:
     from assistant.cell.scene import Scene
     from assistant.languages import Language
-    from assistant.languages.language_types import Conversion, Frames, Sampling
+    from assistant.languages.language_types import Adapted, Conversion, Frames, Sampling
     from assistant.robots import Robot
+    from assistant.sources.process import ProgramStyle
     from assistant.sources.process.placement import DrawingPlacement
 
 
@@ -398,7 +400,7 @@ def compile(
     if style is None:
         style = style_beside(program, loaded.text, None if path is None else FilePath(path))
     places = Places(program, loaded.text)
-    compiled = compile_program(program, places, target, arms, most_targets, style)
+    compiled = compile_program(program, places, target, arms, most_targets, style, form=loaded.form)
     begun = entry if program.interface is None or program.origin is not None else None
     compiled = proven_by_motion(compiled, arms, proving, begun)
     about = () if isinstance(cell, InCell) else stands.findings
@@ -436,8 +438,13 @@ def compile_program(
     arms: Arms,
     most_targets: int | None = None,
     style: Style = PLAIN_STYLE,
+    *,
+    form: ProgramStyle | None = None,
 ) -> Compiled:
-    """A program, with the spans of its places, in the target language and a style."""
+    """A program, with the spans of its places, in the target language and a style.
+
+    form: of a program that was made from a drawing or table.
+    """
     program = source
     findings = list(check(program))
     arm = arms.robot or known_robot(program.robot)
@@ -506,6 +513,16 @@ def compile_program(
         program, changed = with_joint_speed(program, arms.joint_speed)
         findings += changed
     adapted = target.adapt(program, arm, most_targets=most_targets)
+    unformed: Adapted | None = None
+    if form is not None and not has_errors(adapted.findings):
+        formed = with_form(program, form, target)
+        findings += formed.findings
+        if formed.program is not program:
+            unformed = adapted
+            adapted = target.adapt(formed.program, arm, most_targets=most_targets)
+            if has_errors(adapted.findings):
+                findings.append(form_refused(adapted.findings, form, target))
+                unformed, adapted = None, unformed
     # A routine that is left out may have been the only caller of others: repeat until none is left.
     while source.origin is not None:
         rest = without_uncalled(program, (*unlike, *adapted.findings), target.name)
@@ -548,6 +565,10 @@ def compile_program(
             findings += findings_of_templates(proof.findings, styled)
             return replace(compiled, found=tuple(findings))
         proof = unframed
+    if unformed is not None and proof.holds and proof.lifted is not None:
+        # The form is proven as well: what it does is what the plain program does.
+        unlike = tuple(form_differences(unformed.program, proof.lifted, target))
+        proof = replace(proof, findings=(*proof.findings, *unlike))
     own = () if proof.holds else _own_faults(program.origin)
     findings += own or dict.fromkeys(_explained_proof(proof, program))
     kept = files if proof.holds else {}

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from assistant.languages import Language, Tree
     from assistant.program.undeclared_names import Wanted
     from assistant.robots import Robot
-    from assistant.sources.process import SurroundingsByRobot
+    from assistant.sources.process import ProgramStyle, SurroundingsByRobot
     from assistant.sources.process.placement import DrawingPlacement
 
 
@@ -56,7 +56,8 @@ class Loaded:
     joint_speed, joint_percent, seen: see `Process`. wanting: names that the program uses and
     neither it nor a cell file states; each has a stand-in. arm: name of the arm that joint angles
     were taught on, or SAME_ARM; None if a cell file does not state it. signals: stated by files of
-    its controller. text: of a pseudo-program.
+    its controller. text: of a pseudo-program. form: style of a program that was made from a drawing
+    or table, None for any other.
     """
 
     program: Program
@@ -69,6 +70,7 @@ class Loaded:
     signals: Mapping[str, Signal] = field(default_factory=dict)
     text: SourceText | None = None
     seen: SeenSettings = NO_SEEN_SETTINGS
+    form: ProgramStyle | None = None
 
 
 def load(
@@ -106,13 +108,11 @@ def load(
     if spoken is None:
         from assistant.compiler.style import style_of
 
-        # Only a drawing's program has a form that its project can choose.
-        drawn = source.suffix.lower() == ".dxf"
-        style = style_of(source.absolute().parent).drawings if drawn else None
+        style = style_of(source.absolute().parent).form
         reading = sources.read(source, process, unit, around, placement, merging=True, style=style)
         percent = reading.joint_percent
         read = reading.program, None, reading.findings
-        return Loaded(*read, joint_percent=percent, seen=reading.seen)
+        return Loaded(*read, joint_percent=percent, seen=reading.seen, form=reading.style)
     loaded = lift_texts(spoken, [spoken.read(source)], robot, beside=source.parent)
     origin = loaded.program.origin
     missing = missing_files(spoken, origin.trees if origin is not None else ())

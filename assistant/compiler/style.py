@@ -1,13 +1,15 @@
 """Style of written programs: templates for the lines around their statements, and the form of
-programs that are made from drawings.
+programs that are made from drawings and tables.
 
     [style]                       # in assistant.toml
     template = "style"            # folder with rapid/module.mod.j2 or melfa/program.prg.j2
     project = "Line 3, station 2"
     author = "Process engineering"
     revision = "B"
-    procedures = "contour"        # of drawings: see `process.ProgramStyle`
+    procedures = "contour"        # this and below: see `process.ProgramStyle`
     comments = true
+    points = "targets"
+    constants = true
 
 A template writes comments and the frame of a module, and places the sections of the text. All
 statements come from the printer of the language, and the complete text is read back. A template
@@ -55,7 +57,7 @@ from assistant.program.settings_tables import Page, Table
 from assistant.program.statements import Comment
 from assistant.resources import resource
 from assistant.sources.process import NO_STYLE, ProgramStyle
-from assistant.sources.process import STYLE_KEYS as DRAWING_STYLE_KEYS
+from assistant.sources.process import STYLE_KEYS as FORM_KEYS
 
 if TYPE_CHECKING:
     from jinja2.sandbox import SandboxedEnvironment
@@ -338,7 +340,7 @@ _STYLE_TEXTS: Final = ("project", "author", "revision")
 """Values that a project gives its templates."""
 STYLE_KEYS: Final[Mapping[str, Callable[[Any], Any]]] = {
     **dict.fromkeys(("template", *_STYLE_TEXTS), kinds.text),
-    **DRAWING_STYLE_KEYS,
+    **FORM_KEYS,
 }
 
 
@@ -351,7 +353,7 @@ class Style:
 
     folder: FilePath | None = None
     values: Mapping[str, str] = field(default_factory=dict)
-    drawings: ProgramStyle = NO_STYLE
+    form: ProgramStyle = NO_STYLE
 
     def template(self, outline: Outline) -> tuple[SourceText, bool]:
         """Return the template for a language, and whether the project has it.
@@ -406,8 +408,8 @@ def style_of(folder: FilePath) -> Style:
         where = _template_folder(at, given, read["template"])
     if page.findings:
         raise Refused(*page.findings, exit_status=2)
-    drawings = ProgramStyle(**{key: read[key] for key in DRAWING_STYLE_KEYS if key in read})
-    return Style(where, {key: read[key] for key in _STYLE_TEXTS if key in read}, drawings)
+    form = ProgramStyle(**{key: read[key] for key in FORM_KEYS if key in read})
+    return Style(where, {key: read[key] for key in _STYLE_TEXTS if key in read}, form)
 
 
 def _template_folder(at: FilePath, table: Table, text: str) -> FilePath | None:

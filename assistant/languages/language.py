@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
     from assistant.languages.language_types import Outline
     from assistant.program.editor_support import Editable
+    from assistant.program.motion import Blend, Speed
     from assistant.program.undeclared_names import Supplied, Wanted, WantedKind
     from assistant.robots import Robot
 
@@ -330,6 +331,12 @@ class Language(abc.ABC, Generic[T]):
         Idempotent. A part that cannot be expressed at all is a finding of severity error.
         most_targets: of one unit, None for the language's own limit.
         """
+
+    def declares_motion(self, value: Speed | Blend) -> bool:  # noqa: ARG002
+        """True if a program declares such a speed or blend to name it; False for numbers and for
+        standard names.
+        """
+        return False
 
     def wanted(self, trees: Sequence[T]) -> tuple[Wanted, ...]:  # noqa: ARG002
         """Return the items that the trees of one program use and none declares, in order of use."""

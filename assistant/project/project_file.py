@@ -173,7 +173,18 @@ STYLE_TABLE_KEYS: Final[Mapping[str, ProjectKey]] = {
     "comments": ProjectKey(
         STYLE_KEYS["comments"],
         {"type": "boolean"},
-        "Whether a drawing's program says what each layer and contour is.",
+        "Whether programs of drawings and tables say what each layer, contour and table is.",
+    ),
+    "points": ProjectKey(
+        STYLE_KEYS["points"],
+        {"enum": ["targets", "offsets", "arrays"]},
+        "Points of the paths of a drawing or table: targets, offsets of where a contour starts, or"
+        " elements of arrays.",
+    ),
+    "constants": ProjectKey(
+        STYLE_KEYS["constants"],
+        {"type": "boolean"},
+        "Whether heights, speeds and blends that are used often have names.",
     ),
 }
 CONTROLLER_KEYS: Final[Mapping[str, ProjectKey]] = {

@@ -61,8 +61,8 @@ def read(
     unit: the short name of the unit that a drawing is in, instead of what the process file says.
     around: what stands around the work, by the robot that the process file names, if it names one.
     placement: of a drawing, instead of what the process file says. merging: rows of tables and
-    waypoints that repeat the one before them are left out, with a note. style: of the program of a
-    drawing, where the process file states none.
+    waypoints that repeat the one before them are left out, with a note. style: of the program,
+    where the process file states none.
     Raises Unreadable or Refused.
     """
     from assistant.sources.process.placement import PLACED_BY_OPTIONS, check_drawn
@@ -96,7 +96,8 @@ def read(
     if chosen.interface is not None:
         program = replace(program, interface=chosen.interface)
     seen = chosen.seen if reading.seen == NO_SEEN_SETTINGS else reading.seen
-    return Reading(program, (*findings, *reading.findings), chosen.joint_percent, seen)
+    found = (*findings, *reading.findings)
+    return Reading(program, found, chosen.joint_percent, seen, chosen.style)
 
 
 def _stage(source: FilePath) -> AbstractContextManager[None]:

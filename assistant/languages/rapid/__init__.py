@@ -15,6 +15,7 @@ from assistant.languages.language_types import ARITHMETIC, Adapted, Part, Precis
 from assistant.languages.rapid.reading.files import LOADING, surroundings, task_folder
 from assistant.lazy import offered
 from assistant.program.expressions import Effect, VendorTextKind
+from assistant.program.motion import Blend, Speed
 from assistant.program.program import Program
 
 if TYPE_CHECKING:
@@ -222,6 +223,13 @@ class Rapid(Language["File"]):
         from assistant.languages.rapid.lower.legalisation import adapt
 
         return adapt(program, most_targets)
+
+    def declares_motion(self, value: Speed | Blend) -> bool:
+        from assistant.languages.rapid.tables.equivalents import BLENDS, SPEEDS
+
+        if isinstance(value, Speed):
+            return SPEEDS.name(value) not in SPEEDS.predefined
+        return BLENDS.name(value) not in BLENDS.predefined
 
     def build(
         self,

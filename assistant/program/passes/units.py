@@ -231,10 +231,11 @@ def _taken_names(program: Program) -> TakenNames:
 
 def split(job: Legalisation) -> Program:
     """The program with calls of new procedures for the paths that fill a unit over its limit."""
-    if job.can.units is None:
+    units = job.can.units
+    if units is None:
         return job.program
-    job = replace(job, program=_packed(job, job.can.units))
-    splitter = _Splitter(job, job.can.units)
+    job = replace(job, program=_packed(job, units))
+    splitter = _Splitter(job, units)
     procedures = tuple(map(splitter.procedure, job.program.procedures))
     if not splitter.new:
         return job.program

@@ -281,20 +281,26 @@ def seen_of(said: Mapping[str, Any], path: str | None) -> SeenSettings:
 
 @dataclass(frozen=True, slots=True)
 class ProgramStyle:
-    """Form of the program of a drawing; None for the default of a field.
+    """Form of the program of a drawing or table; None for the default of a field.
 
     procedures: one for each contour, called by that of its layer; one for each layer; or none but
-    the main one. comments: what each layer and contour is, above its statements.
+    the main one. comments: what each layer and contour is, above its statements. points: of paths,
+    each a target, an offset of the start of its contour, or an element of an array. constants:
+    heights, speeds and blends that are used often have names.
     """
 
     procedures: Literal["contour", "layer", "none"] | None = None
     comments: bool | None = None
+    points: Literal["targets", "offsets", "arrays"] | None = None
+    constants: bool | None = None
 
     def completed(self, other: ProgramStyle) -> ProgramStyle:
         """Return the style with what another one states where this one states nothing."""
         return ProgramStyle(
             self.procedures or other.procedures,
             other.comments if self.comments is None else self.comments,
+            self.points or other.points,
+            other.constants if self.constants is None else self.constants,
         )
 
     @property
@@ -307,6 +313,8 @@ NO_STYLE: Final = ProgramStyle()
 STYLE_KEYS: Final[Mapping[str, Read]] = {
     "procedures": settings_tables.choice("contour", "layer", "none"),
     "comments": settings_tables.truth,
+    "points": settings_tables.choice("targets", "offsets", "arrays"),
+    "constants": settings_tables.truth,
 }
 
 

@@ -317,10 +317,23 @@ def _row_spans(chunks: Sequence[_Chunk]) -> Rows | None:
 
 
 def robot_place(at: s.Expression | None, values: Values) -> Place | None:
-    """Return the robot's place at a position; None if the position is not a plain variable."""
+    """Return the robot's place at a position; None if only the running program knows it."""
+    key = _place_key(at)
+    return None if key is None else place_at(key, values)
+
+
+def _place_key(at: s.Expression | None) -> str | None:
+    """A variable, an element of an array, or either moved by numbers, as one text."""
     match at:
         case s.Variable(arguments=None):
-            return place_at(at.key, values)
+            return at.key
+        case s.Variable(arguments=arguments, component="") if arguments and all(
+            isinstance(x, s.Number) for x in arguments
+        ):
+            return f"{at.key}{[x.value for x in arguments if isinstance(x, s.Number)]}"
+        case s.Binary("+", s.Variable() as base, s.Constant(values=moved)):
+            key = _place_key(base)
+            return None if key is None else f"{key}+{moved}"
     return None
 
 

@@ -379,8 +379,30 @@ def write_for(w: Writer, node: p.For) -> None:
     variable = s.Variable(short)
     first, last = w.expressions.of(node.first), w.expressions.of(node.last)
     step = None if node.step is None or node.step == p.ONE else w.expressions.of(node.step)
-    w.part(s.For(variable, first, last, step), node.body)
-    w.part(s.Next((variable,)))
+    begin, motion = s.For(variable, first, last, step), _steady_motion(node.body)
+    if motion is None:
+        w.part(begin, node.body)
+        w.part(s.Next((variable,)))
+        return
+    # Moves under the same settings need these once, before the loop.
+    _write_motion_settings(w, motion)
+    w.add(begin)
+    w.previous = None
+    w.body(node.body)
+    w.add(s.Next((variable,)))
+    w.previous = None
+
+
+def _steady_motion(body: Body) -> p.Motion | None:
+    """The motion of moves that are all of a body, if it is the same for all and stated in
+    numbers.
+    """
+    moves = [one for one in body if isinstance(one, p.Move)]
+    if not moves or len(moves) < len(body):
+        return None
+    motion = moves[0].motion
+    fixed = isinstance(motion.speed, Speed) and isinstance(motion.blend, Blend)
+    return motion if fixed and all(one.motion == motion for one in moves) else None
 
 
 # --------------------------------------------------------------------------------- jumps
@@ -508,7 +530,7 @@ def write_path(w: Writer, node: p.Follow) -> None:
     if path.kinds[-1] != Kind.VIA:
         last = len(path) - 1
         tool, frame = path.tools[path.tool[last]], path.frames[path.frame[last]]
-        w.previous = f"P{first + last}", tool, frame
+        w.previous = s.Variable(f"P{first + last}"), tool, frame
 
 
 def _write_motion_settings(w: Writer, motion: p.Motion) -> None:
@@ -561,17 +583,26 @@ def _remember_place(
             _target_in_frame(w, inner, motion.frame) == target[0]
         ):
             target = (inner,)
-    match target:
+    if len(target) == 1 and _stays(target[0]):
+        w.previous = target[0], motion.tool, motion.frame
+
+
+def _stays(place: s.Expression) -> bool:
+    """True for a variable, an element of an array, or either moved by numbers."""
+    match place:
         # Names whose second character is `_` are external or of the controller, and may change
-        # before the arc begins.
-        case (s.Variable(name=name, arguments=None, component=""),) if name[1:2] != "_":
-            w.previous = name, motion.tool, motion.frame
+        # before an arc begins.
+        case s.Variable(name=name, arguments=arguments, component=""):
+            return name[1:2] != "_" and all(isinstance(x, s.Number) for x in arguments or ())
+        case s.Binary("+", s.Variable() as base, s.Constant()):
+            return _stays(base)
+    return False
 
 
 def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
     """The position that an arc starts at; read from the robot if it is not known."""
     if w.previous is not None and w.previous[1:] == (tool, frame):
-        return _target_in_frame(w, s.Variable(w.previous[0]), frame)
+        return _target_in_frame(w, w.previous[0], frame)
     name = w.owner.name if w.owner else "main"
     w.report(rules.ARC_AT_START(name=name, about=Declared(name, "procedures", in_full=True)))
     start = s.Variable(ARC_START)
@@ -587,7 +618,7 @@ def _write_segment(w: Writer, path: Path, start: int, stop: int, first: int) -> 
     kinds = path.kinds[start:stop]
     # An arc that begins a segment needs its start, which only the row above can be.
     if kinds[0] == Kind.VIA:
-        known = f"P{first + start - 1}"
+        known = s.Variable(f"P{first + start - 1}")
         if start == 0 or w.previous != (known, tool, frame):
             begin = _arc_start(w, tool, frame)
             numbers = (first + start, first + start + 1)
@@ -600,7 +631,7 @@ def _write_segment(w: Writer, path: Path, start: int, stop: int, first: int) -> 
         w.items += (
             [rows] if frame.lower() == BASE or not w.names.products else _write_rows(w, rows, frame)
         )
-    w.previous = f"P{first + stop - 1}", tool, frame
+    w.previous = s.Variable(f"P{first + stop - 1}"), tool, frame
 
 
 def _write_rows(w: Writer, rows: MoveRows, frame: str) -> Iterator[s.Line]:

@@ -79,8 +79,8 @@ class Writer:
         """Active value of each setting by its word, where known."""
         self.settings: set[int] = set()
         """Lines that set what a statement needs, by their identity."""
-        self.previous: tuple[str, str, str] | None = None
-        """Position variable, tool and frame of the move before, if that is known."""
+        self.previous: tuple[s.Expression, str, str] | None = None
+        """Position, tool and frame of the move before, if that is known and stays as it is."""
         self.answers: list[p.Interrupt] = []
         """Interrupts whose lines follow the end of the program."""
         self.number = names.position

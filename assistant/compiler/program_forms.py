@@ -1,0 +1,766 @@
+"""Forms of programs that are made from drawings and tables: constants, offsets and arrays.
+
+    [style]                       # in the process file or assistant.toml
+    points = "offsets"            # or "targets", "arrays"
+    constants = true
+
+The forms are given to the program last, as its arm was solved with plain targets: heights, speeds
+and blends that are used often get names; the targets of a contour become offsets of its start, or
+the targets of a path an array. `unfolded` undoes all of it in another way, by following the
+program as a controller does, so that a written form is compared with the plain program.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from assistant.base.diagnostics import Declared, Diagnostic, Severity, error, warning
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.uses import declared
+from assistant.program.comparison import Tolerance, compare
+from assistant.program.geometry import Target
+from assistant.program.motion import Blend, Kind, Path, Speed, configuration_row
+from assistant.program.passes.paths import COLUMNS, move_at
+from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier, walk
+from assistant.program.rewriting import map_expressions, records
+from assistant.robots.program_values import Names
+from assistant.sources.process import ProgramStyle
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+
+STAYS_PLAIN: Final = warning(
+    "CO621",
+    "{count} paths keep targets instead of {points}, such as `{name}`: {why}",
+    '{cure}, or say points = "targets" in [style]',
+)
+FORM_REFUSED: Final = warning(
+    "CO622",
+    "`points = {points}` in [style] is not followed: {language} cannot express it ({reason})",
+    'say points = "targets" in [style]',
+)
+FORM_DIFFERS: Final = error(
+    "CO623",
+    "the text in the form of [style] says something else: {message}",
+    'say points = "targets" and constants = false in [style]; report this with the input',
+)
+
+_OFTEN: Final = 4
+"""Uses of a height from which on it has a name."""
+_TWICE: Final = 2
+_LONG: Final = 8
+"""Rows of a path from which on it is an array."""
+_LOOP: Final = 3
+"""Rows under the same settings from which on they are a loop."""
+_MOST_POINTS: Final = 5000
+"""Rows of a path that is given another form; longer ones are no reading for people."""
+_START: Final = "_start"
+"""End of the name of the target where a contour begins."""
+_SAME: Final = 1e-9
+"""Difference of quaternions and external axes that is none."""
+_DECIMALS: Final = 4
+"""Decimals of mm of offsets."""
+_DEEPEST: Final = 64
+_NEAR: Final = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Formed:
+    """A program in the form of a style, the same object where nothing changed, and findings."""
+
+    program: Program
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def with_form(program: Program, style: ProgramStyle, language: Language[Any]) -> Formed:
+    """Return a program in the form of a style."""
+    findings: tuple[Diagnostic, ...] = ()
+    if style.points == "offsets":
+        program, findings = _Offsets(program).program()
+    elif style.points == "arrays":
+        program, findings = _Arrays(program).program()
+    if style.constants is not False:
+        program = _Constants(program, language).program()
+    return Formed(program, findings)
+
+
+def form_refused(
+    found: Iterable[Diagnostic], style: ProgramStyle, language: Language[Any]
+) -> Diagnostic:
+    """Return the finding that a language cannot express a form. found: with the errors of it."""
+    reason = next(one.message for one in found if one.severity is Severity.ERROR)
+    points = style.points or "targets"
+    return FORM_REFUSED(points=points, language=language.title, reason=reason)
+
+
+def form_differences(
+    plain: Program, written: Program, language: Language[Any]
+) -> Iterator[Diagnostic]:
+    """Yield the differences between a plain program and one that was read back in its form.
+
+    Both are followed move by move.
+    """
+    precision = language.precision
+    # A sum of two rounded positions is off by twice as much.
+    tolerance = Tolerance(2.0 * precision.position, precision.angle, precision.number)
+    try:
+        comparison = compare(unfolded(plain), unfolded(written), tolerance)
+    except NotUnfolded as unknown:
+        yield FORM_DIFFERS(message=str(unknown))
+        return
+    for one in comparison.mismatches:
+        yield FORM_DIFFERS(message=one.message, about=one.about)
+
+
+# ------------------------------------------------------------------------------- offsets
+
+
+class _Points:
+    """What both forms of points have in common. left: why paths keep targets, with their names."""
+
+    form: str
+
+    def __init__(self, given: Program) -> None:
+        self.given = given
+        self.taken = _taken_names(given)
+        self.left: dict[tuple[str, str], list[str]] = {}
+
+    def stays(self, path: Path, why: str, cure: str) -> None:
+        self.left.setdefault((why, cure), []).append(path.name)
+
+    def findings(self) -> tuple[Diagnostic, ...]:
+        return tuple(
+            STAYS_PLAIN(
+                count=len(names), points=self.form, name=names[0], why=why, cure=cure,
+                about=Declared(names[0], "paths"),
+            )
+            for (why, cure), names in self.left.items()
+        )  # fmt: skip
+
+
+class _Offsets(_Points):
+    """Targets of contours as offsets of their starts."""
+
+    form = "offsets"
+
+    def program(self) -> tuple[Program, tuple[Diagnostic, ...]]:
+        uses = Counter(
+            name
+            for procedure in self.given.procedures
+            for name in {x.name.lower() for x in records(procedure) if isinstance(x, e.Name)}
+        )
+        self.targets = {name.lower(): one for name, one in self.given.targets.items()}
+        self.once = {name for name in self.targets if uses[name] == 1}
+        self.gone: set[str] = set()
+        procedures = tuple(
+            replace(one, body=tuple(self.body(one.body))) for one in self.given.procedures
+        )
+        kept = {n: t for n, t in self.given.targets.items() if n.lower() not in self.gone}
+        program = replace(self.given, procedures=procedures, targets=kept)
+        return (program if self.gone or self.changed else self.given), self.findings()
+
+    changed = False
+
+    def body(self, body: tuple[p.Statement, ...]) -> Iterator[p.Statement]:
+        start = ""
+        for at, node in enumerate(body):
+            # The approach above a start is the first statement that names it.
+            begun = _start_named(node)
+            start = begun or start
+            if isinstance(node, p.Follow):
+                why = self.unfit(node.path, start)
+                if why is None:
+                    self.changed = True
+                    yield from self.moves(node, start)
+                    continue
+                self.stays(node.path, *why)
+            elif start and not begun and isinstance(node, p.Move | p.MoveCircular):
+                if not self.stays_in(body, at, start):
+                    node = map_expressions(node, lambda x, start=start: self.target(x, start))
+            yield node
+
+    def stays_in(self, body: tuple[p.Statement, ...], at: int, start: str) -> bool:
+        """True if the path of the contour at hand keeps its targets."""
+        near = [x for x in body[max(at - 12, 0) : at + 12] if isinstance(x, p.Follow)]
+        return any(
+            _is_of(x.path.name, start) and self.unfit(x.path, start) is not None for x in near
+        )
+
+    def unfit(self, path: Path, start: str) -> tuple[str, str] | None:
+        """Why a path cannot be offsets, and what helps."""
+        if not start:
+            return "they have no target of their own that the others are offsets of", (
+                "follow contours of a drawing"
+            )
+        if len(path) > _MOST_POINTS:
+            return f"they have more than {_MOST_POINTS} points", "divide them"
+        base = self.targets[start.lower()]
+        turn = np.array(base.pose.quaternion)
+        if np.abs(np.abs(path.quaternions @ turn) - 1.0).max(initial=0.0) > _NEAR:
+            return "the tool turns along them, which offsets do not", "leave out `tangential`"
+        wanted = configuration_row(base.configuration)
+        if (path.configurations != np.array(wanted, dtype=np.int8)).any():
+            return "the arm changes its configuration along them, which offsets do not", (
+                "place the work where it does not"
+            )
+        mine = np.array([np.nan if x is None else x for x in base.external], dtype=np.float64)
+        if not np.isclose(path.external, mine, rtol=0.0, atol=_SAME, equal_nan=True).all():
+            return "external axes move along them, which offsets do not", "keep these still"
+        return None
+
+    def moves(self, node: p.Follow, start: str) -> Iterator[p.Statement]:
+        path = node.path
+        base = np.array(self.targets[start.lower()].pose.position)
+        shifts = np.round(path.positions - base, _DECIMALS) + 0.0
+        via: e.Expression | None = None
+        for row, (kind, shift) in enumerate(zip(path.kinds.tolist(), shifts.tolist(), strict=True)):
+            point = _offset(start, shift)
+            if kind == Kind.VIA:
+                via = point
+            elif kind == Kind.END and via is not None:
+                motion = move_at(path, row, point).motion
+                yield p.MoveCircular(via, point, motion, span=node.span)
+            else:
+                yield replace(move_at(path, row, point), span=node.span)
+
+    def target(self, value: e.Expression, start: str) -> e.Expression:
+        """Another target of a contour, as the offset of its start."""
+        if not isinstance(value, e.Name) or value.name.lower() not in self.once - {start.lower()}:
+            return value
+        if not value.name.lower().startswith(start.lower().removesuffix(_START) + "_"):
+            return value
+        base, other = self.targets[start.lower()], self.targets[value.name.lower()]
+        if not _differ_by_place(base, other):
+            return value
+        self.changed = True
+        self.gone.add(value.name.lower())
+        shift = np.array(other.pose.position) - np.array(base.pose.position)
+        return _offset(start, (np.round(shift, _DECIMALS) + 0.0).tolist())
+
+
+def _is_of(path: str, start: str) -> bool:
+    """True if a path, or a part of it, is of the contour that has a start."""
+    return f"{path.lower()}_".startswith(start.lower().removesuffix(_START) + "_")
+
+
+def _start_named(node: p.Statement) -> str:
+    """The start of a contour that a move goes to, or to a place above it; else empty."""
+    target = node.target if isinstance(node, p.Move) else None
+    while isinstance(target, e.Apply) and target.arguments:
+        target = target.arguments[0]
+    named = isinstance(target, e.Name) and target.name.lower().endswith(_START)
+    return target.name if named and isinstance(target, e.Name) else ""
+
+
+def _offset(start: str, shift: list[float]) -> e.Expression:
+    if not any(shift):
+        return e.Name(start)
+    return e.Apply("offset", (e.Name(start), *map(e.number_of, shift)))
+
+
+def _differ_by_place(one: Target, other: Target) -> bool:
+    """True if two targets differ by their positions alone."""
+    turned = abs(float(np.dot(one.pose.quaternion, other.pose.quaternion)))
+    return (
+        abs(turned - 1.0) <= _NEAR
+        and one.configuration == other.configuration
+        and np.array_equal(np.array(one.external), np.array(other.external), equal_nan=True)
+    )
+
+
+# -------------------------------------------------------------------------------- arrays
+
+
+class _Arrays(_Points):
+    """Long paths as arrays of targets, with loops along rows under the same settings."""
+
+    form = "arrays"
+
+    def program(self) -> tuple[Program, tuple[Diagnostic, ...]]:
+        self.made: dict[str, Variable] = {}
+        procedures = tuple(
+            replace(one, body=tuple(x for node in one.body for x in self.statement(node)))
+            for one in self.given.procedures
+        )
+        if not self.made:
+            return self.given, self.findings()
+        variables = {**self.given.variables, **self.made}
+        program = replace(self.given, procedures=procedures, variables=variables)
+        return program, self.findings()
+
+    def statement(self, node: p.Statement) -> Iterator[p.Statement]:
+        if not isinstance(node, p.Follow) or len(node.path) < _LONG:
+            yield node
+            return
+        path = node.path
+        if len(path) > _MOST_POINTS:
+            self.stays(path, f"they have more than {_MOST_POINTS} points", "divide them")
+            yield node
+            return
+        name = identifier(f"{path.name}_points", self.taken)
+        self.taken.add(name)
+        values = tuple(e.TargetValue(path.target(row)) for row in range(len(path)))
+        self.made[name] = Variable("position", e.Aggregate(values), (len(path),), "constant")
+        yield from self.moves(node, name)
+
+    def moves(self, node: p.Follow, name: str) -> Iterator[p.Statement]:
+        path = node.path
+
+        def element(index: e.Expression) -> e.Expression:
+            return e.Index(e.Name(name), (index,))
+
+        row = 0
+        while row < len(path):
+            if path.kinds[row] == Kind.VIA:
+                via, end = element(e.Number(row + 1)), element(e.Number(row + 2))
+                motion = move_at(path, row + 1, end).motion
+                yield p.MoveCircular(via, end, motion, span=node.span)
+                row += 2
+                continue
+            stop = _same_until(path, row)
+            # An arc begins at a place that is written, not at one that a loop came to.
+            if stop < len(path) and path.kinds[stop] == Kind.VIA:
+                stop -= 1
+            if stop - row >= _LOOP:
+                body = (replace(move_at(path, row, element(e.Name(_COUNTER))), span=node.span),)
+                first, last = e.Number(row + 1), e.Number(stop)
+                yield p.For(_COUNTER, first, last, body, p.ONE, span=node.span)
+                row = stop
+            else:
+                yield replace(move_at(path, row, element(e.Number(row + 1))), span=node.span)
+                row += 1
+
+
+_COUNTER: Final = "i"
+
+
+def _same_until(path: Path, row: int) -> int:
+    """The first row behind one that is another kind of move, or has other settings."""
+    same = path.kinds[row:] == path.kinds[row]
+    for column in COLUMNS:
+        values = getattr(path, column)
+        same = same & (values[row:] == values[row])
+    other = np.flatnonzero(~same)
+    return row + int(other[0]) if len(other) else len(path)
+
+
+# ----------------------------------------------------------------------------- constants
+
+
+Role = Literal["approach", "retract"]
+
+
+class _Constants:
+    """Names for heights, speeds and blends that are used often.
+
+    The procedures that the entry calls are the subjects, such as layers: what they call belongs to
+    them, and names begin with theirs.
+    """
+
+    def __init__(self, given: Program, language: Language[Any]) -> None:
+        self.given, self.language = given, language
+        self.taken = _taken_names(given)
+        self.subjects = _subjects(given)
+        self.variables: dict[str, Variable] = {}
+        self.speeds: dict[str, Speed] = {}
+        self.blends: dict[str, Blend] = {}
+
+    def program(self) -> Program:
+        groups: dict[str, list[Procedure]] = {}
+        for procedure in self.given.procedures:
+            groups.setdefault(self.subjects[procedure.name.lower()], []).append(procedure)
+        made: dict[str, Procedure] = {}
+        for subject, procedures in groups.items():
+            made |= self.named(subject, procedures)
+        if not (self.variables or self.speeds or self.blends):
+            return self.given
+        return replace(
+            self.given,
+            procedures=tuple(made[one.name] for one in self.given.procedures),
+            variables={**self.given.variables, **self.variables},
+            speeds={**self.given.speeds, **self.speeds},
+            blends={**self.given.blends, **self.blends},
+        )
+
+    def named(self, subject: str, procedures: list[Procedure]) -> dict[str, Procedure]:
+        heights = self.heights(subject, procedures)
+        travel, work, blends = self.motions(subject, procedures)
+
+        def statement(node: p.Statement) -> p.Statement:
+            match node:
+                case p.Move() | p.MoveCircular() | p.MoveJoints():
+                    away = isinstance(node, p.Move) and _height(node) is not None
+                    speeds = travel if away else work
+                    motion = replace(
+                        node.motion,
+                        speed=_known(speeds, node.motion.speed),
+                        blend=_known(blends, node.motion.blend),
+                    )
+                    node = replace(node, motion=motion)
+                    height = _height(node) if isinstance(node, p.Move) else None
+                    if height is not None and height in heights:
+                        assert isinstance(node, p.Move) and isinstance(node.target, e.Apply)
+                        raised = e.Unary("-", e.Name(heights[height]))
+                        given = (*node.target.arguments[:3], raised)
+                        node = replace(node, target=replace(node.target, arguments=given))
+                case p.Follow(path):
+                    path = replace(
+                        path,
+                        speeds=tuple(_known(work, one) for one in path.speeds),
+                        blends=tuple(_known(blends, one) for one in path.blends),
+                    )
+                    node = replace(node, path=path)
+                case p.For():
+                    node = replace(node, body=tuple(map(statement, node.body)))
+            return node
+
+        return {one.name: replace(one, body=tuple(map(statement, one.body))) for one in procedures}
+
+    def heights(self, subject: str, procedures: list[Procedure]) -> dict[float, str]:
+        """Names of the heights above the work."""
+        uses: Counter[float] = Counter()
+        roles: dict[float, set[Role]] = {}
+        for procedure in procedures:
+            for node, below in zip(procedure.body, (*procedure.body[1:], None), strict=True):
+                height = _height(node)
+                if height is None:
+                    continue
+                uses[height] += 1
+                assert isinstance(node, p.Move) and isinstance(node.target, e.Apply)
+                base = node.target.arguments[0]
+                down = isinstance(below, p.Move) and below.target == base
+                roles.setdefault(height, set()).add("approach" if down else "retract")
+        often = [height for height, count in uses.items() if count >= _OFTEN]
+        if not often or len(uses) > _TWICE:
+            return {}
+        named: dict[float, str] = {}
+        for height in often:
+            word = "height"
+            if len(uses) > 1:
+                # Two heights are one to come by and one to leave by, or nothing names them.
+                if len(roles[height]) > 1:
+                    return {}
+                word = next(iter(roles[height]))
+            name = self.new(subject, word)
+            named[height] = name
+            value = e.number_of(height)
+            self.variables[name] = Variable("number", value, (), "constant")
+        return named
+
+    def motions(
+        self, subject: str, procedures: list[Procedure]
+    ) -> tuple[dict[Speed, str], dict[Speed, str], dict[Blend, str]]:
+        """Names of the speeds of travel and of work, and of blends."""
+        travel: Counter[Speed] = Counter()
+        work: Counter[Speed] = Counter()
+        blends: Counter[Blend] = Counter()
+        for procedure in procedures:
+            for node in walk(procedure.body):
+                motions: list[tuple[Any, Any]] = []
+                away = _height(node) is not None
+                match node:
+                    case p.Move(motion=one) | p.MoveCircular(motion=one) | p.MoveJoints(motion=one):
+                        motions = [(one.speed, one.blend)]
+                    case p.Follow(path):
+                        motions = [(speed, None) for speed in path.speeds]
+                        motions += [(None, blend) for blend in path.blends] * _TWICE
+                for speed, blend in motions:
+                    if isinstance(speed, Speed) and self.language.declares_motion(speed):
+                        (travel if away else work)[speed] += 1
+                    if isinstance(blend, Blend) and self.language.declares_motion(blend):
+                        blends[blend] += 1
+        # Two speeds of one kind have no names that tell which is which.
+        along = self.only(subject, "speed", work, self.speeds)
+        above = {speed: name for speed, name in along.items() if speed in travel}
+        return (
+            above or self.only(subject, "travel", travel, self.speeds),
+            along,
+            self.only(subject, "zone", blends, self.blends),
+        )
+
+    def only(
+        self, subject: str, word: str, uses: Counter[Any], table: dict[str, Any]
+    ) -> dict[Any, str]:
+        if len(uses) != 1 or next(iter(uses.values())) < _TWICE:
+            return {}
+        name = self.new(subject, word)
+        value = next(iter(uses))
+        table[name] = value
+        return {value: name}
+
+    def new(self, subject: str, word: str) -> str:
+        stem = subject.lower() or "work"
+        name = identifier(f"{stem[:_LONGEST_STEM].rstrip('_')}_{word}", self.taken)
+        self.taken.add(name)
+        return name
+
+
+_LONGEST_STEM: Final = 20
+
+
+def _known(names: Mapping[Any, str], value: Any) -> Any:
+    computed = isinstance(value, p.ComputedSpeed | p.ComputedBlend | e.Name)
+    return e.Name(names[value]) if not computed and value in names else value
+
+
+def _height(node: p.Statement | None) -> float | None:
+    """Mm that a move goes to above a target, along the tool; None of another move."""
+    if not isinstance(node, p.Move):
+        return None
+    match node.target:
+        case e.Apply("relative", (_, x, y, z)):
+            number = e.plain_number(z)
+            level = e.plain_number(x) == 0 and e.plain_number(y) == 0
+            return -number if level and number is not None and number < 0 else None
+    return None
+
+
+def _subjects(program: Program) -> dict[str, str]:
+    """By the name of each procedure that of the procedure called by the entry that it belongs to.
+
+    Empty for the entry itself, and for what several of them call.
+    """
+    calls = {
+        one.name.lower(): {x.procedure.lower() for x in walk(one.body) if isinstance(x, p.Call)}
+        for one in program.procedures
+    }
+    entry = (program.entry or "").lower()
+    found = dict.fromkeys(calls, "")
+    for one in program.procedures:
+        if one.name.lower() not in calls.get(entry, set()):
+            continue
+        reached, left = set[str](), [one.name.lower()]
+        while left:
+            name = left.pop()
+            if name not in reached and name in calls:
+                reached.add(name)
+                left += calls[name]
+        for name in reached:
+            found[name] = one.name
+    return found
+
+
+def _taken_names(program: Program) -> TakenNames:
+    taken = TakenNames((program.name, *declared(program)))
+    taken.update(one.name for one in program.procedures)
+    for node in program.statements():
+        if isinstance(node, p.Follow):
+            taken.add(node.path.name)
+    return taken
+
+
+# ------------------------------------------------------------------------------ unfolding
+
+
+class NotUnfolded(ValueError):
+    """A program has something that only running it tells."""
+
+
+def unfolded(program: Program) -> Program:
+    """Return the moves and other statements of a program in the order in which they are made.
+
+    Calls and loops are followed; constants, offsets and arrays have their values. Raises
+    NotUnfolded for a program with branches or with values that change.
+    """
+    entry = program.procedure(program.entry or "")
+    if entry is None:
+        raise NotUnfolded("the program has no entry")
+    following = _Following(program)
+    following.body(entry.body, _DEEPEST)
+    following.end_path()
+    return Program(
+        program.name,
+        (Procedure("main", tuple(following.made)),),
+        tools=program.tools,
+        frames=program.frames,
+        signals=program.signals,
+    )
+
+
+@dataclass(slots=True)
+class _Rows:
+    """Rows of a path that is being gathered."""
+
+    kinds: list[Any] = field(default_factory=list)
+    positions: list[Any] = field(default_factory=list)
+    quaternions: list[Any] = field(default_factory=list)
+    configurations: list[Any] = field(default_factory=list)
+    external: list[Any] = field(default_factory=list)
+    settings: list[Any] = field(default_factory=list)
+
+
+class _Following:
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.names = Names(program)
+        self.arrays: dict[str, dict[int, Target]] = {}
+        for name, variable in program.variables.items():
+            if isinstance(variable.initial, e.Aggregate) and variable.type == "position":
+                values = enumerate(variable.initial.items, 1)
+                self.arrays[name.lower()] = {
+                    at: one.target for at, one in values if isinstance(one, e.TargetValue)
+                }
+        self.speeds = {name.lower(): one for name, one in program.speeds.items()}
+        self.blends = {name.lower(): one for name, one in program.blends.items()}
+        self.made: list[p.Statement] = []
+        self.rows = _Rows()
+        self.table: dict[tuple[Any, ...], int] = {}
+
+    def body(self, body: tuple[p.Statement, ...], depth: int) -> None:
+        if not depth:
+            raise NotUnfolded("procedures call each other without end")
+        for node in body:
+            self.statement(node, depth)
+
+    def statement(self, node: p.Statement, depth: int) -> None:
+        match node:
+            case p.Comment():
+                return
+            case p.Call(name, ()):
+                callee = self.program.procedure(name)
+                if callee is None or callee.parameters:
+                    raise NotUnfolded(f"`{name}` cannot be followed")
+                self.body(callee.body, depth - 1)
+            case p.For(variable, first, last, inner, step):
+                self.loop(variable, (first, last, step), inner, depth)
+            case p.Assign(e.Index(e.Name(name), (index,)), e.TargetValue(target)):
+                self.arrays.setdefault(name.lower(), {})[self.whole(index)] = target
+            case p.Follow(path):
+                self.follow(path)
+            case p.Move(kind, target, motion, (), None):
+                row = Kind.JOINT if kind == "joint" else Kind.LINEAR
+                self.row(row, self.target(target), self.setting(motion))
+            case p.MoveCircular(via, target, motion, (), None):
+                setting = self.setting(motion)
+                self.row(Kind.VIA, self.target(via), setting)
+                self.row(Kind.END, self.target(target), setting)
+            case p.Move() | p.MoveCircular() | p.MoveJoints():
+                self.end_path()
+                self.made.append(self.alone(node))
+            case p.SetSignal() | p.Wait() | p.WaitSignal() | p.WaitUntil() | p.Gripper() | p.Stop():
+                self.end_path()
+                self.made.append(replace(node, span=None))
+            case _:
+                raise NotUnfolded(f"a {type(node).__name__} is in it")
+
+    def loop(
+        self,
+        variable: str,
+        bounds: tuple[e.Expression, e.Expression, e.Expression | None],
+        inner: tuple[p.Statement, ...],
+        depth: int,
+    ) -> None:
+        first, last = self.whole(bounds[0]), self.whole(bounds[1])
+        if bounds[2] is not None and self.whole(bounds[2]) != 1:
+            raise NotUnfolded("a loop has a step")
+        key = variable.lower()
+        before = self.names.own.get(key)
+        for value in range(first, last + 1):
+            self.names.own[key] = e.Number(value)
+            self.body(inner, depth - 1)
+        self.names.own.pop(key)
+        if before is not None:
+            self.names.own[key] = before
+
+    def whole(self, value: e.Expression) -> int:
+        number = self.names.number(value)
+        if number is None or number != int(number):
+            raise NotUnfolded("an index is no constant")
+        return int(number)
+
+    def target(self, value: e.Expression) -> Target:
+        place = self.names.place(map_expressions(value, self.element))
+        if place is None:
+            raise NotUnfolded("a target is worked out as the program runs")
+        return replace(place.target, pose=place.pose)
+
+    def element(self, value: e.Expression) -> e.Expression:
+        match value:
+            case e.Index(e.Name(name), (index,)) if name.lower() in self.arrays:
+                target = self.arrays[name.lower()].get(self.whole(index))
+                if target is None:
+                    raise NotUnfolded(f"`{name}` has no such element")
+                return e.TargetValue(target)
+        return value
+
+    def setting(self, motion: p.Motion) -> int:
+        return self.settings(motion.speed, motion.blend, motion.tool, motion.frame)
+
+    def settings(self, speed: Any, blend: Any, tool: str, frame: str) -> int:
+        if isinstance(speed, e.Name):
+            speed = self.speeds.get(speed.name.lower(), speed)
+        if isinstance(blend, e.Name):
+            blend = self.blends.get(blend.name.lower(), blend)
+        if not (isinstance(speed, Speed | e.Name) and isinstance(blend, Blend | e.Name)):
+            raise NotUnfolded("a speed is worked out as the program runs")
+        return self.table.setdefault((speed, blend, tool.lower(), frame.lower()), len(self.table))
+
+    def row(self, kind: Kind, target: Target, setting: int) -> None:
+        rows = self.rows
+        rows.kinds.append([kind])
+        rows.positions.append([target.pose.position])
+        rows.quaternions.append([target.pose.quaternion])
+        rows.configurations.append([configuration_row(target.configuration)])
+        rows.external.append([target.external])
+        rows.settings.append([setting])
+
+    def follow(self, path: Path) -> None:
+        rows = self.rows
+        columns = np.stack([getattr(path, column) for column in COLUMNS], axis=1)
+        used, which = np.unique(columns, axis=0, return_inverse=True)
+        known = np.array(
+            [
+                self.settings(
+                    path.speeds[speed], path.blends[blend], path.tools[tool], path.frames[frame]
+                )
+                for speed, blend, tool, frame in used.tolist()
+            ],
+            dtype=np.int64,
+        )
+        rows.kinds.append(path.kinds)
+        rows.positions.append(path.positions)
+        rows.quaternions.append(path.quaternions)
+        rows.configurations.append(path.configurations)
+        rows.external.append(path.external)
+        rows.settings.append(known[which.reshape(-1)])
+
+    def alone(self, node: Any) -> p.Statement:
+        """A move that sets outputs on its way, or goes to joints, with its values."""
+        values = tuple(self.table)
+        index = self.setting(node.motion)
+        speed, blend, tool, frame = (tuple(self.table) if index >= len(values) else values)[index]
+        node = replace(node, motion=p.Motion(speed, blend, tool, frame), span=None)
+        if isinstance(node, p.MoveJoints):
+            joints = self.names.joints(node.target)
+            return node if joints is None else replace(node, target=e.JointValue(joints))
+        if isinstance(node, p.MoveCircular):
+            node = replace(node, via=e.TargetValue(self.target(node.via)))
+        return replace(node, target=e.TargetValue(self.target(node.target)))  # type: ignore[no-any-return]
+
+    def end_path(self) -> None:
+        rows = self.rows
+        if not rows.kinds:
+            return
+        self.rows = _Rows()
+        table = list(self.table)
+        index = np.concatenate(rows.settings)
+        speeds, blends, tools, frames = (tuple(x[k] for x in table) for k in range(4))
+        path = Path.of(
+            f"rows_{len(self.made)}",
+            np.concatenate(rows.positions),
+            np.concatenate(rows.quaternions),
+            kinds=np.concatenate(rows.kinds),
+            configurations=np.concatenate(rows.configurations),
+            external=np.concatenate(rows.external),
+            speeds=speeds, speed=index,
+            blends=blends, blend=index,
+            tools=tools, tool=index,
+            frames=frames, frame=index,
+        )  # fmt: skip
+        self.made.append(p.Follow(path))
