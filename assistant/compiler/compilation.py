@@ -522,7 +522,7 @@ def compile_program(
             adapted = target.adapt(formed.program, arm, most_targets=most_targets)
             if has_errors(adapted.findings):
                 findings.append(form_refused(adapted.findings, form, target))
-                unformed, adapted = None, unformed
+                adapted, unformed = unformed, None
     # A routine that is left out may have been the only caller of others: repeat until none is left.
     while source.origin is not None:
         rest = without_uncalled(program, (*unlike, *adapted.findings), target.name)

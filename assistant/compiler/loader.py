@@ -28,6 +28,7 @@ from assistant.program import pseudo
 from assistant.program.analysis.uses import called
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.project_file import Project, project_of
+from assistant.program.statements import Follow, MoveStatement
 from assistant.program.vendor_statements import with_effects
 from assistant.sources.seen_settings import NO_SEEN_SETTINGS, SeenSettings
 
@@ -107,11 +108,15 @@ def load(
     spoken = _language_of_data(source, data, language)
     if spoken is None:
         from assistant.compiler.style import style_of
+        from assistant.sources.process import NO_STYLE
 
         style = style_of(source.absolute().parent).form
         reading = sources.read(source, process, unit, around, placement, merging=True, style=style)
         percent = reading.joint_percent
-        read = reading.program, None, reading.findings
+        program = reading.program
+        if source.suffix.lower() != ".dxf" and (reading.style or NO_STYLE).commented:
+            program = replace(program, comments=(*program.comments, *_facts(program, source)))
+        read = program, None, reading.findings
         return Loaded(*read, joint_percent=percent, seen=reading.seen, form=reading.style)
     loaded = lift_texts(spoken, [spoken.read(source)], robot, beside=source.parent)
     origin = loaded.program.origin
@@ -119,6 +124,21 @@ def load(
     loaded = replace(loaded, findings=(*missing, *loaded.findings, *stated))
     loaded = configured_beside(loaded, spoken, source)
     return loaded if process is None else with_process(loaded, process)
+
+
+def _facts(program: Program, source: FilePath) -> Iterator[str]:
+    """Lines above the program of a table: what it was made from, with what tools and frames."""
+    yield f"table {source.name}"
+    tools: dict[str, None] = {}
+    frames: dict[str, None] = {}
+    for node in program.statements():
+        if isinstance(node, MoveStatement):
+            tools[node.motion.tool] = frames[node.motion.frame] = None
+        elif isinstance(node, Follow):
+            tools |= dict.fromkeys(node.path.tools)
+            frames |= dict.fromkeys(node.path.frames)
+    if tools:
+        yield f"tool {', '.join(tools)}, frame {', '.join(frames)}"
 
 
 def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -> Loaded:

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
@@ -30,6 +31,8 @@ from assistant.program.passes.paths import COLUMNS, move_at
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier, walk
 from assistant.program.rewriting import map_expressions, records
 from assistant.robots.program_values import Names
+from assistant.sources.contours.contour_shapes import number_text
+from assistant.sources.contours.layer_program import CONTOURS_SUFFIX
 from assistant.sources.process import ProgramStyle
 
 if TYPE_CHECKING:
@@ -81,6 +84,7 @@ class Formed:
 def with_form(program: Program, style: ProgramStyle, language: Language[Any]) -> Formed:
     """Return a program in the form of a style."""
     findings: tuple[Diagnostic, ...] = ()
+    program = _with_path_procedures(program, style)
     if style.points == "offsets":
         program, findings = _Offsets(program).program()
     elif style.points == "arrays":
@@ -116,6 +120,45 @@ def form_differences(
         return
     for one in comparison.mismatches:
         yield FORM_DIFFERS(message=one.message, about=one.about)
+
+
+# ------------------------------------------------------------------- procedures of tables
+
+
+def _with_path_procedures(program: Program, style: ProgramStyle) -> Program:
+    """A program of paths alone, as tables have them, with a procedure and a comment for each."""
+    if len(program.procedures) != 1 or style.procedures == "none":
+        return program
+    (main,) = program.procedures
+    paths = [node.path for node in main.body if isinstance(node, p.Follow)]
+    if not paths or any(not isinstance(node, p.Follow | p.Move) for node in main.body):
+        return program
+    taken = TakenNames((program.name, main.name, *declared(program)))
+    made: list[Procedure] = []
+    body: list[p.Statement] = []
+    for node in main.body:
+        if not isinstance(node, p.Follow):
+            body.append(node)
+            continue
+        # The path keeps its name, which its rows have; one alone often has that of the program.
+        own = node.path.name.lower() not in {one.lower() for one in taken}
+        name = node.path.name if own else identifier(f"{_FOLLOWING}{node.path.name}", taken)
+        taken.add(name)
+        notes = (p.Comment(_path_text(node.path)),) if style.commented else ()
+        made.append(Procedure(name, (*notes, node)))
+        body.append(p.Call(name, span=node.span))
+    return replace(program, procedures=(replace(main, body=tuple(body)), *made))
+
+
+def _path_text(path: Path) -> str:
+    """What a path is, for people: `seam: 35 points, 412 mm`."""
+    text = f"{path.name}: {len(path)} point{'s' * (len(path) != 1)}"
+    rows = np.flatnonzero(path.kinds[1:] == Kind.LINEAR) + 1
+    # Arcs and joint moves are not as long as their chords.
+    if len(rows) and not ((path.kinds == Kind.VIA) | (path.kinds == Kind.END)).any():
+        steps = np.linalg.norm(path.positions[rows] - path.positions[rows - 1], axis=1)
+        text += f", {number_text(round(float(steps.sum()), 1))} mm"
+    return text
 
 
 # ------------------------------------------------------------------------------- offsets
@@ -182,7 +225,7 @@ class _Offsets(_Points):
                 self.stays(node.path, *why)
             elif start and not begun and isinstance(node, p.Move | p.MoveCircular):
                 if not self.stays_in(body, at, start):
-                    node = map_expressions(node, lambda x, start=start: self.target(x, start))
+                    node = map_expressions(node, partial(self.target, start))
             yield node
 
     def stays_in(self, body: tuple[p.Statement, ...], at: int, start: str) -> bool:
@@ -229,7 +272,7 @@ class _Offsets(_Points):
             else:
                 yield replace(move_at(path, row, point), span=node.span)
 
-    def target(self, value: e.Expression, start: str) -> e.Expression:
+    def target(self, start: str, value: e.Expression) -> e.Expression:
         """Another target of a contour, as the offset of its start."""
         if not isinstance(value, e.Name) or value.name.lower() not in self.once - {start.lower()}:
             return value
@@ -495,13 +538,15 @@ class _Constants:
         return {value: name}
 
     def new(self, subject: str, word: str) -> str:
-        stem = subject.lower() or "work"
+        stem = subject.lower().removeprefix(_FOLLOWING).removesuffix(CONTOURS_SUFFIX) or "work"
         name = identifier(f"{stem[:_LONGEST_STEM].rstrip('_')}_{word}", self.taken)
         self.taken.add(name)
         return name
 
 
 _LONGEST_STEM: Final = 20
+_FOLLOWING: Final = "follow_"
+"""Begin of the name of a procedure whose path has the name of something else."""
 
 
 def _known(names: Mapping[Any, str], value: Any) -> Any:

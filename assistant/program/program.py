@@ -237,9 +237,11 @@ class Program:
     )
 
     def __repr__(self) -> str:
-        said = sum(len(s.path) if isinstance(s, Follow) else 1 for s in self.statements())
-        counts = {"procedure": len(self.procedures), "statement": said}
-        counts["target"] = len(self.targets) + len(self.joint_targets)
+        rows = [len(s.path) for s in self.statements() if isinstance(s, Follow)]
+        statements = sum(1 for s in self.statements() if not isinstance(s, Follow)) + sum(rows)
+        counts = {"procedure": len(self.procedures), "statement": statements}
+        # Points of paths are targets too, although no table of the program holds them.
+        counts["target"] = len(self.targets) + len(self.joint_targets) + sum(rows)
         told = ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
         return f"<Program {self.name}: {told}>"
 

@@ -104,6 +104,8 @@ _LONGEST_NAME_STEM: Final = 20
 """Letters of a layer's name that go into the names of its paths."""
 _LONGEST_LAYER_PART: Final = 12
 """Letters of it that stand before the word for a shape."""
+CONTOURS_SUFFIX: Final = "_contours"
+"""End of the name of the procedure of a layer that something else is named like."""
 _NAMELESS_PATH: Final = "path"
 """Name of open contours on a layer whose name has no letters, such as `0`."""
 
@@ -262,7 +264,8 @@ def _procedure_name(layer: str, taken: TakenNames) -> str:
     precedence.
     """
     name = identifier(layer)
-    return name if identifier(layer, taken) == name else identifier(f"{name}_contours", taken)
+    free = identifier(layer, taken) == name
+    return name if free else identifier(f"{name}{CONTOURS_SUFFIX}", taken)
 
 
 def _curves_in_words(curves: Sequence[Curve]) -> str:

@@ -68,6 +68,32 @@ def _record(_: Templates, node: s.Record) -> str:
     return f"{_local(node)}RECORD {node.name}\n{components}ENDRECORD"
 
 
+def _data(to: Templates, node: s.Data) -> str:
+    scope = f"{node.scope} " if node.scope else ""
+    size = f"{{{to.text(node.dimensions)}}}" if node.dimensions else ""
+    head = f"{scope}{node.storage} {node.type} {node.name}{size}"
+    if node.value is None:
+        return f"{head};"
+    if not (node.dimensions and _is_long_list(node.value)):
+        return f"{head}:={to.text(node.value)};"
+    assert isinstance(node.value, s.AggregateNode)
+    lines = ",\n".join(INDENT + to.text(item) for item in node.value.items)
+    return f"{head}:=[\n{lines}];"
+
+
+def _is_long_list(value: s.Expression) -> bool:
+    """True for several records of records, such as targets, which people read one a line."""
+    return (
+        isinstance(value, s.AggregateNode)
+        and len(value.items) > 1
+        and all(
+            isinstance(item, s.AggregateNode)
+            and any(isinstance(part, s.AggregateNode) for part in item.items)
+            for item in value.items
+        )
+    )
+
+
 def _routine(to: Templates, node: s.Routine) -> list[str | Block]:
     type = f"{node.type} " if node.kind == "FUNC" else ""
     given = "" if node.kind == "TRAP" else f"({_parameters(to, node.parameters)})"
@@ -149,7 +175,7 @@ TEMPLATES: Final = Templates(
         s.Module: "MODULE <name>[[(<attributes>)]]\n<items+>ENDMODULE",
         s.Record: _record,
         s.Alias: "<local:LOCAL >ALIAS <type> <name>;",
-        s.Data: "[[<scope> ]]<storage> <type> <name>[[{<dimensions>}]][[:=<value>]];",
+        s.Data: _data,
         s.Routine: _routine,
         s.Handler: "<kind>[[ (<numbers>)]]\n<body+>",
         s.ParameterNode: _parameter,
