@@ -48,7 +48,12 @@ from assistant.compiler.motion_proof import (
     written_pair,
 )
 from assistant.compiler.program_files import load
-from assistant.compiler.program_forms import form_differences, form_refused, with_form
+from assistant.compiler.program_forms import (
+    form_differences,
+    form_refused,
+    with_form,
+    with_structure,
+)
 from assistant.compiler.program_names import interface_findings, stated_interface, with_interface
 from assistant.compiler.read_back_proof import READ_BACK_DIFFERS, Proof, prove_read_back
 from assistant.compiler.retarget import (
@@ -512,6 +517,8 @@ def compile_program(
     if arms.joint_speed is not None and not target.joint_percent:
         program, changed = with_joint_speed(program, arms.joint_speed)
         findings += changed
+    if form is not None:
+        program = with_structure(program, form)
     adapted = target.adapt(program, arm, most_targets=most_targets)
     unformed: Adapted | None = None
     if form is not None and not has_errors(adapted.findings):

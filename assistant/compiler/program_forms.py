@@ -81,16 +81,23 @@ class Formed:
     findings: tuple[Diagnostic, ...] = ()
 
 
-def with_form(program: Program, style: ProgramStyle, language: Language[Any]) -> Formed:
-    """Return a program in the form of a style."""
-    findings: tuple[Diagnostic, ...] = ()
+def with_structure(program: Program, style: ProgramStyle) -> Program:
+    """Return a program with procedures and comments for what has none yet: paths of tables and
+    locations. Its moves stay as they are.
+    """
     program = _with_path_procedures(program, style)
+    return _with_location_notes(program) if style.commented else program
+
+
+def with_form(program: Program, style: ProgramStyle, language: Language[Any]) -> Formed:
+    """Return a program with the points and constants of a style."""
+    findings: tuple[Diagnostic, ...] = ()
     if style.points == "offsets":
         program, findings = _Offsets(program).program()
     elif style.points == "arrays":
         program, findings = _Arrays(program).program()
     if style.constants is not False:
-        program = _Constants(program, language).program()
+        program = _Constants(program, language, commented=style.commented).program()
     return Formed(program, findings)
 
 
@@ -148,6 +155,30 @@ def _with_path_procedures(program: Program, style: ProgramStyle) -> Program:
         made.append(Procedure(name, (*notes, node)))
         body.append(p.Call(name, span=node.span))
     return replace(program, procedures=(replace(main, body=tuple(body)), *made))
+
+
+def _with_location_notes(program: Program) -> Program:
+    """A program whose procedures of locations say how many these are."""
+    entry = program.procedure(program.entry or "")
+    called = {
+        x.procedure.lower() for x in walk(entry.body if entry else ()) if isinstance(x, p.Call)
+    }
+
+    def noted(procedure: Procedure) -> Procedure:
+        body = procedure.body
+        moves = [node for node in body if isinstance(node, p.Move)]
+        if procedure.name.lower() not in called or len(moves) < len(body):
+            return procedure
+        names = list(dict.fromkeys(x.target.name for x in moves if isinstance(x.target, e.Name)))
+        if not names:
+            return procedure
+        text = f"{len(names)} location{'s' * (len(names) != 1)}: {names[0]}"
+        text += f" to {names[-1]}" if len(names) > 1 else ""
+        return replace(procedure, body=(p.Comment(text), *body))
+
+    procedures = tuple(map(noted, program.procedures))
+    changed = any(a is not b for a, b in zip(procedures, program.procedures, strict=True))
+    return replace(program, procedures=procedures) if changed else program
 
 
 def _path_text(path: Path) -> str:
@@ -406,8 +437,8 @@ class _Constants:
     them, and names begin with theirs.
     """
 
-    def __init__(self, given: Program, language: Language[Any]) -> None:
-        self.given, self.language = given, language
+    def __init__(self, given: Program, language: Language[Any], *, commented: bool) -> None:
+        self.given, self.language, self.commented = given, language, commented
         self.taken = _taken_names(given)
         self.subjects = _subjects(given)
         self.variables: dict[str, Variable] = {}
@@ -423,8 +454,12 @@ class _Constants:
             made |= self.named(subject, procedures)
         if not (self.variables or self.speeds or self.blends):
             return self.given
+        comments = self.given.comments
+        if self.variables and self.commented:
+            comments = (*comments, f"{', '.join(self.variables)}: mm above the work")
         return replace(
             self.given,
+            comments=comments,
             procedures=tuple(made[one.name] for one in self.given.procedures),
             variables={**self.given.variables, **self.variables},
             speeds={**self.given.speeds, **self.speeds},

@@ -17,6 +17,11 @@ def slight(space: Any) -> None:
     space.add_lwpolyline([(0, 0), (50, 0), (99, 10)], dxfattribs={"layer": "CUT"})
 
 
+def zigzag(space: Any) -> None:
+    corners = [(10 * k, 8 * (k % 2)) for k in range(5)]
+    space.add_lwpolyline(corners, dxfattribs={"layer": "CUT"})
+
+
 def outline_first(space: Any) -> None:
     for x, size in ((0, 100), (20, 10)):
         corners = [(x, x), (x + size, x), (x + size, x + size), (x, x + size)]
@@ -35,6 +40,11 @@ def _of(
 
 PLANNED: Final = '[motion]\nkind = "travel"\n'
 AT_HOME: Final = "home = [0, 0, 0, 0, 30, 0]\n"
+TANGENTIAL: Final = "[layers.CUT]\ntangential = true\n"
+LONG_TABLE: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n" + "".join(
+    f"{300 + k % 2},{k / 5},300,0,1,0,0\n" for k in range(1005)
+)
+"""More rows than an array of MELFA-BASIC has elements."""
 NO_MAIN: Final = "[program]\nmain = false\n"
 SLOW: Final = "corner_speed = 20\n"
 JOINT: Final = 'travel_kind = "joint"\n'
@@ -73,6 +83,27 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(slight), "a.process.toml": f"{NO_MAIN}[style]\nprocedures = 'none'\n"},
         change={"a.process.toml": "[style]\nprocedures = 'none'\n"},
+    ),
+    Case(
+        "CO621",
+        "compile a.dxf -l rapid -o out",
+        {"a.dxf": dxf(zigzag), "a.process.toml": f"{TANGENTIAL}[style]\npoints = 'offsets'\n"},
+        change={"a.process.toml": f"{TANGENTIAL}[style]\npoints = 'targets'\n"},
+        others=("CK470", "RA303"),
+    ),
+    Case(
+        "CO621",
+        "compile a.dxf -l rapid -o out",
+        {"a.dxf": dxf(zigzag), "a.process.toml": f"{TANGENTIAL}[style]\npoints = 'offsets'\n"},
+        change={"a.process.toml": "[layers.CUT]\n[style]\npoints = 'offsets'\n"},
+        others=("CK470", "RA303"),
+    ),
+    Case(
+        "CO622",
+        "compile a.csv -l melfa-basic-6 -o out",
+        {"a.csv": LONG_TABLE, "a.process.toml": "tolerance = 0.1\n[style]\npoints = 'arrays'\n"},
+        change={"a.process.toml": "tolerance = 0.1\n[style]\npoints = 'targets'\n"},
+        others=("MB202", "MB204"),
     ),
     Case(
         "CT345",
