@@ -48,7 +48,7 @@ def studio_drawing(page: Any, _: Path) -> None:
     page.fill("[data-path='tools.tool.tip']", "0, 0, 120")
     page.fill("[data-path='frames.work.position']", "150, 0, 100")
     page.fill("[data-layer=GLUE] [data-key=process]", "gluing")
-    page.click("#panel-drawing form > button")
+    page.click("#panel-drawing .foot > button")
     page.locator("#scene iframe").wait_for()
     page.locator("#panel-drawing").evaluate("(one) => one.scrollTo(0, 0)")
 

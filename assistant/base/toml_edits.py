@@ -23,6 +23,8 @@ COMMENT_COLUMN: Final = 30
 _REMARK: Final = re.compile(r"[^\S\n]#(?=[^#]*$)(.*)$")
 _NEXT_REMARKS: Final = re.compile(r"(?<=\n)[^\S\n]*\n(?:[^\S\n]*#[^\n]*\n)+\Z")
 """Comments after a blank line at the end of a table: those of the next table."""
+_LONGEST_ARRAY: Final = 100
+"""Letters over which an array that gets entries has a line for each."""
 _WHOLE_BELOW: Final = 1e15
 """From here on numbers are not written as integers."""
 
@@ -232,13 +234,42 @@ def _with_changed_pair(text: str, span: Span, names: KeyPath, value: Any) -> str
         table.add(names[0], toml_item(value))
     else:
         before = document.as_string()
-        table[names[0]] = toml_item(value)
+        if not _entries_changed(table[names[0]], value):
+            table[names[0]] = toml_item(value)
         trivia = _only_value(document).trivia
         longer = len(document.as_string()) - len(before)
         # Only a comment on the line of the value has a column to keep.
         if trivia.comment and "\n" not in before[: before.index(trivia.comment)]:
             trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
-    return text[:start] + document.as_string() + text[end:]
+    changed = re.sub(r"(?<!\r)\n", _newline(text), document.as_string())
+    return text[:start] + changed + text[end:]
+
+
+def _entries_changed(array: Item, value: Any) -> bool:
+    """Take entries out of an array and add others at its end; False if that is not all.
+
+    The other entries keep their lines and comments.
+    """
+    from tomlkit.items import Array
+
+    if not isinstance(array, Array) or not isinstance(value, Sequence) or isinstance(value, str):
+        return False
+    wanted, kept, gone = list(value), 0, list[int]()
+    for i, one in enumerate(array.unwrap()):
+        if kept < len(wanted) and is_alike(one, wanted[kept]):
+            kept += 1
+        else:
+            gone.append(i)
+    if not kept:
+        return False
+    for i in reversed(gone):
+        del array[i]
+    for one in wanted[kept:]:
+        array.append(toml_item(one))
+    text = array.as_string()
+    if len(text) > _LONGEST_ARRAY and "\n" not in text:
+        array.multiline(True)
+    return True
 
 
 def _only_value(table: Container) -> Item:

@@ -7,7 +7,7 @@ refused. Lines of a drawing are points from above in mm.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -25,6 +25,7 @@ from assistant.sources.drawing.survey import Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.process.file import parse_process
 from assistant.studio import rules
+from assistant.studio.drawn_contours import DrawnContours, left_out_entries, with_choices
 from assistant.studio.route_answers import finding_records, not_asked, plain_value
 from assistant.studio.studio import Studio
 
@@ -61,10 +62,8 @@ _LEAVE_OUT_KEY: Final = "leave_out"
 _LAYERS_TABLE: Final = "layers"
 _USED_FIELD: Final = "used"
 """Field of a layer that says whether it is worked; every other field is a key of its table."""
-_MOST_DRAWN_POINTS: Final = 20_000
-"""Most points in the picture of a drawing."""
-_CHORD_SHARE: Final = 0.0002
-"""Parts of a drawing's size that chords of a curve are off in its picture, less than is seen."""
+_CONTOURS_FIELD: Final = "contours"
+"""Field of the form for single contours, which go into `leave_out`."""
 _FORM_FIELDS: Final = (
     ("tools", "tool", "tip"),
     ("frames", "work", "position"),
@@ -111,10 +110,20 @@ def drawing_layers(studio: Studio, path: str) -> dict[str, Any]:
             for one in seen.layers
             if one.kinds
         ],
-        "values": [_robot_field(studio, drawing, content), *_field_values(content)],
-        "lines": _drawn_lines(drawing, process),
+        "values": _with_proposal(
+            [_robot_field(studio, drawing, content), *_field_values(content)], studio, seen
+        ),
+        "signals": _signal_records(content),
+        **DrawnContours.of(drawing, process).records(numbered=_has_order(process, found)),
         "findings": finding_records([*seen.findings, *found]),
     }
+
+
+def _has_order(process: Process, found: Sequence[Diagnostic]) -> bool:
+    """True if the order of contours is that of the program: it is complete, and no cell has a part
+    in it.
+    """
+    return not has_errors(found) and not process.defaults.travels
 
 
 def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -136,6 +145,45 @@ def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
         value = plain_value(_value_at(content, key))
         found.append({"field": ".".join(field), "key": list(key), "value": value})
     return found
+
+
+def _with_proposal(
+    fields: list[dict[str, Any]], studio: Studio, seen: Survey
+) -> list[dict[str, Any]]:
+    """Fields of a form, the place of the work with one in reach of the robot while it is blank."""
+    from assistant.project.first_values import ASSUMED_TIP, USUAL_ROBOT, known_robot, work_position
+
+    known = {one["field"]: one for one in fields}
+    place = known.get("frames.work.position")
+    if place is not None and place["value"] == []:
+        try:
+            robot = known_robot(known[_ROBOT_KEY]["value"] or common_robot(studio) or USUAL_ROBOT)
+            place["proposed"] = work_position(robot, seen.extents, ASSUMED_TIP)
+        except Refused:
+            return fields
+        place["robot"] = robot.title
+    return fields
+
+
+def common_robot(studio: Studio) -> str | None:
+    """The robot of a project whose controllers all have the same."""
+    from assistant.controllers import controllers_of
+
+    try:
+        named = {one.robot for one in controllers_of(studio.folder).values()} - {None}
+    except Refused:
+        return None
+    return named.pop() if len(named) == 1 else None
+
+
+def _signal_records(content: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the outputs of a process file with the numbers that controllers count them by."""
+    tables = content.get("signals", {})
+    return [
+        {"name": name, "number": plain_value(table.get("number"))}
+        for name, table in (tables if isinstance(tables, dict) else {}).items()
+        if isinstance(table, dict) and table.get("direction", "output") == "output"
+    ]
 
 
 def _robot_field(studio: Studio, drawing: FilePath, content: Mapping[str, Any]) -> dict[str, Any]:
@@ -189,6 +237,7 @@ def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[
     text = before.text
     wanted = dict(values)
     written: dict[FilePath, bytes] = {}
+    contours = wanted.pop(_CONTOURS_FIELD, None)
     entry = _program_entry(studio, drawing) if _ROBOT_KEY in wanted else None
     if entry is not None:
         written[entry[0]] = _with_robot(*entry, wanted.pop(_ROBOT_KEY))
@@ -200,6 +249,11 @@ def write_process(studio: Studio, path: str, values: Mapping[str, Any]) -> dict[
                 text, {(_LAYERS_TABLE, name, k): v for k, v in table.items()}, file.name
             )
     text = with_values(text, dict(_flat_keys(wanted)), file.name)
+    if contours:
+        drawn = DrawnContours.of(drawing, _process_contents(drawing, file)[1])
+        entries = (toml_content(text) or {}).get(_LEAVE_OUT_KEY, [])
+        chosen = with_choices(entries, drawn, contours)
+        text = with_values(text, {(_LEAVE_OUT_KEY,): chosen}, file.name)
     changed = replace(before, text=text)
     _refuse_new_errors(before, changed)
     write_all(written | {file: encode(changed)})
@@ -274,15 +328,15 @@ def _process_contents(
         wanted = {"unit": content.get("unit"), _LEAVE_OUT_KEY: content.get(_LEAVE_OUT_KEY)}
         left = wanted[_LEAVE_OUT_KEY] if isinstance(wanted[_LEAVE_OUT_KEY], list) else []
         unit = wanted["unit"] if isinstance(wanted["unit"], str) else None
-        names = tuple(one for one in left if isinstance(one, str))
-        return content, _half_of_key(content, unit, names), list(refused.findings)
+        return content, _half_of_key(content, unit, left), list(refused.findings)
 
 
-def _half_of_key(content: Mapping[str, Any], unit: str | None, left: tuple[str, ...]) -> Process:
+def _half_of_key(content: Mapping[str, Any], unit: str | None, left: Sequence[Any]) -> Process:
     from assistant.base.length_units import known_unit
     from assistant.sources.process import DEFAULT_MOTION, Layer
 
-    found = replace(NO_PROCESS, leave_out=left)
+    names = tuple(one for one in left if isinstance(one, str))
+    found = replace(NO_PROCESS, leave_out=names, left_out=left_out_entries(left))
     tables = content.get(_LAYERS_TABLE, {})
     named = tables if isinstance(tables, dict) else {}
     kept = {name: Layer(name, DEFAULT_MOTION.motion) for name in named}
@@ -300,28 +354,6 @@ def _process_text(drawing: FilePath, file: FilePath) -> SourceText:
     from assistant.program.settings_tables import ENCODINGS
 
     return decode(read_file(file), str(file), ENCODINGS)
-
-
-def _drawn_lines(drawing: FilePath, process: Process) -> list[dict[str, Any]]:
-    """Curves from above, in mm of the drawing, as far as there is room."""
-    import numpy as np
-
-    from assistant.sources.contours.curves import chorded, sample
-
-    found, room = [], _MOST_DRAWN_POINTS
-    contents = read_contents(drawing, replace(process, placement=None))
-    curves = (*contents.curves, *contents.aside)
-    if not curves:
-        return []
-    size = float(np.ptp(sample(curves, (0.0, 0.3, 0.6, 1.0))[..., :2], axis=(0, 1)).max())
-    off = max(size * _CHORD_SHARE, process.tolerance)
-    for curve in curves:
-        points = chorded(curve, off)[:, :2]
-        room -= len(points)
-        if room < 0:
-            break
-        found.append({"layer": curve.layer, "points": np.round(points, 3).tolist()})
-    return found
 
 
 def unplaced_lines(drawing: FilePath) -> list[DrawnLine]:

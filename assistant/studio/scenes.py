@@ -47,6 +47,7 @@ from assistant.sources.process.placement import (
 )
 from assistant.sources.tables.taught import read_taught
 from assistant.studio import rules
+from assistant.studio.process_files import common_robot
 from assistant.studio.route_answers import Question, asks, finding_records, not_asked, view_page
 from assistant.studio.stages import TAUGHT_SUFFIX, Stage, handles_of, stages_of
 from assistant.studio.studio import Studio, file_stamps
@@ -115,7 +116,7 @@ def _process_of_drawing(studio: Studio, source: str) -> str:
 
 def _load_and_place(studio: Studio, source: str, process: str, text: str, name: str) -> Stage:
     given = completed_options(source, SourceOptions(), _STATED_OPTIONS)
-    stands = open_cell(given.cell, given.robot or _common_robot(studio))
+    stands = open_cell(given.cell, given.robot or common_robot(studio))
     try:
         loaded = _load_text_of(studio, source, process, text, given, stands)
     except Refused as refused:
@@ -241,17 +242,6 @@ def _drawing_lines(
         return drawn_lines(source, given.process, given.unit, _typed_placement(process, text))
     except Refused:
         return ()
-
-
-def _common_robot(studio: Studio) -> str | None:
-    """The robot of a project whose controllers all have the same."""
-    from assistant.controllers import controllers_of
-
-    try:
-        named = {one.robot for one in controllers_of(studio.folder).values()} - {None}
-    except Refused:
-        return None
-    return named.pop() if len(named) == 1 else None
 
 
 def _show_scene(studio: Studio, asked: Question) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import pytest
 from assistant.base.toml_edits import toml_text, toml_value, with_values, without_table
 
 ROWS = "rows = [\n  [1, 2],  # one\n  [3, 4],\n]\n"
+LIST = 'a = [ # of letters\n  "x", # x\n  {b = 1},  # y\n] # end\n'
 MULTILINE = f'a = """\n[b]\n# c = 1\nb = 2\n"""\n{ROWS}\n[b]\nc = 3\n'
 OUT_OF_ORDER = "[a.x]\nk = 1\n\n[b]\nk = 2\n\n[a.y]\nk = 3\n\n[a]\nk = 4\n"
 ENTRIES = "[[t]]\nn = 1\n\n[t.s]\nv = 1\n\n[[t]]\nn = 2  # two\n[[t.u]]\nw = 1\n[[t.u]]\nw = 2\n"
@@ -54,6 +55,12 @@ ENTRIES = "[[t]]\nn = 1\n\n[t.s]\nv = 1\n\n[[t]]\nn = 2  # two\n[[t.u]]\nw = 1\n
         (MULTILINE, "b.d", 4, MULTILINE + "d = 4\n"),
         (MULTILINE, "a", "x\ny", 'a = "x\\ny"\n' + MULTILINE[MULTILINE.index("rows") :]),
         (MULTILINE, "rows", [[5]], MULTILINE.replace(ROWS, "rows = [[5]]\n")),
+        # Entries of arrays that stay keep their lines.
+        (LIST, "a", ["x", {"b": 1}, "z"], LIST.replace("  # y\n", "  # y\n  \"z\",\n")),
+        (LIST, "a", ["x"], 'a = [ # of letters\n  "x", # x\n] # end\n'),
+        (LIST.replace("\n", "\r\n"), "a", ["x"], 'a = [ # of letters\r\n  "x", # x\r\n] # end\r\n'),
+        ("a = [] # x\n", "a", [{"b": 1}], "a = [{b = 1}] # x\n"),
+        (f'a = ["{"x" * 99}"]\n', "a", ["x" * 99, "y"], f'a = [\n    "{"x" * 99}",\n    "y",\n]\n'),
         # Tables out of order, and arrays of tables.
         (OUT_OF_ORDER, "a.x.k", 9, OUT_OF_ORDER.replace("k = 1", "k = 9")),
         (OUT_OF_ORDER, "a.y.l", 9, OUT_OF_ORDER.replace("k = 3", "k = 3\nl = 9")),

@@ -137,6 +137,78 @@ def test_layers_are_left_out_and_taken_back(page: Page, folder: Path) -> None:
     assert settings(file)["layers"]["CUT"] == {"speed": 50}
 
 
+def test_single_contours_are_left_out_and_taken_back(page: Page, folder: Path) -> None:
+    path = dropped(page)
+    file = folder / "drawings" / "plate.process.toml"
+    blank = page.get("drawing", path=path).value["contours"]
+    assert blank and not any(one["numbers"] for one in blank)  # there is no program yet
+    before = page.post("drawing/process", path=path, values=PLACED).value
+    own = [one for one in before["lines"] if "contour" in one]
+    assert [one["contour"] for one in own] == list(range(len(before["contours"])))
+    assert [one["layer"] for one in own] == [one["layer"] for one in before["contours"]]
+    numbers = sorted(n for one in before["contours"] for n in one["numbers"])
+    assert numbers == list(range(1, len(numbers) + 1))
+
+    def switched(one: dict[str, Any], used: bool) -> Answer:
+        chosen = {"layer": one["layer"], "at": one["at"], "used": used}
+        return page.post("drawing/process", path=path, values={"contours": [chosen]})
+
+    first = next(one for one in before["contours"] if one["layer"] == "CUT")
+    out = switched(first, False)
+    now = {tuple(one["at"]): one for one in out.value["contours"]}
+    assert (now[tuple(first["at"])]["left"], now[tuple(first["at"])]["numbers"]) == (True, [])
+    assert sum(one["left"] for one in now.values()) == 1
+    entry = {"layer": "CUT", "at": first["at"]}
+    assert settings(file)["leave_out"] == ["NOTES", entry]
+    assert switched(first, True).value["contours"] == before["contours"]
+    assert settings(file)["leave_out"] == ["NOTES"]
+    text = file.read_text("utf-8")
+    assert switched({"layer": "CUT", "at": [1, 2]}, False).status == 422
+    assert switched({"layer": "CUT", "at": "x"}, False).status == 422
+    assert file.read_text("utf-8") == text
+
+
+def test_one_contour_of_a_group_is_taken_back(page: Page, folder: Path) -> None:
+    path = dropped(page)
+    file = folder / "drawings" / "plate.process.toml"
+    page.post("drawing/process", path=path, values=PLACED)
+    text = file.read_text("utf-8").replace('leave_out = ["NOTES"]', "leave_out = [{group = 1}]")
+    file.write_text(text, "utf-8")
+    left = [one for one in page.get("drawing", path=path).value["contours"] if one["left"]]
+    chosen = {"layer": left[0]["layer"], "at": left[0]["at"], "used": True}
+    page.post("drawing/process", path=path, values={"contours": [chosen]})
+    others = [{"layer": one["layer"], "at": one["at"]} for one in left[1:]]
+    assert settings(file)["leave_out"] == others
+
+
+def test_outputs_and_leads_are_written(page: Page, folder: Path) -> None:
+    path = dropped(page)
+    file = folder / "drawings" / "plate.process.toml"
+    layer_values = {"on": {"laser": 1}, "off": {"laser": 0}, "lead_in": {"arc": 2, "angle": 60}}
+    laser = {"kind": "digital", "direction": "output", "number": 3}
+    values = {**PLACED, "layers": {"CUT": layer_values}, "signals": {"laser": laser}}
+    done = page.post("drawing/process", path=path, values=values)
+    assert done.status == 200, done.value
+    assert layer(done, "CUT")["values"].items() >= layer_values.items()
+    assert done.value["signals"] == [{"name": "laser", "number": 3}]
+    assert settings(file)["signals"] == {"laser": laser}
+
+
+def test_a_place_in_reach_is_proposed_while_there_is_none(page: Page) -> None:
+    path = dropped(page)
+
+    def place() -> dict[str, Any]:
+        values = page.get("drawing", path=path).value["values"]
+        return next(one for one in values if one["field"] == "frames.work.position")
+
+    assert len(place()["proposed"]) == 3 and place()["robot"]
+    placed = {**PLACED, "frames": {"work": {"position": place()["proposed"]}}}
+    page.post("drawing/process", path=path, values=placed)
+    assert "proposed" not in place()
+    shown = page.post("scene/show", path=path).value
+    assert shown["moves"] and not {one["severity"] for one in shown["findings"]} & {"error"}
+
+
 def test_a_drawing_is_placed_in_its_frame(page: Page, folder: Path) -> None:
     path = dropped(page)
     turned = {"placement": {"position": [10, 0, 0], "euler_zyx": [90, 0, 0]}}
@@ -295,14 +367,37 @@ def test_a_drawing_is_dropped_and_worked_in_a_browser(
         page.get_by_label("place of the work, mm").fill("150 0 100")
         page.get_by_label("GLUE: speed, mm/s").fill("80")
         page.get_by_label("CUT: worked").uncheck()
+        _switched_by_clicks(page)
         page.get_by_role("button", name="Write the process file").click()
         until(page, "!document.querySelector('#findings').innerText.includes('CT303')")
         file = folder / "drawings" / "plate.process.toml"
         stated = settings(file)
         assert stated["tools"]["tool"]["tip"] == [0, 0, 120]
         assert stated["layers"]["GLUE"]["speed"] == 80
-        assert "CUT" in stated["leave_out"]
+        assert stated["leave_out"][-2] == "CUT"
+        assert stated["leave_out"][-1]["layer"] == "GLUE"
+        assert stated["layers"]["GLUE"]["on"] == {"valve": 1}
+        assert stated["layers"]["GLUE"]["lead_out"] == {"line": 4}
+        assert stated["signals"]["valve"]["number"] == 7
         _changed_elsewhere(page, file)
+
+
+def _switched_by_clicks(page: Any) -> None:
+    """A contour of the chosen layer is left out by a click; one of another layer chooses that."""
+    for layer in ("CUT", "GLUE"):
+        line = page.locator(f".picture [data-of={layer}] + .reach").first
+        line.dispatch_event("click")
+        assert page.get_attribute(f"tr[data-layer={layer}]", "aria-current") == "true"
+    assert page.locator(".picture polyline.left").count() == 0
+    line.dispatch_event("click")
+    assert page.locator(".picture polyline.left").count() == 1
+    assert "left out" in page.inner_text(".picture p")
+    page.fill("#new-output", "valve")
+    page.fill("#new-output-number", "7")
+    page.press("#new-output-number", "Tab")
+    page.get_by_label("GLUE: output that is on along it").select_option("valve")
+    page.get_by_label("GLUE: lead out", exact=True).select_option("line")
+    page.get_by_label("GLUE: lead out, mm").fill("4")
 
 
 def _changed_elsewhere(page: Any, file: Path) -> None:

@@ -55,7 +55,7 @@ def processed(page: Any, folder: Path) -> None:
     page.fill("[data-path='frames.work.position']", "150, 0, 100")
     page.fill("[data-layer=GLUE] [data-key=process]", "gluing")
     page.fill("[data-layer=GLUE] [data-key=speed]", "80")
-    page.click("#panel-drawing form > button")
+    page.click("#panel-drawing .foot > button")
     until(page, "!document.querySelector('#findings').innerText.includes('CT303')")
     stated = tomllib.loads((folder / "drawings" / "plate.process.toml").read_text("utf-8"))
     assert stated["layers"]["GLUE"]["process"] == "gluing"

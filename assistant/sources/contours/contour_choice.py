@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from assistant.sources.contours.chains import Contour
 from assistant.sources.contours.contour_order import distance_to_outline, polygon_outline
 from assistant.sources.contours.curves import sample
 from assistant.sources.process import LeftOut, Process
+
+if TYPE_CHECKING:
+    from shapely import STRtree
 
 GROUPS = info(
     "CT229",
@@ -74,6 +77,10 @@ _MOST_GROUPS: Final = 8
 _SAME_SIZE: Final = 0.02
 """Part by which copies of a part may differ in size."""
 _MOST_LISTED: Final = 8
+_MOST_SIDES: Final = 16
+"""Sides of a contour that are tried for a point that names it."""
+_DECIMALS: Final = 3
+"""Decimals of mm of that point."""
 _BOX_PARTS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Parts of a curve that are looked at for its box; exact for lines, near enough for the rest."""
 
@@ -112,15 +119,16 @@ class ContourChoice:
     """Which contours of the layers that are followed are left out.
 
     layers: contours of each. back: from where they are placed to the drawing's world. left: rows
-    that are left out. findings: about the entries of leave_out, and groups.
+    that are left out, with the entries of leave_out that do. findings: about these, and groups.
     """
 
     layers: Sequence[Sequence[Contour]]
     back: Pose
     tolerance: float
-    left: set[Row] = field(default_factory=set)
+    left: dict[Row, list[LeftOut]] = field(default_factory=dict)
     findings: list[Diagnostic] = field(default_factory=list)
     _outlines: dict[Row, Floats] = field(default_factory=dict)
+    _trees: dict[int, STRtree] = field(default_factory=dict)
 
     @staticmethod
     def of(
@@ -150,12 +158,12 @@ class ContourChoice:
         rows = ((layer, k) for k in range(len(self.layers[layer])))
         return [row for row in rows if row not in self.left]
 
-    def _rows(self) -> Iterator[tuple[Row, Contour]]:
+    def rows(self) -> Iterator[tuple[Row, Contour]]:
         for i, contours in enumerate(self.layers):
             for k, contour in enumerate(contours):
                 yield (i, k), contour
 
-    def _outline(self, row: Row) -> Floats:
+    def outline(self, row: Row) -> Floats:
         """Corners (n, 2) of a contour in the drawing, its start again if it is closed."""
         if row not in self._outlines:
             contour = self.layers[row[0]][row[1]]
@@ -165,22 +173,45 @@ class ContourChoice:
             self._outlines[row] = points
         return self._outlines[row]
 
+    def naming_point(self, row: Row) -> tuple[float, float] | None:
+        """A point that names a contour in an entry with its layer, None if there is none.
+
+        The middle of a side belongs to one contour also where two of them meet.
+        """
+        import shapely
+
+        tree = self._trees.get(row[0])
+        if tree is None:
+            lines = [self.outline((row[0], k)) for k in range(len(self.layers[row[0]]))]
+            tree = self._trees[row[0]] = shapely.STRtree([*map(shapely.LineString, lines)])
+        outline = self.outline(row)
+        sizes = np.linalg.norm(np.diff(outline, axis=0), axis=1)
+        for side in np.argsort(-sizes, kind="stable")[:_MOST_SIDES].tolist():
+            x, y = (0.5 * (outline[side] + outline[side + 1])).round(_DECIMALS).tolist()
+            around = tree.query(shapely.Point(x, y), "dwithin", 2.0 * _AS_NEAR)
+            if around.tolist() == [row[1]]:
+                return x + 0.0, y + 0.0
+        return None
+
+    def _leave_out(self, entry: LeftOut, row: Row) -> None:
+        self.left.setdefault(row, []).append(entry)
+
     def _leave_out_at(self, entry: LeftOut, at: tuple[float, float]) -> None:
-        rows = [(row, one) for row, one in self._rows() if entry.concerns(one.layer)]
-        near = [(distance_to_outline(at, self._outline(row)), row) for row, _ in rows]
+        rows = [(row, one) for row, one in self.rows() if entry.concerns(one.layer)]
+        near = [(distance_to_outline(at, self.outline(row)), row) for row, _ in rows]
         near.sort()
         if near and near[0][0] <= _ON_LINE:
             if len(near) > 1 and near[1][0] - near[0][0] < _AS_NEAR:
                 self.findings.append(_BETWEEN(entry=entry.text))
             else:
-                self.left.add(near[0][1])
+                self._leave_out(entry, near[0][1])
             return
         import shapely
 
         around = [
-            (shapely.Polygon(self._outline(row)), row)
+            (shapely.Polygon(self.outline(row)), row)
             for row, one in rows
-            if one.closed and len(self._outline(row)) > 3
+            if one.closed and len(self.outline(row)) > 3
         ]
         place = shapely.Point(at)
         inside = sorted(
@@ -194,7 +225,7 @@ class ContourChoice:
             self.findings.append(_NO_CONTOUR_AT(entry=entry.text, near=said))
             return
         row = inside[0][1]
-        self.left.add(row)
+        self._leave_out(entry, row)
         if len(inside) > 1:
             what = self._text(row)
             self.findings.append(_SEVERAL_AT(entry=entry.text, count=len(inside), what=what))
@@ -207,11 +238,8 @@ class ContourChoice:
             where = "" if row is None else f", and that one is on layer {shown(layer)!r}"
             self.findings.append(_NO_NUMBER(entry=entry.text, count=len(rows), where=where))
             return
-        self.left.add(row)
-        outline = self._outline(row)
-        # The middle of a side belongs to one contour also where two of them meet.
-        x, y = ((outline[0] + outline[1]) / 2.0).tolist()
-        instead = LeftOut(layer, at=(x, y)).text
+        self._leave_out(entry, row)
+        instead = LeftOut(layer, at=self.naming_point(row)).text
         self.findings.append(_NUMBERED(entry=entry.text, what=self._text(row), instead=instead))
 
     def _leave_out_group(self, entry: LeftOut, number: int, groups: Sequence[_Group]) -> None:
@@ -219,12 +247,13 @@ class ContourChoice:
             what = _listed(groups) or "there are no contours"
             self.findings.append(_NO_GROUP(entry=entry.text, count=len(groups), what=what))
         else:
-            self.left |= set(groups[number - 1].rows)
+            for row in groups[number - 1].rows:
+                self._leave_out(entry, row)
 
     def _text(self, row: Row) -> str:
         """A contour in words."""
         contour = self.layers[row[0]][row[1]]
-        outline = self._outline(row)
+        outline = self.outline(row)
         low, high = outline.min(axis=0), outline.max(axis=0)
         x, y = ((low + high) / 2.0).tolist()
         width, height = (high - low).tolist()
@@ -242,13 +271,13 @@ class ContourChoice:
         # Copies of one part beside each other are meant to be worked.
         if np.ptp(sizes, axis=0).max() <= _SAME_SIZE * sizes.max():
             return
-        if any(set(one.rows) <= self.left for one in groups):
+        if any(self.left.keys() >= set(one.rows) for one in groups):
             return
         self.findings.append(GROUPS(count=len(groups), what=_listed(groups)))
 
     def groups(self) -> Iterator[_Group]:
         """Contours that stand together, the largest group first."""
-        rows = [row for row, _ in self._rows()]
+        rows = [row for row, _ in self.rows()]
         if not rows:
             return
         lows, highs = self._boxes()
@@ -275,7 +304,7 @@ class ContourChoice:
 
     def _boxes(self) -> tuple[Floats, Floats]:
         """Corners (n, 2) of the boxes around all contours."""
-        curves = [(n, c) for n, (_, one) in enumerate(self._rows()) for c in one.curves]
+        curves = [(n, c) for n, (_, one) in enumerate(self.rows()) for c in one.curves]
         points = sample([curve for _, curve in curves], _BOX_PARTS)
         flat = self.back.moved(points.reshape(-1, 3))[:, :2].reshape(len(curves), -1, 2)
         low, high = flat.min(axis=1), flat.max(axis=1)

@@ -113,13 +113,16 @@ _NAMELESS_PATH: Final = "path"
 @dataclass(frozen=True, slots=True)
 class ContourProgram:
     """procedures: of the layers, each with those of its contours after it. called: those of the
-    layers, in the order of the work. targets: that they name.
+    layers, in the order of the work. targets: that they name. choice: of the contours that are
+    followed. order: its contours as they are numbered in pictures; one of several passes repeats.
     """
 
     procedures: tuple[Procedure, ...]
     called: tuple[Procedure, ...]
     targets: Mapping[str, Target]
     findings: tuple[Diagnostic, ...]
+    choice: ContourChoice
+    order: tuple[Row, ...]
 
 
 @dataclass(slots=True)
@@ -163,7 +166,6 @@ def contour_program(
     path: str | None = None,
     marks: Sequence[tuple[str, Vector]] = (),
     texts: Sequence[LayerText] = (),
-    order: list[Row] | None = None,
 ) -> ContourProgram:
     """Procedures of each layer that has a process, in the style of the process.
 
@@ -173,8 +175,7 @@ def contour_program(
     process, every layer moves as the defaults say. Curves of other layers are counted in a
     finding. taken: names that must not be used; those that the program got are added.
     path: the drawing, for findings. marks: points on layers, where contours start. texts: of the
-    drawing, where they number contours. order: gets the contours in the order of the program, as
-    they are numbered in pictures.
+    drawing, where they number contours.
     """
     layers: dict[str, list[Curve]] = {}
     for curve in curves:
@@ -210,13 +211,12 @@ def contour_program(
             direction = process.placed(layer.direction)
             followed.append((name, replace(layer, direction=direction), contours))
 
-    def numbered() -> list[Row]:
+    def numbered() -> Sequence[Row]:
         """Rows of the program as it is without the entries that have a number."""
-        found: list[Row] = []
         others = tuple(one for one in process.left_out if one.number is None)
         without = replace(process, left_out=others)
-        contour_program(curves, without, taken=set(taken), marks=marks, texts=texts, order=found)
-        return found
+        made = contour_program(curves, without, taken=set(taken), marks=marks, texts=texts)
+        return made.order
 
     choice = ContourChoice.of([contours for *_, contours in followed], process, numbered)
     findings += choice.findings
@@ -234,6 +234,7 @@ def contour_program(
     shaper = PathShaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
     # All procedures have their names before any path gets one.
     before: Layer | None = None
+    order: list[Row] = []
     for row in shaper.order():
         name, layer, drawn = followed[row]
         key = drawn[0].layer.casefold()
@@ -246,8 +247,7 @@ def contour_program(
             name, drawn, shaped, layer, process, names, beside,
             nesting=nestings[row], contour_names=contour_names, before=before,
         )  # fmt: skip
-        if order is not None:
-            order += [left[row][k] for k in numbers]
+        order += [left[row][k] for k in numbers]
         before = layer if made else before
         procedures += made
         called += made[:1]
@@ -256,7 +256,9 @@ def contour_program(
     taken.update(names)
     findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
     found_within = tuple(f.within(path) for f in findings)
-    return ContourProgram(tuple(procedures), tuple(called), targets, found_within)
+    return ContourProgram(
+        tuple(procedures), tuple(called), targets, found_within, choice, tuple(order)
+    )
 
 
 def _procedure_name(layer: str, taken: TakenNames) -> str:

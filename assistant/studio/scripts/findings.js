@@ -30,6 +30,8 @@ export function showOfFile(found) {
 }
 /** A text has changed: what an action said of its lines is no more true of them. */
 export function changedText(path) { ofDoing = ofDoing.filter(({ finding }) => finding.path !== path || finding.line === undefined); }
+/** Findings of an action that are shown beside those of others. */
+export function alsoOfDoing(found) { ofDoing = [...ofDoing, ...found.map((finding) => ({ finding, fixes: [] }))]; show(); }
 export function showOfDoing(found) { ofDoing = found.map((finding) => ({ finding, fixes: [] })); show(); }
 
 /** Does something; what is refused stands in the list then, and undefined comes back. */
@@ -78,7 +80,7 @@ function show() {
     items.push(item);
   }
   list.replaceChildren(...items);
-  count = items.length ? `(${items.length}${seen.size > MOST ? "+" : ""})` : "";
+  count = items.length ? `${items.length}${seen.size > MOST ? "+" : ""}` : "";
   counted();
   const now = [...seen].join("\n");
   if (!items.length) fold(false);

@@ -1,7 +1,7 @@
 // The project: its files, opening and creating, and what is dropped onto it.
 import { find, made, said, shown, word } from "./words.js";
 import { ask, look, send } from "./server.js";
-import { doing, showOfDoing } from "./findings.js";
+import { alsoOfDoing, doing, showOfDoing } from "./findings.js";
 import { on } from "./line.js";
 import { saveAll } from "./editor_saving.js";
 
@@ -71,10 +71,16 @@ function item(file) {
   button.setAttribute("aria-current", String(file.path === current));
   button.dataset.path = file.path;
   button.tabIndex = -1;
-  button.append(made("bdi", file.path), " ", said("small", `kind_${file.kind}`));
+  button.append(breakable(file.path), " ", said("small", `kind_${file.kind}`));
   button.addEventListener("click", () => chooseFile(file.path));
   row.append(button);
   return row;
+}
+/** A path that may be broken after its folders and words. */
+function breakable(path) {
+  const name = made("bdi");
+  name.append(...path.split(/(?<=[/_.-])/).flatMap((part) => [made("wbr"), shown(part)]).slice(1));
+  return name;
 }
 /** From file to file by arrow keys; Tab goes past all of them. */
 function walkFiles(event) {
@@ -105,7 +111,7 @@ async function dropFiles(files) {
     if (!done) return;
     await readProject();
     await chooseFile(done.path);
-    if (done.findings.length) showOfDoing(done.findings);
+    if (done.findings.length) alsoOfDoing(done.findings);
   }
 }
 export function beginProject() {

@@ -397,7 +397,8 @@ def test_the_same_drawing_gives_the_same_program():
 
 
 def test_nothing_gives_nothing():
-    assert layer_program([], Process(), taken=set()) == ContourProgram((), (), {}, ())
+    made = layer_program([], Process(), taken=set())
+    assert made == ContourProgram((), (), {}, (), made.choice, ()) and not made.choice.left
 
 
 def test_the_ends_of_a_contour_have_names_that_all_around_them_use():
