@@ -140,7 +140,7 @@ def translated_sheet(one: Translated, scene: Scene | None, robot: Robot | None) 
     return replace(
         sheet,
         found=tuple(dict.fromkeys(placed)),
-        notes=(said, *sheet.notes),
+        notes=(said, *(sheet.notes if translation.files else ())),
         beside=translation_side_by_side(translation),
     )
 

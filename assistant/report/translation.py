@@ -123,6 +123,8 @@ _MOST_PLACES: Final = {"not": 5, "partial": 2}
 _LEVEL_WORDS: Final = {"not": "not translated", "partial": "translated with a change"}
 _MOST_USES: Final = 3
 """Most positions of a name in the table of what is to be filled in."""
+_MOST_OF_PART: Final = 99.9
+"""Most percent that are shown of a translation that is not complete."""
 _DOUBT: Final = "?"
 """Follows a kind that the uses leave open."""
 
@@ -187,7 +189,7 @@ def _wanted_row(one: Wanted) -> tuple[str, str, str]:
 
 def share_in_words(translation: Translation) -> str:
     """Return how much is translated, and whether the files are complete."""
-    share = f"{translated_share(translation):.1f} % translated: {level_totals(translation)}"
+    share = f"{_share_text(translation)} translated: {level_totals(translation)}"
     if not translation.files:
         lacks = ", as no procedure is named that it begins with" if translation.beginnings else ""
         return f"{share}; nothing is written{lacks}"
@@ -240,9 +242,7 @@ def report_markdown(done: Sequence[Translated]) -> str:
     told = ["| program | supported | partial | not | translated |", "|---|---:|---:|---:|---:|"]
     for one in done:
         counts = " | ".join(f"{count:,}" for count in one.translation.totals.values())
-        told.append(
-            f"| {cell(one.source)} | {counts} | {translated_share(one.translation):.1f} % |"
-        )
+        told.append(f"| {cell(one.source)} | {counts} | {_share_text(one.translation)} |")
     for one in done:
         told += _program_markdown(one)
     return "\n".join(told) + "\n"
@@ -278,6 +278,12 @@ def translated_share(translation: Translation) -> float:
     """Return the percentage of translated statements, including those with a change."""
     totals = translation.totals
     return 100 * (1 - totals["not"] / max(1, sum(totals.values())))
+
+
+def _share_text(translation: Translation) -> str:
+    """`100 %` only of a complete translation."""
+    share = translated_share(translation)
+    return "100 %" if share == 100.0 else f"{min(share, _MOST_OF_PART):.1f} %"
 
 
 def level_totals(translation: Translation) -> str:

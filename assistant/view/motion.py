@@ -85,6 +85,8 @@ class Motion:
             "nearest": column_text(axis),
             "axes": len(self.robot.axes),
             "names": list(self.robot.axes),
+            "halves": _half_ranges(self.robot),
+            "units": list(self.robot.units),
             "held": self.held,
             "whole": self.whole,
         }
@@ -123,6 +125,12 @@ class Motion:
             return None
         at = int(np.flatnonzero(off <= off.min() + _NEAR_JOINTS / 10.0)[0])
         return float(self.times[at] + part[at] * (self.times[at + 1] - self.times[at]))
+
+
+def _half_ranges(robot: Robot) -> list[float]:
+    """Half of each axis' range; 0 of one that turns without end."""
+    half = np.ptp(robot.limits, axis=1) / 2.0
+    return [float(one) for one in np.where(np.isfinite(half), half, 0.0)]
 
 
 def _room_left(robot: Robot, joints: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -353,7 +361,7 @@ class Moves:
             "line": None if place is None else place.line,
             "global": line,
             "path": path,
-            "text": "" if place is None else visible(place.text[:_MOST_TEXT]),
+            "text": "" if place is None else visible(place.text.strip()[:_MOST_TEXT]),
         }
 
 
@@ -379,7 +387,7 @@ class StillMotion:
 
     def record(self) -> Record:
         names = ("times", "joints", "places", "speeds", "room", "nearest")
-        rest = {"axes": 0, "names": [], "held": True, "whole": 0.0}
+        rest = {"axes": 0, "names": [], "halves": [], "units": [], "held": True, "whole": 0.0}
         return dict.fromkeys(names, _NO_NUMBERS) | rest
 
     def passing(self, place: Floats) -> None:
@@ -433,7 +441,7 @@ class StillMoves:
                 "line": None if place is None else place.line,
                 "global": 0 if span is None else self.texts.lines(span)[0],
                 "path": None if place is None or place.path is None else visible(place.path),
-                "text": "" if place is None else visible(place.text[:_MOST_TEXT]),
+                "text": "" if place is None else visible(place.text.strip()[:_MOST_TEXT]),
             }
         )
 

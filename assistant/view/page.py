@@ -206,6 +206,7 @@ def page_record(shown: Shown) -> Record:
         "robot": "" if shown.placed is None else visible(shown.placed.robot.title),
         "live": None if shown.live is None else visible(shown.live),
         "plan": shown.plan,
+        "bare": shown.is_bare,
         "robots": [_arm_record(one, one is shown.placed) for one in shown.scene.robots],
         "bodies": [
             _body_record(shown, body, carriers, riding)

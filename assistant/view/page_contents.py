@@ -72,6 +72,12 @@ class Shown:
     plan: bool = False
 
     @property
+    def is_bare(self) -> bool:
+        """True if there is nothing to draw, as of a text that cannot be read."""
+        bodies = any(True for _ in self.scene.all_bodies())
+        return not (self.scene.robots or bodies or self.program or self.drawn)
+
+    @property
     def base(self) -> Pose:
         """Pose of the program's robot base in the world."""
         return IDENTITY if self.placed is None else self.placed.base

@@ -33,7 +33,7 @@ def test_pick_and_place(tmp_path: Path, capsys: Capture, monkeypatch: pytest.Mon
     status, said, _ = run(capsys, "translate", source.name, "--to", "melfa-basic-6")
     lines = said.splitlines()
     assert status == 1
-    assert lines[0].startswith(f"{source.name}: 100.0 % translated: 44 of 44 statements")
+    assert lines[0].startswith(f"{source.name}: 100 % translated: 44 of 44 statements")
     assert lines[0].endswith("; a draft, which lacks 9 values")
     assert lines[2] == "to be filled in: 9 values, in cell.toml"
     table = [line.split()[:3] for line in lines[4:13]]
@@ -44,7 +44,7 @@ def test_pick_and_place(tmp_path: Path, capsys: Capture, monkeypatch: pytest.Mon
     filled(Path("cell.toml"))
     status, said, _ = run(capsys, *next_command(said))
     assert status == 0
-    assert said.startswith(f"{source.name}: 100.0 % translated: 44 of 44 statements, 7 with")
+    assert said.startswith(f"{source.name}: 100 % translated: 44 of 44 statements, 7 with")
     assert "text read back: proven" in said and "then: " not in said
     assert "DRAFT" not in Path("PICKANDPLACE.prg").read_text("ascii")
     assert "Comments" not in said and "' Castings from the tray" in draft

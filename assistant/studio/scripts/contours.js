@@ -66,7 +66,7 @@ function framed(svg, lines) {
   const whole = [low[0] - edge, low[1] - edge, size[0] + 2 * edge, size[1] + 2 * edge];
   let view = whole, held = null;
   const scale = () => Math.max(view[2] / Math.max(1, svg.clientWidth), view[3] / Math.max(1, svg.clientHeight)); // mm of a px
-  const look = (next) => { view = next; svg.setAttribute("viewBox", view.join(" ")); svg.style.fontSize = `${NUMBER_HIGH * scale()}px`; };
+  const look = (next) => { view = next; svg.setAttribute("viewBox", view.join(" ")); svg.style.fontSize = `${NUMBER_HIGH * scale()}px`; apart(svg, NUMBER_HIGH * scale()); };
   const place = ({ clientX, clientY }) => { const at = new DOMPoint(clientX, clientY).matrixTransform(svg.getScreenCTM().inverse()); return [at.x, at.y]; };
   svg.addEventListener("wheel", (event) => {
     event.preventDefault();
@@ -86,6 +86,16 @@ function framed(svg, lines) {
   svg.addEventListener("dblclick", () => look(whole));
   look(whole);
   new ResizeObserver(() => look(view)).observe(svg);
+}
+/** Of numbers that would stand over each other the first one is shown; zooming in shows the others. */
+function apart(svg, high) {
+  const taken = [];
+  for (const one of svg.querySelectorAll("text")) {
+    const x = Number(one.getAttribute("x")), y = Number(one.getAttribute("y")), wide = 0.65 * high * one.textContent.length;
+    const free = !taken.some((other) => Math.abs(y - other.y) < high && x < other.x + other.wide && other.x < x + wide);
+    one.style.display = free ? "" : "none";
+    if (free) taken.push({ x, y, wide });
+  }
 }
 /** The contours of a layer, to tick those that are followed. */
 export function contourList(found, layer) {

@@ -8,6 +8,7 @@ const byPage = (cure) => cure?.replace(/`(--[a-z-]+)[^`]*`/g, (said, option) => 
 let open = null; // goes to a finding: (finding) => void
 export function beginFindings(goTo) {
   open = goTo;
+  for (const id of ["tab-text", "tab-drawing"]) find(id).addEventListener("chosen", show);
   find("fold-findings").addEventListener("click", () => fold(find("findings").hidden));
   show();
 }
@@ -58,9 +59,10 @@ function busy(step) {
 const MOST = 300; // that are listed: thousands of rows make the page slow
 const keyOf = ({ finding }) => `${finding.code} ${finding.path} ${finding.line} ${finding.message}`;
 function show() {
-  const own = new Set(ofFile.map(keyOf)); // those of the file come with their cures
+  const ofText = find("panel-text").hidden ? [] : ofFile; // a drawing that is looked at has not the findings of a text
+  const own = new Set(ofText.map(keyOf)); // those of the file come with their cures
   const seen = new Set(), list = find("findings"), items = [];
-  const all = [...ofDoing.filter((one) => !own.has(keyOf(one))), ...ofFile];
+  const all = [...ofDoing.filter((one) => !own.has(keyOf(one))), ...ofText];
   all.sort((one, other) => WORST.indexOf(one.finding.severity) - WORST.indexOf(other.finding.severity));
   for (const { finding, fixes } of all) {
     const key = keyOf({ finding });

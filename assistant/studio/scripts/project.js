@@ -71,7 +71,8 @@ function item(file) {
   button.setAttribute("aria-current", String(file.path === current));
   button.dataset.path = file.path;
   button.tabIndex = -1;
-  button.append(breakable(file.path), " ", said("small", `kind_${file.kind}`));
+  button.append(breakable(file.path));
+  if (groupOf(file) !== file.kind) button.append(" ", said("small", `kind_${file.kind}`)); // its heading says it already
   button.addEventListener("click", () => chooseFile(file.path));
   row.append(button);
   return row;
@@ -79,7 +80,7 @@ function item(file) {
 /** A path that may be broken after its folders and words. */
 function breakable(path) {
   const name = made("bdi");
-  name.append(...path.split(/(?<=[/_.-])/).flatMap((part) => [made("wbr"), shown(part)]).slice(1));
+  name.append(...path.split(/(?<=[/_-])/).flatMap((part) => [made("wbr"), shown(part)]).slice(1));
   return name;
 }
 /** From file to file by arrow keys; Tab goes past all of them. */

@@ -14,6 +14,7 @@ find("program").addEventListener("change", (event) => {
   location.reload();
 });
 document.body.classList.toggle("still", data.still !== null);
+document.body.classList.toggle("bare", data.bare);
 if (data.motion.whole > seconds + 1) {
   find("robot").textContent += ` · the first ${Math.round(seconds)} of ${Math.round(data.motion.whole)} s are played`;
 }

@@ -11,13 +11,13 @@ function setTime(time) {
   reading();
   current();
 }
-/** How fast the tool is, and which axis is nearest to a limit. */
+/** How fast the tool is, and which axis is closest to its limit. */
 function reading() {
   if (!count) return;
   const [low, high, part] = sampleAt(now), between = (column) => column[low] + part * (column[high] - column[low]);
-  const axis = data.motion.names[motion.nearest[part < 0.5 ? low : high]];
-  const room = Math.round(100 * between(motion.room));
-  find("reading").textContent = `${Math.round(between(motion.speeds))} mm/s · ${axis} is nearest to a limit, ${room} % of half its range away`;
+  const axis = motion.nearest[part < 0.5 ? low : high], { names, halves, units } = data.motion;
+  const left = Math.round(between(motion.room) * halves[axis]), unit = units[axis] === "mm" ? " mm" : "°";
+  find("reading").textContent = `${Math.round(between(motion.speeds))} mm/s${halves[axis] ? ` · ${names[axis]} is closest to its limit: ${left}${unit} left` : ""}`;
 }
 /** The move that the arm is in, in the list and in the text. */
 function current() {
