@@ -17,11 +17,11 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import CONTOURS, within
 from assistant.base.diagnostics import Refused
 from assistant.program.settings_tables import Wrong
+from assistant.sources.contours.contour_choice import ContourChoice
 from assistant.sources.contours.contour_listing import ListedContour, listed_contours
 from assistant.sources.contours.curves import Curve, chorded, sample
 from assistant.sources.contours.layer_program import contour_program
 from assistant.sources.drawing import read_contents
-from assistant.sources.drawing.contents import Contents
 from assistant.sources.process import LeftOut, Process, read_left_out
 from assistant.studio.route_answers import Question, not_asked
 
@@ -33,23 +33,37 @@ _CHORD_SHARE: Final = 0.0002
 
 @dataclass(frozen=True, slots=True)
 class DrawnContours:
-    """Contours of the layers that are followed, and the other curves of a drawing."""
+    """Contours of the layers that are followed, and the other curves of a drawing.
+
+    views: groups of contours that may be views of a part, each with its size and its contours.
+    """
 
     contours: tuple[ListedContour, ...]
     others: tuple[Curve, ...]
     process: Process
+    views: tuple[dict[str, Any], ...] = ()
 
     @staticmethod
     def of(drawing: FilePath, process: Process) -> DrawnContours:
         """No contours if the program along them cannot be worked out."""
         contents = read_contents(drawing, process)
+        contours: tuple[ListedContour, ...] = ()
+        views: tuple[dict[str, Any], ...] = ()
         try:
-            contours = tuple(_listed(drawing, contents, process))
+            with within(CONTOURS, str(drawing), len(contents.curves)):
+                made = contour_program(
+                    *(contents.curves, process),
+                    taken=set(),
+                    marks=contents.marks,
+                    texts=contents.texts,
+                )
+                contours = tuple(listed_contours(made, process))
+                views = tuple(_view_records(made.choice))
         except Refused:
-            contours = ()
+            pass
         layers = {one.contour.layer.casefold() for one in contours}
         curves = [one for one in contents.curves if one.layer.casefold() not in layers]
-        return DrawnContours(contours, (*curves, *contents.aside), process)
+        return DrawnContours(contours, (*curves, *contents.aside), process, views)
 
     def records(self, *, numbered: bool) -> dict[str, Any]:
         """Contours and lines for the page; a line of a contour has its place in the list."""
@@ -65,6 +79,7 @@ class DrawnContours:
                 for one in self.contours
             ],
             "lines": list(self._lines()),
+            "views": list(self.views),
         }
 
     def _lines(self) -> Iterator[dict[str, Any]]:
@@ -89,12 +104,11 @@ class DrawnContours:
         return (points if placement is None else placement.inverse().moved(points))[:, :2]
 
 
-def _listed(drawing: FilePath, contents: Contents, process: Process) -> Iterator[ListedContour]:
-    with within(CONTOURS, str(drawing), len(contents.curves)):
-        made = contour_program(
-            contents.curves, process, taken=set(), marks=contents.marks, texts=contents.texts
-        )
-    yield from listed_contours(made, process)
+def _view_records(choice: ContourChoice) -> Iterator[dict[str, Any]]:
+    places = {row: place for place, (row, _) in enumerate(choice.rows())}
+    for one in choice.views():
+        size = [round(float(side), 1) for side in one.size]
+        yield {"size": size, "contours": sorted(places[row] for row in one.rows)}
 
 
 def with_choices(entries: Sequence[Any], drawn: DrawnContours, choices: Any) -> list[Any]:

@@ -10,6 +10,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import pytest
 
 from tests.cli.tables import each
@@ -179,6 +180,20 @@ def test_one_contour_of_a_group_is_taken_back(page: Page, folder: Path) -> None:
     page.post("drawing/process", path=path, values={"contours": [chosen]})
     others = [{"layer": one["layer"], "at": one["at"]} for one in left[1:]]
     assert settings(file)["leave_out"] == others
+
+
+def test_other_views_of_a_part_are_listed_by_their_size(page: Page, folder: Path) -> None:
+    document = ezdxf.new(units=4)
+    for low, high in ((0, 100), (150, 155)):
+        corners = [(0, low), (200, low), (200, high), (0, high)]
+        document.modelspace().add_lwpolyline(corners, close=True)
+    document.modelspace().add_circle((50, 50), 5)
+    document.saveas(folder / "part.dxf")
+    views = page.get("drawing", path="part.dxf").value["views"]
+    assert [(one["size"], len(one["contours"])) for one in views] == [
+        ([200, 100], 2),
+        ([200, 5], 1),
+    ]
 
 
 def test_outputs_and_leads_are_written(page: Page, folder: Path) -> None:

@@ -89,7 +89,7 @@ Row = tuple[int, int]
 
 
 @dataclass(slots=True)
-class _Group:
+class ContourGroup:
     """Contours near each other. low, high: (2,) mm of the box around them."""
 
     low: Floats
@@ -242,7 +242,7 @@ class ContourChoice:
         instead = LeftOut(layer, at=self.naming_point(row)).text
         self.findings.append(_NUMBERED(entry=entry.text, what=self._text(row), instead=instead))
 
-    def _leave_out_group(self, entry: LeftOut, number: int, groups: Sequence[_Group]) -> None:
+    def _leave_out_group(self, entry: LeftOut, number: int, groups: Sequence[ContourGroup]) -> None:
         if number > len(groups):
             what = _listed(groups) or "there are no contours"
             self.findings.append(_NO_GROUP(entry=entry.text, count=len(groups), what=what))
@@ -263,35 +263,33 @@ class ContourChoice:
             f" {y + 0.0:.1f}] on layer {shown(contour.layer)!r}"
         )
 
-    def _note_groups(self, groups: Sequence[_Group]) -> None:
-        views = [one for one in groups if one.may_be_view]
-        if not 2 <= len(groups) <= _MOST_GROUPS or len(views) < 2:
-            return
-        sizes = np.array([one.size for one in groups])
-        # Copies of one part beside each other are meant to be worked.
-        if np.ptp(sizes, axis=0).max() <= _SAME_SIZE * sizes.max():
-            return
-        if any(self.left.keys() >= set(one.rows) for one in groups):
+    def _note_groups(self, groups: Sequence[ContourGroup]) -> None:
+        if not _are_views(groups) or any(self.left.keys() >= set(one.rows) for one in groups):
             return
         self.findings.append(GROUPS(count=len(groups), what=_listed(groups)))
 
-    def groups(self) -> Iterator[_Group]:
+    def views(self) -> list[ContourGroup]:
+        """Groups that may be views of a part, the largest first; empty if they are not."""
+        groups = list(self.groups())
+        return groups if _are_views(groups) else []
+
+    def groups(self) -> Iterator[ContourGroup]:
         """Contours that stand together, the largest group first."""
         rows = [row for row, _ in self.rows()]
         if not rows:
             return
         lows, highs = self._boxes()
         apart = _FAR_PART * float((highs.max(axis=0) - lows.min(axis=0)).max())
-        found: list[_Group] = []
+        found: list[ContourGroup] = []
         for row, low, high in zip(rows, lows, highs, strict=True):
             contour = self.layers[row[0]][row[1]]
-            new = _Group(low, high, [row], len(contour.curves), int(contour.closed))
+            new = ContourGroup(low, high, [row], len(contour.curves), int(contour.closed))
             # A group that grows may reach another one, so it is compared again.
             while near := [one for one in found if _gap(one, new) <= apart]:
                 found = [one for one in found if all(one is not other for other in near)]
                 for one in near:
                     one.rows.extend(new.rows)  # a copy for each contour would be too much
-                    new = _Group(
+                    new = ContourGroup(
                         np.minimum(one.low, new.low),
                         np.maximum(one.high, new.high),
                         one.rows,
@@ -315,12 +313,21 @@ class ContourChoice:
         return np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
 
 
-def _gap(one: _Group, other: _Group) -> float:
+def _are_views(groups: Sequence[ContourGroup]) -> bool:
+    """True if not all groups are one part, or copies of one, which are meant to be worked."""
+    views = [one for one in groups if one.may_be_view]
+    if not 2 <= len(groups) <= _MOST_GROUPS or len(views) < 2:
+        return False
+    sizes = np.array([one.size for one in groups])
+    return bool(np.ptp(sizes, axis=0).max() > _SAME_SIZE * sizes.max())
+
+
+def _gap(one: ContourGroup, other: ContourGroup) -> float:
     """Mm between the boxes of two groups, along the axis where they are farther apart."""
     return float(np.maximum(one.low - other.high, other.low - one.high).max())
 
 
-def _listed(groups: Sequence[_Group]) -> str:
+def _listed(groups: Sequence[ContourGroup]) -> str:
     rows = [one.text(number) for number, one in enumerate(groups, 1)]
     more = f"; and {len(rows) - _MOST_LISTED} more" if len(rows) > _MOST_LISTED else ""
     return "; ".join(rows[:_MOST_LISTED]) + more

@@ -50,7 +50,7 @@ export function picture(found, { chooses, chosen }) {
   const show = (i, used) => { for (const line of drawn[i]) line.classList.toggle("left", !used); };
   found.contours.forEach((one, i) => show(i, !one.left));
   framed(svg, work.length ? work : found.lines);
-  box.append(svg, state);
+  box.append(svg, state, views(found));
   box.switched = (i, used) => { show(i, used); tell(`${called(found.contours[i])}: ${word(used ? "followed" : "left_out")}`); };
   box.told = tell;
   return box;
@@ -86,6 +86,24 @@ function framed(svg, lines) {
   svg.addEventListener("dblclick", () => look(whole));
   look(whole);
   new ResizeObserver(() => look(view)).observe(svg);
+}
+/** Groups of contours apart from the largest one, as a side view is: a click leaves one out or takes it back. */
+function views(found) {
+  const box = made("p", undefined, "views"), ticks = (one) => one.contours.map((i) => box.closest("#panel-drawing").querySelector(`[data-contour="${i}"]`)).filter((tick) => tick && !tick.disabled);
+  box.hidden = !found.views.length;
+  box.append(said("span", "views"), " ");
+  for (const one of found.views.slice(1)) {
+    const button = made("button", `${one.size.join(" × ")} mm (${one.contours.length})`);
+    button.type = "button";
+    button.setAttribute("aria-pressed", String(one.contours.every((i) => found.contours[i].left)));
+    button.addEventListener("click", () => {
+      const used = button.getAttribute("aria-pressed") === "true";
+      for (const tick of ticks(one)) if (tick.checked !== used) { tick.checked = used; tick.dispatchEvent(new Event("change")); }
+      button.setAttribute("aria-pressed", String(!used));
+    });
+    box.append(button, " ");
+  }
+  return box;
 }
 /** Of numbers that would stand over each other the first one is shown; zooming in shows the others. */
 function apart(svg, high) {
