@@ -246,12 +246,12 @@ def _asked_values(
         fitting = first_values(folder, extents, robot, language, None, stated)
     place = _ask(
         "where the drawing's origin stands in the robot's base, mm, and degrees about z, y, x",
-        ",".join(f"{part:g}" for part in fitting.place.position),
+        fitting.place_text,
         lambda text: option_values(text, None),
     )
-    placed = option_values(place, None)[0]
-    if placed == fitting.place:
+    if place == fitting.place_text:
         return unit, fitting
+    placed = option_values(place, None)[0]
     return unit, first_values(folder, extents, robot, language, placed, stated)
 
 

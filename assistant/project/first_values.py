@@ -1,9 +1,10 @@
 """First values of a new project: the robot, its language, where the work stands, the tool's tip.
 
 Where the user states none, a robot that reaches the work is chosen, and the work is put in front of
-it: as far from its limits and from the singularity of its wrist as the positions that are tried
-allow. The tip of the tool is assumed. All of that is enough to compile and to simulate; what is
-assumed is to be measured before an arm moves, and the process file says so.
+it, turned by 90 degrees if no robot reaches it as drawn: as far from its limits and from the
+singularity of its wrist as the positions that are tried allow, where the arm touches neither itself
+nor its base. The tip of the tool is assumed. All of that is enough to compile and to simulate; what
+is assumed is to be measured before an arm moves, and the process file says so.
 """
 
 from __future__ import annotations
@@ -42,6 +43,8 @@ _DISTANCES: Final = (0.65, 0.6, 0.7, 0.55, 0.75, 0.5, 0.8, 0.45, 0.9)
 """Parts of the reach at which the middle of the work is tried."""
 _HEIGHTS: Final = (0.2, 0.3, 0.1, 0.4, 0.0, 0.5, -0.1)
 """Parts of the reach as heights of the work above the floor of the base."""
+_TURNS: Final = (0.0, 90.0)
+"""Degrees about z that the work is turned."""
 _GRID: Final = 5
 """Points along each side of the work that are looked at."""
 _ROOMY_WRIST: Final = 20.0
@@ -70,6 +73,13 @@ class FirstValues:
             return {"tip": _rounded(self.tip)}
         turn = rotations.to_euler(np.array(self.place.quaternion), "ZYX")
         return {"position": _rounded(self.place.position), "euler_zyx": _rounded(turn)}
+
+    @property
+    def place_text(self) -> str:
+        """The place as the option has it."""
+        stated = self.keys("position")
+        turn = stated["euler_zyx"] if any(stated["euler_zyx"]) else []
+        return ",".join(f"{part:g}" for part in (*stated["position"], *turn))
 
     def assumes(self, key: str) -> bool:
         """True if the user did not state a key."""
@@ -124,17 +134,21 @@ def first_values(
         candidates = [(robot_text(robot, folder), known_robot(robot))]
     name, arm = candidates[0]
     if place is None:
-        found = ((one, work_position(one[1], extents, tool)) for one in candidates)
+        found = (
+            (one, work_place(one[1], extents, tool, turn))
+            for turn, one in itertools.product(_TURNS, candidates)
+        )
         fitting = next((one for one in found if one[1] is not None), None)
         if fitting is not None and fitting[1] is not None:
-            (name, arm), position = fitting[0], fitting[1]
+            (name, arm), place = fitting[0], fitting[1]
         else:
             name, arm = candidates[-1]
-            position = _in_front(arm, extents, _DISTANCES[0], _HEIGHTS[0])
+            place = _in_front(arm, extents, _DISTANCES[0], _HEIGHTS[0], _TURNS[0])
             size = "" if extents is None else ", " + " x ".join(f"{x:.0f}" for x in extents.size)
             findings.append(rules.NO_ROOM(robot=arm.title, size=size and f"{size} mm"))
-        place = Pose(position)
-        assumed["position"] = f"`position` {_rounded(position)}"
+        turn = rotations.to_euler(np.array(place.quaternion), "ZYX")
+        turned = f" turned by {_rounded(turn[:1])[0]} degrees" if turn.any() else ""
+        assumed["position"] = f"`position` {_rounded(place.position)}{turned}"
     spoken = chosen_language(arm, language)
     if assumed:
         findings.append(rules.ASSUMED(what=" and ".join(assumed.values())))
@@ -172,33 +186,40 @@ def _reach(one: tuple[str, Robot]) -> float:
     return one[1].reach
 
 
-def work_position(robot: Robot, extents: Extents | None, tip: Vector) -> Vector | None:
+def work_place(
+    robot: Robot, extents: Extents | None, tip: Vector, turn: float = 0.0
+) -> Pose | None:
     """Where the origin of work of that size stands so that the tool, pointing down, comes to all of
-    it; None if no position that is tried does.
+    it; None if no place that is tried does. turn: degrees of the work about z.
     """
-    best: tuple[float, Vector] | None = None
+    best: tuple[float, Pose] | None = None
     for distance, height in itertools.product(_DISTANCES, _HEIGHTS):
-        position = _in_front(robot, extents, distance, height)
-        margin = _margin(robot, extents, position, tip)
+        place = _in_front(robot, extents, distance, height, turn)
+        margin = _margin(robot, extents, place, tip)
         if margin is not None and (best is None or margin > best[0]):
-            best = margin, position
+            best = margin, place
             if margin >= _ROOMY_WRIST:
                 break
     return None if best is None else best[1]
 
 
-def _in_front(robot: Robot, extents: Extents | None, distance: float, height: float) -> Vector:
+def _in_front(
+    robot: Robot, extents: Extents | None, distance: float, height: float, turn: float
+) -> Pose:
     """The origin of work whose middle is that far in front of the robot, in whole cm."""
     box = extents or Extents((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    x, y = ((a + b) / 2.0 for a, b in zip(box.low[:2], box.high[:2], strict=True))
+    middle = [(a + b) / 2.0 for a, b in zip(box.low, box.high, strict=True)]
+    turned = rotations.from_euler(np.array([turn, 0.0, 0.0]), "ZYX")
+    x, y, _ = rotations.rotate(turned, np.array(middle)).tolist()
     at = (distance * robot.reach - x, -y, height * robot.reach - box.low[2])
     cm = [round(part / 10.0) * 10.0 + 0.0 for part in at]
-    return (cm[0], cm[1], cm[2])
+    q = turned.tolist()
+    return Pose((cm[0], cm[1], cm[2]), (q[0], q[1], q[2], q[3]))
 
 
-def _margin(robot: Robot, extents: Extents | None, position: Vector, tip: Vector) -> float | None:
+def _margin(robot: Robot, extents: Extents | None, place: Pose, tip: Vector) -> float | None:
     """Degrees of the wrist from its singularity; None if something is out of reach or too near."""
-    points = _points(extents) + np.array(position)
+    points = place.moved(_points(extents))
     away = np.hypot(points[:, 0], points[:, 1])
     # With the tool pointing down the wrist is above the flange, and no farther than the reach.
     off = float(np.hypot(*tip[:2]))
@@ -208,11 +229,23 @@ def _margin(robot: Robot, extents: Extents | None, position: Vector, tip: Vector
     flange = points - rotations.rotate(down, np.array(tip))
     joints, valid = robot.ik(flange, np.tile(down, (len(flange), 1)))
     branches = np.flatnonzero(valid.all(axis=0))
+    branches = branches[[_is_clear(robot, joints[:, one], tip) for one in branches]]
     if not len(branches):
         return None
     if len(robot.axes) < _AXES_WITH_WRIST:
         return _ROOMY_WRIST
     return float(np.abs(joints[:, branches, _WRIST_AXIS]).min(axis=0).max())
+
+
+def _is_clear(robot: Robot, joints: Floats, tip: Vector) -> bool:
+    """True if the arm touches neither itself nor its base at joints (n, a)."""
+    from assistant.cell.collision.model import Model
+    from assistant.cell.link_bodies import arm_alone
+
+    model = Model(arm_alone(robot, ("tool", Pose(tip))))
+    apart = model.least(joints)
+    row, pair = np.nonzero(apart <= 0.0)
+    return not bool((model.exact(joints, row, pair) <= 0.0).any())
 
 
 def _points(extents: Extents | None) -> Floats:

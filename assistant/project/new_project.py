@@ -27,6 +27,7 @@ from assistant.project.first_values import FirstValues
 from assistant.project.project_file import SCHEMA_FILE, project_of, schema_text
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
+from assistant.sources.drawing.drafting import BORDER
 from assistant.sources.drawing.survey import Extents, Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS
 
@@ -200,10 +201,12 @@ def _drafting_rows(layers: Sequence[SurveyedLayer]) -> Iterator[str]:
     """Say what is left out as it is drafting, and how it is had."""
     rows = list(_drafting_names(layers))
     if rows:
-        yield "# Left out as drafting, by the names of layers, blocks and line types:"
+        yield "# Left out as drafting, by the names of layers, blocks and line types, or by shape:"
         yield from (f"#   {row}" for row in rows)
         yield "# A layer is followed if it has a table below, [layers.NAME]; a line type or a block"
         yield "# if its entry is deleted here."
+        if any(part.what == BORDER for layer in layers for part in layer.parts):
+            yield f'# A border is followed with follow = ["{BORDER}"].'
 
 
 def _left_out_row(idle: Sequence[SurveyedLayer], works: Sequence[SurveyedLayer]) -> _KeyRow:
@@ -212,6 +215,7 @@ def _left_out_row(idle: Sequence[SurveyedLayer], works: Sequence[SurveyedLayer])
         {"layer": _encodable(layer.name), part.what.replace(" ", "_"): _encodable(part.name)}
         for layer in works
         for part in layer.parts
+        if part.what != BORDER  # known by its shape, so that no entry is needed
     ]
     about = "nothing there is followed" if names else '["*"]: all that have no table here'
     return f"leave_out = {toml_value(names)}", about

@@ -92,14 +92,16 @@ OTHER_DRAWING: Final = error(
 )
 NOT_WORK: Final = info(
     "PR305",
-    "`{file}` leaves out what is drafting by its name, not work: {what}",
+    "`{file}` leaves out what is drafting by its name or shape, not work: {what}",
     "give a layer that is work a table there, [layers.NAME]; delete the entry of a line type or"
-    " block from leave_out",
+    ' block from leave_out; write follow = ["border"] for a border',
 )
 NOTHING_ELSE: Final = warning(
     "PR306",
-    "all that could be followed is drafting by its name, and `{file}` leaves it out: {what}",
-    "give each layer that is work a table there, [layers.NAME]",
+    "all that could be followed is drafting by its name or shape, and `{file}` leaves it out:"
+    " {what}",
+    'give each layer that is work a table there, [layers.NAME]; write follow = ["border"] for a'
+    " border",
 )
 ASSUMED: Final = warning(
     "PR307",

@@ -26,8 +26,14 @@ from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
+from assistant.base.arrays import Floats
 from assistant.base.diagnostics import Diagnostic
-from assistant.sources.drawing.findings import DRAFTING, DRAFTING_FOLLOWED, shown
+from assistant.program.geometry import Pose
+from assistant.sources.contours.curves import Curve
+from assistant.sources.drawing.findings import DRAFTING, DRAFTING_FOLLOWED, MAY_BE_SHEET, shown
+from assistant.sources.drawing.sheets import Sheet, find_sheets
 from assistant.sources.drawing.traversal import CONTINUOUS, PlacedEntity
 from assistant.sources.process import LeftOut, Process, matches_any
 
@@ -243,6 +249,8 @@ def line_type_kinds(document: Drawing) -> dict[str, str]:
     return kinds
 
 
+BORDER: Final = "border"
+"""Name under `follow` and `leave_out` of what is known by its shape."""
 _DASH_LENGTH: Final = 49
 """Group code of a dash's length, below 0 for a gap."""
 _MOST_LISTED: Final = 12
@@ -251,7 +259,9 @@ _MOST_LISTED: Final = 12
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """Why an entity is drafting. what: `layer`, `block` or `line type`. kind: what it is for."""
+    """Why an entity is drafting. what: `layer`, `block`, `line type` or `border`, which is known
+    by its shape. kind: what it is for.
+    """
 
     what: str
     name: str
@@ -271,6 +281,7 @@ class Drafting:
     layer_types: Mapping[str, str]
     aside: dict[Reason, int] = field(default_factory=dict)
     followed: dict[tuple[Reason, str], int] = field(default_factory=dict)
+    undecided: list[Sheet] = field(default_factory=list)
     _stated: frozenset[str] = frozenset()
 
     @staticmethod
@@ -313,6 +324,36 @@ class Drafting:
         self.followed[key] = self.followed.get(key, 0) + 1
         return None
 
+    def borders(self, curves: Sequence[Curve], texts: Sequence[Floats]) -> dict[int, Reason]:
+        """Curves of borders and title blocks that are known by their shape, by their rows; counted.
+
+        texts: where annotations of the drawing are. What may be a part as well is a finding.
+        """
+        if matches_any(self.process.follow, BORDER):
+            return {}
+        rows = [
+            row
+            for row, curve in enumerate(curves)
+            if not matches_any(self.process.follow, curve.layer)
+            and not self.process.leaves_out(curve.layer)
+        ]
+        placement = self.process.placement
+        back = Pose() if placement is None else placement.inverse()
+        places = np.array(texts).reshape(-1, 3)
+        there = back.moved(places[np.isfinite(places).all(axis=1)])[:, :2]
+        found: dict[int, Reason] = {}
+        tables = self._stated
+        for sheet in find_sheets([curves[row] for row in rows], there, back, annotated=bool(texts)):
+            own = [rows[row] for row in sheet.rows]
+            if not sheet.sure and not matches_any(self.process.leave_out, BORDER):
+                if not tables or any(curves[row].layer.casefold() in tables for row in own):
+                    self.undecided.append(sheet)
+                continue
+            reason = Reason(BORDER, f"{sheet.text} mm", sheet.what)
+            found |= dict.fromkeys(own, reason)
+            self.aside[reason] = self.aside.get(reason, 0) + len(own)
+        return found
+
     def _is_named(self, layer: str) -> bool:
         return layer.casefold() in self._stated or matches_any(self.process.follow, layer)
 
@@ -339,7 +380,11 @@ class Drafting:
         return _cut(rows)
 
     def findings(self) -> Iterator[Diagnostic]:
-        """One finding about what was left out, one about what the process file follows."""
+        """One finding about what was left out, one about what the process file follows, and one for
+        each sheet that may be a part.
+        """
+        for sheet in self.undecided:
+            yield MAY_BE_SHEET(size=sheet.text, name=sheet.what)
         if self.aside:
             first = next(iter(self.aside))
             yield DRAFTING(
@@ -362,6 +407,8 @@ class Drafting:
         return self._cure(next(iter(self.aside)))
 
     def _cure(self, one: Reason) -> str:
+        if one.what == BORDER:
+            return f'write follow = ["{BORDER}"] at the top of the process file'
         if one.what == "layer" and self.process.layers:
             return f'add [layers."{shown(one.name)}"] to the process file for the layer'
         return f'write follow = ["{shown(one.name)}"] at the top of the process file'

@@ -40,7 +40,7 @@ UNKNOWN_DEFAULT = error(
 MALFORMED = error("DX010", "`{given}` at group code {code} is no number{more}", "{cure}")
 ONLY_DRAFTING = error(
     "DX011",
-    "all that could be followed has the name of drafting, not of work: {what}",
+    "all that could be followed has the name or shape of drafting, not of work: {what}",
     "{cure}, if that is the work",
 )
 
@@ -103,8 +103,15 @@ CLIPPED = error(
 )
 DRAFTING = info(
     "DX212",
-    "{count} entities are left out, as their names mean drafting, not work: {what}",
+    "{count} entities are left out, as their names or shapes mean drafting, not work: {what}",
     "to follow them after all, {cure}",
+)
+MAY_BE_SHEET = error(
+    "DX214",
+    "the rectangle of {size} mm around all that is drawn is as large as a sheet of paper ({name}):"
+    " it may be the edge of the sheet, or a part",
+    'write leave_out = ["border"] at the top of the process file if it is the sheet, or'
+    ' follow = ["border"] if it is work',
 )
 DRAFTING_FOLLOWED = info(
     "DX213",

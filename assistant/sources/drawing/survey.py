@@ -58,7 +58,9 @@ class Extents:
 
 @dataclass(frozen=True, slots=True)
 class LayerPart:
-    """Drafting on a layer that is work. what: `line type` or `block`. count: of entities."""
+    """Drafting on a layer that is work. what: `line type`, `block` or `border`. count: of entities
+    or, of a border, of its lines.
+    """
 
     what: str
     name: str
@@ -196,6 +198,17 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
             elif reason is None and (location := reader.read(placed)) is not None:
                 here.places.append(location.pose.position)
                 found.append(_located(location, placed.layer))
+    drawn = [(each, curve) for each in layers.values() for curve in each.curves]
+    borders = drafting.borders([curve for _, curve in drawn], traversal.annotations)
+    for each in layers.values() if borders else ():
+        each.curves = []
+    for row, (each, curve) in enumerate(drawn if borders else ()):
+        if row in borders:
+            each.aside.append(curve)
+            reason = borders[row]
+            each.reasons[reason.what, reason.name, reason.kind] += 1
+        else:
+            each.curves.append(curve)
     for (_, kind, layer, _), count in tally.counts.items():
         at(layer).kinds[kind] += count
         at(layer).unused[kind] += count

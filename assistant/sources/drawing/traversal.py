@@ -176,6 +176,8 @@ class Traversal:
     numbering: Callable[[DXFGraphic, str], bool] = lambda entity, layer: False  # noqa: ARG005
     unwanted: Callable[[str], bool] = _never
     findings: list[Diagnostic] = field(default_factory=list)
+    annotations: list[Floats] = field(default_factory=list)
+    """Where texts are, (3,) mm of the world; not a number for dimensions and leaders."""
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
     line_types: dict[str, str] = field(default_factory=dict)
@@ -241,6 +243,7 @@ class Traversal:
             elif layer.lower() == _DIMENSION_LAYER:
                 self._leave(LEFT_OUT, entity, layer, "construction points of dimensions")
             elif kind in _ANNOTATION and not self.numbering(entity, layer):
+                self._note(entity, owner.matrix)
                 self._leave(LEFT_OUT, entity, layer, "it is for people to read")
             elif kind == "POINT" or kind in _ANNOTATION or self.wanted(entity):
                 place = owner.place(entity)
@@ -271,7 +274,7 @@ class Traversal:
             self._leave(LEFT_OUT, insert, layer, hidden)
             return
         if not location:
-            self._no_location(insert, layer, tags, place)
+            self._no_location(insert, layer, tags, place, owner.matrix)
         block = self._block(insert, place, owner, needed=not location)
         symbol = owner.symbol or location
         for cell in cells(insert):
@@ -315,8 +318,12 @@ class Traversal:
             return block
         return None
 
-    def _no_location(self, insert: Insert, layer: str, tags: list[str], place: str) -> None:
+    def _no_location(
+        self, insert: Insert, layer: str, tags: list[str], place: str, matrix: Floats
+    ) -> None:
         for attribute in insert.attribs:
+            if not self._hidden(attribute, layer):
+                self._note(attribute, matrix)
             self._leave(LEFT_OUT, attribute, layer, "it belongs to a block that is no location")
         if any(self.tags.meaning(tag) for tag in tags):
             names = " ".join(shown(tag) for tag in tags)
@@ -336,6 +343,11 @@ class Traversal:
             return "it is invisible"
         state = self.states.get(layer.lower(), "")
         return {"frozen": "the layer is frozen", "off": _LAYER_OFF}.get(state)
+
+    def _note(self, entity: DXFGraphic, matrix: Floats) -> None:
+        at = entity.dxf.get("insert") if entity.dxf.is_supported("insert") else None
+        here = np.full(3, np.nan) if at is None else (matrix @ (*at.xyz, 1.0))[:3]
+        self.annotations.append(np.asarray(here))
 
     def _leave(self, rule: Rule, entity: DXFGraphic, layer: str, reason: str) -> None:
         if not self.unwanted(layer):

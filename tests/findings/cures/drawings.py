@@ -57,6 +57,24 @@ def bordered_only(space: Any) -> None:
     space.add_line((0, 20), (50, 20), dxfattribs={"layer": "BORDER"})
 
 
+def titled(space: Any) -> None:
+    """A line in a border with a title block."""
+    line(space)
+    space.add_lwpolyline([(-20, -60), (260, -60), (260, 130), (-20, 130)], close=True)
+    for y in (-50, -40, -30):
+        space.add_line((120, y), (260, y))
+    for x in (120, 160, 200):
+        space.add_line((x, -60), (x, -30))
+        space.add_text("A", height=3).set_placement((x + 5, -58))
+
+
+def as_paper(space: Any) -> None:
+    """A plate as large as A4 with a hole and a text."""
+    space.add_lwpolyline([(0, 0), (297, 0), (297, 210), (0, 210)], close=True)
+    space.add_circle((40, 40), 5)
+    space.add_text("A", height=3)
+
+
 def two_views(space: Any) -> None:
     """A square with a circle in it, and what is seen from its side."""
     square(space)
@@ -159,6 +177,24 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(bordered), "a.process.toml": CUT},
         change={"a.process.toml": CUT + "[layers.BORDER]\n"},
+    ),
+    Case(
+        "DX212",
+        "check a.dxf",
+        {"a.dxf": dxf(titled)},
+        change={"a.process.toml": 'follow = ["border"]\n'},
+    ),
+    Case(
+        "DX214",
+        "check a.dxf",
+        {"a.dxf": dxf(as_paper)},
+        change={"a.process.toml": 'leave_out = ["border"]\n'},
+    ),
+    Case(
+        "DX214",
+        "check a.dxf",
+        {"a.dxf": dxf(as_paper)},
+        change={"a.process.toml": 'follow = ["border"]\n'},
     ),
     Case(
         "DX213",

@@ -1,0 +1,476 @@
+"""Sheets of paper in a drawing: borders and title blocks on layers of the work, known by shape.
+
+A rectangle of four lines is the border of a sheet if a title block stands in its corner: lines that
+end on its sides and on each other, with texts between them. With it go the edge of the paper
+around it, the marks between the two, and all that is in the cells of the title block.
+
+A rectangle alone is looked at only if it has the size of a sheet, holds all that is drawn, touches
+none of it, and if there are texts or dimensions, as in drawings for people. It is the edge of
+a sheet if a border runs along it, or if parts with holes are in it: were it a part, these would be
+loose in its holes. Otherwise nobody but the user knows whether it is a plate.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.base.arrays import Floats
+from assistant.program.geometry import Pose
+from assistant.sources.contours.chains import chain_curves
+from assistant.sources.contours.contour_order import NO_HOLDER, holders
+from assistant.sources.contours.curves import Curve, Line, sample
+
+_SIZES: Final = {
+    "A4": (210.0, 297.0),
+    "A3": (297.0, 420.0),
+    "A2": (420.0, 594.0),
+    "A1": (594.0, 841.0),
+    "A0": (841.0, 1189.0),
+    "ANSI A": (215.9, 279.4),
+    "ANSI B": (279.4, 431.8),
+    "ANSI C": (431.8, 558.8),
+    "ANSI D": (558.8, 863.6),
+    "ANSI E": (863.6, 1117.6),
+}
+"""Sheets of ISO 216 and of ANSI Y14.1: mm of the short and of the long side."""
+_SIZE_PART: Final = 0.005
+"""Part by which a side may differ from a sheet's: inches are written with one decimal."""
+_TOUCH: Final = 0.05
+"""mm within which lines meet."""
+_SHIFT: Final = 0.0373
+"""mm between grid lines of rounding and coordinates that people choose."""
+_SHORTEST_SIDE: Final = 90.0
+"""mm of a border's short side: half of an A4 sheet's."""
+_WIDEST_PROPORTION: Final = 1.7
+"""Of the sides of a border; A4 within margins of GB/T 14689 has 1.59."""
+_MARGIN_PART: Final = 0.15
+"""Part of a border's short side that the edge of the paper may be away: 25 mm on A4."""
+_BLOCK_PART: Final = 0.4
+"""Part of a border that a title block takes at most."""
+_FEWEST_LINES: Final = 5
+_FEWEST_TEXTS: Final = 3
+"""Lines and texts of a title block."""
+_TEXTS_OF_TABLE: Final = 20
+"""Texts with which a block of any size is a table, such as a list of parts."""
+_CELL_PART: Final = 0.04
+"""Part of a border that a cell takes in which everything belongs to the title block, as a logo."""
+_MARK_PART: Final = 0.1
+"""Part of a border's short side that a mark on it is long at most."""
+_MOST_LINES: Final = 50_000
+"""Lines along the axes over which no sheet is looked for."""
+_BOX_PARTS: Final = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
+_DOWN: Final = (0.0, 0.0, -1.0)
+
+_Ids = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """Border of a sheet. rows: of its curves, and those of the title block. size: mm of the
+    rectangle. what: how it is known. sure: False if it may be a part as well.
+    """
+
+    rows: frozenset[int]
+    size: tuple[float, float]
+    what: str
+    sure: bool = True
+
+    @property
+    def text(self) -> str:
+        return " x ".join(f"{length:.5g}" for length in self.size)
+
+
+def find_sheets(
+    curves: Sequence[Curve], texts: Floats, back: Pose, *, annotated: bool
+) -> list[Sheet]:
+    """The sheets of paper that are drawn by these curves.
+
+    texts: (n, 2) mm in the drawing's world, where texts stand. back: from where the curves are into
+    that world. annotated: the drawing has texts, dimensions or leaders.
+    """
+    page = _Page.of(curves, back)
+    if page is None:
+        return []
+    found: list[Sheet] = []
+    taken: set[int] = set()
+    rectangles = sorted(page.rectangles(), key=lambda one: one.area)
+    for border in rectangles:
+        if border.rows & taken:
+            continue
+        rows = _with_title_block(page, border, texts)
+        if rows:
+            rows |= _around(page, border, rectangles)
+            taken |= rows
+            found.append(Sheet(frozenset(rows), border.size, "with a title block"))
+    if found or not annotated:
+        return found
+    # The edge of the paper comes before a border inside it.
+    edges = ((one, _paper(one)) for one in reversed(rectangles))
+    for edge, name in edges:
+        if name and page.holds_all(edge):
+            return list(_bare_sheet(page, edge, name, rectangles))
+    return []
+
+
+@dataclass(frozen=True, slots=True)
+class _Rectangle:
+    """low, high: mm of two corners. rows: of the curves that are its sides."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    rows: frozenset[int]
+
+    @property
+    def size(self) -> tuple[float, float]:
+        return self.high[0] - self.low[0], self.high[1] - self.low[1]
+
+    @property
+    def area(self) -> float:
+        width, height = self.size
+        return width * height
+
+    def margins(self, inner: _Rectangle) -> tuple[float, ...]:
+        """Mm from its sides to those of one inside it."""
+        return (
+            *(b - a for a, b in zip(self.low, inner.low, strict=True)),
+            *(a - b for a, b in zip(self.high, inner.high, strict=True)),
+        )
+
+    def is_edge_of(self, border: _Rectangle) -> bool:
+        """True if it is as far around a border as the edge of the paper is."""
+        margins = self.margins(border)
+        return min(margins) > _TOUCH and max(margins) <= _MARGIN_PART * min(border.size)
+
+
+@dataclass(frozen=True, slots=True)
+class _Stretch:
+    """A line along an axis, of curves that follow each other. upright: along y. at: its other
+    coordinate. low, high: its ends, mm.
+    """
+
+    upright: bool
+    at: float
+    low: float
+    high: float
+    rows: frozenset[int]
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        if self.upright:
+            return (self.at, self.low), (self.at, self.high)
+        return (self.low, self.at), (self.high, self.at)
+
+    def has(self, point: tuple[float, float]) -> bool:
+        across, along = point if self.upright else point[::-1]
+        return abs(across - self.at) <= _TOUCH and self.low - _TOUCH <= along <= self.high + _TOUCH
+
+    def meets(self, other: _Stretch) -> bool:
+        """True if an end of one is on the other; lines that only cross do not meet."""
+        return any(map(self.has, other.corners)) or any(map(other.has, self.corners))
+
+
+@dataclass(slots=True)
+class _Page:
+    """curves: of the drawing. low, high: (n, 2) mm of their boxes. stretches: lines along the
+    axes.
+    """
+
+    curves: Sequence[Curve]
+    low: Floats
+    high: Floats
+    stretches: list[_Stretch]
+
+    @staticmethod
+    def of(curves: Sequence[Curve], back: Pose) -> _Page | None:
+        """None if nothing of them can be a sheet."""
+        if len(curves) < 4:
+            return None
+        points = sample(curves, _BOX_PARTS)
+        flat = back.moved(points.reshape(-1, 3))[:, :2].reshape(len(curves), -1, 2)
+        low, high = flat.min(axis=1), flat.max(axis=1)
+        straight = np.array([isinstance(curve, Line) for curve in curves])
+        thin = (high - low) <= _TOUCH
+        along = straight & (thin.sum(axis=1) == 1) & np.isfinite(low + high).all(axis=1)
+        long = (high - low).max(axis=1) >= _SHORTEST_SIDE / 10.0
+        if not 4 <= int(along.sum()) <= _MOST_LINES or not bool((along & long).any()):
+            return None
+        stretches: list[_Stretch] = []
+        for upright in (False, True):
+            rows = np.flatnonzero(along & thin[:, 0 if upright else 1])
+            stretches += _merged(rows, low, high, upright=upright)
+        return _Page(curves, low, high, stretches)
+
+    def rectangles(self) -> Iterator[_Rectangle]:
+        """Rectangles in the proportion of sheets, of four lines that end at its corners."""
+        sides = [one for one in self.stretches if one.high - one.low >= _SHORTEST_SIDE]
+        level = {_ends(one): one for one in sides if not one.upright}
+        upright = {_ends(one): one for one in sides if one.upright}
+        above: dict[tuple[int, int], list[_Stretch]] = defaultdict(list)
+        for one in upright.values():
+            above[_key(one.corners[0])].append(one)
+        for bottom in level.values():
+            for left in above.get(_key(bottom.corners[0]), ()):
+                right = upright.get(_ends(_moved(left, bottom.high)))
+                top = level.get(_ends(_moved(bottom, left.high)))
+                if right is None or top is None:
+                    continue
+                rows = bottom.rows | left.rows | right.rows | top.rows
+                made = _Rectangle((left.at, bottom.at), (right.at, top.at), rows)
+                short, long = sorted(made.size)
+                if short >= _SHORTEST_SIDE and long <= _WIDEST_PROPORTION * short:
+                    yield made
+
+    def inside(self, box: _Rectangle, off: float = _TOUCH) -> NDArray[np.bool_]:
+        """Curves in a rectangle or on its sides."""
+        return np.asarray(
+            (self.low >= np.array(box.low) - off).all(axis=1)
+            & (self.high <= np.array(box.high) + off).all(axis=1)
+        )
+
+    def beyond(self, box: _Rectangle) -> NDArray[np.bool_]:
+        """Curves that are outside a rectangle or on its sides."""
+        low, high = np.array(box.low) + _TOUCH, np.array(box.high) - _TOUCH
+        return np.asarray((self.high <= low).any(axis=1) | (self.low >= high).any(axis=1))
+
+    def crossing(self, box: _Rectangle) -> list[int]:
+        """Rows of curves that are partly in a rectangle and partly outside."""
+        return np.flatnonzero(~(self.inside(box) | self.beyond(box))).tolist()
+
+    def holds_all(self, box: _Rectangle) -> bool:
+        """True if all other curves are in a rectangle, and only marks touch its sides."""
+        others = np.ones(len(self.curves), dtype=bool)
+        others[list(box.rows)] = False
+        touching = np.flatnonzero(others & ~self.inside(box, -_TOUCH)).tolist()
+        return (
+            bool(others.any())
+            and bool(self.inside(box)[touching].all())
+            and all(self.is_short(row, _MARK_PART * min(box.size)) for row in touching)
+        )
+
+    def is_short(self, row: int, most: float) -> bool:
+        """True if a curve is a line along an axis and no longer than that."""
+        size = self.high[row] - self.low[row]
+        straight = isinstance(self.curves[row], Line)
+        return straight and float(size.min()) <= _TOUCH and float(size.max()) <= most
+
+
+def _merged(rows: _Ids, low: Floats, high: Floats, *, upright: bool) -> Iterator[_Stretch]:
+    """Lines of one direction, those that follow each other or overlap as one."""
+    along, across = (1, 0) if upright else (0, 1)
+    at = low[rows, across]
+    order = np.lexsort((low[rows, along], np.round((at + _SHIFT) / (4.0 * _TOUCH))))
+    group: list[int] = []
+    end = 0.0
+    for row in rows[order].tolist():
+        starts = group and (
+            abs(low[row, across] - low[group[0], across]) > _TOUCH or low[row, along] > end + _TOUCH
+        )
+        if starts:
+            yield _stretch(group, low, high, end, upright=upright)
+            group = []
+        end = max(end, float(high[row, along])) if group else float(high[row, along])
+        group.append(row)
+    if group:
+        yield _stretch(group, low, high, end, upright=upright)
+
+
+def _stretch(
+    rows: Sequence[int], low: Floats, high: Floats, end: float, *, upright: bool
+) -> _Stretch:
+    along, across = (1, 0) if upright else (0, 1)
+    first = rows[0]
+    at = 0.5 * float(low[first, across] + high[first, across])
+    return _Stretch(upright, at, float(low[first, along]), end, frozenset(rows))
+
+
+def _moved(side: _Stretch, at: float) -> _Stretch:
+    """The side opposite to one."""
+    return _Stretch(side.upright, at, side.low, side.high, frozenset())
+
+
+def _key(point: tuple[float, float]) -> tuple[int, int]:
+    """The same of points that are the same: sides of a border meet exactly or nearly."""
+    x, y = (round((part + _SHIFT) / (4.0 * _TOUCH)) for part in point)
+    return x, y
+
+
+def _ends(side: _Stretch) -> tuple[int, ...]:
+    first, last = side.corners
+    return (*_key(first), *_key(last))
+
+
+def _with_title_block(page: _Page, border: _Rectangle, texts: Floats) -> set[int]:
+    """Rows of a border and its title block; none if a title block is not there."""
+    most = _MARK_PART * min(border.size)
+    marks = page.crossing(border)
+    if not all(page.is_short(row, most) for row in marks):
+        return set()
+    blocks = list(_blocks(page, border))
+    inner = [block for block in blocks if _is_title_block(block, border, texts)]
+    if not inner:
+        return set()
+    rows = set(border.rows) | set(marks)
+    for block in blocks:
+        if block in inner or _is_table(block, border, texts):
+            rows |= {row for one in block for row in one.rows}
+            rows |= _in_cells(page, block, border)
+        elif len(block) == 1 and block[0].high - block[0].low <= most:
+            rows |= block[0].rows  # a mark of the middle
+    return rows
+
+
+def _blocks(page: _Page, border: _Rectangle) -> Iterator[list[_Stretch]]:
+    """Lines inside a border that meet each other, and its sides."""
+    within = page.inside(border)
+    inner = [
+        one
+        for one in page.stretches
+        if not one.rows & border.rows and all(within[row] for row in one.rows)
+    ]
+    (left, bottom), (right, top) = border.low, border.high
+    sides = [
+        *(_Stretch(True, x, bottom, top, frozenset()) for x in (left, right)),
+        *(_Stretch(False, y, left, right, frozenset()) for y in (bottom, top)),
+    ]
+    parent = list(range(len(inner)))
+
+    def root(row: int) -> int:
+        while parent[row] != row:
+            parent[row] = parent[parent[row]]
+            row = parent[row]
+        return row
+
+    for a, b in _near_pairs(inner):
+        if inner[a].meets(inner[b]):
+            parent[root(a)] = root(b)
+    blocks: dict[int, list[_Stretch]] = defaultdict(list)
+    for row, one in enumerate(inner):
+        blocks[root(row)].append(one)
+    for block in blocks.values():
+        if any(one.meets(side) for one in block for side in sides):
+            yield block
+
+
+def _near_pairs(lines: Sequence[_Stretch]) -> Iterable[tuple[int, int]]:
+    """Pairs of lines whose boxes meet."""
+    if not lines:
+        return ()
+    import shapely
+
+    ends = np.array([one.corners for one in lines])
+    boxes = shapely.box(*(ends[:, 0] - _TOUCH).T, *(ends[:, 1] + _TOUCH).T)
+    first, second = shapely.STRtree(boxes).query(boxes)
+    return zip(*(rows[first < second].tolist() for rows in (first, second)), strict=True)
+
+
+def _box(block: Sequence[_Stretch]) -> tuple[Floats, Floats]:
+    ends = np.array([one.corners for one in block])
+    return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
+
+
+def _texts_in(block: Sequence[_Stretch], texts: Floats) -> int:
+    low, high = _box(block)
+    return int(((texts >= low) & (texts <= high)).all(axis=1).sum())
+
+
+def _is_table(block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> bool:
+    """True if texts are between the lines of a block, and room for a part is beside it."""
+    low, high = _box(block)
+    count = _texts_in(block, texts)
+    small = float((high - low).prod()) <= _BLOCK_PART * border.area
+    return (small and count >= 2) or count >= max(_TEXTS_OF_TABLE, len(block) // 2)
+
+
+def _is_title_block(block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> bool:
+    """True if a table is in a corner."""
+    if len(block) < _FEWEST_LINES or not _is_table(block, border, texts):
+        return False
+    low, high = _box(block)
+    near = [
+        np.abs(low - np.array(border.low)) <= _TOUCH,
+        np.abs(high - np.array(border.high)) <= _TOUCH,
+    ]
+    in_corner = bool((near[0] | near[1]).all())
+    return in_corner and _texts_in(block, texts) >= _FEWEST_TEXTS
+
+
+def _in_cells(page: _Page, block: Sequence[_Stretch], border: _Rectangle) -> set[int]:
+    """Rows of curves in small cells of a block."""
+    import shapely
+
+    (left, bottom), (right, top) = border.low, border.high
+    around = shapely.box(left, bottom, right, top).exterior
+    lines = shapely.union_all(
+        [*shapely.linestrings([one.corners for one in block]), around], grid_size=_TOUCH
+    )
+    cells = [
+        one for one in shapely.polygonize([lines]).geoms if one.area <= _CELL_PART * border.area
+    ]
+    if not cells:
+        return set()
+    room = shapely.union_all(cells).buffer(_TOUCH)
+    rows = np.flatnonzero(page.inside(border))
+    boxes = shapely.box(*page.low[rows].T, *page.high[rows].T)
+    shapely.prepare(room)
+    return set(rows[shapely.covers(room, boxes)].tolist())
+
+
+def _around(page: _Page, border: _Rectangle, rectangles: Sequence[_Rectangle]) -> set[int]:
+    """Rows of the edges of the paper around a border, and of what is between."""
+    rows: set[int] = set()
+    edge = border
+    for one in rectangles:
+        if one.is_edge_of(border) and all(
+            page.is_short(row, _MARK_PART * min(border.size)) for row in page.crossing(one)
+        ):
+            rows |= one.rows
+            edge = one
+    if edge is not border:
+        return rows | set(np.flatnonzero(page.inside(edge) & page.beyond(border)).tolist())
+    # Marks for cutting the paper: lines at the corners of a rectangle that is not drawn.
+    far = _MARGIN_PART * min(border.size)
+    room = page.inside(border, far) & page.beyond(border) & ~page.inside(border)
+    lines = [row for row in np.flatnonzero(room).tolist() if page.is_short(row, np.inf)]
+    if not lines:
+        return rows
+    low, high = page.low[lines].min(axis=0), page.high[lines].max(axis=0)
+    paper = _Rectangle((low[0], low[1]), (high[0], high[1]), frozenset())
+    if not paper.is_edge_of(border):
+        return rows
+    on_edge = (page.high[lines] <= low + _TOUCH) | (page.low[lines] >= high - _TOUCH)
+    return rows | set(lines) if bool(on_edge.any(axis=1).all()) else rows
+
+
+def _paper(box: _Rectangle) -> str:
+    """The name of the sheet that has the size of a rectangle, empty if none has."""
+    short, long = sorted(box.size)
+    for name, (width, height) in _SIZES.items():
+        if abs(short - width) <= _SIZE_PART * width and abs(long - height) <= _SIZE_PART * height:
+            return name
+    return ""
+
+
+def _bare_sheet(
+    page: _Page, edge: _Rectangle, name: str, rectangles: Sequence[_Rectangle]
+) -> Iterator[Sheet]:
+    """A sheet without a title block."""
+    inside = [row for row in range(len(page.curves)) if row not in edge.rows]
+    for border in rectangles:
+        if edge.is_edge_of(border) and not page.crossing(border):
+            between = set(np.flatnonzero(page.beyond(border)).tolist()) - edge.rows
+            left = set(inside) - between - border.rows
+            if left and all(page.is_short(row, np.inf) for row in between - border.rows):
+                rows = edge.rows | border.rows | between
+                yield Sheet(frozenset(rows), edge.size, f"{name} with a border")
+                return
+    contours = chain_curves([page.curves[row] for row in inside], _TOUCH)[0]
+    around = holders(contours, _DOWN, _TOUCH)
+    nested = any(row != NO_HOLDER for row in around)
+    what = f"{name} around parts with holes" if nested else name
+    yield Sheet(edge.rows, edge.size, what, sure=nested)

@@ -1,0 +1,252 @@
+"""Borders and title blocks on the layer of the work are known by their shape; plates stay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import pytest
+from ezdxf.document import Drawing
+
+from assistant.base.diagnostics import Refused
+from assistant.base.source_text import SourceText
+from assistant.sources.drawing import read, read_contents
+from assistant.sources.drawing.survey import survey
+from assistant.sources.process import NO_PROCESS, Process
+from assistant.sources.process.file import parse_process
+from tests.sources.drawing.conftest import Save
+
+Space = Any
+Place = tuple[float, float]
+
+
+def rectangle(space: Space, low: Place, high: Place, *, lines: bool = False) -> None:
+    corners = [low, (high[0], low[1]), high, (low[0], high[1])]
+    if not lines:
+        space.add_lwpolyline(corners, close=True)
+        return
+    for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+        space.add_line(start, end)
+
+
+def part(space: Space, x: float = 100.0, y: float = 150.0) -> set[str]:
+    """A plate with two holes; its handles."""
+    outline = space.add_lwpolyline(
+        [(x, y), (x + 120, y), (x + 120, y + 60), (x, y + 60)], close=True
+    )
+    holes = [space.add_circle((x + 20 + 80 * k, y + 30), 6) for k in range(2)]
+    return {one.dxf.handle for one in (outline, *holes)}
+
+
+def title_block(space: Space, right: float, bottom: float, texts: int = 6) -> None:
+    """Lines of a title block of 170 x 30 in a corner, with a logo in a cell."""
+    left, top = right - 170, bottom + 30
+    space.add_line((left, bottom), (left, top))
+    space.add_line((left, top), (right, top))
+    for y in (bottom + 10, bottom + 20):
+        space.add_line((left, y), (right, y))
+    for x in (left + 40, left + 80, left + 120):
+        space.add_line((x, bottom), (x, top))
+    space.add_circle((left + 20, bottom + 15), 3)
+    for k in range(texts):
+        space.add_text("Scale 1:1", height=3).set_placement((left + 5 + 25 * k, bottom + 2))
+
+
+def sheet(space: Space) -> None:
+    """A3 with its edge, a border with a margin for binding, and marks."""
+    rectangle(space, (0, 0), (420, 297), lines=True)
+    rectangle(space, (20, 10), (410, 287), lines=True)
+    for x in (105, 315):
+        space.add_line((x, 0), (x, 10))
+    space.add_line((210, 0), (210, 15))  # to the middle, over the border
+    title_block(space, 410, 10)
+
+
+def followed(path: Path, given: Process = NO_PROCESS) -> set[str]:
+    """Handles of the entities that are followed."""
+    return {curve.handle for curve in read_contents(path, given).curves}
+
+
+def process(text: str) -> Process:
+    return parse_process(SourceText(text, "x.toml"))
+
+
+def codes(path: Path, given: Process = NO_PROCESS) -> list[str]:
+    return [one.code for one in read_contents(path, given).findings]
+
+
+def test_a_border_with_a_title_block_is_off_and_its_cure_switches_it_on(
+    save: Save, drawing: Drawing
+) -> None:
+    space = drawing.modelspace()
+    sheet(space)
+    work = part(space)
+    path = save(drawing)
+    assert followed(path) == work
+    (note,) = [one for one in read(path, NO_PROCESS).findings if one.code == "DX212"]
+    assert "border `390 x 277 mm` (with a title block, " in note.message
+    assert 'follow = ["border"]' in (note.cure or "")
+    every = {one.dxf.handle for one in space.query("LINE LWPOLYLINE CIRCLE")}
+    assert followed(path, process('follow = ["border"]')) == every
+    assert followed(path, process('follow = ["*"]')) == every
+    # A table of the layer is about the work on it.
+    assert followed(path, process("[layers.0]")) == work
+
+
+def test_the_border_is_known_wherever_the_drawing_is_placed(save: Save, drawing: Drawing) -> None:
+    sheet(drawing.modelspace())
+    work = part(drawing.modelspace())
+    path = save(drawing)
+    turned = "[placement]\nposition = [400, 30, 200]\neuler_zyx = [33, 0, 0]\n"
+    assert followed(path, process(turned)) == work
+
+
+def test_each_sheet_of_several_has_its_border(save: Save, drawing: Drawing) -> None:
+    block = drawing.blocks.new("SHEET")
+    sheet(block)
+    space = drawing.modelspace()
+    for x in (0, 600, 1200):
+        space.add_blockref("SHEET", (x, 0))
+    work = part(space) | part(space, 720)
+    assert followed(save(drawing)) == work
+
+
+def test_a_sheet_in_inches_and_marks_for_cutting(save: Save) -> None:
+    document = ezdxf.new("R2010", units=1)
+    space = document.modelspace()
+    block = document.blocks.new("FORM")
+    rectangle(block, (10, 10), (290, 200))
+    title_block(block, 290, 10)
+    for x, dx in ((0, 8), (300, -8)):
+        for y, dy in ((0, 8), (210, -8)):
+            block.add_line((x, y), (x + dx, y))
+            block.add_line((x, y), (x, y + dy))
+    space.add_blockref(
+        "FORM", (0, 0), dxfattribs=dict.fromkeys(("xscale", "yscale", "zscale"), 1 / 25.4)
+    )
+    work = {space.add_circle((5, 5), 1).dxf.handle}
+    assert followed(save(document)) == work
+
+
+def test_lines_beside_the_table_and_views_in_large_cells_stay(save: Save, drawing: Drawing) -> None:
+    space = drawing.modelspace()
+    sheet(space)
+    # From side to side of the border, as a bend line of a sheet-metal part drawn over it would be.
+    across = space.add_line((20, 140), (410, 140)).dxf.handle
+    work = part(space)
+    assert followed(save(drawing)) == work | {across}
+
+
+def plate(space: Space) -> None:
+    rectangle(space, (0, 0), (297, 210))
+    for x in (20, 277):
+        for y in (20, 190):
+            space.add_circle((x, y), 5)
+
+
+def bent(space: Space) -> None:
+    rectangle(space, (0, 0), (420, 297), lines=True)
+    for y in (50, 80, 110, 140, 170, 247):
+        space.add_line((0, y), (420, y))
+        space.add_text("UP 90", height=5).set_placement((30, y + 2))
+
+
+def gasket(space: Space) -> None:
+    rectangle(space, (0, 0), (297, 210))
+    rectangle(space, (15, 15), (282, 195))
+    for x in (7, 290):
+        space.add_circle((x, 105), 3)
+
+
+def nested(space: Space) -> None:
+    """Parts with holes in the opening of a plate that is no sheet of paper."""
+    rectangle(space, (0, 0), (400, 250))
+    space.add_text("t = 3", height=5).set_placement((10, 10))
+    part(space)
+
+
+def crossed(space: Space) -> None:
+    sheet(space)
+    space.add_line((-100, 140), (200, 160))
+
+
+def without_texts(space: Space) -> None:
+    rectangle(space, (0, 0), (390, 277))
+    title_block(space, 390, 0, texts=0)
+    part(space)
+
+
+@pytest.mark.parametrize("draw", (plate, bent, gasket, nested, crossed, without_texts))
+def test_what_may_be_a_part_stays(
+    save: Save, drawing: Drawing, draw: Callable[[Space], None]
+) -> None:
+    space = drawing.modelspace()
+    draw(space)
+    path = save(drawing)
+    assert followed(path) == {one.dxf.handle for one in space.query("LINE LWPOLYLINE CIRCLE")}
+    assert not {"DX212", "DX214"} & set(codes(path))
+
+
+@pytest.mark.parametrize("size", ((297, 210), (215.9, 279.4), (841, 594)))
+def test_an_edge_of_paper_around_parts_is_off(
+    save: Save, drawing: Drawing, size: tuple[float, float]
+) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), size)
+    space.add_text("M 1:1", height=3).set_placement((10, 10))
+    work = part(space, 50, 60)
+    assert followed(save(drawing)) == work
+
+
+def test_an_edge_with_a_border_in_it_is_off(save: Save, drawing: Drawing) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), (420, 297))
+    rectangle(space, (10, 10), (410, 287))
+    space.add_line((210, 0), (210, 10))
+    space.add_text("M 1:1", height=3).set_placement((15, 15))
+    circle = space.add_circle((200, 100), 30).dxf.handle
+    assert followed(save(drawing)) == {circle}
+
+
+def test_a_plate_as_large_as_paper_with_dimensions_is_the_users_choice(
+    save: Save, drawing: Drawing
+) -> None:
+    space = drawing.modelspace()
+    plate(space)
+    space.add_linear_dim(base=(0, -20), p1=(0, 0), p2=(297, 0)).render()
+    path = save(drawing)
+    with pytest.raises(Refused) as refused:
+        read(path, NO_PROCESS)
+    (finding,) = [one for one in refused.value.findings if one.severity == "error"]
+    assert finding.code == "DX214"
+    assert "297 x 210 mm" in finding.message
+    assert "A4" in finding.message
+    every = {one.dxf.handle for one in space.query("LWPOLYLINE CIRCLE")}
+    circles = {one.dxf.handle for one in space.query("CIRCLE")}
+    assert followed(path, process('follow = ["border"]')) == every
+    assert followed(path, process('leave_out = ["border"]')) == circles
+    for choice in ("follow", "leave_out"):
+        assert read(path, process(f'{choice} = ["border"]')).program.procedures
+
+
+def test_a_survey_has_the_size_of_the_work(save: Save, drawing: Drawing) -> None:
+    sheet(drawing.modelspace())
+    part(drawing.modelspace())
+    found = survey(save(drawing), NO_PROCESS)
+    (layer,) = [one for one in found.layers if one.name == "0"]
+    assert layer.closed == 3
+    assert [(one.what, one.name) for one in layer.parts] == [("border", "390 x 277 mm")]
+    assert found.extents is not None
+    assert found.extents.size == pytest.approx((120.0, 60.0, 0.0), abs=0.01)
+
+
+def test_an_empty_form_is_refused_with_the_cure(save: Save, drawing: Drawing) -> None:
+    sheet(drawing.modelspace())
+    path = save(drawing)
+    with pytest.raises(Refused) as refused:
+        read(path, NO_PROCESS)
+    (finding,) = [one for one in refused.value.findings if one.severity == "error"]
+    assert finding.code == "DX011"
+    assert 'follow = ["border"]' in (finding.cure or "")
