@@ -135,8 +135,12 @@ class Tags:
 
     def make_location(self, tags: Iterable[str]) -> bool:
         """True if a block with these tags is a location (see above)."""
-        found = [self.meaning(tag) for tag in tags]
+        given = [tag.strip() for tag in tags]
+        found = [self.meaning(tag) for tag in given]
         known = [m for m in found if m is not None]
+        # A single letter is what a symbol shows, such as that of a datum; angles come by three.
+        if len(given) == 1 and len(given[0]) == 1 and known and known[0] in ANGLES:
+            return False
         # Tags that do not decide need all others to be known: a title block has a NAME, too.
         return any(TAG_MEANINGS[m].decides for m in known) or bool(known and None not in found)
 

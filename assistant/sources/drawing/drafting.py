@@ -1,8 +1,9 @@
 """Drafting: what a drawing holds for people only, by names of layers, blocks and line types.
 
 A robot follows edges. Borders, title blocks, centre lines, hidden edges, dimensions, construction
-lines and hatches are drawn with the same entities, so only names tell them apart. Each word of the
-tables is of English, German, French, Spanish, Italian or Japanese, or a short form of a CAD system.
+lines and hatches are drawn with the same entities, so names tell them apart, and their shape
+borders (`sheets`). Each word of the tables is of English, German, French, Spanish, Italian,
+Russian, Chinese or Japanese, or a short form of a CAD system.
 
 A word counts where a name has it as a separate word: `Hidden (ISO)`, `A-ANNO-DIMS`,
 `Mittellinien`; `cutline` and `outline` have none. Words that parts have as well (`center`, `frame`)
@@ -49,6 +50,7 @@ _WORDS: Final[Mapping[str, str]] = {
         recuadro marcodibujo
         squadratura cornicedisegno
         図枠 用紙枠
+        рамка 图框
     """,
     "title block": """
         title titles titleblock titleblk ttlb tblock
@@ -57,6 +59,7 @@ _WORDS: Final[Mapping[str, str]] = {
         cajetin rotulo
         cartiglio
         表題欄 部品表
+        штамп 标题栏 明细栏 明细表
     """,
     "centre line": """
         centerline centreline centermark centremark
@@ -65,6 +68,7 @@ _WORDS: Final[Mapping[str, str]] = {
         lineacentro ejesimetria
         mezzeria lineaasse assesimmetria
         中心線 一点鎖線
+        осевая осевые осевыелинии 中心线 点画线 点划线
     """,
     "hidden line": """
         hidden hiddenedge hiddenedges invisible
@@ -73,11 +77,19 @@ _WORDS: Final[Mapping[str, str]] = {
         oculto oculta ocultos ocultas
         nascosto nascosta nascosti nascoste
         隠れ線 隠線 かくれ線 破線
+        невидимая невидимые невидимыелинии 虚线 隐藏线
     """,
     "phantom line": """
         phantom
         fantome
         想像線 二点鎖線
+        双点画线 双点划线
+    """,
+    "thin line": "细实线 波浪线",
+    "symbol": """
+        roughness surfacefinish datumsymbol rou
+        rauheit oberflaechenzeichen rugosite rugosidad rugosita
+        шероховатость 粗糙度 表面粗さ
     """,
     "dimension": """
         dims dimension dimensions dimensioning dimline leader leaders
@@ -86,6 +98,7 @@ _WORDS: Final[Mapping[str, str]] = {
         acotado acotacion acotaciones dimensiones
         quotatura quotature dimensioni
         寸法 引出線
+        размер размеры выноска выноски 尺寸 标注 引线
     """,
     "construction": """
         construction constructionline constructiongeometry sketchgeometry
@@ -94,6 +107,7 @@ _WORDS: Final[Mapping[str, str]] = {
         construccion auxiliar auxiliares
         costruzione ausiliario ausiliaria ausiliari ausiliarie
         補助線 作図線
+        вспомогательная вспомогательные 辅助线 构造线
     """,
     "hatch": """
         hatch hatches hatching crosshatch crosshatching sectionlining
@@ -102,6 +116,7 @@ _WORDS: Final[Mapping[str, str]] = {
         sombreado rayado
         campitura campiture retino
         ハッチ
+        штриховка 剖面线 填充
     """,
     "construction points of dimensions": "defpoints",
 }
@@ -132,6 +147,8 @@ _WORDS_OF_WORK: Final = """
     corte cortar taladro taladrado grabado pegado pegamento sello soldadura fresado
     taglio foratura incisione incollaggio colla guarnizione saldatura fresatura
     切断 溶接 接着 塗布 加工 刻印
+    рез резка гравировка сварка клей
+    切割 焊接 涂胶 雕刻 打孔
 """
 _SUFFIXES: Final = ("lines", "line", "linien", "linie", "layer", "marks", "mark", "n", "s", "線")
 """Endings with which a word is still that word."""

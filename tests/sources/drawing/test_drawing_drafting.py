@@ -18,11 +18,15 @@ from assistant.sources.process.file import parse_process
 from tests.sources.drawing.conftest import Save
 
 WORDS = {
-    "border": "BORDER Border_(ISO) RAHMEN Zeichnungsrahmen Cadre recuadro SQUADRATURA 図枠 frame",
+    "border": "BORDER Border_(ISO) RAHMEN Zeichnungsrahmen Cadre recuadro SQUADRATURA 図枠 frame"
+    " Рамка 图框",
+    "thin line": "细实线 细实线层",
+    "symbol": "ROU1 ROU2 Rauheit 表面粗糙度",
     "title block": "TITLE Title(ISO) TitleBlock TITLE-BLOCK A-ANNO-TTLB Schriftfeld 表題欄"
     " Cartouche",
     "centre line": "CENTER Centerline_(ISO) CENTRE-LINES Center_Mark_(ISO) Mittellinien MITTE Axes"
-    " ejes asse 中心線 centerMarks IV_ARC_CENTERS",
+    " ejes asse 中心線 centerMarks IV_ARC_CENTERS Осевая 点画线 中心线层",
+    "phantom line": "Phantom 双点画线",
     "hidden line": "HIDDEN Hidden_Narrow_(ISO) hiddenLines verdeckt CACHÉ caches ocultas nascoste"
     " 隠れ線",
     "dimension": "DIM DIMS Dimension(ISO) A-ANNO-DIMS BEMASSUNG Bemaßung cotation COTES acotación"
@@ -51,6 +55,12 @@ WORK = (
         "Außenkontur",
         "外形",
         "外形線",
+        "粗实线",
+        "轮廓线",
+        "切割图框",
+        "Контур",
+        "Резка рамка",
+        "ROUTE",
         "axis 2 rail",
         "IV_OUTER_PROFILE",
         "hatchback",
@@ -59,7 +69,7 @@ WORK = (
 
 
 @pytest.mark.parametrize(("kind", "names"), WORDS.items())
-def test_words_of_drafting_in_six_languages(kind: str, names: str) -> None:
+def test_words_of_drafting_in_eight_languages(kind: str, names: str) -> None:
     for name in (*names.split(), *(one.replace("_", " ") for one in names.split())):
         assert layer_kind(name) == kind, name
 

@@ -497,3 +497,18 @@ def test_same_bytes_same_program(save: Save, drawing: Drawing) -> None:
     put(drawing.modelspace(), (0, 0), angles(180) | {"NAME": "p"})
     path = save(drawing)
     assert read(path, NO_PROCESS) == read(path, NO_PROCESS)
+
+
+def test_the_letter_of_a_datum_is_no_angle(save: Save, drawing: Drawing) -> None:
+    block = drawing.blocks.new("BASE")
+    block.add_attdef("A", (0, 0))
+    block.add_circle((0, 0), 4)
+    space = drawing.modelspace()
+    space.add_blockref("BASE", (5, 0)).add_attrib("A", "B")
+    lone = space.add_blockref("BASE", (50, 0))
+    for tag, text in (("A", "10"), ("B", "20"), ("C", "30")):
+        lone.add_attrib(tag, text)
+    contents = read_contents(save(drawing), NO_PROCESS)
+    assert [one.pose.position for one in contents.locations] == [(50.0, 0.0, 0.0)]
+    assert not [one for one in contents.findings if one.severity == "error"]
+    assert "DX319" in {one.code for one in contents.findings}
