@@ -144,7 +144,7 @@ def read_contents(path: FilePath, process: Process) -> Contents:
                 off = drafting.leaves_out(placed)
                 counted_in = Tally() if off or unwanted(placed.layer) else tally
                 (aside if off else curves).extend(curves_of(placed, counted_in, traversal))
-        borders = drafting.borders(curves, traversal.annotations)
+        borders = drafting.borders(curves, aside, traversal.annotations)
         aside += [curves[row] for row in borders]
         curves = [curve for row, curve in enumerate(curves) if row not in borders]
         traversal.paper()

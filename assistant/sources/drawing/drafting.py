@@ -341,10 +341,13 @@ class Drafting:
         self.followed[key] = self.followed.get(key, 0) + 1
         return None
 
-    def borders(self, curves: Sequence[Curve], texts: Sequence[Floats]) -> dict[int, Reason]:
+    def borders(
+        self, curves: Sequence[Curve], aside: Sequence[Curve], texts: Sequence[Floats]
+    ) -> dict[int, Reason]:
         """Curves of borders and title blocks that are known by their shape, by their rows; counted.
 
-        texts: where annotations of the drawing are. What may be a part as well is a finding.
+        aside: those that are drafting by their names, which may be a part of a border. texts: where
+        annotations of the drawing are. What may be a part as well is a finding.
         """
         if matches_any(self.process.follow, BORDER):
             return {}
@@ -360,8 +363,11 @@ class Drafting:
         there = back.moved(places[np.isfinite(places).all(axis=1)])[:, :2]
         found: dict[int, Reason] = {}
         tables = self._stated
-        for sheet in find_sheets([curves[row] for row in rows], there, back, annotated=bool(texts)):
-            own = [rows[row] for row in sheet.rows]
+        given = [curves[row] for row in rows]
+        for sheet in find_sheets(given, aside, there, back, annotated=bool(texts)):
+            own = [rows[row] for row in sheet.rows if row < len(rows)]
+            if not own:
+                continue
             if not sheet.sure and not matches_any(self.process.leave_out, BORDER):
                 if not tables or any(curves[row].layer.casefold() in tables for row in own):
                     self.undecided.append(sheet)

@@ -87,14 +87,15 @@ class Sheet:
 
 
 def find_sheets(
-    curves: Sequence[Curve], texts: Floats, back: Pose, *, annotated: bool
+    curves: Sequence[Curve], aside: Sequence[Curve], texts: Floats, back: Pose, *, annotated: bool
 ) -> list[Sheet]:
     """The sheets of paper that are drawn by these curves.
 
+    aside: others that are drafting by their names; their rows come after those of the curves.
     texts: (n, 2) mm in the drawing's world, where texts stand. back: from where the curves are into
     that world. annotated: the drawing has texts, dimensions or leaders.
     """
-    page = _Page.of(curves, back)
+    page = _Page.of([*curves, *aside], back)
     if page is None:
         return []
     found: list[Sheet] = []
@@ -114,7 +115,7 @@ def find_sheets(
     edges = ((one, _paper(one)) for one in reversed(rectangles))
     for edge, name in edges:
         if name and page.holds_all(edge):
-            return list(_bare_sheet(page, edge, name, rectangles))
+            return list(_bare_sheet(page, edge, name, rectangles, len(curves)))
     return []
 
 
@@ -457,9 +458,9 @@ def _paper(box: _Rectangle) -> str:
 
 
 def _bare_sheet(
-    page: _Page, edge: _Rectangle, name: str, rectangles: Sequence[_Rectangle]
+    page: _Page, edge: _Rectangle, name: str, rectangles: Sequence[_Rectangle], work: int
 ) -> Iterator[Sheet]:
-    """A sheet without a title block."""
+    """A sheet without a title block. work: rows that are not drafting by their names."""
     inside = [row for row in range(len(page.curves)) if row not in edge.rows]
     for border in rectangles:
         if edge.is_edge_of(border) and not page.crossing(border):
@@ -469,7 +470,7 @@ def _bare_sheet(
                 rows = edge.rows | border.rows | between
                 yield Sheet(frozenset(rows), edge.size, f"{name} with a border")
                 return
-    contours = chain_curves([page.curves[row] for row in inside], _TOUCH)[0]
+    contours = chain_curves([page.curves[row] for row in inside if row < work], _TOUCH)[0]
     around = holders(contours, _DOWN, _TOUCH)
     nested = any(row != NO_HOLDER for row in around)
     what = f"{name} around parts with holes" if nested else name

@@ -130,6 +130,15 @@ def test_a_sheet_in_inches_and_marks_for_cutting(save: Save) -> None:
     assert followed(save(document)) == work
 
 
+def test_a_title_block_with_a_name_is_a_sign_of_its_border(save: Save, drawing: Drawing) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), (390, 277))
+    title_block(drawing.blocks.new("Title block"), 390, 0)
+    space.add_blockref("Title block", (0, 0))
+    work = part(space)
+    assert followed(save(drawing)) == work
+
+
 def test_lines_beside_the_table_and_views_in_large_cells_stay(save: Save, drawing: Drawing) -> None:
     space = drawing.modelspace()
     sheet(space)
@@ -151,6 +160,13 @@ def bent(space: Space) -> None:
     for y in (50, 80, 110, 140, 170, 247):
         space.add_line((0, y), (420, y))
         space.add_text("UP 90", height=5).set_placement((30, y + 2))
+
+
+def hidden(space: Space) -> None:
+    """The plate with hidden edges around its holes."""
+    plate(space)
+    for x in (20, 277):
+        space.add_circle((x, 20), 8, dxfattribs={"layer": "Hidden (ISO)"})
 
 
 def gasket(space: Space) -> None:
