@@ -58,8 +58,12 @@ _FEWEST_TEXTS: Final = 3
 """Lines and texts of a title block."""
 _TEXTS_OF_TABLE: Final = 20
 """Texts with which a block of any size is a table, such as a list of parts."""
+_SMALL_BLOCK_PART: Final = 0.25
+"""Part of a border up to which everything in a block belongs to it, as a logo."""
 _CELL_PART: Final = 0.04
-"""Part of a border that a cell takes in which everything belongs to the title block, as a logo."""
+"""The same of a single cell of a larger one."""
+_BESIDE: Final = 0.5
+"""mm that a line of a title block may be beside its place, where one was drawn by hand."""
 _MARK_PART: Final = 0.1
 """Part of a border's short side that a mark on it is long at most."""
 _MOST_LINES: Final = 50_000
@@ -410,12 +414,18 @@ def _in_cells(page: _Page, block: Sequence[_Stretch], border: _Rectangle) -> set
     lines = shapely.union_all(
         [*shapely.linestrings([one.corners for one in block]), around], grid_size=_TOUCH
     )
+    low, high = _box(block)
+    small = float((high - low).prod()) <= _SMALL_BLOCK_PART * border.area
+    # The room for the part is no cell of the block: it is outside the block's box.
+    within = shapely.box(*(low - _TOUCH), *(high + _TOUCH))
     cells = [
-        one for one in shapely.polygonize([lines]).geoms if one.area <= _CELL_PART * border.area
+        one
+        for one in shapely.polygonize([lines]).geoms
+        if one.area <= _CELL_PART * border.area or (small and within.covers(one))
     ]
     if not cells:
         return set()
-    room = shapely.union_all(cells).buffer(_TOUCH)
+    room = shapely.union_all(cells).buffer(_BESIDE, join_style="mitre")
     rows = np.flatnonzero(page.inside(border))
     boxes = shapely.box(*page.low[rows].T, *page.high[rows].T)
     shapely.prepare(room)

@@ -50,6 +50,7 @@ def title_block(space: Space, right: float, bottom: float, texts: int = 6) -> No
     for x in (left + 40, left + 80, left + 120):
         space.add_line((x, bottom), (x, top))
     space.add_circle((left + 20, bottom + 15), 3)
+    space.add_line((left - 0.2, bottom + 9.8), (left + 39.8, bottom + 9.8))  # beside its place
     for k in range(texts):
         space.add_text("Scale 1:1", height=3).set_placement((left + 5 + 25 * k, bottom + 2))
 
