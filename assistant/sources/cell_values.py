@@ -405,7 +405,8 @@ def _keys(wanted: Wanted, value: SuppliedValue | None) -> Iterator[tuple[str, An
                 yield "bits", signal.bits if signal.number is not None else None, ""
         case "data":
             yield "type", wanted.type, ""
-            yield "value", value, ""
+            several = value is None and isinstance(wanted.nothing, tuple)
+            yield "value", value, f"like {data_text(wanted.nothing)}" if several else ""
         case "routine":
             yield "routine", value, '"stop", "empty", or the name of its file'
         case "record":

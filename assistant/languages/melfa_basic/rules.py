@@ -251,8 +251,9 @@ SHARED_BRANCH = warning(
     "write frames as base instead of as products",
 )  # fmt: skip
 UNDECLARED = error(
-    "MB229", "`{name}` is not declared in what was read",
-    "give the file that declares it as well, or declare it", misses=True,
+    "MB229",
+    "`{name}` is not declared in what was read, or is of a type that only the other controller has",
+    "give the file that declares it as well, or write the statement without it", misses=True,
 )  # fmt: skip
 MISSING = error(
     "MB230", "the procedure `{name}` that is called is not in what was read",
