@@ -486,9 +486,9 @@ def with_entry(program: Program, entry: str | None) -> Program:
 
 
 def beginnings(program: Program) -> tuple[str, ...]:
-    """Return the procedures that the program could begin with, those that no other calls first."""
+    """Return the procedures that the program could begin with, those that nothing calls first."""
     names = [one.name for one in program.procedures if _can_begin(one)]
-    inner = {name for one in program.procedures for name in called(one) if name != one.name.lower()}
+    inner = {name for one in program.procedures for name in called(one)}
     return tuple(sorted(names, key=lambda name: name.lower() in inner))
 
 

@@ -123,3 +123,45 @@ def test_data_that_a_call_changes_are_shared(tmp_path: Path, use: str, shared: b
         files.append(str(file))
     for one in tasks_of(files):
         assert ("RA395" in [f.code for f in load_task(one).findings]) is shared
+
+
+READING = """MODULE Reading
+PERS tooldata tHand;
+PERS num parts;
+PERS num row{2};
+PROC main()
+MoveL [[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,tHand;
+WHILE parts<row{2} DO
+parts:=parts+1;
+ENDWHILE
+ENDPROC
+ENDMODULE
+"""
+STATING = """MODULE Stating
+PERS tooldata tHand:=[TRUE,[[0,0,150],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];
+PERS num parts:=3;
+PERS num row{2}:=[1,7];
+PROC main()
+SetGO goParts,parts;
+SetGO goRow,row{1};
+ENDPROC
+ENDMODULE
+"""
+
+
+def test_a_value_that_another_task_states_is_asked_of_nobody(tmp_path: Path) -> None:
+    files = []
+    for task, text in (("TASK1", READING), ("TASK2", STATING)):
+        file = tmp_path / "RAPID" / task / "PROGMOD" / f"{task}.mod"
+        file.parent.mkdir(parents=True)
+        file.write_text(text)
+        files.append(str(file))
+    done = [
+        translate(load_task(task), to="melfa-basic-6", cell=tmp_path / "cell.toml", draft=True)
+        for task in tasks_of(files)
+    ]
+    assert [one.name for one in done[0].wanting] == []
+    first, second = (b"".join(one.files.values()).decode("ascii") for one in done)
+    assert "M_00=3" in first and "M_00=3" not in second
+    assert "(+0.00,+0.00,+150.00," in first
+    assert "Mrow(2)=7" in first and "Mrow(1)=1" in second

@@ -19,7 +19,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path as FilePath
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -40,6 +40,7 @@ from assistant.languages.rapid.tree.literals import EXTERNAL_AXES, still_axis_na
 from assistant.languages.rapid.tree.walk import nodes, renamed
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
+from assistant.program.rewriting import rewrite
 from assistant.program.undeclared_names import SuppliedValue, WantedKind
 
 _SECTION: Final = re.compile(r"(?m)^([A-Z][A-Z0-9_]*):[ \t]*$")
@@ -401,6 +402,7 @@ TaskFiles = Sequence[s.File]
 
 def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]:
     """The files of each task of a controller, by the task's name, with names for all programs."""
+    tasks = _with_values_of_others(tasks)
     declared = [dict(_persistent_data(files)) for _, files in tasks]
     count = Counter(name for one in declared for name in one)
     # Persistents that no task changes keep their value in each program, without sharing.
@@ -440,6 +442,45 @@ def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]
             SharedData(tuple(_renamed_file(file, names, kept) for file in given), tuple(found))
         )
     return made
+
+
+def _with_values_of_others(
+    tasks: Sequence[tuple[str, TaskFiles]],
+) -> Sequence[tuple[str, TaskFiles]]:
+    """The tasks with values for persistent data that only another task states the value of."""
+    values: dict[tuple[str, str, int], s.Expression] = {}
+    lacking = False
+    for _, files in tasks:
+        for name, data in _persistent_data(files):
+            lacking |= data.value is None
+            if data.value is not None:
+                values.setdefault((name, data.type.lower(), len(data.dimensions)), data.value)
+    if not lacking:
+        return tasks
+
+    def of_item(item: s.Item) -> s.Item:
+        if isinstance(item, s.Data) and item.storage == "PERS" and not item.scope:
+            key = item.name.lower(), item.type.lower(), len(item.dimensions)
+            if item.value is None and key in values:
+                # Its places are in another text.
+                return replace(item, value=rewrite(values[key], _without_place))
+        return item
+
+    def of_part(part: Any) -> Any:
+        if not isinstance(part, s.Module):
+            return part
+        items = tuple(map(of_item, part.items))
+        same = all(a is b for a, b in zip(items, part.items, strict=True))
+        return part if same else replace(part, items=items)
+
+    return [
+        (name, [replace(file, parts=tuple(map(of_part, file.parts))) for file in files])
+        for name, files in tasks
+    ]
+
+
+def _without_place(node: Any) -> Any:
+    return replace(node, span=None) if isinstance(node, s.Node) else node
 
 
 def _persistent_data(files: TaskFiles) -> Iterator[tuple[str, s.Data]]:
