@@ -155,6 +155,10 @@ class _Unit:
         return FilePath(self.path).name.lower()
 
 
+def _text_of(unit: _Unit) -> str:
+    return "" if unit.tree.source is None else str(unit.tree.source.text)
+
+
 def _language_of_file(file: str) -> Language[Any] | None:
     return languages.of_file(file, read_bytes(file))
 
@@ -225,6 +229,9 @@ class _Grouping:
                 groups += self._of_room(room, units)
         taken = {unit for group in groups for unit in group.units}
         rest = [unit for unit in self.units if unit not in taken and unit.room not in spread]
+        # A backup keeps the files that its tasks load beside them as well.
+        loaded = {_text_of(unit) for unit in taken if self.loading.closed(unit.room)}
+        rest = [u for u in rest if self.loading.closed(u.room) or _text_of(u) not in loaded]
         groups += self._libraries(rest)
         shared = self._shared(groups)
         for group in groups:

@@ -229,3 +229,22 @@ def test_a_translation_takes_what_the_project_states(
     status, said, _ = run(capsys, "translate", "cell.mod", "--to", "melfa-basic-6")
     assert status == 0, said
     assert "JOvrd 17" in Path("CELL.prg").read_text("ascii")
+
+
+def test_a_copy_of_a_file_that_a_task_loads_is_no_program_of_its_own(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    system = "MODULE user(SYSMODULE)\nPERS num nUser:=1;\nENDMODULE\n"
+    main = "MODULE part\nPROC main()\nWaitTime 1;\nENDPROC\nENDMODULE\n"
+    for name, text in (
+        ("HOME/user.sys", system),
+        ("HOME/other.sys", system.replace("nUser", "nOther").replace("user", "other")),
+        ("RAPID/TASK1/SYSMOD/user.sys", system),
+        ("RAPID/TASK1/PROGMOD/part.mod", main),
+    ):
+        Path("backup", name).parent.mkdir(parents=True, exist_ok=True)
+        Path("backup", name).write_text(text)
+    _, said, _ = run(capsys, "translate", "backup", "--to", "melfa-basic-6", "-o", "out")
+    assert "backup/HOME/other.sys: " in said and "backup/RAPID/TASK1: " in said
+    assert "HOME/user.sys" not in said
