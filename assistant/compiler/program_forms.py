@@ -451,7 +451,11 @@ class _Constants:
             groups.setdefault(self.subjects[procedure.name.lower()], []).append(procedure)
         made: dict[str, Procedure] = {}
         for subject, procedures in groups.items():
-            made |= self.named(subject, procedures)
+            # The few moves of the entry, such as those to home, are no subject beside others.
+            alone = subject or len(groups) == 1
+            made |= (
+                self.named(subject, procedures) if alone else {one.name: one for one in procedures}
+            )
         if not (self.variables or self.speeds or self.blends):
             return self.given
         comments = self.given.comments
@@ -553,13 +557,15 @@ class _Constants:
                         (travel if away else work)[speed] += 1
                     if isinstance(blend, Blend) and self.language.declares_motion(blend):
                         blends[blend] += 1
+        zones = self.only(subject, "zone", blends, self.blends)
         # Two speeds of one kind have no names that tell which is which.
-        along = self.only(subject, "speed", work, self.speeds)
-        above = {speed: name for speed, name in along.items() if speed in travel}
+        if travel.keys() == work.keys():
+            one = self.only(subject, "speed", travel + work, self.speeds)
+            return one, one, zones
         return (
-            above or self.only(subject, "travel", travel, self.speeds),
-            along,
-            self.only(subject, "zone", blends, self.blends),
+            self.only(subject, "travel", travel, self.speeds),
+            self.only(subject, "speed", work, self.speeds),
+            zones,
         )
 
     def only(

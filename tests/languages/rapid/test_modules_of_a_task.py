@@ -68,7 +68,7 @@ def test_headers_that_are_read_grow_with_the_units(
         drawing = tmp_path / f"waves_{contours}.dxf"
         document = ezdxf.new(units=4)
         for k in range(contours):
-            points = [(20 * k + 2 * j, j % 2) for j in range(8)]
+            points = [(20 * k + 2 * j, j % 2) for j in range(10)]
             document.modelspace().add_lwpolyline(points, dxfattribs={"layer": "CUT"})
         document.saveas(drawing)
         drawing.with_suffix(".process.toml").write_text("[layers.CUT]\nspeed = 30\n")
