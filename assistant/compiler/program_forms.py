@@ -560,8 +560,8 @@ class _Constants:
         zones = self.only(subject, "zone", blends, self.blends)
         # Two speeds of one kind have no names that tell which is which.
         if travel.keys() == work.keys():
-            one = self.only(subject, "speed", travel + work, self.speeds)
-            return one, one, zones
+            same = self.only(subject, "speed", travel + work, self.speeds)
+            return same, same, zones
         return (
             self.only(subject, "travel", travel, self.speeds),
             self.only(subject, "speed", work, self.speeds),

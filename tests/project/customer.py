@@ -93,11 +93,14 @@ TARGET: Final = re.compile(
     rf"(?:CONST|PERS) robtarget (\w+):=\[\[({NUMBER}),({NUMBER}),({NUMBER})\]", re.IGNORECASE
 )
 MOVE: Final = re.compile(r"^\s*Move(L|C|J|AbsJ) (.*);", re.IGNORECASE)
+HEIGHT: Final = re.compile(rf"CONST num (\w+):=({NUMBER});")
 AWAY: Final = re.compile(rf"RelTool\((\w+),({NUMBER}),({NUMBER}),({NUMBER})\)", re.IGNORECASE)
 
 
 def cuts(text: str, output: str) -> Iterator[Cut]:
     """The ways of a RAPID module while an output is 1; the tool points down (its z is -z)."""
+    for name, value in HEIGHT.findall(text):
+        text = re.sub(rf"\b{name}\b(?!:=)", value, text)
     targets = {
         found[1].lower(): np.array([float(found[k]) for k in (2, 3, 4)])
         for found in TARGET.finditer(text)
