@@ -17,16 +17,19 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import CONTOURS, within
 from assistant.base.diagnostics import Refused
 from assistant.program.settings_tables import Wrong
-from assistant.sources.contours.contour_choice import ContourChoice
+from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_listing import ListedContour, listed_contours
 from assistant.sources.contours.curves import Curve, chorded, sample
-from assistant.sources.contours.layer_program import contour_program
+from assistant.sources.contours.layer_program import contour_choice, contour_program
 from assistant.sources.drawing import read_contents
+from assistant.sources.drawing.contents import Contents
 from assistant.sources.process import LeftOut, Process, read_left_out
 from assistant.studio.route_answers import Question, not_asked
 
 _MOST_DRAWN_POINTS: Final = 20_000
 """Most points in the picture of a drawing."""
+_MOST_ORDERED: Final = 3_000
+"""Curves over which contours are listed without their numbers in the order."""
 _CHORD_SHARE: Final = 0.0002
 """Parts of a drawing's size that chords of a curve are off in its picture, less than is seen."""
 
@@ -51,14 +54,9 @@ class DrawnContours:
         views: tuple[dict[str, Any], ...] = ()
         try:
             with within(CONTOURS, str(drawing), len(contents.curves)):
-                made = contour_program(
-                    *(contents.curves, process),
-                    taken=set(),
-                    marks=contents.marks,
-                    texts=contents.texts,
-                )
-                contours = tuple(listed_contours(made, process))
-                views = tuple(_view_records(made.choice))
+                choice, order = _choice_and_order(contents, process)
+                contours = tuple(listed_contours(choice, order, process))
+                views = tuple(_view_records(choice))
         except Refused:
             pass
         layers = {one.contour.layer.casefold() for one in contours}
@@ -102,6 +100,17 @@ class DrawnContours:
     def _seen(self, points: Floats) -> Floats:
         placement = self.process.placement
         return (points if placement is None else placement.inverse().moved(points))[:, :2]
+
+
+def _choice_and_order(
+    contents: Contents, process: Process
+) -> tuple[ContourChoice, tuple[Row, ...]]:
+    """The order is empty for a drawing of which the program takes long."""
+    curves, marks, texts = contents.curves, contents.marks, contents.texts
+    if len(curves) > _MOST_ORDERED:
+        return contour_choice(curves, process, marks, texts), ()
+    made = contour_program(curves, process, taken=set(), marks=marks, texts=texts)
+    return made.choice, made.order
 
 
 def _view_records(choice: ContourChoice) -> Iterator[dict[str, Any]]:

@@ -10,9 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from assistant.sources.contours.chains import Contour
-from assistant.sources.contours.contour_choice import Row
+from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_shapes import ContourShape, contour_shapes
-from assistant.sources.contours.layer_program import ContourProgram
 from assistant.sources.process import DEFAULT_MOTION, Layer, LeftOut, Process
 
 
@@ -32,15 +31,20 @@ class ListedContour:
     left_by: tuple[LeftOut, ...]
 
 
-def listed_contours(made: ContourProgram, process: Process) -> Iterator[ListedContour]:
-    """The contours of a program by layers, with those that `leave_out` of its process drops."""
-    choice, numbers = made.choice, defaultdict[Row, list[int]](list)
-    for number, row in enumerate(made.order, start=1):
+def listed_contours(
+    choice: ContourChoice, order: Sequence[Row], process: Process
+) -> Iterator[ListedContour]:
+    """The contours of a program by layers, with those that `leave_out` of its process drops.
+
+    order: of the program, empty if it is not known.
+    """
+    numbers = defaultdict[Row, list[int]](list)
+    for number, row in enumerate(order, start=1):
         numbers[row].append(number)
     rows = [row for row, _ in choice.rows()]
     # What is left out is around nothing, so that the others are named without it.
-    kept = _shapes(made, process, [row for row in rows if row not in choice.left])
-    shapes = _shapes(made, process, rows) if choice.left else kept
+    kept = _shapes(choice, process, [row for row in rows if row not in choice.left])
+    shapes = _shapes(choice, process, rows) if choice.left else kept
     for row, contour in choice.rows():
         shape = kept.get(row) or shapes[row]
         text = shape.text if shape.kind else f"line {shape.text}"
@@ -48,15 +52,17 @@ def listed_contours(made: ContourProgram, process: Process) -> Iterator[ListedCo
         yield ListedContour(contour, choice.naming_point(row), text, tuple(numbers[row]), left_by)
 
 
-def _shapes(made: ContourProgram, process: Process, rows: Sequence[Row]) -> dict[Row, ContourShape]:
+def _shapes(
+    choice: ContourChoice, process: Process, rows: Sequence[Row]
+) -> dict[Row, ContourShape]:
     known = {name.casefold(): layer for name, layer in process.layers.items()}
     usual = Layer("", DEFAULT_MOTION.motion)
     groups = []
-    for contours in made.choice.layers:
+    for contours in choice.layers:
         layer = known.get(contours[0].layer.casefold(), usual)
         groups.append((process.placed(layer.direction), list[Contour]()))
     for i, k in rows:
-        groups[i][1].append(made.choice.layers[i][k])
+        groups[i][1].append(choice.layers[i][k])
     found = contour_shapes(groups, process.placement, process.tolerance)
     by_layer = [iter(shapes) for shapes in found]
     return {row: next(by_layer[row[0]]) for row in rows}

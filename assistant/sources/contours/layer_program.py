@@ -177,48 +177,11 @@ def contour_program(
     path: the drawing, for findings. marks: points on layers, where contours start. texts: of the
     drawing, where they number contours.
     """
-    layers: dict[str, list[Curve]] = {}
-    for curve in curves:
-        layers.setdefault(curve.layer.casefold(), []).append(curve)
-    known = {name.casefold(): layer for name, layer in process.layers.items()}
-    defaults = process.defaults
-    usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
     names = TakenNames(taken)
     procedures: list[Procedure] = []
     called: list[Procedure] = []
     targets: dict[str, Target] = {}
-    findings: list[Diagnostic] = []
-    followed: list[tuple[str, Layer, Sequence[Contour]]] = []
-    for key, group in layers.items():
-        unwanted = process.leaves_out(key)
-        layer = known.get(key, None if unwanted else usual)
-        if layer is None:
-            if not unwanted:
-                given = group[0].layer
-                key_shown = json.dumps(shown(given), ensure_ascii=False)
-                findings.append(
-                    _NOT_USED_ON_LAYER(
-                        what=_curves_in_words(group), layer=shown(given), key=key_shown
-                    )
-                )
-            continue
-        name = _procedure_name(group[0].layer, names)
-        names.add(name)
-        single, overlapping = without_overlaps(group, process.tolerance)
-        contours, chained = chain_curves(single, process.tolerance)
-        findings += (*overlapping, *chained, *wide_gaps(contours, process.tolerance))
-        if contours:
-            direction = process.placed(layer.direction)
-            followed.append((name, replace(layer, direction=direction), contours))
-
-    def numbered() -> Sequence[Row]:
-        """Rows of the program as it is without the entries that have a number."""
-        others = tuple(one for one in process.left_out if one.number is None)
-        without = replace(process, left_out=others)
-        made = contour_program(curves, without, taken=set(taken), marks=marks, texts=texts)
-        return made.order
-
-    choice = ContourChoice.of([contours for *_, contours in followed], process, numbered)
+    followed, findings, choice = _chosen(curves, process, names, marks, texts)
     findings += choice.findings
     kept = [choice.kept(i) for i in range(len(followed))]
     left = [rows for rows in kept if rows]
@@ -254,11 +217,80 @@ def contour_program(
         targets |= named
         findings += found
     taken.update(names)
-    findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
+    findings += _without_contours(process.layers, [*dict.fromkeys(one.layer for one in curves)])
     found_within = tuple(f.within(path) for f in findings)
     return ContourProgram(
         tuple(procedures), tuple(called), targets, found_within, choice, tuple(order)
     )
+
+
+def contour_choice(
+    curves: Sequence[Curve],
+    process: Process,
+    marks: Sequence[tuple[str, Vector]] = (),
+    texts: Sequence[LayerText] = (),
+) -> ContourChoice:
+    """The choice of contours alone, for drawings of which the program takes long; see
+    `contour_program`.
+    """
+    return _chosen(curves, process, TakenNames(()), marks, texts)[2]
+
+
+_Followed = tuple[str, Layer, Sequence[Contour]]
+"""The procedure of a layer, its process, and its contours."""
+
+
+def _chosen(
+    curves: Sequence[Curve],
+    process: Process,
+    names: TakenNames,
+    marks: Sequence[tuple[str, Vector]],
+    texts: Sequence[LayerText],
+) -> tuple[list[_Followed], list[Diagnostic], ContourChoice]:
+    """The layers that are followed with all contours, findings, and which of them are left out.
+
+    names: those of the procedures are added.
+    """
+    taken = set(names)
+    layers: dict[str, list[Curve]] = {}
+    for curve in curves:
+        layers.setdefault(curve.layer.casefold(), []).append(curve)
+    known = {name.casefold(): layer for name, layer in process.layers.items()}
+    defaults = process.defaults
+    usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
+    findings: list[Diagnostic] = []
+    followed: list[_Followed] = []
+    for key, group in layers.items():
+        unwanted = process.leaves_out(key)
+        layer = known.get(key, None if unwanted else usual)
+        if layer is None:
+            if not unwanted:
+                given = group[0].layer
+                key_shown = json.dumps(shown(given), ensure_ascii=False)
+                findings.append(
+                    _NOT_USED_ON_LAYER(
+                        what=_curves_in_words(group), layer=shown(given), key=key_shown
+                    )
+                )
+            continue
+        name = _procedure_name(group[0].layer, names)
+        names.add(name)
+        single, overlapping = without_overlaps(group, process.tolerance)
+        contours, chained = chain_curves(single, process.tolerance)
+        findings += (*overlapping, *chained, *wide_gaps(contours, process.tolerance))
+        if contours:
+            direction = process.placed(layer.direction)
+            followed.append((name, replace(layer, direction=direction), contours))
+
+    def numbered() -> Sequence[Row]:
+        """Rows of the program as it is without the entries that have a number."""
+        others = tuple(one for one in process.left_out if one.number is None)
+        without = replace(process, left_out=others)
+        made = contour_program(curves, without, taken=set(taken), marks=marks, texts=texts)
+        return made.order
+
+    choice = ContourChoice.of([contours for *_, contours in followed], process, numbered)
+    return followed, findings, choice
 
 
 def _procedure_name(layer: str, taken: TakenNames) -> str:

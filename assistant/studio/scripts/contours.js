@@ -98,7 +98,7 @@ function views(found) {
     button.setAttribute("aria-pressed", String(one.contours.every((i) => found.contours[i].left)));
     button.addEventListener("click", () => {
       const used = button.getAttribute("aria-pressed") === "true";
-      for (const tick of ticks(one)) if (tick.checked !== used) { tick.checked = used; tick.dispatchEvent(new Event("change")); }
+      for (const tick of ticks(one)) if (tick.checked !== used) { tick.checked = used; tick.dispatchEvent(new Event("change", { bubbles: true })); }
       button.setAttribute("aria-pressed", String(!used));
     });
     box.append(button, " ");
@@ -136,7 +136,7 @@ export function contourList(found, layer) {
   const all = (key, used) => {
     const one = said("button", key);
     one.type = "button";
-    one.addEventListener("click", () => { for (const tick of ticks) if (!tick.disabled && tick.checked !== used) { tick.checked = used; tick.dispatchEvent(new Event("change")); } });
+    one.addEventListener("click", () => { for (const tick of ticks) if (!tick.disabled && tick.checked !== used) { tick.checked = used; tick.dispatchEvent(new Event("change", { bubbles: true })); } });
     return one;
   };
   const both = made("p");

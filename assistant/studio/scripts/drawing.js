@@ -2,7 +2,8 @@
 import { find, made, said, shown, word } from "./words.js";
 import { ask, look } from "./server.js";
 import { doing } from "./findings.js";
-import { on } from "./line.js";
+import { on, state as window_ } from "./line.js";
+import { alsoSaved } from "./editor_saving.js";
 import { choose } from "./tabs.js";
 import { fill, filled } from "./parts.js";
 import { COLOURS, picture, switchedContours } from "./contours.js";
@@ -16,7 +17,7 @@ let path = "", read = "", now = null, layerNow = ""; // the drawing that is show
 async function show(file) {
   const drawing = file.kind === "drawing" ? file.path : project.files.find((one) =>
     file.kind === "process" && one.kind === "drawing" && one.path.replace(/\.[^.]+$/, "") === file.path.replace(/\.process\.toml$/, ""))?.path;
-  if (!drawing) return;
+  if (!drawing || !await saved()) return;
   path = drawing;
   find("panel-drawing").replaceChildren(); // values of one drawing are not written to another
   const found = await doing(() => look("drawing", { path: drawing }));
@@ -33,25 +34,35 @@ function draw(found) {
   read = JSON.stringify(found);
   const names = found.layers.map((layer) => layer.name);
   chooseLayer(names.includes(layerNow) ? layerNow : found.layers.find((layer) => layer.used)?.name ?? names[0]);
-  form.addEventListener("submit", async (event) => {
-    event.preventDefault();
-    const done = await doing(() => ask("drawing/process", { path: found.path, values: stated(form) }));
-    if (done && path === found.path) { draw(done); await readProject(); await showScene(done.path); }
-  });
+  form.addEventListener("submit", (event) => { event.preventDefault(); write(); });
+}
+const isChanged = (form) => Object.keys(stated(form)).length > 0;
+/** Writes what was changed on the form; whether that could be done. */
+async function write() {
+  const of = path, form = find("panel-drawing").querySelector("form");
+  const done = await doing(() => ask("drawing/process", { path: of, values: stated(form) }));
+  if (done && path === of) { draw(done); await readProject(); showScene(done.path); }
+  return done !== undefined;
+}
+/** Writes the form where something was changed there, before it is built or another drawing takes its place. */
+async function saved() {
+  const form = find("panel-drawing").querySelector("form");
+  return !form || !window_.writes || !isChanged(form) || await write();
 }
 /** The button that writes, and what has to be filled in before anything moves. */
 function foot(form) {
-  const box = made("p", undefined, "foot"), missing = made("button", undefined, "missing"), lacks = () => [...form.querySelectorAll("[data-blank]")].filter((one) => one.value === "");
+  const box = made("p", undefined, "foot"), missing = made("button", undefined, "missing"), unsaved = said("span", "unsaved"), lacks = () => [...form.querySelectorAll("[data-blank]")].filter((one) => one.value === "");
   missing.type = "button";
   missing.addEventListener("click", () => lacks()[0]?.focus());
   box.told = () => {
     const names = lacks().map((one) => one.closest("label").querySelector("span").textContent);
     missing.hidden = !names.length;
     missing.textContent = `${word("to_fill_in")}: ${names.join("; ")}`;
+    unsaved.hidden = !isChanged(form);
     for (const one of form.querySelectorAll("[data-blank]")) one.setAttribute("aria-invalid", String(one.value === ""));
   };
-  form.addEventListener("input", box.told);
-  box.append(said("button", "write_process"), missing);
+  for (const name of ["input", "change"]) form.addEventListener(name, box.told);
+  box.append(said("button", "write_process"), unsaved, missing);
   return box;
 }
 /** What the disk has now is shown at once, if nothing is being typed here; else it is asked. */
@@ -61,7 +72,7 @@ async function changedOnDisk({ files }) {
   if (!path || !files.some((one) => one === path || one === `${stem}.process.toml`)) return;
   const found = await look("drawing", { path }).catch(() => undefined); // taken away: what stands here stays
   if (!found || JSON.stringify(found) === read) return;
-  if (Object.keys(stated(form)).length === 0) { draw(found); return; }
+  if (!isChanged(form)) { draw(found); return; }
   panel.querySelector(".notice")?.remove();
   const asked = made("div", undefined, "notice"), take = said("button", "take_theirs"), keep = said("button", "keep_mine");
   asked.setAttribute("role", "alert");
@@ -168,5 +179,6 @@ function typed(text, many) {
 }
 export function beginDrawing() {
   whenChosen(show);
+  alsoSaved(saved);
   on("disk", changedOnDisk);
 }

@@ -24,9 +24,13 @@ export async function save(text) {
   keep(text);
   showConflict(current()?.text);
 }
-/** Saves every text; whether all of them are. What the studio builds, runs or sends is on the disk. */
+const others = [];
+/** Calls when all is saved, to save what is in a form; whether it is. */
+export const alsoSaved = (does) => others.push(does);
+/** Saves every text and form; whether all of them are. What the studio builds, runs or sends is on the disk. */
 export async function saveAll() {
   for (const text of texts.values()) if (!isSaved(text)) await save(text);
+  for (const does of others) if (!await does()) return false;
   return !window_.writes || [...texts.values()].every(isSaved);
 }
 /** Looks what stands on the disk: taken in where nothing was typed, asked about otherwise. */

@@ -28,7 +28,8 @@ PLACED = "[placement]\nposition = [300, 0, 0]\neuler_zyx = [90, 0, 0]\n"
 def listed(path: Path, text: str) -> list[ListedContour]:
     process = parse_process(SourceText(text, "x.toml"))
     contents = read_contents(path, process)
-    return list(listed_contours(contour_program(contents.curves, process, taken=set()), process))
+    made = contour_program(contents.curves, process, taken=set())
+    return list(listed_contours(made.choice, made.order, process))
 
 
 @pytest.mark.parametrize("text", ["", PASSES, PLACED, "leave_out = [{number = 2}, {group = 2}]"])
