@@ -49,8 +49,9 @@ def studio_drawing(page: Any, _: Path) -> None:
     page.fill("[data-path='frames.work.position']", "150, 0, 100")
     page.fill("[data-layer=GLUE] [data-key=process]", "gluing")
     page.click("#panel-drawing .foot > button")
-    page.locator("#scene iframe").wait_for()
-    page.locator("#panel-drawing").evaluate("(one) => one.scrollTo(0, 0)")
+    page.wait_for_selector("#scene-of:has-text('plate.dxf')", state="attached")
+    page.wait_for_selector("#drag-state:empty", state="attached")
+    page.locator("#panel-drawing .scroll").evaluate("(one) => one.scrollTo(0, 0)")
 
 
 def studio_editor(page: Any, folder: Path) -> None:

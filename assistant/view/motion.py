@@ -361,8 +361,13 @@ class Moves:
             "line": None if place is None else place.line,
             "global": line,
             "path": path,
-            "text": "" if place is None else visible(place.text.strip()[:_MOST_TEXT]),
+            "text": "" if place is None else _one_line(place.text),
         }
+
+
+def _one_line(text: str) -> str:
+    """The beginning of a statement's text on one line."""
+    return visible(" ".join(text.split())[:_MOST_TEXT])
 
 
 def _last_on_line(leg: Leg) -> list[bool]:
@@ -441,7 +446,7 @@ class StillMoves:
                 "line": None if place is None else place.line,
                 "global": 0 if span is None else self.texts.lines(span)[0],
                 "path": None if place is None or place.path is None else visible(place.path),
-                "text": "" if place is None else visible(place.text.strip()[:_MOST_TEXT]),
+                "text": "" if place is None else _one_line(place.text),
             }
         )
 

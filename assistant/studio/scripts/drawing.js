@@ -28,9 +28,11 @@ async function show(file) {
 function draw(found) {
   const panel = find("panel-drawing"), form = made("form");
   now = found;
-  panel.replaceChildren(made("h2", found.path), picture(found, { chooses: chooseLayer, chosen: () => layerNow }), form);
-  form.append(layerTable(found), ...found.layers.map((layer) => layerOptions(found, layer)), values(found), signals(found), foot(form));
-  form.querySelector(".foot").told();
+  const scrolls = made("div", undefined, "scroll");
+  scrolls.append(made("h2", found.path), picture(found, { chooses: chooseLayer, chosen: () => layerNow }), form);
+  form.append(layerTable(found), ...found.layers.map((layer) => layerOptions(found, layer)), values(found), signals(found));
+  panel.replaceChildren(scrolls, foot(form));
+  panel.querySelector(".foot").told();
   read = JSON.stringify(found);
   const names = found.layers.map((layer) => layer.name);
   chooseLayer(names.includes(layerNow) ? layerNow : found.layers.find((layer) => layer.used)?.name ?? names[0]);
@@ -62,7 +64,9 @@ function foot(form) {
     for (const one of form.querySelectorAll("[data-blank]")) one.setAttribute("aria-invalid", String(one.value === ""));
   };
   for (const name of ["input", "change"]) form.addEventListener(name, box.told);
-  box.append(said("button", "write_process"), unsaved, missing);
+  const put = said("button", "write_process");
+  put.addEventListener("click", () => form.requestSubmit());
+  box.append(put, unsaved, missing);
   return box;
 }
 /** What the disk has now is shown at once, if nothing is being typed here; else it is asked. */
