@@ -199,8 +199,11 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
                 here.places.append(location.pose.position)
                 found.append(_located(location, placed.layer))
     drawn = [(each, curve) for each in layers.values() for curve in each.curves]
-    off = [curve for each in layers.values() for curve in each.aside]
-    borders = drafting.borders([curve for _, curve in drawn], off, traversal.annotations)
+    borders = drafting.borders(
+        [curve for _, curve in drawn],
+        [curve for each in layers.values() for curve in each.aside],
+        traversal.annotations,
+    )
     for each in layers.values() if borders else ():
         each.curves = []
     for row, (each, curve) in enumerate(drawn if borders else ()):
