@@ -166,8 +166,10 @@ class Init:
         if not self.yes and not set(stated) - {"unit"}:
             return self.unit, None
         given = option_values(self.place, self.tip)
-        extents = extents_of(drawings, self.unit)
-        return self.unit, first_values(folder, extents, robot, self.language, *given)
+        extents, millimetres = size_of(drawings, self.unit)
+        return self.unit, first_values(
+            *(folder, extents, robot, self.language, *given), millimetres=millimetres
+        )
 
 
 def _robot_of(folder: Path) -> str | None:
@@ -179,15 +181,18 @@ def _robot_of(folder: Path) -> str | None:
     )
 
 
-def extents_of(drawings: Sequence[Path], unit: str | None) -> Extents | None:
-    """The size of the work of all drawings. Raises Unreadable or Refused."""
+def size_of(drawings: Sequence[Path], unit: str | None) -> tuple[Extents | None, float]:
+    """The size of the work of all drawings, and the largest of their units in mm. Raises Unreadable
+    or Refused.
+    """
     import numpy as np
 
     from assistant.project.new_project import survey_of
     from assistant.sources.drawing.survey import Extents
 
-    boxes = [survey_of(drawing, unit).extents for drawing in drawings]
-    return Extents.around([np.array([box.low, box.high]) for box in boxes if box is not None])
+    seen = [survey_of(drawing, unit) for drawing in drawings]
+    boxes = [np.array([one.extents.low, one.extents.high]) for one in seen if one.extents]
+    return Extents.around(boxes), max(one.millimetres for one in seen)
 
 
 def option_values(place: str | None, tip: str | None) -> tuple[Pose | None, Vector | None]:
@@ -219,10 +224,10 @@ def _asked_values(
     own = next((short for short, (name, _) in UNITS.items() if name == seen.unit), "mm")
     given = _ask(f"unit of {drawings[0].name}, {seen.stated}", own, known_unit)
     unit = None if given == own and NO_UNIT not in {f.code for f in seen.findings} else given
-    extents = extents_of(drawings, unit)
+    extents, millimetres = size_of(drawings, unit)
     if extents is not None:
         say(f"  it is {' x '.join(f'{length:.1f}' for length in extents.size)} mm")
-    usual = first_values(folder, extents, robot)
+    usual = first_values(folder, extents, robot, millimetres=millimetres)
     language = None
     if not there:
         robot = _ask("robot", usual.robot_name, lambda text: robot_text(text, folder))
@@ -243,7 +248,9 @@ def _asked_values(
     stated = None if given_tip == usual.tip else given_tip
     fitting = usual
     if (robot or usual.robot_name, language, stated) != (usual.robot_name, None, None):
-        fitting = first_values(folder, extents, robot, language, None, stated)
+        fitting = first_values(
+            *(folder, extents, robot, language, None, stated), millimetres=millimetres
+        )
     place = _ask(
         "where the drawing's origin stands in the robot's base, mm, and degrees about z, y, x",
         fitting.place_text,

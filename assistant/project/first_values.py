@@ -121,9 +121,10 @@ def first_values(
     language: str | None = None,
     place: Pose | None = None,
     tip: Vector | None = None,
+    millimetres: float = 1.0,
 ) -> FirstValues:
     """All values of a project in a folder, those that are not given chosen to fit work of that
-    size. Raises Refused.
+    size. millimetres: of the unit that the drawing names. Raises Refused.
     """
     tool = ASSUMED_TIP if tip is None else tip
     assumed = {} if tip is not None else {"tip": f"`tip` {_rounded(tool)}"}
@@ -145,7 +146,8 @@ def first_values(
             name, arm = candidates[-1]
             place = _in_front(arm, extents, _DISTANCES[0], _HEIGHTS[0], _TURNS[0])
             size = "" if extents is None else ", " + " x ".join(f"{x:.0f}" for x in extents.size)
-            findings.append(rules.NO_ROOM(robot=arm.title, size=size and f"{size} mm"))
+            cure = _roomier(candidates, extents, tool, millimetres)
+            findings.append(rules.NO_ROOM(robot=arm.title, size=size and f"{size} mm", cure=cure))
         turn = rotations.to_euler(np.array(place.quaternion), "ZYX")
         turned = f" turned by {_rounded(turn[:1])[0]} degrees" if turn.any() else ""
         assumed["position"] = f"`position` {_rounded(place.position)}{turned}"
@@ -153,6 +155,26 @@ def first_values(
     if assumed:
         findings.append(rules.ASSUMED(what=" and ".join(assumed.values())))
     return FirstValues(name, arm, spoken, place, tool, tuple(assumed), tuple(findings))
+
+
+def _roomier(
+    candidates: Sequence[tuple[str, Robot]],
+    extents: Extents | None,
+    tip: Vector,
+    millimetres: float,
+) -> str:
+    """How work is had that one of the robots reaches. Many programs write a unit that they do not
+    draw in: inches above numbers that are millimetres.
+    """
+    usual = "name a robot with more reach by --robot, or make the work smaller"
+    if extents is None or millimetres <= 1.0:
+        return usual
+    low, high = ([x / millimetres for x in corner] for corner in (extents.low, extents.high))
+    smaller = Extents((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+    if all(work_place(arm, smaller, tip, turn) is None for turn in _TURNS for _, arm in candidates):
+        return usual
+    size = " x ".join(f"{x:.0f}" for x in smaller.size)
+    return f"state --unit mm if the drawing is in mm, whatever it names: it is {size} mm then"
 
 
 def robot_text(robot: str, folder: FilePath) -> str:

@@ -112,7 +112,7 @@ NO_ROOM: Final = warning(
     "PR308",
     "no position was found at which {robot} reaches all of the work{size}, with its tool pointing"
     " down",
-    "name a robot with more reach by --robot, or make the work smaller",
+    "{cure}",
 )
 OTHER_LANGUAGE: Final = error("PR309", "{robot} takes no programs in `{given}`", "{cure}")
 HAS_CONTROLLER: Final = error(

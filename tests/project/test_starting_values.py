@@ -119,7 +119,10 @@ def test_a_robot_that_reaches_the_work_is_chosen(home: Home, tmp_path_factory, c
 
 
 def test_work_beyond_all_robots_is_said(home: Home, drawing: Path, capsys) -> None:
-    assert "PR308" in run(capsys, str(drawing), "--yes", "--unit", "m")
+    said = run(capsys, str(drawing), "--yes", "--unit", "m")
+    assert "PR308" in said
+    # Its numbers fit if they are millimetres.
+    assert "state --unit mm" in said
 
 
 def test_what_does_not_fit_is_refused(home: Home, drawing: Path, capsys) -> None:

@@ -14,6 +14,10 @@ def line(space: Any) -> None:
     space.add_line((0, 0), (50, 0), dxfattribs={"layer": "CUT"})
 
 
+def long(space: Any) -> None:
+    space.add_line((0, 0), (50_000, 0), dxfattribs={"layer": "CUT"})
+
+
 def square(space: Any) -> None:
     space.add_lwpolyline([(0, 0), (80, 0), (80, 80), (0, 80)], close=True)
 
@@ -223,9 +227,15 @@ CASES: Final = (
     ),
     Case(
         "PR308",
-        "init p a.dxf --yes --unit m",
-        {"a.dxf": dxf(line)},
+        "init p a.dxf --yes",
+        {"a.dxf": dxf(long)},
         then=("init q a.dxf --robot irb6700-150-3.20",),
+    ),
+    Case(
+        "PR308",
+        "init p a.dxf --yes",
+        {"a.dxf": dxf(line, 6)},
+        then=("init q a.dxf --yes --unit mm",),
     ),
     Case(
         "PR310",
