@@ -5,17 +5,12 @@ A twist is (vx, vy, vz, wx, wy, wz): mm/s of a point and rad/s, in the axes of a
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
-
-STEP: Final = 1e-3
-"""Degrees or mm to both sides by which slopes of an arm are measured; its rounding is far below."""
 
 
 def interaction_matrix(tangents: Floats, depths: Floats) -> Floats:
@@ -67,15 +62,11 @@ def turned_by(quaternion: Floats) -> Floats:
 
 def jacobian(robot: Robot, joints: Floats) -> Floats:
     """(6, a) twist of the flange in the base, by a degree (or mm) a second of each axis."""
-    count = len(joints)
-    rows = np.concatenate([joints + STEP * np.eye(count), joints - STEP * np.eye(count)])
-    places, turns = robot.fk(rows)
-    moved = (places[:count] - places[count:]) / (2.0 * STEP)
-    between = rotations.multiply(turns[:count], rotations.conjugate(turns[count:]))
-    between = between * np.where(between[:, :1] < 0.0, -1.0, 1.0)
-    return np.concatenate([moved.T, between[:, 1:].T / STEP])
+    out: Floats = np.array(robot.jacobian(joints, unit="deg")[0])
+    out[3:] = np.radians(out[3:])
+    return out
 
 
 def flange_of(robot: Robot, joints: Floats) -> Pose:
-    place, turn = robot.fk(joints[None])
+    place, turn = robot.flange_poses(joints[None])
     return Pose.of(place[0], turn[0])
