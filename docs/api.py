@@ -6,11 +6,12 @@ python -m docs.api > docs/api.md
 from __future__ import annotations
 
 import dataclasses
+import enum
 import importlib
 import inspect
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from types import ModuleType
 from typing import Any, Final
 
@@ -84,7 +85,92 @@ MODULES: Final = {
     "languages": ("get", "names", "of_file"),
     "deploy": ("plan", "deploy", "rollback", "verify", "resume", "deploy_to_all"),
 }
-"""Modules on top, with the functions of each that the page tells."""
+"""Modules on top, with the functions that have a section each; the rest of `__all__` is rows."""
+FURTHER: Final = {
+    "Virtual controllers": (
+        "assistant.virtual.irc5.VirtualIrc5",
+        "assistant.virtual.irc5.Signal",
+        "assistant.virtual.irc5.egm.VirtualEgm",
+        "assistant.virtual.irc5.egm.Guidance",
+        "assistant.virtual.irc5.rws_faults.Fault",
+        "assistant.virtual.cr.VirtualCr",
+        "assistant.virtual.cr.mxt.MxtArm",
+        "assistant.virtual.cr.mxt_process.MxtProcess",
+        "assistant.virtual.cr.real_time.MxtMonitor",
+    ),
+    "Leading arms": (
+        "assistant.controllers",
+        "assistant.controllers.cyclic.resampled",
+        "assistant.controllers.trajectory_execution.LinkOptions",
+        "assistant.controllers.trajectory_execution.mxt_installed",
+        "assistant.controllers.trajectory_execution.on_network",
+        "assistant.controllers.trajectory_execution.MXT_PROGRAM",
+        "assistant.controllers.trajectory_execution.FIRST_PACKET_TIMEOUT",
+        "assistant.controllers.mitsubishi.external_control.CYCLES",
+        "assistant.controllers.mitsubishi.data_link.Joints",
+        "assistant.controllers.mitsubishi.data_link.Rate",
+        "assistant.controllers.recording.save_columns",
+        "assistant.controllers.states.Jog",
+    ),
+    "Poses and figures": (
+        "assistant.program.se3.columns_of",
+        "assistant.program.se3.se3_of",
+        "assistant.report.figures.Poses",
+        "assistant.report.figures.passed_poses",
+        "assistant.report.figures.point_plot",
+    ),
+    "Running programs": (
+        "assistant.virtual.program_run.prepared",
+        "assistant.compiler.simulated_run.read_script",
+        "assistant.virtual.kernel.Kernel",
+        "assistant.virtual.kernel.timed_arm.Timed",
+        "assistant.virtual.kernel.timed_arm.track_of",
+        "assistant.virtual.events.Said",
+        "assistant.virtual.rapid.TaskProgram",
+        "assistant.virtual.rapid.Given",
+        "assistant.virtual.rapid.run_tasks",
+        "assistant.virtual.rapid.controller.Controller",
+        "assistant.virtual.rapid.controller.Options",
+        "assistant.virtual.rapid.interpreter.start_task",
+        "assistant.virtual.rapid.value_text.saved",
+        "assistant.virtual.melfa.Controller",
+        "assistant.virtual.melfa.Entry",
+        "assistant.virtual.melfa.communication_lines.Wire",
+        "assistant.virtual.melfa.world.STEP_TIME",
+    ),
+    "Programs as trees": (
+        "assistant.program.pseudo",
+        "assistant.program.expressions.Number",
+        "assistant.program.statements.Wait",
+        "assistant.languages.rapid.syntax",
+        "assistant.resources.read_grammar",
+        "assistant.compiler.check_files",
+        "assistant.checks",
+    ),
+    "Projects": (
+        "assistant.project.project_of",
+        "assistant.project.targets_of",
+        "assistant.project.build",
+        "assistant.project.new_project.start_project",
+    ),
+    "The cell, cameras, calibration": (
+        "assistant.cell.exploration.explorer.Explorer",
+        "assistant.cell.exploration.explorer.Touch",
+        "assistant.cell.exploration.explorer.wander",
+        "assistant.cell.exploration.known_space.with_map",
+        "assistant.vision.cameras.camera_file.read_cameras",
+        "assistant.vision.cameras.camera.triangulate",
+        "assistant.learning.measured_poses.read_measured",
+        "assistant.learning.arm_calibration.calibrate",
+    ),
+    "More of the blocks": (
+        "assistant.blocks.bdsim_adapter.run_bdsim",
+        "assistant.blocks.bdsim_adapter.run_paced",
+        "assistant.blocks.library.ports.joints_port",
+        "assistant.blocks.code.kinematics",
+    ),
+}
+"""What pages and samples import beside all that, a row each, by what it is for."""
 
 
 def page() -> str:
@@ -98,6 +184,10 @@ def page() -> str:
         module: ModuleType = getattr(assistant, name)
         parts.append(f"## assistant.{name}\n\n{_first(module.__doc__)}\n")
         parts += [_function(f"assistant.{name}.{f}", getattr(module, f)) for f in functions]
+        named = {*functions, *(path.rpartition(".")[2] for path in CLASSES)}
+        rest = [one for one in offered(module) if one not in named]
+        parts += [_row(f"assistant.{name}.{one}", getattr(module, one)) for one in rest]
+        parts += [""] * bool(rest)
     parts.append("## Controllers\n\nEach is imported from its module.\n")
     for path in CONTROLLERS:
         module_name, _, name = path.rpartition(".")
@@ -109,7 +199,41 @@ def page() -> str:
         parts.append(f"### {module_name}\n\n{_first(module.__doc__)}\n")
         parts += [f"{_row(name, one)}" for name, one in _public(module)]
         parts.append("")
+    parts.append("## What pages and samples import\n\n`help(NAME)` says more of each.\n")
+    for title, paths in FURTHER.items():
+        parts.append(f"### {title}\n")
+        parts += [_row(path, _imported(path)) for path in paths]
+        parts.append("")
     return "\n".join(parts)
+
+
+def offered(module: ModuleType) -> tuple[str, ...]:
+    """The public names of a module on top: its `__all__`, else what it defines."""
+    stated = getattr(module, "__all__", None)
+    return tuple(stated or (name for name, _ in _public(module)))
+
+
+def unlisted(page: str, paths: Iterable[str]) -> list[str]:
+    """The dotted names that a page has neither a section nor a row for.
+
+    Names of a module on top are listed with it, as several modules have a `get`.
+    """
+    named = set(re.findall(r"^(?:#{2,3} |- `)([\w.]+)", page, re.M))
+    last = {name.rpartition(".")[2] for name in named}
+    apart = {path.rpartition(".")[2] for path in CLASSES}
+
+    def found(path: str) -> bool:
+        module, _, name = path.rpartition(".")
+        on_top = module.rpartition(".")[2] in MODULES and module.count(".") == 1
+        return path in named if on_top and name not in apart else name in last
+
+    return [path for path in paths if not found(path)]
+
+
+def _imported(path: str) -> Any:
+    module, _, name = path.rpartition(".")
+    inside = importlib.import_module(module)
+    return getattr(inside, name, None) or importlib.import_module(path)
 
 
 def _public(module: ModuleType) -> Iterator[tuple[str, Any]]:
@@ -121,12 +245,20 @@ def _public(module: ModuleType) -> Iterator[tuple[str, Any]]:
 
 
 def _row(name: str, one: Any) -> str:
-    made = one.__init__ if isinstance(one, type) else one
-    kinds = {each.kind for each in inspect.signature(made).parameters.values()}
-    # What only passes its arguments on has them in the page about blocks.
-    if inspect.Parameter.VAR_POSITIONAL in kinds:
+    if isinstance(one, ModuleType):
         return f"- `{name}`: {_first(one.__doc__)}"
-    return f"- `{_signature(name, made, ' ').removesuffix(' -> None')}`: {_first(one.__doc__)}"
+    if not callable(one):
+        return f"- `{name}`: {one!r:.100}"
+    made = one
+    if isinstance(one, type):
+        # Nobody makes members of an enumeration, nor a protocol.
+        if isinstance(one, enum.EnumMeta) or getattr(one, "_is_protocol", False):
+            return f"- `{name}`: {_first(one.__doc__)}"
+        # Blocks of bdsim state the signature of the kind of block that they hold.
+        made = one if "__signature__" in vars(one) else one.__init__
+        made = made if made is not object.__init__ else lambda: None
+    said = f": {_first(one.__doc__)}" if not str(one.__doc__).startswith(f"{one.__name__}(") else ""
+    return f"- `{_signature(name, made, ' ').removesuffix(' -> None')}`{said}"
 
 
 def _function(name: str, function: Any) -> str:
@@ -171,12 +303,15 @@ def _signature(name: str, function: Any, apart: str = "\n    ") -> str:
             words.append("*")
         default = "" if one.default is one.empty else f" = {_default(one.default)}"
         typed = "" if one.annotation is one.empty else f": {_type(one.annotation)}"
-        words.append(f"{one.name}{typed}{default}")
-    result = _type(signature.return_annotation)
-    line = f"{name}({', '.join(words)}) -> {result}"
+        stars = {one.VAR_POSITIONAL: "*", one.VAR_KEYWORD: "**"}.get(one.kind, "")
+        keyword |= one.kind is one.VAR_POSITIONAL
+        words.append(f"{stars}{one.name}{typed}{default}")
+    none = signature.return_annotation is signature.empty
+    result = "" if none else f" -> {_type(signature.return_annotation)}"
+    line = f"{name}({', '.join(words)}){result}"
     if len(line) <= 96 or apart == " ":
         return line
-    return f"{name}({apart}" + f",{apart}".join(words) + f",\n) -> {result}"
+    return f"{name}({apart}" + f",{apart}".join(words) + f",\n){result}"
 
 
 def _default(value: object) -> str:

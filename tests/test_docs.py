@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import functools
+import json
 import re
 import shutil
 import signal
@@ -15,6 +17,7 @@ from typing import get_args
 import jsonschema
 import pytest
 
+import assistant
 from assistant import languages, robots
 from assistant.base.diagnostics import Severity
 from assistant.compiler.comparison import read_names
@@ -248,6 +251,37 @@ def test_the_page_about_python_is_what_the_docstrings_say():
     written = (PROJECT / "docs" / "api.md").read_text(encoding="utf-8")
     assert written == api.page(), "python -m docs.api > docs/api.md"
     assert all(f"### assistant.{name}\n" in written for name in api.FUNCTIONS)
+
+
+def imported_names(text: str) -> set[str]:
+    """Dotted names of this package that Python code imports, such as `assistant.robots`."""
+    found = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
+    return {
+        f"{node.module}.{name.name}"
+        for node in found
+        if (node.module or "").partition(".")[0] == "assistant"
+        for name in node.names
+    }
+
+
+def test_everything_public_is_on_the_page_about_python():
+    """`__all__` of the package and its modules on top, and whatever pages and samples import."""
+    cells = json.loads((PROJECT / "docs" / "tutorial.ipynb").read_text("utf-8"))["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    code += [text for _, text in examples("python")]
+    code += [file.read_text("utf-8") for file in (PROJECT / "samples" / "python").glob("*.py")]
+    names = set().union(*map(imported_names, code))
+    names |= {f"assistant.{name}" for name in assistant.__all__ if name != "__version__"}
+    for name in api.MODULES:
+        names |= {f"assistant.{name}.{one}" for one in api.offered(getattr(assistant, name))}
+    page = (PROJECT / "docs" / "api.md").read_text(encoding="utf-8")
+    assert api.unlisted(page, sorted(names)) == []
+    for name in names:
+        last = name.rpartition(".")[2]
+        without = re.sub(rf"^(#+ |- `)([\w.]+\.)?{last}\b.*\n", "", page, flags=re.M)
+        assert api.unlisted(without, [name]) == [name]
+    blocks = page.partition("### assistant.blocks.robot\n")[2].partition("\n### ")[0]
+    assert blocks.count("- `") == blocks.count("blockargs") > 10, "each block has its signature"
 
 
 def test_every_finding_says_what_to_do():

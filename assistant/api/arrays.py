@@ -105,7 +105,7 @@ def from_poses(
     """
     given = {TOOL: tool, FRAME: frame}
     stated = _process(process, speed, None, blend, given, robot, unit)
-    reading = read_poses(poses, replace(stated, merges=True), name, unit=unit)
+    reading = read_poses(poses, replace(stated, merges=True), str(name), unit=unit)
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
             warnings.warn(str(finding), stacklevel=2)
@@ -138,7 +138,7 @@ def from_joints(
 
     Raises Refused for errors; `check` and `compile` check the joint limits.
     """
-    if unit not in _LENGTHS:
+    if not isinstance(unit, str) or unit not in _LENGTHS:
         raise Refused(_JOINT_UNIT(place="unit", unit=shown(str(unit))))
     stated = _process(process, speed, percent, blend, {TOOL: tool}, robot, _LENGTHS[unit])
     arm = robot_of(stated.robot if robot is None else robot)
@@ -252,7 +252,7 @@ def _pose(given: Any, name: str, kind: type[Tool] | type[Frame], unit: Unit | No
         raise Refused(wrong) from None
     if not all(np.isfinite((x, y, z))):
         raise Refused(NOT_FINITE(place=name, what=f"the {name}", value=given, more=""))
-    if unit == "m" and 0.0 < max(map(abs, (x, y, z))) < _LEAST_TIP:
+    if isinstance(unit, str) and unit == "m" and 0.0 < max(map(abs, (x, y, z))) < _LEAST_TIP:
         raise Refused(_MAY_BE_METRES(place=name, what=name, given=f"({x:g}, {y:g}, {z:g})"))
     return Pose((x, y, z))
 

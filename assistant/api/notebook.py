@@ -198,7 +198,7 @@ def _tool_path(program: Program) -> tuple[Floats, Floats]:
     own = [] if arm is None else [arm.own_joints(row) for row, _ in rows]
     if arm is None or not own or any(len(row) != len(arm.axes) for row in own):
         return np.empty((0, 3)), np.empty(0, dtype=bool)
-    positions, quaternions = arm.fk(own)
+    positions, quaternions = arm.flange_poses(own)
     tools = [program.tools.get(name, Tool()) for _, name in rows]
     tips = np.array([tool.tip.position if tool.held else (0.0, 0.0, 0.0) for tool in tools])
     return positions + rotations.rotate(quaternions, tips), np.ones(len(own), dtype=bool)
@@ -255,7 +255,7 @@ def arm_figure(robot: Robot, joints: Floats) -> Figure:
     for number, points in enumerate(chains, 1):
         part = 1.0 if number == len(chains) else 0.25
         space.plot(*points.T, color="C0", alpha=part, linewidth=5, marker="o", markersize=7)
-    positions, quaternions = robot.fk(joints)
+    positions, quaternions = robot.flange_poses(joints)
     length = 0.15 * robot.reach
     for axis, colour in zip(np.eye(3), ("C3", "C2", "C0"), strict=True):
         ends = positions + length * rotations.rotate(quaternions, np.tile(axis, (len(joints), 1)))
@@ -305,7 +305,7 @@ def _links_at_home(robot: Robot) -> str:
     places = (flat - (low + high) / 2.0) * scale * [1.0, -1.0] + _ARM_SIZE / 2.0
     line = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
     dots = "".join(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4"/>' for x, y in places)
-    x, y, z = robot.fk(robot.home)[0][0]
+    x, y, z = robot.flange_poses(robot.home)[0][0]
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_ARM_SIZE:.0f}" height="{_ARM_SIZE:.0f}" '
         f'viewBox="0 0 {_ARM_SIZE:.0f} {_ARM_SIZE:.0f}" style="background:white" fill="#1f5f8b">'

@@ -5,6 +5,7 @@ numpy goes along a row of few numbers several times slower than down as many col
 
 from __future__ import annotations
 
+from collections.abc import Sized
 from typing import Final
 
 import numpy as np
@@ -25,6 +26,7 @@ _SHAPE: Final = error(
     "give a row of {width} numbers for each; transpose columns",
 )
 _NO_REALS: Final = error("TB442", "{what}: {reason}", "give real numbers")
+_OUT_OF_BOUNDS: Final = error("TB448", "{what} is {value:g}", "give a number {bounds}")
 _UNEVEN: Final = error(
     "TB443",
     "{count} {what} but {others} {other}",
@@ -37,12 +39,7 @@ def reals(values: ArrayLike) -> Floats:
 
     Complex numbers are refused, as numpy would drop a part of each, and so are truth values.
     """
-    try:
-        given = np.asarray(values)
-        _check_real(given)
-        return np.array(given, dtype=np.float64, order="C")
-    except (TypeError, OverflowError) as error:
-        raise ValueError(str(error)) from None
+    return np.array(_reals(values), order="C")
 
 
 def rows_of(values: ArrayLike, width: int, what: str) -> Floats:
@@ -51,10 +48,8 @@ def rows_of(values: ArrayLike, width: int, what: str) -> Floats:
     what: names the rows in the finding. Nothing is copied that need not be.
     """
     try:
-        given = np.asarray(values)
-        _check_real(given)
-        array = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as reason:
+        array = _reals(values)
+    except ValueError as reason:
         raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
     if array.shape[-1:] == (width,):
         return array if array.ndim == 2 else array.reshape(-1, width)
@@ -75,9 +70,8 @@ def finite_rows(values: ArrayLike, width: int, what: str) -> Floats:
 
 def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:
     """Same as `rows_of`, for whole numbers."""
-    given = np.asarray(values)
-    found = rows_of(given, width, what)
-    if given.dtype.kind not in "iu" and not (found == np.rint(found)).all():
+    found = rows_of(values, width, what)
+    if not ((found == np.rint(found)) & (np.abs(found) < _WHOLE)).all():
         raise Refused(_NO_REALS(what=what, reason="they are no whole numbers"))
     return np.asarray(found, dtype=np.int64)
 
@@ -85,24 +79,95 @@ def whole_rows(values: ArrayLike, width: int, what: str) -> Ints:
 def number_of(value: object, what: str) -> float:
     """Return a real number, NaN included; raises Refused for texts, booleans and the like."""
     if isinstance(value, float | int | np.floating | np.integer) and not isinstance(value, bool):
-        found = float(value)
+        try:
+            found = float(value)
+        except OverflowError:  # a whole number of hundreds of digits
+            found = np.inf
         if not np.isinf(found):
             return found
     raise Refused(_NO_REALS(what=what, reason=f"`{value!r:.40}` is no finite number"))
 
 
-def require_same_length(one: Floats, other: Floats, what: str, others: str) -> None:
+def finite_row(values: ArrayLike, what: str) -> Floats:
+    """A row (k,) of finite numbers, also of a single one; raises Refused for others."""
+    try:
+        found = np.atleast_1d(_reals(values))
+    except ValueError as reason:
+        raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
+    if found.ndim != 1 or not found.size:
+        raise Refused(_NO_REALS(what=what, reason=f"the shape is {found.shape}, not (k,)"))
+    if not np.isfinite(found).all():
+        raise Refused(_NO_REALS(what=what, reason="it holds a number that is not finite"))
+    return found
+
+
+def finite_columns(values: ArrayLike, what: str, width: int | None = None) -> Floats:
+    """Rows (n, k) of finite numbers, a single column (n,) too; raises Refused for others.
+
+    width: that k has to be, None for any.
+    """
+    try:
+        found = _reals(values)
+    except ValueError as reason:
+        raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
+    if found.ndim == 1 and width in (None, 1):
+        found = found[:, None]
+    if found.ndim != 2 or not found.size or width not in (None, found.shape[1]):
+        raise Refused(_SHAPE(what=what, shape=found.shape, width=width or "k"))
+    return finite_rows(found, found.shape[1], what)
+
+
+def number_within(
+    value: object,
+    what: str,
+    *,
+    above: float = -np.inf,
+    least: float = -np.inf,
+    most: float = np.inf,
+) -> float:
+    """Return a finite number above one, or from one, to another; raises Refused for others."""
+    found = number_of(value, what)
+    if not (found > above and least <= found <= most):
+        bounds = f"above {above:g}" if above > -np.inf else f"from {least:g}"
+        if most < np.inf:
+            bounds += f" to {most:g}"
+        raise Refused(_OUT_OF_BOUNDS(what=what, value=found, bounds=bounds))
+    return found
+
+
+def require_same_length(one: Sized, other: Sized, what: str, others: str) -> None:
     """Raises Refused for columns of different lengths."""
     if len(one) != len(other):
         finding = _UNEVEN(what=what, other=others, count=len(one), others=len(other))
         raise Refused(finding)
 
 
-def _check_real(given: NDArray[np.generic]) -> None:
-    if given.dtype.kind == "c":
-        raise ValueError("it holds complex numbers")
-    if given.dtype.kind == "b":
-        raise ValueError("it holds truth values")
+_OTHER_KINDS: Final = {
+    "c": "complex numbers",
+    "b": "truth values",
+    "U": "text",
+    "S": "text",
+    "M": "times",
+    "m": "times",
+}
+"""What an array of a kind of numpy holds that is not real numbers, though numpy converts it."""
+_WHOLE: Final = 2.0**53
+"""Where whole numbers end that float64 tells from their neighbours."""
+
+
+def _reals(values: ArrayLike) -> Floats:
+    """The values as float64, not copied if need not be; raises ValueError unless all are real."""
+    try:
+        if np.ma.is_masked(values):
+            raise ValueError("it holds masked values")
+        given = np.asarray(values)
+        if given.dtype.kind in _OTHER_KINDS:
+            raise ValueError(f"it holds {_OTHER_KINDS[given.dtype.kind]}")
+        return np.asarray(given, dtype=np.float64)
+    except IndexError:  # an object with a length of 0 that is indexed, such as an empty SE3
+        raise ValueError("it is empty") from None
+    except (TypeError, OverflowError) as error:
+        raise ValueError(str(error)) from None
 
 
 def evenly_spaced(count: int, most: int) -> Rows:

@@ -397,6 +397,13 @@ class Unreadable(Refused):
     exit_status = 2
 
 
+class UnknownName(Refused, KeyError):
+    """There is nothing of that name."""
+
+    exit_status = 2
+    __str__ = Exception.__str__  # a KeyError shows its message in quotes
+
+
 def worst(findings: Iterable[Diagnostic]) -> Severity | None:
     """Return the highest severity among the findings, None without findings."""
     order = list(Severity)

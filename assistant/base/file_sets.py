@@ -305,6 +305,8 @@ def write_all(files: Mapping[FilePath, bytes]) -> tuple[FilePath, ...]:
         first = next(iter(files))
         name = _name_as_given(wrong, files) or first.parent
         reason = wrong.strerror or str(wrong)
+        if isinstance(wrong, FileExistsError | NotADirectoryError):
+            reason = "a file of that name is where the folder would be"
         finding = _NOT_WRITTEN(path=str(first.parent), name=name, reason=reason)
         raise Refused(finding, exit_status=2) from None
     return tuple(files)

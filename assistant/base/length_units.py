@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.base.diagnostics import Diagnostic, Refused, error, info
+from assistant.base.near_names import near_name
 
 UNITS: Final[Mapping[str, tuple[str, float]]] = {
     "mm": ("millimetres", 1.0),
@@ -20,7 +21,7 @@ UNITS: Final[Mapping[str, tuple[str, float]]] = {
 }
 """Short name → name for people, millimetres."""
 
-_UNKNOWN_UNIT = error("SR002", "there is no unit of length `{name}`", "choose one of {names}")
+_UNKNOWN_UNIT = error("SR002", "there is no unit of length `{name}`", "{cure}")
 _UNIT_STATED = info(
     "SR003",
     "the unit `{unit}` changes nothing here: the file states its own lengths",
@@ -43,6 +44,12 @@ def unit_stated(path: object, unit: str) -> Diagnostic:
 
 def known_unit(name: str) -> str:
     """The name itself; raises Refused, exit status 2, if there is no such unit."""
-    if name not in UNITS:
-        raise Refused(_UNKNOWN_UNIT(name=name[:40], names=", ".join(UNITS)), exit_status=2)
+    if not isinstance(name, str) or name not in UNITS:
+        given = str(name)[:40]
+        words = {long: short for short, (long, _) in UNITS.items()} | {"foot": "ft"}
+        words |= {long.replace("metre", "meter"): short for long, short in words.items()}
+        near = near_name(given, words)
+        cure = f"choose one of {', '.join(UNITS)}"
+        cure = f"did you mean `{words[near]}`?" if near else cure
+        raise Refused(_UNKNOWN_UNIT(name=given, cure=cure), exit_status=2)
     return name

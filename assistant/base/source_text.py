@@ -42,6 +42,7 @@ from assistant.base.diagnostics import (
     warning,
 )
 from assistant.base.file_access import NoFile, TooLarge, read_file, read_stream
+from assistant.base.near_names import near_name
 
 LINE_END_INSIDE = error(
     "IN008",
@@ -234,7 +235,7 @@ _NO_PATH = error(
     "`{given}` is no source",
     "give the name of a file, or a program that was read",
 )
-NOT_FOUND = error("IN001", "there is no file `{name}`", "check the name and folder")
+NOT_FOUND = error("IN001", "there is no file `{name}`", "{cure}")
 _IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")
 _NOT_PERMITTED = error("IN003", "`{name}` may not be read", "ask for permission or copy the file")
 _NOT_READ = error("IN004", "`{name}` cannot be read: {reason}", "try the file again")
@@ -376,6 +377,26 @@ def path_of(given: object) -> FilePath:
     raise Refused(_NO_PATH(given=f"{given!r:.60}"), exit_status=2)
 
 
+def _cure_of_missing(name: str) -> str:
+    """Return what to do where there is no file of a name: the one meant, or what it looks like."""
+    if re.match(r"\w{2,}:/", name):
+        return "an address of a controller stands first: `robot-assistant put CONTROLLER FILES`"
+    if "\\" in name and os.sep == "/":
+        return "check the name and folder; folders are separated by `/` here"
+    path = FilePath(name)
+    try:
+        with os.scandir(path.parent) as entries:
+            beside = [entry.name for entry in islice(entries, _MOST_BESIDE)]
+    except (OSError, ValueError):
+        return "check the name and folder"
+    near = near_name(path.name, beside)
+    return f"did you mean `{path.parent / near}`?" if near else "check the name and folder"
+
+
+_MOST_BESIDE: Final = 1000
+"""Files of a folder among which a name that is near is looked for."""
+
+
 def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = FILE) -> bytes:
     """The bytes of a file, see `bounded.read_file`.
 
@@ -391,7 +412,7 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = F
     except Refused:
         raise
     except FileNotFoundError:
-        raise Unreadable(NOT_FOUND(path=name, name=name)) from None
+        raise Unreadable(NOT_FOUND(path=name, name=name, cure=_cure_of_missing(name))) from None
     except (IsADirectoryError, NotADirectoryError):
         raise Unreadable(_IS_FOLDER(path=name, name=name)) from None
     except PermissionError:

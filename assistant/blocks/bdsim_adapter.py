@@ -34,7 +34,7 @@ from assistant.blocks.diagrams import (
     errors_with_block,
     step_count,
 )
-from assistant.blocks.rules import BAD_STEP
+from assistant.blocks.rules import BAD_STEP, NEEDS_CLOCK
 
 if TYPE_CHECKING:
     from bdsim import BDSim
@@ -182,12 +182,12 @@ def add(diagram: BlockDiagram, block: Block, clock: Clock | None = None) -> Any:
     """Puts a block of ours into a diagram of bdsim; gives the block of bdsim, to be connected.
 
     clock: at whose ticks it steps; None for a block that is a function of the signals of the
-    moment. Raises ValueError for a block that remembers something (`direct` is False) without one.
+    moment. Raises Refused for a block that remembers something (`direct` is False) without one.
     """
     from bdsim.block import FunctionBlock, SampledBlock
 
     if clock is None and not block.direct:
-        raise ValueError(f"block `{block.name}` steps with a clock, and none is given")
+        raise Refused(NEEDS_CLOCK(block=block.name))
     name = type(block).__name__
     if clock is None:
         ports = {"nin": len(block.inputs)}

@@ -75,7 +75,7 @@ def _random_joints(robot: Robot, rows: int) -> Floats:
 
 def _vector_columns(robot: Robot, joints: Floats) -> Iterator[Floats]:
     n = len(joints)
-    p, q = robot.fk(joints)
+    p, q = robot.flange_poses(joints)
     yield from (joints, p, q, robot.configuration(joints).astype(np.float64))
     yield robot.jacobian(joints, unit="deg").reshape(n, -1)
     branches, valid = robot.ik(p, q)

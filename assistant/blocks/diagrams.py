@@ -17,8 +17,8 @@ from typing import ClassVar, Final, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.base.arrays import Floats
-from assistant.base.diagnostics import Diagnostic, Refused
+from assistant.base.arrays import Floats, number_within
+from assistant.base.diagnostics import Diagnostic, Refused, UnknownName
 from assistant.blocks import rules
 
 
@@ -88,7 +88,7 @@ class Block:
         return f"<{type(self).__name__} {self.name}>"
 
 
-def signal(value: ArrayLike, port: Port) -> Floats:
+def _signal(value: ArrayLike, port: Port) -> Floats:
     """A value as the signal of a port; raises ValueError for one of another size."""
     found = np.atleast_1d(np.asarray(value, dtype=np.float64))
     if found.shape != (port.size,):
@@ -199,8 +199,12 @@ class Diagram:
         ports = block.outputs if kind == "output" else block.inputs
         found = [i for i, port in enumerate(ports) if name in (None, port.name)]
         if len(found) != 1:
+            if name is None and ports:
+                known = " or ".join(f'(block, "{port.name}")' for port in ports)
+                wrong = rules.WHICH_PORT(block=block.name, kind=kind, count=len(ports), known=known)
+                raise Refused(wrong)
             known = ", ".join(f"`{port.name}`" for port in ports) or "none"
-            said = name or "that is the only one"
+            said = name or "it has none"
             raise Refused(rules.NO_PORT(block=block.name, kind=kind, name=said, known=known))
         return block, found[0]
 
@@ -244,13 +248,11 @@ class RealTime:
     """Clock in real time. A late step runs at once, and none is skipped.
 
     pace: seconds of the run in each real second: the speed of a virtual controller that the run
-    drives. Raises ValueError for a pace that is not a positive finite number.
+    drives. Raises Refused for a pace that is not a positive finite number.
     """
 
     def __init__(self, pace: float = 1.0) -> None:
-        if not 0.0 < pace < math.inf:
-            raise ValueError(f"a pace is a number of seconds above 0, not {pace!r}")
-        self.pace, self._began = pace, 0.0
+        self.pace, self._began = number_within(pace, "pace", above=0.0), 0.0
 
     def begin(self) -> None:
         self._began = time.monotonic()
@@ -300,6 +302,9 @@ class RunResult:
 
     def __getitem__(self, name: str) -> Floats:
         """The signal of a port, `block.port`, (n,) where it is a single number."""
+        if name not in self.columns:
+            known = ", ".join(f"`{one}`" for one in self.columns)
+            raise UnknownName(rules.NO_SIGNAL(name=str(name)[:60], known=known))
         found = self.columns[name]
         return found[:, 0] if found.shape[1] == 1 else found
 
@@ -450,7 +455,7 @@ def block_outputs(block: Block, now: float, given: Sequence[Floats]) -> tuple[Fl
         values = tuple(block.give(now, given))
         if len(values) != len(block.outputs):
             raise ValueError(f"{len(values)} signals for {len(block.outputs)} outputs")
-        return tuple(signal(v, port) for v, port in zip(values, block.outputs, strict=True))
+        return tuple(_signal(v, port) for v, port in zip(values, block.outputs, strict=True))
 
 
 @dataclass(slots=True, eq=False)

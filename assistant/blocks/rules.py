@@ -41,6 +41,25 @@ MOTION_NOT_CONFIRMED = error(
     "block `{block}` moves the arm of `{name}`, and nobody confirmed it; nothing was begun",
     "look that nobody is near, then run it with moving=[{name!r}]",
 )
+BAD_TIMES = error(
+    "BL112",
+    "the times of block `{block}` {reason}",
+    "give a time in seconds for each row, each later than the one before",
+)
+NO_START = error(
+    "BL113",
+    "the arm `{robot}` is to start at {given}, outside its limits",
+    "give {count} joints within {ranges}, or none to start at home",
+)
+WHICH_PORT = error(
+    "BL115", "block `{block}` has {count} {kind}s, and none of them is named", "write {known}"
+)
+NO_SIGNAL = error("BL116", "the run has no signal `{name}`", "choose one of {known}")
+NEEDS_CLOCK = error(
+    "BL114",
+    "block `{block}` steps with a clock, and none is given",
+    "give it a clock, such as bd.clock(0.01)",
+)
 
 
 NO_STATEMENTS = error(

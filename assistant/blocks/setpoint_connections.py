@@ -16,7 +16,7 @@ from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
-from assistant.base.arrays import Floats
+from assistant.base.arrays import Floats, number_within
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams import closing_all
@@ -248,9 +248,8 @@ def measured(
 
 
 def _arm_at_percent(robot: Robot, percent: float, tool: Pose = IDENTITY) -> Arm:
-    """An arm whose axes go at a percentage of their speeds; raises ValueError for none."""
-    if not 0.0 < percent <= 100.0:
-        raise ValueError("a percentage is above 0 and at most 100")
+    """An arm whose axes go at a percentage of their speeds; raises Refused for none."""
+    percent = number_within(percent, "percent", above=0.0, most=100.0)
     drive, share = drive_of(robot), percent / 100.0
 
     def pose_of(joints: Floats) -> Pose:

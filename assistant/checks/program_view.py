@@ -218,7 +218,7 @@ def _with_start(run: Run, robot: Robot) -> tuple[Floats, Floats]:
     p, q = run.targets(slice(None))
     here = np.full(7, np.nan)
     if run.joined:
-        position, quaternion = robot.fk(run.before)
+        position, quaternion = robot.flange_poses(run.before)
         pose = run.mounting.from_flange(Pose.of(position[0], quaternion[0]), 0)
         here = np.array([*pose.position, *pose.quaternion])
     return np.concatenate([here[None, :3], p]), np.concatenate([here[None, 3:], q])

@@ -18,7 +18,8 @@ from typing import Any, Final
 import click
 
 from assistant import __version__
-from assistant.base.diagnostics import Refused
+from assistant.base.diagnostics import Refused, error
+from assistant.base.near_names import spelled_like
 from assistant.base.termination import INTERRUPTED
 from assistant.cli.command import Group, click_command, option, options, parameters
 from assistant.cli.shell_completion import VARIABLE, Shell, add_power_shell, script
@@ -64,6 +65,12 @@ def _adopt_format(words: Sequence[str]) -> None:
         answer_as(PlanFormat.MARKDOWN)
 
 
+_WRONG_USAGE: Final = error("CL902", "{fault}", "{cure}")
+_WORDS: Final = "assistant.words"
+"""Key of what was typed, in the context of a command."""
+_MOST_NAMED: Final = 12
+"""Commands of a group that a cure lists."""
+_NO_COMMAND: Final = re.compile(r"No such command '[^']*'")
 COMMANDS: Final[Mapping[str, str]] = {
     "compile": "compilation",
     "translate": "translation",
@@ -131,11 +138,53 @@ class _Commands(Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         return _command(cmd_name) if cmd_name in COMMANDS else None
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        ctx.meta[_WORDS] = list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.UsageError as wrong:
+            if ctx.resilient_parsing:  # a shell asks what may follow
+                raise
+            raise _refused_usage(wrong, ctx) from None
+
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as interrupted:  # of which click would say "Aborted!"
             raise click.exceptions.Exit(INTERRUPTED) from interrupted
+        except click.UsageError as wrong:
+            raise _refused_usage(wrong, ctx) from None
+
+
+def _refused_usage(wrong: click.UsageError, everything: click.Context) -> Exception:
+    """Return wrong usage as a finding; what only shows the help stays as it is."""
+    if isinstance(wrong, click.exceptions.NoArgsIsHelpError):
+        return wrong
+    context = wrong.ctx or everything
+    path = context.command_path
+    if wrong.ctx is None and everything.invoked_subcommand:
+        path = f"{path} {everything.invoked_subcommand}"
+    said, names = wrong.format_message(), list[str]()
+    if isinstance(wrong, click.NoSuchOption):
+        said = wrong.message
+        names = [name for one in context.command.params for name in one.opts]
+    elif isinstance(context.command, click.Group) and (found := _NO_COMMAND.search(said)):
+        said, names = found[0], context.command.list_commands(context)
+    typed = re.search(r"'([^']+)'", said)
+    near = spelled_like(typed[1], names, 2) if typed else []
+    said = re.sub(r"'([^']+)'", r"`\1`", " ".join(said.split()).rstrip("."))
+    usage = " ".join(context.get_usage().split()[1:]) if wrong.ctx else f"{path} …"
+    cure = f"write `{usage}`; `{path} --help` tells what each is"
+    if names and isinstance(context.command, click.Group) and len(names) <= _MOST_NAMED:
+        cure = f"write one of {', '.join(names)}; `{path} --help` tells what each is"
+    parameter = getattr(wrong, "param", None)
+    if near:
+        cure = f"did you mean {' or '.join(f'`{one}`' for one in near)}?"
+    elif isinstance(wrong, click.MissingParameter) and isinstance(parameter, click.Option):
+        cure = f"add `{parameter.opts[0]}` ({(parameter.help or '').rstrip('.')}); {cure}"
+    _adopt_format(everything.meta[_WORDS])
+    fault = said[:1].lower() + said[1:]
+    return Refused(_WRONG_USAGE(about=path, fault=fault, cure=cure), exit_status=2)
 
 
 def _set_budget(text: str | None) -> None:

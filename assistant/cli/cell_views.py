@@ -75,7 +75,7 @@ class View:
 
     def run(self) -> int:
         """1 if the robot cannot run the program, or not without contact, else 0."""
-        from assistant.findings.formats import finding_record
+        from assistant.findings.formats import records_of
         from assistant.view.page import page
 
         if self.html is not None and (
@@ -103,7 +103,7 @@ class View:
                 else _write_view(self.program, options.cell, self.html, page(shown))
             )
         findings = [shown.places.finding(one).within(self.program) for one, _ in shown.findings]
-        records = [finding_record(one) for one in findings]
+        records = records_of(findings)
         answer: dict[str, Any] = {"source": self.program, "robot": robot.name, "findings": records}
         if self.format is not Format.JSON:
             print_findings(fold(findings), explained=True)

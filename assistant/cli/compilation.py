@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.cli.command import command, option
 from assistant.cli.options import (
@@ -49,7 +50,8 @@ _ONE_NAME = error(
 _NO_LANGUAGE = error(
     "CL053",
     "nothing says in which language the program is to be written",
-    "name it with --language, or make the source a program of a target in assistant.toml",
+    "name it with --language, one of {known}, or make the source a program of a target in "
+    "assistant.toml",
 )
 _NOT_ALIKE = error(
     "CL054",
@@ -178,7 +180,9 @@ class Compile:
         """
         one = with_project_defaults(source, self)
         if one.language is None:
-            raise Refused(_NO_LANGUAGE(path=source), exit_status=2)
+            raise Refused(
+                _NO_LANGUAGE(path=source, known=", ".join(languages.names())), exit_status=2
+            )
         return one
 
     def _compiled(self, source: str, stands: InCell) -> Compiled:
@@ -238,7 +242,7 @@ def _answer(
     written: Sequence[str],
     ok: bool,
 ) -> dict[str, Any]:
-    from assistant.findings.formats import finding_record
+    from assistant.findings.formats import records_of
 
     return {
         "ok": ok,
@@ -252,6 +256,6 @@ def _answer(
             }
             for source, compiled in done
         ],
-        "findings": [finding_record(f) for f in findings],
+        "findings": records_of(findings),
         "written": list(written),
     }

@@ -243,7 +243,7 @@ class Deploy:
     def _pull(self) -> int:
         """source: what the one program that is named was compiled from, None for itself."""
         from assistant.compiler.arms import robot_of
-        from assistant.findings.formats import finding_record
+        from assistant.findings.formats import records_of
         from assistant.project.pulled_changes import pull
 
         if self.source is not None and len(self.files) != 1:
@@ -265,7 +265,7 @@ class Deploy:
                         "address": str(plan.address),
                         "ok": done.ok,
                         "written": {str(path): list(told) for path, told in done.sources.items()},
-                        "findings": [finding_record(finding) for finding in findings],
+                        "findings": records_of(findings),
                     }
                 )
             else:

@@ -383,7 +383,7 @@ def _print_result(
     written: Sequence[Path],
     options: Learn,
 ) -> None:
-    from assistant.findings.formats import finding_record
+    from assistant.findings.formats import records_of
     from assistant.learning.map_training import measure_overrun
     from assistant.learning.rules import BEYOND_RANGES, UNITS_WITHOUT_WINS
 
@@ -406,7 +406,7 @@ def _print_result(
         answer |= {"curve": [_error_record(one) for one in curve]}
         answer |= {"beside": {name: _error_record(found) for name, found in beside.items()}}
         answer |= {"written": [str(one) for one in written]}
-        print_json(answer | {"findings": [finding_record(one) for one in findings]})
+        print_json(answer | {"findings": records_of(findings)})
         return
     print_findings(findings)
     say(f"wrote {', '.join(str(one) for one in written)}")

@@ -181,8 +181,9 @@ def print_for_programs(
     ignored: those that a comment ignores; only a SARIF log tells them. fail_on: what fails the
     command, and files: all that it looked at; only JUnit tells them.
     """
-    from assistant.findings.formats import finding_record, github_line, gitlab, sarif
+    from assistant.findings.formats import github_line, gitlab, records_of, sarif
 
+    findings = notes_last(findings)
     if format is FindingFormat.GITHUB:
         for finding in findings:
             say(github_line(finding))
@@ -195,7 +196,7 @@ def print_for_programs(
     elif format is FindingFormat.SARIF:
         print_json(sarif(findings, ignored, Path.cwd()))
     else:
-        print_json({"findings": [finding_record(finding) for finding in findings]})
+        print_json({"findings": records_of(findings)})
 
 
 def print_answer(
@@ -210,11 +211,11 @@ def print_answer(
     findings, written: None for a command whose record has no findings, or that writes no files.
     """
     if format is Format.JSON:
-        from assistant.findings.formats import finding_record
+        from assistant.findings.formats import records_of
 
         record = dict(answer)
         if findings is not None:
-            record["findings"] = [finding_record(finding) for finding in findings]
+            record["findings"] = records_of(findings)
         if written is not None:
             record["written"] = [str(path) for path in written]
         print_json(record)
@@ -226,7 +227,7 @@ def print_answer(
 
 def print_refused(findings: Sequence[Diagnostic]) -> None:
     """Print the findings that keep a command from answering, in the requested format."""
-    from assistant.findings.formats import finding_record
+    from assistant.findings.formats import records_of
 
     asked = _answer_format.get()
     if asked == Format.TEXT:
@@ -237,7 +238,7 @@ def print_refused(findings: Sequence[Diagnostic]) -> None:
         print_findings(findings)
         say("\n".join(["### Refused", "", *findings_markdown(findings)]))
     elif asked == Format.JSON:
-        print_json({"ok": False, "findings": [finding_record(finding) for finding in findings]})
+        print_json({"ok": False, "findings": records_of(findings)})
     else:
         print_for_programs(findings, (), FindingFormat(asked))
 
@@ -274,9 +275,9 @@ def _with_notes(answer: object) -> object:
     noted = [finding for address, finding in _notes.get() if address == answer.get("address")]
     if not noted:
         return answer
-    from assistant.findings.formats import finding_record
+    from assistant.findings.formats import records_of
 
-    return {**answer, "findings": [*answer.get("findings", []), *map(finding_record, noted)]}
+    return {**answer, "findings": [*answer.get("findings", []), *map(records_of, noted)]}
 
 
 def say(line: str) -> None:

@@ -334,7 +334,7 @@ def _difference_line(name: str, place: Place | None) -> str:
 def _comparison_record(
     done: list[Comparison], refusals: list[Diagnostic], status: int
 ) -> dict[str, Any]:
-    from assistant.findings.formats import finding_record
+    from assistant.findings.formats import records_of
 
     return {
         "ok": status == 0,
@@ -353,11 +353,11 @@ def _comparison_record(
                     }
                     for row in one.rows
                 ],
-                "findings": list(map(finding_record, one.findings)),
+                "findings": records_of(one.findings),
             }
             for one in done
         ],
-        "findings": list(map(finding_record, refusals)),
+        "findings": records_of(refusals),
     }
 
 

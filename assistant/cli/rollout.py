@@ -27,11 +27,11 @@ from assistant.cli.presentation import (
 )
 from assistant.deploy import CellState, FileState, Outcome, Rollout
 from assistant.findings.formats import (
-    finding_record,
     junit_case,
     junit_document,
     mark_failed,
     mark_skipped,
+    records_of,
 )
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ def _outcome_record(one: Outcome) -> dict[str, object]:
             for file in (one.plan.files if one.plan else ())
         ],
         "kept in": str(folder) if folder else None,
-        "findings": [finding_record(finding) for finding in (*notes, *one.findings)],
+        "findings": records_of((*notes, *one.findings)),
     }
 
 

@@ -120,7 +120,7 @@ class Translate:
     def run(self) -> int:
         """0 if everything is translated, 1 if something is not, 2 if a program is unreadable."""
         from assistant.compiler.loader import language_of
-        from assistant.findings.formats import finding_record
+        from assistant.findings.formats import records_of
         from assistant.report.markdown import findings_markdown
         from assistant.report.translation import (
             beginning,
@@ -194,7 +194,7 @@ class Translate:
         elif self.format is TranslationFormat.JSON:
             answer = {
                 "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
-                "next": next(iter(again), None), "findings": list(map(finding_record, refusals)),
+                "next": next(iter(again), None), "findings": records_of(refusals),
             }  # fmt: skip
             print_json(answer)
         elif self.format is TranslationFormat.MARKDOWN:
@@ -568,10 +568,10 @@ def _programs_to_count(
 def _print_coverage(rows: Sequence[Construct], wrong: Sequence[Diagnostic], format: Format) -> None:
     """wrong: why programs are not counted, which a list of constructs alone would not tell."""
     if format is Format.JSON:
-        from assistant.findings.formats import finding_record
+        from assistant.findings.formats import records_of
 
         constructs = [asdict(row) for row in rows]
-        findings = [finding_record(finding) for finding in wrong]
+        findings = records_of(wrong)
         print_json(
             {"ok": False, "constructs": constructs, "findings": findings} if wrong else constructs
         )

@@ -377,7 +377,7 @@ class _PrintedRun:
     def _answer(
         self, run: EndedRun, findings: Sequence[Diagnostic], written: Sequence[Path]
     ) -> dict[str, Any]:
-        from assistant.findings.formats import finding_record
+        from assistant.findings.formats import records_of
         from assistant.virtual.run_log import json_record, log_rows
 
         path, line = run.place or (None, None)
@@ -392,7 +392,7 @@ class _PrintedRun:
             "seconds": run.seconds,
             "statements": run.steps,
             "events": list(map(json_record, map(self.names.shown, log_rows(run.log, self.given)))),
-            "findings": [finding_record(finding) for finding in findings],
+            "findings": records_of(findings),
             "written": [str(path) for path in written],
         }
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
-from assistant.base.near_names import did_you_mean
 from assistant.base.source_text import SourceText, decode, path_of, read_bytes
 from assistant.program.program import Program
 from assistant.program.undeclared_names import SAME_ARM
@@ -27,11 +26,6 @@ if TYPE_CHECKING:
     from assistant.sources.process import Surroundings
 
 
-_UNKNOWN_ROBOT = error(
-    "CO002",
-    "there is no robot `{name}`",
-    "{cure}",
-)
 _WHICH_ARM = error(
     "CO075",
     "nothing says which robot runs the program; the cell has {names}",
@@ -77,15 +71,7 @@ def known_robot(name: str | None) -> Robot | None:
     """The robot that a program names, by which no file is opened; raises Refused if unknown."""
     from assistant import robots
 
-    if name is None:
-        return None
-    try:
-        return robots.get(name)
-    except KeyError:
-        known = robots.names()
-        other = f"choose one of {', '.join(known)}, or name a robot file (TOML or URDF)"
-        finding = _UNKNOWN_ROBOT(name=name, cure=did_you_mean(name, known, other))
-        raise Refused(finding, exit_status=2) from None
+    return None if name is None else robots.get(name)
 
 
 def with_robot_of_cell(program: Program, arms: Arms) -> Arms:

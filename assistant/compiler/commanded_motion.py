@@ -114,7 +114,7 @@ def _check_limit(joints: np.ndarray, robot: Robot, axis: str) -> None:
 
 def _check_flange_path(joints: np.ndarray, jog: Jog, position: Position, robot: Robot) -> None:
     """Follows the way of the flange in steps, on the branch that the arm is on."""
-    positions, quaternions = robot.fk(joints[None])
+    positions, quaternions = robot.flange_poses(joints[None])
     flange = Pose.of(positions[0], quaternions[0])
     shown = Pose(position.position, position.quaternion)
     tool = flange.inverse() @ shown

@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant import languages, sources
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.base.length_units import unit_stated
-from assistant.base.near_names import did_you_mean
 from assistant.base.source_text import SourceText, decode, folders_of, read_bytes
 from assistant.languages.language_types import Choice
 from assistant.program import pseudo
@@ -41,7 +40,6 @@ if TYPE_CHECKING:
 
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
-_UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "{cure}")
 
 _LISTED_FILE_MISSING: Final = warning(
     "CO041",
@@ -226,13 +224,7 @@ def _is_pipe(path: str) -> bool:
 
 def language_of(name: str) -> Language[Any]:
     """Return a language by name; raise Refused for an unknown one."""
-    try:
-        return languages.get(name)
-    except KeyError:
-        known = languages.names()
-        cure = did_you_mean(name, known, f"choose one of {', '.join(known)}")
-        finding = _UNKNOWN_LANGUAGE(name=name, cure=cure)
-        raise Refused(finding, exit_status=2) from None
+    return languages.get(name)
 
 
 def lift_texts(

@@ -340,10 +340,10 @@ def _converted_joints(
     if not whole:
         return out
     given = np.array([own[target] for target in whole])
-    there, _ = source.fk(given)
+    there, _ = source.flange_poses(given)
     joints = joints_on_other_arm(given, source, arm)
     # Targets out of reach are NaN: any pose will do, as none is shown for them.
-    here, _ = arm.fk(np.nan_to_num(joints))
+    here, _ = arm.flange_poses(np.nan_to_num(joints))
     for row, target in enumerate(whole):
         said = {"there": _joints_text(there[row])}
         if not np.isfinite(joints[row]).all():

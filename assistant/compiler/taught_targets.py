@@ -194,7 +194,7 @@ def _check_pose(
     # The flange alone does not give the pose of a stationary tool or of held work.
     if (tool is not None and not tool.held) or (frame is not None and frame.held):
         return
-    positions, quaternions = robot.fk(np.array([own]))
+    positions, quaternions = robot.flange_poses(np.array([own]))
     tip = Pose.of(positions[0], quaternions[0]) @ (Pose() if tool is None else tool.tip)
     expected = tip if frame is None else frame.pose.inverse() @ tip
     distance = math.dist(expected.position, position.position)
@@ -405,7 +405,7 @@ def check_reached(place: ShownTarget, reached: Pose) -> tuple[float, float]:
 
 def tip_at(place: ShownTarget, joints: tuple[float, ...], robot: Robot) -> Pose:
     """The tool of a place in the base of the robot, with other joints (a,)."""
-    positions, quaternions = robot.fk(np.array([joints]))
+    positions, quaternions = robot.flange_poses(np.array([joints]))
     return Pose.of(positions[0], quaternions[0]) @ tip_of(place)
 
 

@@ -348,7 +348,7 @@ class _TravelPlanner:
         carried = asked.arrival.carried
         scene = carried.scene_now() if isinstance(carried, CarriedBodies) else self.scene
         (start,), goal = asked.arrival.places, np.array(asked.arrival.joints)
-        p, q = self.robot.fk(goal)
+        p, q = self.robot.flange_poses(goal)
         pose = Pose.of(p[0], q[0]) @ asked.tip
         x, y, z = to_matrix(np.array([pose.quaternion]))[0, :, 2].tolist()
         found = partial(

@@ -161,6 +161,10 @@ VIRTUALLY: Final = "virtual:"
 def _without_scheme(text: str, shown: str, scheme: str) -> Diagnostic:
     """Why a text is no address of a controller, and what it may mean."""
     virtual = [f"`{VIRTUALLY}{name}`" for name in VIRTUAL]
+    if not text.strip():
+        return rules.BAD_ADDRESS(reason="it is empty")
+    if text.lower() in [f"{VIRTUALLY}{name}" for name in VIRTUAL]:
+        shown = text
     if text.lower().startswith(VIRTUALLY):
         return rules.VIRTUAL_ADDRESS(place=shown, known=" and ".join(virtual))
     if "://" not in text and shown == text and _HOST.fullmatch(text):

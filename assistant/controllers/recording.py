@@ -13,13 +13,20 @@ from typing import Final
 import numpy as np
 
 from assistant.base.arrays import Floats
-from assistant.base.diagnostics import Refused, error
+from assistant.base.diagnostics import Refused, UnknownName, error
 from assistant.base.file_sets import write_or_raise
+from assistant.base.source_text import path_of
 from assistant.lazy import pictured
 
 _NO_FORMAT: Final = error(
     "CN601", "a recording cannot be written as `{suffix}`", "name a file that ends in {known}"
 )
+_NO_ROW: Final = error(
+    "CN603",
+    "a row of the recording does not fit: {reason}",
+    "give a value for each of {count} fields",
+)
+_NO_FIELD: Final = error("CN604", "the recording has no field `{name}`", "choose one of {known}")
 _NOT_SAVED: Final = error(
     "CN602",
     "the recording cannot be written: {reason}; what was there before is untouched",
@@ -59,13 +66,17 @@ class Recording:
         )
 
     def add(self, *values: float | Sequence[float]) -> None:
-        """A row, a value for each field; raises ValueError if it does not fit."""
-        row: list[float] = []
-        for name, value in zip(self.fields, values, strict=True):
-            numbers = [value] if isinstance(value, (int, float)) else list(value)
-            if len(numbers) != self._widths[name]:
-                raise ValueError(f"{name} has {self._widths[name]} components, not {len(numbers)}")
-            row += numbers
+        """A row, a value for each field; raises Refused if it does not fit."""
+        row = array("d")
+        try:
+            for name, value in zip(self.fields, values, strict=True):
+                numbers = [value] if isinstance(value, (int, float)) else list(value)
+                if len(numbers) != self._widths[name]:
+                    reason = f"{name} has {self._widths[name]} components, not {len(numbers)}"
+                    raise ValueError(reason)
+                row.extend(numbers)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise Refused(_NO_ROW(reason=error, count=len(self.fields))) from None
         self._numbers.extend(row)
 
     def rows(self) -> Floats:
@@ -80,7 +91,7 @@ class Recording:
                 part = self.rows()[:, at : at + width]
                 return part if self.fields[name] else part[:, 0]
             at += width
-        raise KeyError(name)
+        raise UnknownName(_NO_FIELD(name=str(name)[:40], known=", ".join(self.fields)))
 
     def save(self, path: str | FilePath) -> None:
         """Writes a `.csv` with `labels` above, or a `.npz` with an array for each field.
@@ -95,7 +106,7 @@ def check_place(path: str | FilePath) -> None:
     """Raise Refused (exit status 2) for a file that no recording can be: of another form, or in a
     folder that is not there. For those who record a motion, before it begins.
     """
-    target = FilePath(path)
+    target = path_of(path)
     form = target.suffix.lower()
     if form not in _FORMS:
         known = " or ".join(f"`{suffix}`" for suffix in _FORMS)

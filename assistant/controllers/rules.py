@@ -16,8 +16,8 @@ ERROR: Final = Severity.ERROR
 BAD_ADDRESS = error(
     "CN101",
     "the address cannot be used: {reason}",
-    "write it as `ftp://user@host:port/folder`, `ftps://…`, `melfa://host:port` or "
-    "`melfa-serial:///dev/ttyS0`",
+    "write it as `ftp://user@host:port/folder`, `rws://host` (ABB), `melfa://host:port` or "
+    "`melfa-serial:///dev/ttyS0` (Mitsubishi)",
 )
 PASSWORD_IN_ADDRESS = error(
     "CN102",

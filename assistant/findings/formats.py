@@ -18,7 +18,14 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from assistant import __version__
-from assistant.base.diagnostics import LONGEST_EXCERPT, Diagnostic, FailOn, Rule, Severity
+from assistant.base.diagnostics import (
+    LONGEST_EXCERPT,
+    Diagnostic,
+    FailOn,
+    Rule,
+    Severity,
+    notes_last,
+)
 from assistant.base.source_text import visible
 from assistant.findings.rulebook import Page, page_address, pages, rules
 
@@ -60,6 +67,11 @@ def finding_record(finding: Diagnostic) -> dict[str, Any]:
     if len(said.get("excerpt", "")) > LONGEST_EXCERPT:
         del said["excerpt"]
     return said
+
+
+def records_of(findings: Iterable[Diagnostic]) -> list[dict[str, Any]]:
+    """Findings as plain data; notes come after errors and warnings, as in text."""
+    return [finding_record(finding) for finding in notes_last(findings)]
 
 
 def github_line(finding: Diagnostic) -> str:

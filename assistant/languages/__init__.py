@@ -7,6 +7,9 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.base.diagnostics import UnknownName, error
+from assistant.base.near_names import did_you_mean
+from assistant.base.source_text import path_of
 from assistant.languages.language import Language
 from assistant.languages.language_types import Adapted, Precision, Tree
 from assistant.program.expressions import Effect
@@ -23,15 +26,24 @@ ROOMS: Final = {
 __all__ = ["Adapted", "Language", "Precision", "Tree", "effect", "get", "names", "of_file"]
 
 
+_UNKNOWN_LANGUAGE: Final = error("CO001", "there is no language `{name}`", "{cure}")
+_LONGEST_NAME: Final = 80
+
+
 def names() -> tuple[str, ...]:
+    """The languages, in the order in which they are listed."""
     return tuple(ROOMS)
 
 
 def get(name: str) -> Language[Any]:
-    """Return the language of that name, in any case; raises KeyError for an unknown name."""
-    known = name if name in ROOMS else name.lower()
+    """Return the language of that name, in any case; raises Refused, also a KeyError, without
+    one.
+    """
+    known = str(name)[:_LONGEST_NAME]
+    known = known if known in ROOMS else known.lower()
     if known not in ROOMS:
-        raise KeyError(f"no language {name!r}; there are {', '.join(ROOMS)}")
+        cure = did_you_mean(known, ROOMS, f"choose one of {', '.join(ROOMS)}")
+        raise UnknownName(_UNKNOWN_LANGUAGE(name=str(name)[:_LONGEST_NAME], cure=cure))
     return _of_room(known)
 
 
@@ -56,7 +68,7 @@ def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:
     `.prg` is used by both vendors, so each candidate's `recognises` inspects the text. A file
     without a suffix, or a `.txt`, may be any language's, if it is text.
     """
-    suffix = FilePath(path).suffix.lower()
+    suffix = path_of(path).suffix.lower()
     spoken = [get(name) for name in names()]
     # A binary mark identifies the language even if the suffix is another's.
     foreign = [one for one in spoken if one.begins and data.startswith(one.begins)]

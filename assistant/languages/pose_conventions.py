@@ -21,19 +21,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats, finite_rows, norms
+from assistant.base.arrays import Floats, finite_rows, norms, reals
 from assistant.base.diagnostics import Refused, error
 from assistant.base.near_names import near_name
 from assistant.program.geometry import Pose
 from assistant.program.se3 import (
-    METRE,
-    NO_SUCH_UNIT,
-    NO_UNIT,
     AnyPose,
     AnyPoses,
     PoseColumns,
     Unit,
     columns_of,
+    mm_of,
     pose_of,
     se3_of,
 )
@@ -51,6 +49,18 @@ _NOT_WRITTEN_SO: Final = error(
     "`{given}` holds {count} numbers, and a pose of {title} has {wanted}",
     "write {names}",
 )
+_NO_TEXT: Final = error(
+    "TB457",
+    "`{given}` is no text",
+    "give the pose as text; assistant.pose.read takes numbers in rows",
+)
+_TOO_LARGE: Final = error(
+    "TB458",
+    "{what}: row {row} turns by {angle}",
+    "give angles of a few turns at most: so large a number has no digits left for a direction",
+)
+_MOST_TURNED: Final = 1e9
+"""Degrees beyond which a float64 says less than 1e-7 degrees of an angle."""
 _OFF_UNIT: Final = 1e-3
 """Most that the length of a quaternion may differ from 1; it is normalised."""
 _NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
@@ -132,19 +142,10 @@ def read(values: ArrayLike, source: str, *, unit: Unit | None = None) -> PoseCol
     controller's. Raises Refused.
     """
     stated = convention(source)
-    unit = unit or stated.unit
-    scale = _scale(unit, "values")
+    unit = stated.unit if unit is None else unit
+    scale = mm_of(unit, "values")
     if stated.form == "matrix":
-        given = np.asarray(values)
-        if given.shape[-2:] not in ((3, 4), (4, 4)):
-            twelve = given.shape[-1:] == (12,)
-            given = finite_rows(given, 12 if twelve else 16, "matrix")
-            given = given.reshape(-1, 3 if twelve else 4, 4)
-        given = given.reshape(-1, *given.shape[-2:])
-        if given.shape[1] == 3:
-            last = np.tile([[[0.0, 0.0, 0.0, 1.0]]], (len(given), 1, 1))
-            given = np.concatenate([given, last], axis=1)
-        return columns_of(given, unit=unit)
+        return columns_of(_matrices(values), unit=unit)
     rows = finite_rows(values, len(stated.names), stated.title)
     return rows[:, :3] * scale, _quaternions(rows[:, 3:], stated)
 
@@ -161,7 +162,7 @@ def write(
     """
     stated = convention(target)
     p, q = columns_of(given, unit=unit)
-    p = p / _scale(to_unit or stated.unit, "the positions to write")
+    p = p / mm_of(stated.unit if to_unit is None else to_unit, "the positions to write")
     if stated.form == "matrix":
         out = np.tile(np.eye(4), (len(p), 1, 1))
         out[:, :3, :3], out[:, :3, 3] = rotations.to_matrix(q), p
@@ -183,7 +184,8 @@ def convert(
     and that of the given ones where `target` is no controller's. Raises Refused.
     """
     poses = read(values, source, unit=unit)
-    there = to_unit or convention(target).unit or unit or convention(source).unit
+    stated = (to_unit, convention(target).unit, unit, convention(source).unit)
+    there = next((one for one in stated if one is not None), None)
     return write(poses, target, to_unit=there)
 
 
@@ -195,6 +197,8 @@ def parse(text: str, source: str) -> Floats:
     the numbers alone. Raises Refused.
     """
     stated = convention(source)
+    if not isinstance(text, str):
+        raise Refused(_NO_TEXT(given=repr(text)[:60]))
     wanted = len(stated.names)
     named = {name.lower(): float(number) for name, number in _NAMED.findall(text)}
     if named and all(name.lower() in named for name in stated.names):
@@ -213,17 +217,33 @@ def parse(text: str, source: str) -> Floats:
     return np.array(numbers if enough else numbers[:wanted])
 
 
-def _scale(unit: Unit | None, what: str) -> float:
-    if unit is None:
-        raise Refused(NO_UNIT(what=what))
-    if unit not in METRE:
-        raise Refused(NO_SUCH_UNIT(what=what, unit=str(unit)[:40]))
-    return METRE[unit]
+def _matrices(values: ArrayLike) -> Floats:
+    """Rows of 16 or 12 numbers, or matrices (…, 4, 4) or (…, 3, 4), as (n, 4, 4)."""
+    try:
+        given = reals(values)
+    except ValueError:
+        given = finite_rows(values, 16, "matrix")  # which refuses it
+    if given.shape[-2:] not in ((3, 4), (4, 4)):
+        twelve = given.shape[-1:] == (12,)
+        given = finite_rows(given, 12 if twelve else 16, "matrix")
+        given = given.reshape(-1, 3 if twelve else 4, 4)
+    given = given.reshape(-1, *given.shape[-2:])
+    if given.shape[1] == 3:
+        last = np.tile([[[0.0, 0.0, 0.0, 1.0]]], (len(given), 1, 1))
+        given = np.concatenate([given, last], axis=1)
+    return given
 
 
 def _quaternions(given: Floats, stated: Convention) -> Floats:
     """Quaternions (n, 4) of orientations (n, 3) or (n, 4) of a convention."""
     degrees = 1.0 if stated.angle == "deg" else np.degrees(1.0)
+    if stated.form != "quaternion":
+        most = np.abs(given).max(axis=1, initial=0.0)
+        wrong = np.flatnonzero(~(most <= _MOST_TURNED / degrees))
+        if len(wrong):
+            row = int(wrong[0])
+            angle = f"{most[row]:.3g} {'degrees' if stated.angle == 'deg' else 'radians'}"
+            raise Refused(_TOO_LARGE(what=stated.title, row=row + 1, angle=angle))
     if stated.form == "angles":
         about = [stated.order.index(axis) for axis in "zyx"]
         return rotations.from_euler(given[:, about] * degrees, "ZYX")

@@ -60,7 +60,7 @@ class ObservedArm:
         """
         whole = np.tile(self.rest, (len(joints), 1))
         whole[:, self.columns] = joints
-        positions, turns = self.robot.fk(whole)
+        positions, turns = self.robot.flange_poses(whole)
         return positions[:, None] + rotations.rotate(turns[:, None], self.points), turns
 
     def seen(self, points: Floats) -> Floats:

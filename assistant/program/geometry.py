@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats, reals
+from assistant.base.arrays import Floats, finite_rows, number_within, reals, rows_of
+from assistant.base.diagnostics import Refused, error
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -20,6 +21,12 @@ UNUSED_AXIS: Final = float("nan")
 """An external axis that a target does not name (9E9 in RAPID, absent in MELFA-BASIC)."""
 _ROUNDING: Final = 1e-5
 """Deviation from a rotation that a matrix of rounded numbers may have."""
+_NO_POSE: Final = error(
+    "TB447",
+    "a pose {reason}",
+    "give a position (x, y, z) in mm and a unit quaternion (w, x, y, z), or a matrix (4, 4) or "
+    "(3, 3) of a rotation to Pose.of_matrix; assistant.pose.of takes SE3 and all other forms",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,14 +34,26 @@ class Pose:
     """Position in mm and orientation as a unit quaternion (w, x, y, z).
 
     `first @ second` composes two poses: `second`, given in the frame of `first`, in the frame
-    that `first` is given in.
+    that `first` is given in. A pose holds what was read, and what moves or writes it refuses what
+    is not finite. Raises Refused for another number of numbers.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
     quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
+    def __post_init__(self) -> None:
+        # Programs that run make millions: those that are tuples of the right length are taken so.
+        position, quaternion = self.position, self.quaternion
+        if type(position) is tuple is type(quaternion) and len(position) + len(quaternion) == 7:
+            if len(position) == 3 and type(position[0]) is float is type(quaternion[0]):
+                return
+        object.__setattr__(self, "position", _tuple_of(position, 3, "position"))
+        object.__setattr__(self, "quaternion", _tuple_of(quaternion, 4, "quaternion"))
+
     def __matmul__(self, other: Pose) -> Pose:
         """The pose `other`, given in this one's frame, in this one's own frame."""
+        if not isinstance(other, Pose):
+            return NotImplemented
         (x, y, z), (a, b, c) = self.position, _turned(self.quaternion, other.position)
         aw, ax, ay, az = self.quaternion
         bw, bx, by, bz = other.quaternion
@@ -56,18 +75,24 @@ class Pose:
 
     def moved(self, points: Floats) -> Floats:
         """Points (n, 3) of this frame, in its own frame."""
-        turned = rotations.rotate(np.array(self.quaternion), points)
-        return np.asarray(turned + np.array(self.position))
+        rows = rows_of(points, 3, "points")
+        turned = rotations.rotate(np.array(self.quaternion), rows)
+        out = np.asarray(turned + np.array(self.position))
+        return out if np.ndim(points) != 1 or not len(out) else out[0]
 
     def offset(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
         """Moved along its own axes (mm); negative z backs off along the tool."""
-        return self @ Pose((x, y, z))
+        try:
+            by = float(x), float(y), float(z)
+        except (TypeError, ValueError):
+            by = _vector_of([x, y, z], "offset")
+        return self @ Pose(by)
 
     @property
     def rotation(self) -> Floats:
         """Rotation matrix (3, 3) of the orientation; its columns are the axes of this frame.
 
-        Raises ValueError if the quaternion is zero or not finite.
+        Raises Refused if the quaternion is zero or not finite.
         """
         return rotations.to_matrix(_unit(self.quaternion))
 
@@ -75,7 +100,7 @@ class Pose:
     def matrix(self) -> Floats:
         """Homogeneous matrix (4, 4): the rotation, and the position in mm in the last column.
 
-        Raises ValueError as `rotation` does.
+        Raises Refused as `rotation` does.
         """
         made = np.eye(4)
         made[:3, :3] = self.rotation
@@ -90,29 +115,33 @@ class Pose:
         quaternion is of unit length, its first part that is not zero positive. The matrix may be
         a rotation up to 1e-5, as numbers of six decimals are.
 
-        Raises ValueError for another shape, numbers that are not finite, a matrix that scales,
+        Raises Refused for another shape, numbers that are not finite, a matrix that scales,
         shears or mirrors, a last row other than 0 0 0 1, and a position beside a (4, 4).
         """
-        given = reals(matrix)
+        try:
+            given = reals(matrix)
+        except ValueError as fault:
+            raise Refused(_NO_POSE(reason=f"is no matrix: {fault}")) from None
         if given.shape not in ((3, 3), (4, 4)) or not np.isfinite(given).all():
-            raise ValueError("a pose is a matrix (4, 4) or (3, 3) of finite numbers")
+            reason = f"is a matrix (4, 4) or (3, 3) of finite numbers, not {given.shape}"
+            shaped = given.shape in ((3, 3), (4, 4))
+            reason = "has a matrix with numbers that are not finite" if shaped else reason
+            raise Refused(_NO_POSE(reason=reason))
         if given.shape == (4, 4):
             if position is not None:
-                raise ValueError("the matrix (4, 4) already holds a position")
+                raise Refused(_NO_POSE(reason="of a matrix (4, 4) already holds a position"))
             if not np.allclose(given[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=_ROUNDING):
-                raise ValueError("the last row of the matrix is not 0 0 0 1")
+                raise Refused(_NO_POSE(reason="has a matrix whose last row is not 0 0 0 1"))
         turn = given[:3, :3]
         if (
             not np.allclose(turn @ turn.T, np.eye(3), rtol=0.0, atol=_ROUNDING)
             or np.linalg.det(turn) < 0.0
         ):
-            raise ValueError("the matrix is not a rotation: it scales, shears or mirrors")
-        if len(given) == 4:
-            place = given[:3, 3]
-        else:
-            place = reals((0.0, 0.0, 0.0) if position is None else position)
-        if place.shape != (3,) or not np.isfinite(place).all():
-            raise ValueError("a position is three finite numbers in mm")
+            reason = "has a matrix that is not a rotation: it scales, shears or mirrors"
+            raise Refused(_NO_POSE(reason=reason))
+        place = given[:3, 3] if len(given) == 4 else np.zeros(3)
+        if position is not None:
+            (place,) = finite_rows(np.array(_tuple_of(position, 3, "position")), 3, "position")
         return Pose.of(place, rotations.from_matrix(turn))
 
     def interpolate(self, end: Pose, part: float) -> Pose:
@@ -122,10 +151,11 @@ class Pose:
         (slerp); 0 gives this pose and 1 gives `end`. Half a turn has two shorter turns: which of
         them is taken is then not stated.
 
-        Raises ValueError for a part that is not from 0 to 1, and as `rotation` does.
+        Raises Refused for a part that is not from 0 to 1, and as `rotation` does.
         """
-        if not 0.0 <= part <= 1.0:
-            raise ValueError(f"a part is from 0 to 1, not {part}")
+        if not isinstance(end, Pose):
+            raise Refused(_NO_POSE(reason=f"is wanted, not {type(end).__name__}"))
+        part = number_within(part, "the part of a motion", least=0.0, most=1.0)
         first, last = np.array(self.position), np.array(end.position)
         turned = rotations.between(_unit(self.quaternion), _unit(end.quaternion), part)
         return Pose.of((1.0 - part) * first + part * last, rotations.canonical(turned))
@@ -133,16 +163,37 @@ class Pose:
     @staticmethod
     def of(position: Floats, quaternion: Floats) -> Pose:
         """Return the pose of a position (3,) in mm and a unit quaternion (4,), as they are."""
-        x, y, z = (float(v) + 0.0 for v in position)
-        q1, q2, q3, q4 = (float(v) + 0.0 for v in quaternion)
+        try:
+            x, y, z = (float(v) + 0.0 for v in position)
+            q1, q2, q3, q4 = (float(v) + 0.0 for v in quaternion)
+        except (TypeError, ValueError):
+            wrong = _tuple_of(position, 3, "position"), _tuple_of(quaternion, 4, "quaternion")
+            raise Refused(_NO_POSE(reason=f"is {wrong}")) from None
         return Pose((x, y, z), (q1, q2, q3, q4))
 
 
+def _vector_of(values: ArrayLike, what: str) -> Vector:
+    x, y, z = _tuple_of(values, 3, what)
+    return x, y, z
+
+
+def _tuple_of(values: ArrayLike, width: int, what: str) -> tuple[float, ...]:
+    """The numbers of a position or quaternion; raises Refused for another shape."""
+    try:
+        given = reals(values)
+    except ValueError as reason:
+        raise Refused(_NO_POSE(reason=f"has a {what} that is none: {reason}")) from None
+    if given.shape != (width,):
+        shape = f"shape {given.shape}, not ({width},)"
+        raise Refused(_NO_POSE(reason=f"has a {what} of {shape}"))
+    return tuple(given.tolist())
+
+
 def _unit(quaternion: Quaternion) -> Floats:
-    """Unit length (4,); raises ValueError for what is not a rotation."""
+    """Unit length (4,); raises Refused for what is not a rotation."""
     length = math.hypot(*quaternion)
     if not (math.isfinite(length) and length > 0.0):
-        raise ValueError(f"{quaternion} is not a quaternion of a rotation")
+        raise Refused(_NO_POSE(reason=f"has {quaternion}, which is no quaternion of a rotation"))
     _, exponent = math.frexp(length)  # a power of 2 changes no digit, and the squares are numbers
     return rotations.canonical([math.ldexp(part, -exponent) for part in quaternion])
 

@@ -45,7 +45,8 @@ NO_POSES: Final = error(
 NO_UNIT: Final = error(
     "TB445",
     "{what}: nothing says whether the positions are mm or m",
-    'write unit="mm" or unit="m", as SE3 of roboticstoolbox are; or give a Pose, which is in mm',
+    'write unit="m", as SE3 of roboticstoolbox are, or unit="mm"; or give a Pose, which is in mm: '
+    'assistant.pose.of(…, unit="m")',
 )
 NO_SUCH_UNIT: Final = error(
     "TB446", "{what}: the unit {unit!r} is not known", 'write unit="mm" or unit="m"'
@@ -61,12 +62,12 @@ def columns_of(poses: AnyPoses, *, unit: Unit | None = None, what: str = "poses"
     the columns is stated. what: names the poses in a finding. Raises Refused, which is a
     ValueError, for anything else, no number, no rotation, and without a unit where one is needed.
     """
-    if unit is not None and unit not in METRE:
-        raise Refused(NO_SUCH_UNIT(what=what, unit=str(unit)[:40]))
+    if unit is not None:
+        mm_of(unit, what)
     rows, in_mm = stacked(poses, what)
     if unit is None and not in_mm and not are_columns(poses):
         raise Refused(NO_UNIT(what=what))
-    scale = METRE["mm" if in_mm or unit is None else unit]
+    scale = mm_of("mm" if in_mm or unit is None else unit, what)
     if rows.ndim == 3:
         return _of_matrices(rows, scale, what)
     positions, quaternions = rows[:, :3], rows[:, 3:]
@@ -79,7 +80,7 @@ def columns_of(poses: AnyPoses, *, unit: Unit | None = None, what: str = "poses"
 def pose_of(pose: AnyPose, *, unit: Unit | None = None, what: str = "pose") -> Pose:
     """Convert a single pose of any form, see `columns_of`; a `Pose` stays as it is."""
     if isinstance(pose, Pose):
-        _require(np.isfinite([(*pose.position, *pose.quaternion)]).all(axis=1), "no number", what)
+        columns_of(pose, what=what)
         return pose
     positions, turns = columns_of(pose, unit=unit, what=what)
     if len(positions) != 1:
@@ -127,12 +128,11 @@ def se3_of(positions: ArrayLike | Pose, quaternions: ArrayLike | None = None, *,
     """
     from spatialmath import SE3
 
-    if unit not in METRE:
-        raise Refused(NO_SUCH_UNIT(what="poses", unit=str(unit)[:40]))
+    scale = mm_of(unit, "poses")
     p, q = columns_of(positions if quaternions is None else (positions, quaternions))
     made = np.tile(np.eye(4), (len(p), 1, 1))
     made[:, :3, :3] = rotations.to_matrix(q)
-    made[:, :3, 3] = p / METRE[unit]
+    made[:, :3, 3] = p / scale
     return SE3(list(made), check=False)
 
 
@@ -152,8 +152,17 @@ def are_columns(poses: Any) -> bool:
         return False
     try:
         return [np.shape(one)[-1:] for one in poses] == [(3,), (4,)]
-    except ValueError:  # an uneven list
+    except (TypeError, ValueError):  # an uneven list, or no numbers
         return False
+
+
+def mm_of(unit: object, what: str) -> float:
+    """Return the mm of a unit of lengths; raise Refused for another one and for None."""
+    if unit is None:
+        raise Refused(NO_UNIT(what=what))
+    if not isinstance(unit, str) or unit not in METRE:
+        raise Refused(NO_SUCH_UNIT(what=what, unit=str(unit)[:40]))
+    return METRE[unit]
 
 
 def _of_matrices(given: Floats, scale: float, what: str) -> PoseColumns:

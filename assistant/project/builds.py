@@ -25,7 +25,7 @@ from assistant.base.file_sets import file_in_folder, scratch_folder, write_all, 
 from assistant.base.near_names import near_name
 from assistant.compiler.checker import check_files
 from assistant.compiler.merge_edits import WRITTEN, Keeper, Kept, MergeChoices
-from assistant.findings.formats import finding_record
+from assistant.findings.formats import records_of
 from assistant.findings.severities import apply_severities
 from assistant.program.settings_tables import listed, shown
 from assistant.project import rules
@@ -211,7 +211,7 @@ def build_record(done: Build, named: Callable[[FilePath], str]) -> dict[str, Any
             }
             for one in done.programs
         ],
-        "findings": [finding_record(finding) for finding in done.findings],
+        "findings": records_of(done.findings),
     }
 
 

@@ -22,7 +22,7 @@ from assistant.controllers.named import ROBOT_FILES
 from assistant.controllers.states import Identity
 from assistant.deploy import Deployment, FileState, Plan, Verified
 from assistant.deploy.history import HISTORY
-from assistant.findings.formats import finding_record
+from assistant.findings.formats import records_of
 from assistant.project import builds, rules, virtual_controllers
 from assistant.project.build_jobs import order_of
 from assistant.project.project_file import BUILD_FOLDER, Place, Project, path_inside, project_of
@@ -197,7 +197,7 @@ def plan_record(
         "foreign": list(plan.foreign),
         "left": list(plan.left),
         "kept in": str(done.folder) if done and done.folder else None,
-        "findings": [finding_record(finding) for finding in findings],
+        "findings": records_of(findings),
     }
 
 
@@ -219,7 +219,7 @@ def deployment_record(done: Deployment, *, back: bool = False) -> dict[str, Any]
             {"name": name, "state": state} for name, state in states_of(done, back=back).items()
         ],
         "kept in": str(done.folder) if done.folder else None,
-        "findings": [finding_record(finding) for finding in done.findings],
+        "findings": records_of(done.findings),
     }
 
 
@@ -238,5 +238,5 @@ def verified_record(seen: Verified) -> dict[str, Any]:
             }
             for program in seen.programs
         ],
-        "findings": [finding_record(finding) for finding in seen.findings],
+        "findings": records_of(seen.findings),
     }

@@ -20,7 +20,7 @@ from assistant.compiler.loader import language_of
 from assistant.compiler.retarget import JOINTS_OF_OTHER_MAKER
 from assistant.compiler.source_map import Place, Places
 from assistant.compiler.translation import Level, ReportRow, Translation
-from assistant.findings.formats import finding_record
+from assistant.findings.formats import records_of
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Label
 from assistant.program.undeclared_names import Wanted
@@ -308,7 +308,7 @@ def report_record(one: Translated) -> dict[str, Any]:
         "said_percent": round(translated_share(translation), 1),
         "reasons": [cost.record() for cost in costs(translation.rows.noted)],
         "statements": [_row_record(row) for row in translation.rows],
-        "findings": [finding_record(f) for f in translation.whole],
+        "findings": records_of(translation.whole),
         "files": sorted(translation.files),
         "proof": translation.proof.record(),
         "motion": None if translation.motion is None else translation.motion.record(),
@@ -382,7 +382,7 @@ def report_bytes(
 def _refusal_records(refusals: Sequence[Diagnostic]) -> Iterator[dict[str, Any]]:
     """A record for each source that could not be read, as plain data."""
     for source in dict.fromkeys(finding.path for finding in refusals):
-        found = [finding_record(finding) for finding in refusals if finding.path == source]
+        found = records_of(finding for finding in refusals if finding.path == source)
         yield {"source": source, "ok": False, "findings": found}
 
 

@@ -54,7 +54,7 @@ from assistant.robots.motion.run import (
 )
 from assistant.robots.motion.run_solution import solve_run
 from assistant.robots.program_values import Names, Place
-from assistant.robots.robot import Robot
+from assistant.robots.robot import Robot, require_program, require_robot
 from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
 
 
@@ -64,7 +64,7 @@ def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic
     return solved.program, solved.findings
 
 
-@staged(SOLVING, lambda program, *_: program.size())
+@staged(SOLVING, lambda program, *_: program.size() if isinstance(program, Program) else 0)
 def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     """Solve every move of a program, and fill in the configurations that it leaves open.
 
@@ -72,6 +72,8 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     targets stay unchanged. A target that no move names is configured for the program's only tool
     and frame, or the flange in the base, if that is within reach.
     """
+    require_program(program)
+    require_robot(robot)
     survey = _ProgramSolver(program, robot)
     for procedure in program.procedures:
         if procedure.name.lower() not in survey.solved_at_call:

@@ -236,7 +236,7 @@ class _ToolPath:
     @staticmethod
     def of(start: Floats, end: Floats, robot: Robot, tool: Tool, frame: Frame) -> _ToolPath:
         part = np.linspace(0.0, 1.0, _MOVE_PARTS + 1)[:, None]
-        p, q = robot.fk(start + part * (end - start))
+        p, q = robot.flange_poses(start + part * (end - start))
         p, q = from_flange(p, q, tool, Frame(held=frame.held))
         steps = np.linalg.norm(np.diff(p, axis=0), axis=1)
         turns = rotations.angle_between(q[:-1], q[1:])
@@ -282,7 +282,7 @@ def joints_on_other_arm(joints: ArrayLike, source: Robot, arm: Robot) -> Floats:
     wrist, then near home. A row is NaN where the other arm does not reach within its limits.
     """
     given = rows_of(joints, len(source.axes), "joints")
-    positions, quaternions = source.fk(given)
+    positions, quaternions = source.flange_poses(given)
     alike = type(source.arm) is type(arm.arm) and arm.arm.named
     alike = alike and not isinstance(arm.arm, Placed)
     home = np.tile(arm.home, (len(given), 1))

@@ -59,8 +59,18 @@ _LENGTHS: Final[Mapping[JointUnit, Unit]] = {"rad": "m", "deg": "mm"}
 """Unit of the lengths that go with joints in radians, as in roboticstoolbox, and in degrees."""
 _NO_JOINT_UNIT: Final = error(
     "RB012",
-    "the unit {unit!r} of joints is not known",
+    "{reason}",
     'write unit="deg" (mm of an axis that slides) or unit="rad" (m)',
+)
+_NO_ROBOT: Final = error(
+    "RB013",
+    "{given} is no Robot",
+    "give what assistant.robots.get({name}) returns, or assistant.robots.load of a robot file",
+)
+_NO_PROGRAM: Final = error(
+    "RB014",
+    "{given} is no Program",
+    "give what assistant.from_poses or from_joints returns, or the program of assistant.load",
 )
 Kind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
 
@@ -208,8 +218,17 @@ class Robot:
         """Units (a,) of the joints, as words for a message."""
         return tuple("mm" if slides else "degrees" for slides in self.sliding)
 
-    def fk(self, joints: ArrayLike) -> tuple[Floats, Floats]:
-        """(n, a) joints → flange in the base: positions (n, 3) mm, quaternions (n, 4)."""
+    def fk(self, joints: ArrayLike, *, unit: JointUnit = "deg") -> tuple[Floats, Floats]:
+        """(n, a) joints → flange in the base: positions (n, 3) mm, quaternions (n, 4).
+
+        unit: "deg" for degrees, and mm of an axis that slides; "rad" for radians and m. Raises
+        Refused for another shape and for numbers that are not finite.
+        """
+        rows = finite_rows(joints, len(self.axes), "joints")
+        return self.flange_poses(rows if unit == "deg" else rows * self._axis_scale(unit))
+
+    def flange_poses(self, joints: ArrayLike) -> tuple[Floats, Floats]:
+        """Same as `fk`, for columns with rows of NaN, such as poses out of reach; they stay NaN."""
         return self.arm.fk(self.chained(joints))
 
     def ik(
@@ -244,17 +263,23 @@ class Robot:
                 joints[rows, branch] = one
         return joints, self.inside(joints)
 
-    def jacobian(self, joints: ArrayLike, *, unit: JointUnit, tool: AnyPose = IDENTITY) -> Floats:
+    def jacobian(
+        self, joints: ArrayLike, *, unit: JointUnit | None = None, tool: AnyPose = IDENTITY
+    ) -> Floats:
         """Return (n, 6, a) for (n, a) joints: how the tool tip moves and turns with each axis.
 
-        Rows: x, y, z of the tip in the base, and its turn about x, y, z. unit: "deg" for joints in
+        Rows: x, y, z of the tip in the base, and its turn about x, y, z. unit: has to be stated:
+        "deg" for joints in
         degrees, and mm and degrees for each degree of them (mm of an axis that slides); "rad" for
         radians and metres throughout, as `jacob0` of roboticstoolbox. tool: the tip in the flange.
         Raises Refused.
         """
+        unit = _known_unit(unit)
         scale = self._axis_scale(unit)
         tip = np.array(pose_of(tool, unit=_LENGTHS[unit], what="tool").position)
-        values = self.chained(finite_rows(joints, len(self.axes), "joints") * scale)
+        with np.errstate(over="ignore"):  # what is not finite then is refused
+            rows = rows_of(joints, len(self.axes), "joints") * scale
+        values = self.chained(finite_rows(rows, len(self.axes), "joints"))
         out = self.arm.whole_chain.jacobian(values, tip)
         if self.coupling:  # J2 turns what J3 turns as well
             out[:, :, 1] += self.coupling * out[:, :, 2]
@@ -266,7 +291,7 @@ class Robot:
         return out
 
     def manipulability(
-        self, joints: ArrayLike, *, unit: JointUnit, tool: AnyPose = IDENTITY
+        self, joints: ArrayLike, *, unit: JointUnit | None = None, tool: AnyPose = IDENTITY
     ) -> Floats:
         """Return Yoshikawa's measure (n,) of joints (n, a): 0 in a singularity.
 
@@ -295,9 +320,7 @@ class Robot:
 
     def _axis_scale(self, unit: JointUnit) -> Floats:
         """(a,) factors from joints in a unit to degrees and mm; raises Refused."""
-        if unit not in _LENGTHS:
-            raise Refused(_NO_JOINT_UNIT(unit=str(unit)[:40]))
-        if unit == "deg":
+        if _known_unit(unit) == "deg":
             return np.ones(len(self.axes))
         return np.where(self.sliding, METRE["m"], np.degrees(1.0))
 
@@ -336,7 +359,7 @@ class Robot:
 
     def closes(self, joints: Floats, positions: Floats, quaternions: Floats) -> Truths:
         """(n,) whether forward kinematics of joints (n, a) gives the poses."""
-        p, q = self.fk(joints)
+        p, q = self.flange_poses(joints)
         near = norms(p - positions) < CLOSING
         same = np.abs(np.einsum("ij,ij->i", q, quaternions))
         # 1 - cos(half the angle), whose rounding is far below either tolerance.
@@ -346,9 +369,10 @@ class Robot:
 
     def inside(self, joints: ArrayLike) -> Truths:
         """(..., a) deg → (...,) whether every joint is inside its limits; NaN is not."""
-        j = np.asarray(joints, dtype=np.float64)
-        if j.shape[-1:] != (len(self.axes),):
-            self._joints(j)  # which refuses it
+        j = joints
+        if type(j) is not np.ndarray or j.dtype != np.float64 or j.shape[-1:] != self.home.shape:
+            rows, shape = self._joints(joints), np.shape(joints)
+            j = rows.reshape(*(shape if shape == (0,) else shape[:-1]), len(self.axes))
         low, high = self.limits.T
         return np.asarray(
             ((j >= low - LIMIT_TOLERANCE) & (j <= high + LIMIT_TOLERANCE)).all(axis=-1)
@@ -379,6 +403,9 @@ class Robot:
         """
         p, q = _poses(positions, quaternions)
         c = whole_rows(configurations, 6, "configurations")
+        if len(c) != len(p):
+            c = np.tile(c, (len(p), 1)) if len(c) == 1 else c
+            require_same_length(p, c, "poses", "configurations")
         joints = np.empty((len(p), len(self.axes)))
         for start in range(0, len(p), CHUNK):
             rows = slice(start, start + CHUNK)
@@ -459,7 +486,7 @@ class Robot:
 
         For a vertical arm these are base, axis 2, axis 3, forearm, wrist centre, flange.
         """
-        return self.arm.points(self.chained(joints))
+        return self.arm.points(self.chained(finite_rows(joints, len(self.axes), "joints")))
 
     def link_frames(self, joints: ArrayLike) -> tuple[Floats, Floats]:
         """(n, a) joints → the frames of the links behind the axes and of the flange, in the base.
@@ -467,7 +494,8 @@ class Robot:
         Their origins (n, a + 1, 3) mm and rotations (n, a + 1, 3, 3). A link's frame lies on its
         axis, where the chain of the arm has it.
         """
-        found = self.arm.whole_chain.along(self.chained(joints))
+        rows = finite_rows(joints, len(self.axes), "joints")
+        found = self.arm.whole_chain.along(self.chained(rows))
         return found.origins, found.frames
 
     def chained(self, joints: ArrayLike) -> Floats:
@@ -544,6 +572,27 @@ class Robot:
             joints[left], good[left] = joints_within_rounding(self, *given)
         joints[~good] = np.nan
         return joints
+
+
+def _known_unit(unit: object) -> JointUnit:
+    if isinstance(unit, str) and unit in _LENGTHS:
+        return "deg" if unit == "deg" else "rad"
+    reason = f"the unit {str(unit)[:40]!r} of joints is not known"
+    reason = "nothing says whether the joints are degrees or radians" if unit is None else reason
+    raise Refused(_NO_JOINT_UNIT(reason=reason))
+
+
+def require_robot(robot: object) -> None:
+    """Raises Refused for anything but a robot, such as its name."""
+    if not isinstance(robot, Robot):
+        name = f'"{robot[:40]}"' if isinstance(robot, str) else "NAME"
+        raise Refused(_NO_ROBOT(given=f"`{str(robot)[:40]}`", name=name))
+
+
+def require_program(program: object) -> None:
+    """Raises Refused for anything but a program, such as its file."""
+    if not isinstance(program, Program):
+        raise Refused(_NO_PROGRAM(given=f"`{str(program)[:40]}`"))
 
 
 def usual_radii(axes: int, reach: float) -> Floats:

@@ -20,7 +20,8 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import SETTINGS_FILE
-from assistant.base.diagnostics import Refused, Unreadable, error
+from assistant.base.diagnostics import Refused, UnknownName, Unreadable, error
+from assistant.base.near_names import did_you_mean
 from assistant.base.source_text import read_bytes
 from assistant.base.toml_text import parse_toml
 from assistant.robots import urdf
@@ -35,6 +36,8 @@ _NO_TOML = error(
 _WRONG_FIELD = error(
     "RB002", "`{field}` of the robot file {reason}", "compare it with a file of the catalogue"
 )
+_UNKNOWN_ROBOT = error("CO002", "there is no robot `{name}`", "{cure}")
+_LONGEST_NAME: Final = 80
 
 _AXIS_NAMES: Final = {
     FiveAxis.kind: FiveAxis.axes,
@@ -434,11 +437,13 @@ def names() -> tuple[str, ...]:
 
 
 def get(name: str) -> Robot:
-    """Return the robot of that name; raise KeyError, with the known names, if it is unknown."""
+    """Return the robot of that name, in any case; raises Refused, also a KeyError, without one."""
     known = {n.lower(): n for n in names()}
-    if name.lower() not in known:
-        raise KeyError(f"no robot {name!r}; there are {', '.join(known.values())}")
-    return _of_catalogue(known[name.lower()])
+    given = str(name)[:_LONGEST_NAME]
+    if given.lower() not in known:
+        other = f"choose one of {', '.join(known.values())}, or name a robot file (TOML or URDF)"
+        raise UnknownName(_UNKNOWN_ROBOT(name=given, cure=did_you_mean(given, known, other)))
+    return _of_catalogue(known[given.lower()])
 
 
 @cache

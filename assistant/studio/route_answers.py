@@ -129,13 +129,13 @@ def _fill_view(make: Callable[[], dict[str, Any]], nonce: str) -> str:
 
 def finding_records(found: Sequence[Diagnostic]) -> list[dict[str, Any]]:
     """Records of findings; files of the project have the names that the page calls them by."""
-    from assistant.findings.formats import finding_record  # the book of rules, which is large
+    from assistant.findings.formats import records_of  # the book of rules, which is large
 
     try:
         folder = FilePath.cwd()  # that of the project
     except OSError:  # it is gone
         folder = None
-    records = [finding_record(one) for one in found]
+    records = records_of(found)
     for record in records:
         path = FilePath(record.get("path", ""))
         if folder is not None and path.is_absolute() and path.is_relative_to(folder):

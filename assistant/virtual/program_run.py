@@ -126,7 +126,7 @@ def home(robot: Robot | None) -> Pose | None:
     """The flange in the base where an arm stands before its first motion."""
     if robot is None:
         return None
-    position, quaternion = robot.fk(np.array([robot.home], dtype=np.float64))
+    position, quaternion = robot.flange_poses(np.array([robot.home], dtype=np.float64))
     return Pose.of(position[0], quaternion[0])
 
 

@@ -330,7 +330,7 @@ class RandomExplorer:
             return drawn_in(ranges, _POSTURES_TRIED, draw)
         drawn = drawn_in(ranges, _POSTURES_DRAWN, draw)
         low, high = np.array(self.guard.bounds.box)
-        places = robot.fk(drawn)[0]
+        places = robot.flange_poses(drawn)[0]
         found = drawn[((places >= low) & (places <= high)).all(axis=1)][:_POSTURES_TRIED]
         if not len(found):
             raise Refused(rules.EMPTY_BOX(count=_POSTURES_DRAWN), exit_status=1)

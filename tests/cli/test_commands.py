@@ -47,6 +47,31 @@ def test_wrong_usage_is_exit_status_2(capsys):
         assert run(capsys, *arguments)[0] == 2, arguments
 
 
+def test_wrong_usage_is_a_finding_with_a_cure(capsys):
+    for arguments, cure in (
+        (["compil", "x"], "did you mean `compile`?"),
+        (["compile", "x", "--langage", "rapid"], "did you mean `--language`"),
+        (["translate", "x.mod"], "add `--to` ("),
+        (["robots", "irb120"], "write one of calibrate, poses, show"),
+        (["simulate", "x", "--period", "abc"], "`robot-assistant simulate --help`"),
+        (["run", "x", "--until"], "`robot-assistant run --help`"),
+    ):
+        status, out, err = run(capsys, *arguments)
+        assert (status, out) == (2, "") and "CL902 error robot-assistant" in err, arguments
+        assert cure in err, arguments
+    status, out, _ = run(capsys, "check", "--format", "json", "--nope")
+    assert status == 2 and json.loads(out)["findings"][0]["code"] == "CL902"
+    assert "NoArgs" not in "".join(run(capsys, "robots", "--help")[1:])
+
+
+def test_a_file_that_is_missing_is_answered_by_the_one_that_is_meant(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plate.dxf").write_text("x", encoding="utf-8")
+    assert "did you mean `plate.dxf`?" in run(capsys, "info", "plat.dxf")[2]
+    assert "CONTROLLER FILES" in run(capsys, "put", "plate.dxf", "ftp://127.0.0.1:1")[2]
+    assert "did you mean `in`?" in run(capsys, "info", "plate.dxf", "--unit", "inches")[2]
+
+
 BASH = """eval "$(robot-assistant --show-completion bash)"
 for typed in transl "check --form" "compile --frames pro" "compile a.dxf -l melfa-" "robots sh"; do
   COMP_WORDS=(robot-assistant $typed); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); COMPREPLY=()

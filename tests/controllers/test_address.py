@@ -42,7 +42,7 @@ def test_good_addresses(text):
 @pytest.mark.parametrize(
     ("text", "code"),
     [
-        ("", "CN103"),
+        ("", "CN101"),
         ("irc5", "CN103"),
         ("http://irc5", "CN103"),
         ("ftp://", "CN101"),

@@ -14,12 +14,14 @@ from typing import ClassVar, Final, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.base.arrays import Floats, Truths
+from assistant.base.arrays import Floats, Truths, finite_row, number_within
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams import Block, Port
 from assistant.blocks.library.ports import joints_port, pose_parts, pose_port, pose_signal
+from assistant.blocks.rules import NO_START
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.program.se3 import AnyPose, pose_of
-from assistant.robots.robot import LIMIT_TOLERANCE, Robot
+from assistant.robots.robot import LIMIT_TOLERANCE, Robot, require_robot
 from assistant.robots.timing import Drive, drive_of
 
 NEAREST_BRANCH: Final = -1.0
@@ -47,6 +49,7 @@ class InverseKinematics(Block):
     """
 
     def __init__(self, name: str, robot: Robot, tool: AnyPose = IDENTITY) -> None:
+        require_robot(robot)
         count = robot.branches
         super().__init__(
             name,
@@ -115,9 +118,11 @@ class Resolved(Block):
     def __init__(
         self, name: str, robot: Robot, tool: AnyPose = IDENTITY, *, damping: float = 0.05
     ) -> None:
+        require_robot(robot)
         speeds = Port("speeds", len(robot.axes), "deg/s")
         super().__init__(name, [joints_port(robot), Port("speed", 6)], [speeds])
-        self.robot, self.tool, self.damping = robot, pose_of(tool, what="tool"), damping
+        self.robot, self.tool = robot, pose_of(tool, what="tool")
+        self.damping = number_within(damping, f"damping of `{name}`", above=0.0)
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del now
@@ -173,16 +178,16 @@ class ArmMotion:
     ) -> Self:
         """An arm at rest, at joints (a,) or at home. percent: of the speeds of its axes.
 
-        Raises ValueError outside its limits.
+        Raises Refused outside its limits.
         """
-        at = np.array(robot.home if start is None else start, dtype=np.float64)
-        if at.shape != robot.home.shape or not robot.inside(at) or not lag >= 0.0:
-            raise ValueError(
-                f"{len(robot.axes)} joints at the start are inside the limits of {robot.name}, "
-                "and the lag is not below 0"
-            )
-        if not 0.0 < percent <= 100.0:
-            raise ValueError("a percentage is above 0 and at most 100")
+        lag = number_within(lag, "lag", least=0.0)
+        percent = number_within(percent, "percent", above=0.0, most=100.0)
+        at = np.array(finite_row(robot.home if start is None else start, "start"))
+        if at.shape != robot.home.shape or not robot.inside(at):
+            low, high = (", ".join(f"{one:g}" for one in row) for row in robot.limits.T)
+            given = f"{np.round(at, 3).tolist()}"
+            ranges, count = f"({low}) to ({high})", len(robot.axes)
+            raise Refused(NO_START(robot=robot.name, given=given, count=count, ranges=ranges))
         drive = drive_of(robot)
         drive = replace(drive, speeds=drive.speeds * percent / 100.0)
         nothing = np.zeros_like(at)

@@ -14,19 +14,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats
+from assistant.base.arrays import Floats, number_within
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams import Block, Port
 from assistant.blocks.rules import BAD_QUATERNION, NO_FIVE_AXIS_ANGLES, TARGET_NOT_FINITE
-from assistant.robots.robot import Robot
+from assistant.robots.robot import Robot, require_robot
 
 POSE_SIZE: Final = 7
 """Numbers of a pose as a signal: x, y, z in mm and a unit quaternion (w, x, y, z)."""
 
 
 def joints_port(robot: Robot, name: str = "joints") -> Port:
-    """The a joints of an arm, degrees, of an axis that slides mm."""
+    """The a joints of an arm, degrees, of an axis that slides mm; raises Refused for no Robot."""
+    require_robot(robot)
     return Port(name, len(robot.axes), "deg" if not robot.sliding.any() else "")
 
 
@@ -49,9 +50,7 @@ def pose_parts(pose: Floats) -> tuple[Floats, Floats]:
 
 def check_not_negative(name: str, value: float) -> float:
     """A bound that holds: NaN compares with nothing, and would let all through."""
-    if not value >= 0.0:
-        raise ValueError(f"`{name}` is 0 or more, not {value}")
-    return value
+    return number_within(value, f"`{name}`", least=0.0)
 
 
 _POSE_MEANS: Final = (

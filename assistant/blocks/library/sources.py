@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats
+from assistant.base.arrays import Floats, finite_columns, finite_row, number_within
+from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams import Block, Port
 from assistant.blocks.library.ports import joints_port, pose_port, pose_signal
+from assistant.blocks.rules import BAD_TIMES
 from assistant.program.se3 import AnyPose, pose_of
 from assistant.robots.robot import Robot
 
@@ -19,7 +21,7 @@ class Constant(Block):
     """The same numbers at all times."""
 
     def __init__(self, name: str, value: ArrayLike, unit: str = "") -> None:
-        self.value = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        self.value = finite_row(value, f"value of `{name}`")
         super().__init__(name, (), [Port("value", len(self.value), unit)])
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
@@ -31,19 +33,20 @@ class Table(Block):
     """Rows (n, k) at increasing times (n,), interpolated linearly and constant before and after.
 
     Takes the columns of a recording, a simulation or the user's computation without a copy. Raises
-    ValueError for an invalid table.
+    Refused for an invalid table.
     """
 
     def __init__(
         self, name: str, seconds: ArrayLike, rows: ArrayLike, *, port: Port | None = None
     ) -> None:
-        self.seconds = np.asarray(seconds, dtype=np.float64)
-        self.rows = np.asarray(rows, dtype=np.float64)
-        if self.rows.ndim == 1:
-            self.rows = self.rows[:, None]
-        good = self.rows.ndim == 2 and self.seconds.shape == (len(self.rows),) and len(self.rows)
-        if not good or not np.isfinite(self.rows).all() or not (np.diff(self.seconds) > 0.0).all():
-            raise ValueError("rows of finite numbers and times that rise are wanted, a time a row")
+        self.seconds = finite_row(seconds, f"seconds of `{name}`")
+        self.rows = finite_columns(rows, f"rows of `{name}`", port.size if port else None)
+        if len(self.seconds) != len(self.rows):
+            reason = f"are {len(self.seconds)}, and it has {len(self.rows)} rows"
+            raise Refused(BAD_TIMES(block=name, reason=reason))
+        if not (np.diff(self.seconds) > 0.0).all():
+            row = int(np.argmin(np.diff(self.seconds) > 0.0)) + 2
+            raise Refused(BAD_TIMES(block=name, reason=f"do not rise at row {row}"))
         width = self.rows.shape[1]
         super().__init__(name, (), [port or Port("value", width), Port("over")])
 
@@ -71,10 +74,9 @@ class PoseToPose(Block):
     """
 
     def __init__(self, name: str, start: AnyPose, end: AnyPose, seconds: float) -> None:
-        if not 0.0 < seconds < np.inf:
-            raise ValueError("the time is seconds above 0")
+        self.seconds = number_within(seconds, f"seconds of `{name}`", above=0.0)
         super().__init__(name, (), [pose_port(), Port("over")])
-        self._ends, self.seconds = (pose_of(start), pose_of(end)), seconds
+        self._ends = pose_of(start, what="start"), pose_of(end, what="end")
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:
         del given

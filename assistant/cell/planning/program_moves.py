@@ -78,7 +78,7 @@ class Route:
         return tuple(self._moves(speed, tool))
 
     def _moves(self, speed: Speed, tool: str) -> Iterator[MoveJoints | Move]:
-        p, q = self.robot.fk(self.rows)
+        p, q = self.robot.flange_poses(self.rows)
         shapes = self.robot.configuration(self.rows)
         for to, (radius, linear) in enumerate(zip(self.radii, self.linear, strict=True), start=1):
             motion = Motion(speed, Blend(float(radius)) if radius else FINE, tool)

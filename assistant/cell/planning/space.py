@@ -116,7 +116,7 @@ class Space:
 
     def tip(self, rows: Floats) -> tuple[Floats, Floats]:
         """Joints (n, a) → the tool in the base: positions (n, 3) mm, quaternions (n, 4)."""
-        p, q = self.robot.fk(rows)
+        p, q = self.robot.flange_poses(rows)
         turn = rotations.to_matrix(q)
         turned = rotations.multiply(q, np.array(self.tool.quaternion))
         return p + turn @ np.array(self.tool.position), turned

@@ -15,6 +15,7 @@ from typing import Final
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import file_in_folder, write_all
+from assistant.base.source_text import path_of
 from assistant.compiler.merge_edits import rules
 
 WRITTEN: Final = FilePath(".robot-assistant") / "written"
@@ -26,7 +27,7 @@ WRITTEN_SUFFIX: Final = ".written"
 
 def written_in(folder: str | FilePath) -> FilePath:
     """Return the path that stores the output compiled into a folder."""
-    return FilePath(folder) / WRITTEN
+    return path_of(folder) / WRITTEN
 
 
 def replaced(

@@ -15,8 +15,8 @@ from typing import Final, Literal, Protocol, get_args
 import numpy as np
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats, Rows, Truths, norms, reals
-from assistant.base.diagnostics import Refused
+from assistant.base.arrays import Floats, Rows, Truths, norms, number_of, reals
+from assistant.base.diagnostics import Refused, Rule
 from assistant.controllers.cyclic.rules import (
     BAD_LIMITS,
     BAD_SETTING,
@@ -121,6 +121,8 @@ class Limits:
 
         percent: of its speeds; accelerations get slower by its square, so that the path stays.
         """
+        _require_axes(robot, BAD_LIMITS)
+        percent = number_of(percent, "percent")
         if not 0.0 < percent <= 100.0:
             raise Refused(BAD_LIMITS(reason=f"{percent:g} percent of its speeds"), exit_status=2)
         part, rises = percent / 100.0, robot.accelerations
@@ -156,13 +158,17 @@ class Limits:
         for bound, sign, word in ((self.lowest, -1.0, "below"), (self.highest, 1.0, "above")):
             if bound is None:
                 continue
-            if len(bound) != rows.shape[1]:
-                reason = f"{len(bound)} ends of range for {rows.shape[1]} joints"
+            try:
+                ends = np.atleast_1d(reals(bound))
+            except ValueError as error:
+                raise Refused(BAD_LIMITS(reason=error), exit_status=2) from None
+            if len(ends) != rows.shape[1]:
+                reason = f"{len(ends)} ends of range for {rows.shape[1]} joints"
                 raise Refused(BAD_LIMITS(reason=reason), exit_status=2)
-            beyond = ~(sign * (rows - np.array(bound)) <= 1e-6)  # also where a bound is no number
+            beyond = ~(sign * (rows - ends) <= 1e-6)  # also where a bound is no number
             if beyond.any():
                 row, joint = (int(v) for v in np.argwhere(beyond)[0])
-                at = f"{rows[row, joint]:g} is {word} {bound[joint]:g}"
+                at = f"{rows[row, joint]:g} is {word} {ends[joint]:g}"
                 return f"J{joint + 1} of point {row + 1}: {at}"
         return ""
 
@@ -300,8 +306,11 @@ class Trajectory:
         of them slide; the trajectory then has a column for each number from J1 to J6, as the
         protocols have, 0 for an axis that the arm lacks. Raises Refused.
         """
-        if unit not in get_args(RowUnit):
-            reason = f"the unit of its joints is {unit!r}" if unit else "no unit of its joints"
+        if robot is not None:
+            _require_axes(robot, BAD_TRAJECTORY)
+        if not isinstance(unit, str) or unit not in get_args(RowUnit):
+            known = "no unit of its joints" if unit is None else None
+            reason = known or f"the unit of its joints is {unit!r:.40}"
             raise Refused(NO_ROW_UNIT(reason=reason), exit_status=2)
         made = _made("joints", getattr(rows, "q", rows), times)
         width = made.rows.shape[1]
@@ -354,6 +363,9 @@ class Trajectory:
         of the joints, frames, external axes, and speeds that are variables: simulate those
         programs, and give their joints.
         """
+        if not isinstance(path, Path):
+            reason = f"`{str(path)[:40]}` is no Path, as a statement of a program holds it"
+            raise Refused(BAD_TRAJECTORY(reason=reason), exit_status=2)
         refusal = _refusal(path)
         if refusal:
             raise Refused(BAD_TRAJECTORY(reason=refusal), exit_status=1)
@@ -370,6 +382,14 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.rows)
+
+
+def _require_axes(robot: object, rule: Rule) -> None:
+    """Raises Refused for what is no robot, such as its name."""
+    if not hasattr(robot, "axes"):
+        name = f'"{robot[:40]}"' if isinstance(robot, str) else "NAME"
+        reason = f"`{str(robot)[:40]}` is no Robot, as assistant.robots.get({name}) returns"
+        raise Refused(rule(reason=reason), exit_status=2)
 
 
 def _made(

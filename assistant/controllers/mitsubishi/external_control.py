@@ -293,7 +293,8 @@ _END_PACKETS: Final = 2
 class Mxt:
     """Real-time external control of one arm; a context manager that ends it on every way out.
 
-    host: name or address of the controller. mode: what the program's `Mxt` names, 1 for joint.
+    host: name or address of the controller. mode: "joint", "pose" or "pulse", as the
+    program's `Mxt` names by 1, 0 or 2.
     limits: of the joints in degrees (mm of axes that slide, or pulses), or of a pose; they can be
     given with each trajectory as well. cycle: seconds, see `CYCLES`. axes: of the arm, and more
     ones. sliding: those of them, counted from 1, that slide. flags: structure flags 1 and 2 of
@@ -325,7 +326,8 @@ class Mxt:
         settings: Settings | None = None,
         local_port: int = 0,
     ) -> None:
-        require("mode", mode, mode in _COMMAND_TYPES, "it is pose, joint or pulse")
+        known = isinstance(mode, str) and mode in _COMMAND_TYPES
+        require("mode", mode, known, "it is pose, joint or pulse")
         require(
             "watched",
             watched,

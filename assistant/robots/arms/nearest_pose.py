@@ -176,7 +176,7 @@ def _find_nearest_pose(
         starts = np.vstack([starts, _around(search)])
     last = _Search(robot, wanted, tip, last_lever)
     joints = last.best(_refined(last, _refined(search, starts, rounds), last_rounds))
-    p, q = robot.fk(joints)
+    p, q = robot.flange_poses(joints)
     return Pose.of(p[0], q[0]) @ tip
 
 
@@ -191,7 +191,7 @@ class _Search:
 
     def missing(self, joints: Floats) -> Floats:
         """(n, 6) of (n, a) degrees: mm and lever times radians to the wanted pose."""
-        p, q = self.robot.fk(joints)
+        p, q = self.robot.flange_poses(joints)
         p = p + rotations.rotate(q, np.array(self.tip.position))
         q = rotations.multiply(q, np.array(self.tip.quaternion))
         about = rotations.turns(q, np.array(self.wanted.quaternion))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats
+from assistant.base.arrays import Floats, finite_row
 from assistant.base.diagnostics import Refused, error, info
 from assistant.base.installation import missing_extra
 from assistant.program.geometry import IDENTITY, Pose
@@ -117,7 +117,7 @@ def from_rtb(arm: DHRobot | ToolboxRobot, speeds: ArrayLike) -> Robot:
     count = sum(1 for part in parts if part.isjoint)
     if not 1 <= count <= _MOST_AXES or qlim.shape != (2, count) or not np.isfinite(qlim).all():
         raise refused(f"it has {count} joints, with limits of shape {qlim.shape}")
-    fast = np.asarray(speeds, dtype=np.float64)
+    fast = finite_row(speeds, "speeds")
     if fast.shape != (count,) or not (fast > 0.0).all() or not np.isfinite(fast).all():
         raise refused(f"{count} speeds above 0 are wanted")
     chain = _serial(parts, qlim, *_ends(arm, ets, qlim))

@@ -163,7 +163,7 @@ class MoveSampler:
         self.run, self.robot, self.joints = run, robot, joints
         self.start: Pose | None = None
         if continued(run):
-            p, q = robot.fk(run.before)
+            p, q = robot.flange_poses(run.before)
             self.start = run.mounting.from_flange(Pose.of(p[0], q[0]), 0)
         self.same = run.mounting.unchanged()
         self.same[0] = self.start is not None

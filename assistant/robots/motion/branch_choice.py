@@ -470,7 +470,7 @@ def chain_starts(run: Run) -> Rows:
 
 def branches_at(joints: Floats, robot: Robot) -> Truths:
     """(b,) which branches joints (a,) belong to; several at a singularity."""
-    p, q = robot.fk(joints)
+    p, q = robot.flange_poses(joints)
     found, _ = robot.solve(p, q)
     off = robot.wound(found[:, :, 0].T - joints)[:, list(robot.arm.compared)]
     return np.asarray((np.abs(off) < 0.1).all(axis=1))

@@ -137,7 +137,7 @@ class RoundedPoses:
         """(m, s, 6) of joints (m, s, a) deg: what is missing in shares of the rounding."""
         flat, tries = joints.reshape(-1, joints.shape[2]), joints.shape[1]
         each = np.repeat(which, tries)
-        p, q = robot.fk(flat)
+        p, q = robot.flange_poses(flat)
         turn = rotations.turns(q, self.quaternions[each])
         off = self.positions[each] - p + np.cross(turn, self.arms[each])
         rounding = self.rounding[each]

@@ -63,7 +63,7 @@ class Mount:
         """Joints (n, a) → the tool's tip in the base, or in a work piece's holder if the arm
         carries the work piece: (n, 3), (n, 4).
         """
-        return from_flange(*robot.fk(joints), self.tool, Frame(held=self.frame.held))
+        return from_flange(*robot.flange_poses(joints), self.tool, Frame(held=self.frame.held))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

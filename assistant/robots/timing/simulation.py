@@ -81,7 +81,7 @@ def samples_of(
 
 def _rest_at(robot: Robot, start: Floats, count: int) -> _Columns:
     """The columns of `Moment` for an arm that stands still."""
-    p, q = robot.fk(start[None])
+    p, q = robot.flange_poses(start[None])
     rest = Moment(p, q, start[None], np.zeros(1), np.zeros((1, len(start))))
     return {name: np.repeat(getattr(rest, name), count, axis=0) for name in Moment.__slots__}
 

@@ -142,7 +142,7 @@ class Jogging:
             self.stop()
 
     def _moved(self, joints: Floats, *, linear: bool) -> Moved:
-        p, q = self._robot.fk(joints[None])
+        p, q = self._robot.flange_poses(joints[None])
         flange = Pose.of(p[0], q[0])
         if linear:
             configuration = tuple(int(v) for v in self._robot.configuration(joints[None])[0])
@@ -158,7 +158,7 @@ class Jogging:
         return np.array([standing[place] for place in self._robot.places])
 
     def _tip(self) -> Pose:
-        p, q = self._robot.fk(self._now()[None])
+        p, q = self._robot.flange_poses(self._now()[None])
         return Pose.of(p[0], q[0]) @ self._arm.tip
 
     def _joint_goal(self, signs: list[int], inch: int) -> Floats:

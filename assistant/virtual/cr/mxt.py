@@ -163,7 +163,7 @@ class MxtArm:
 
     def pose(self, joints: Floats) -> Floats:
         """(6,) x, y, z in mm and a, b, c in radians of the flange."""
-        place, turn = self.robot.fk(joints[None])
+        place, turn = self.robot.flange_poses(joints[None])
         return np.concatenate([place[0], np.radians(to_euler(turn[0], "ZYX")[::-1])])
 
     def joints_at(self, pose: Floats) -> Floats:

@@ -42,7 +42,7 @@ def _pose_values(robot: Robot, angles: Sequence[float], tool: Pose, foot: Pose) 
 
     foot: the frame that positions are counted in, with the robot's base in it.
     """
-    positions, quaternions = robot.fk(np.array([angles]))
+    positions, quaternions = robot.flange_poses(np.array([angles]))
     tip = foot @ Pose.of(positions[0], quaternions[0]) @ tool
     values = list(tip.position)
     if robot.five_axis:

@@ -539,7 +539,7 @@ def stopped_leg(
     # The rest of an arc needs another via point, since the stop may be behind the first one.
     if rest and rest[0].moved.via is not None:
         middle = (gone + float(planned.ends[at])) / 2.0
-        p, q = robot.fk(plan.at(np.array([middle])).joints)
+        p, q = robot.flange_poses(plan.at(np.array([middle])).joints)
         rest[0].moved = replace(rest[0].moved, via=Pose.of(p[0], q[0]))
     return planned.leg(stood), plan.at(np.array([stood])).joints[0], rest
 

@@ -353,7 +353,7 @@ class Timed:
         if self.kernel is not None:
             self.catch_up(self.kernel)
         joints = self._now()
-        p, q = self.robot.fk(joints[None])
+        p, q = self.robot.flange_poses(joints[None])
         six = [0.0] * max(6, len(joints))
         for place, value in zip(self.robot.places, joints.tolist(), strict=True):
             six[place] = value
@@ -492,7 +492,7 @@ def track_of(motion: Timed, log: Sequence[Logged], seconds: float, period: float
     legs = motion.done()
     begins = np.array([leg.begin for leg in legs])
     index = np.searchsorted(begins, t, side="right") - 1
-    p, q = motion.robot.fk(motion.home[None])
+    p, q = motion.robot.flange_poses(motion.home[None])
     position, quaternion = np.repeat(p, len(t), axis=0), np.repeat(q, len(t), axis=0)
     joints = np.repeat(motion.home[None], len(t), axis=0)
     speed = np.zeros(len(t))

@@ -233,7 +233,7 @@ class Arm:
         own = self.robot.own_joints((*joints, *(0.0,) * 6)[: max(6, len(joints))])
         if len(own) != len(self.robot.axes):
             raise Failed(2802, f"{len(joints)} joints for {len(self.robot.axes)} axes")
-        position, quaternion = self.robot.fk(np.array([own]))
+        position, quaternion = self.robot.flange_poses(np.array([own]))
         self.flange = Pose.of(position[0], quaternion[0])
         one, two = to_flags(self.robot.configuration(np.array([own])))[0].tolist()
         self.flags = (one, two)

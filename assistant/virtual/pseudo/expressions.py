@@ -277,7 +277,7 @@ def _flange_at(m: Machine, value: Value) -> Target:
     if m.robot is None:
         raise NotRun("where joints bring the flange without a robot")
     own = np.array([m.robot.own_joints(value.joints)])
-    positions, quaternions = m.robot.fk(own)
+    positions, quaternions = m.robot.flange_poses(own)
     configuration = configuration_of(m.robot.configuration(own)[0])
     return Target(Pose.of(positions[0], quaternions[0]), configuration, value.external)
 

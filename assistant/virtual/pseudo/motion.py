@@ -103,7 +103,7 @@ def flange_at(m: Machine, joints: tuple[float, ...]) -> Pose | None:
     own = m.robot.own_joints((*joints, *(0.0,) * 6)[: max(6, len(joints))])
     if len(own) != len(m.robot.axes):
         raise Fault(f"{len(joints)} joints for {len(m.robot.axes)} axes")
-    position, quaternion = m.robot.fk(np.array([own]))
+    position, quaternion = m.robot.flange_poses(np.array([own]))
     return Pose.of(position[0], quaternion[0])
 
 

@@ -72,7 +72,7 @@ def flange_of(machine: Machine, joints: tuple[float, ...]) -> Pose | None:
     """Return the flange pose at joints in degrees, None without a robot."""
     if machine.robot is None:
         return None
-    p, q = machine.robot.fk(np.array([machine.robot.own_joints(joints)]))
+    p, q = machine.robot.flange_poses(np.array([machine.robot.own_joints(joints)]))
     return Pose.of(p[0], q[0])
 
 

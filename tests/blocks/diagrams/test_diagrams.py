@@ -85,8 +85,10 @@ def test_what_fits_not_is_refused() -> None:
         diagram.add(Time())
     with pytest.raises(Refused, match="BL103"):
         diagram.wire(diagram.blocks[0], (diagram.blocks[1], "a"))
-    with pytest.raises(Refused, match="BL102"):
+    with pytest.raises(Refused, match="BL115"):
         diagram.wire(diagram.blocks[0], diagram.blocks[1])
+    with pytest.raises(Refused, match="BL102"):
+        diagram.wire(diagram.blocks[0], (diagram.blocks[1], "z"))
     with pytest.raises(Refused, match="BL109"):
         diagram.wire(Time("other"), diagram.blocks[2])
     with pytest.raises(Refused, match="BL108"):

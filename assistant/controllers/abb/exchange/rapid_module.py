@@ -168,7 +168,7 @@ class Module:
                         wanted="a letter, then letters, digits and `_`",
                     )
                 )
-        if re.fullmatch(r"[A-Za-z0-9]+:(/[A-Za-z0-9_-]+)*/?", self.folder) is None or (
+        if re.fullmatch(r"[A-Za-z0-9]+:(/[A-Za-z0-9_-]+)*/?", str(self.folder)) is None or (
             len(self.folder) > _LONGEST_FOLDER
         ):
             found.append(
@@ -190,7 +190,7 @@ class Module:
         found = [
             rules.BAD_NUMBER(given=given, what=what, wanted=f"{least:g} to 100000 seconds")
             for what, given, least in checks
-            if not least <= given <= 100_000.0
+            if not isinstance(given, float | int) or not least <= given <= 100_000.0
         ]
         tool = self.tool_data
         if tool is not None:
@@ -208,7 +208,7 @@ class Module:
 
 def file_names(prefix: str) -> dict[str, str]:
     """Names of the files by what they are, `_FILES`; raises Refused for a prefix that is unsafe."""
-    if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,19}", prefix) is None:
+    if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,19}", str(prefix)) is None:
         raise Refused(
             rules.BAD_NAME(
                 given=prefix,
@@ -222,7 +222,7 @@ def file_names(prefix: str) -> dict[str, str]:
 
 def _no_name(given: str, template: str) -> str:
     """Why a text is not a RAPID name that the module can use; empty if it is."""
-    if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", given) is None:
+    if re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", str(given)) is None:
         return "it is no name of ASCII letters, digits and `_`"
     if len(given) > _LONGEST_NAME:
         return f"it has more than {_LONGEST_NAME} characters"
