@@ -277,7 +277,7 @@ def _with_notes(answer: object) -> object:
         return answer
     from assistant.findings.formats import records_of
 
-    return {**answer, "findings": [*answer.get("findings", []), *map(records_of, noted)]}
+    return {**answer, "findings": [*answer.get("findings", []), *records_of(noted)]}
 
 
 def say(line: str) -> None:
