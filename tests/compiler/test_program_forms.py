@@ -1,5 +1,6 @@
 """Forms of programs of drawings and tables: offsets, arrays and constants, and their proof."""
 
+import itertools
 import json
 
 import ezdxf
@@ -76,9 +77,17 @@ def lifted(text, language):
 PLAIN = 'points = "targets"\nconstants = false'
 
 
-@pytest.mark.parametrize("language", PLACES)
-@pytest.mark.parametrize("points", ["offsets", "arrays"])
-def test_a_form_does_what_the_plain_program_does(points, language, tmp_path):
+QUICK = [("rapid", "offsets"), ("melfa-basic-6", "arrays")]
+
+
+@pytest.mark.parametrize(
+    ("language", "points"),
+    [
+        pytest.param(*one, marks=() if one in QUICK else pytest.mark.slow)
+        for one in itertools.product(PLACES, ["offsets", "arrays"])
+    ],
+)
+def test_a_form_does_what_the_plain_program_does(language, points, tmp_path):
     _, plain = compiled(tmp_path, language, PLAIN)
     made, formed = compiled(tmp_path, language, f'points = "{points}"')
     assert "CO621" not in {one.code for one in made.findings}
@@ -166,22 +175,28 @@ MUTATIONS = [
 ]
 
 
-def test_a_form_that_does_something_else_is_found(tmp_path):
+GROUPS = [
+    pytest.param(*group, marks=() if group in QUICK else pytest.mark.slow)
+    for group in dict.fromkeys(one[:2] for one in MUTATIONS)
+]
+
+
+@pytest.mark.parametrize(("language", "points"), GROUPS)
+def test_a_form_that_does_something_else_is_found(language, points, tmp_path):
     """Each change of a written text, against the plain program: the proof is no tautology."""
-    texts = {}
-    for language, points, old, new in MUTATIONS:
-        draw = zigzag if points == "arrays" else sheet
-        if (language, points) not in texts:
-            plain, _ = compiled(tmp_path, language, PLAIN, draw)
-            texts[language, points] = (
-                plain.program,
-                compiled(tmp_path, language, f'points = "{points}"', draw)[1],
-            )
-        program, text = texts[language, points]
-        assert not [*form_differences(program, lifted(text, language), languages.get(language))]
+    draw = zigzag if points == "arrays" else sheet
+    plain, _ = compiled(tmp_path, language, PLAIN, draw)
+    _, text = compiled(tmp_path, language, f'points = "{points}"', draw)
+
+    def differences(written):
+        return [
+            *form_differences(plain.program, lifted(written, language), languages.get(language))
+        ]
+
+    assert not differences(text)
+    for old, new in (one[2:] for one in MUTATIONS if one[:2] == (language, points)):
         assert old in text, (old, text)
-        changed = lifted(text.replace(old, new, 1), language)
-        found = [*form_differences(program, changed, languages.get(language))]
+        found = differences(text.replace(old, new, 1))
         assert {one.code for one in found} == {"CO623"}, (old, new)
 
 
