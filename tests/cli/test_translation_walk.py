@@ -174,8 +174,10 @@ def test_the_table_tells_where_a_value_is_needed_that_no_program_names(
     _, said, _ = run(capsys, "translate", "desk.mod", "--to", "melfa-basic-6")
     table = {line.split()[0]: line.split()[-1] for line in said.splitlines()[4:7]}
     assert table == {
-        "operator_entered": "desk.mod:4", "operator_number": "desk.mod:4", "taught_on": "desk.mod:5",
-    }  # fmt: skip
+        "operator_entered": "desk.mod:4",
+        "operator_number": "desk.mod:4",
+        "taught_on": "desk.mod:5",
+    }
     Path("cell.toml").unlink()
     given = ("translate", "desk.mod", "--to", "melfa-basic-6", "--from-robot", "irb1200-7-0.7")
     _, said, _ = run(capsys, *given)
@@ -197,7 +199,7 @@ def test_what_programs_of_a_folder_share_is_told_once(
         'MOC:CFG_1.0:6:1::\nROBOT:\n      -name "ROB_1" -use_robot_type "ROB1_1200_0.7_7" '
         "-base_frame_pos_z 0.5\n"
     )
-    _, said, err = run(capsys, "translate", "one.mod", "two.mod", "--to", "melfa-basic-6")
+    _, _, err = run(capsys, "translate", "one.mod", "two.mod", "--to", "melfa-basic-6")
     assert err.count("RA381 ") == 1, err
 
 
