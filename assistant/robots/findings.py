@@ -10,7 +10,7 @@ TURNED: Final = info(
     "RB119",
     "its turn about its axis is free: {count} targets are turned by up to {most:.1f} degrees from "
     "how they were drawn",
-    "say nothing of a free turn where the tool has to stand as it was drawn",
+    "remove the free turn if the tool must keep its drawn orientation",
 )
 NO_TURN: Final = warning(
     "RB120",
