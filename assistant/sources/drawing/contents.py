@@ -118,6 +118,7 @@ def read_contents(path: FilePath, process: Process) -> Contents:
         tally,
         numbering=lambda entity, layer: layer.casefold() in ordered and is_number_text(entity),
         unwanted=unwanted,
+        unwanted_block=lambda layer, block: process.leaves_out_part(layer, "", (block,)),
     )
     locations = LocationReader(document, name, tags, process, tally)
     curves: list[Curve] = []

@@ -80,7 +80,10 @@ DEGENERATE = warning(
 IGNORED = info("DX204", "{what} of {count} {kind} on layer `{layer}` ignored")
 BAD_ENTITY = error("DX205", "the {kind} cannot be read: {reason}", "redraw the entity")
 NO_BLOCK = error(
-    "DX206", "the block `{block}` does not exist", "define the block or delete the insert"
+    "DX206",
+    "the block `{block}` does not exist",
+    "define the block, delete the insert, or write leave_out = [{{block = {key}}}] at the top of"
+    " the process file",
 )
 RECURSIVE = error(
     "DX207", "the block `{block}` contains itself", "explode the inner insert of the block"

@@ -169,7 +169,10 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
     said = stated if process.unit is not None else "as the drawing says"
     if NO_UNITS.code in {finding.code for finding in units}:
         said = "assumed, as the drawing names none"
-    traversal = Traversal(document, name, tags, tally)
+    traversal = Traversal(
+        *(document, name, tags, tally),
+        unwanted_block=lambda layer, block: process.leaves_out_part(layer, "", (block,)),
+    )
     drafting = Drafting.of(document, process)
     reader = LocationReader(document, name, tags, process, Tally(), attached=True)
     layers: dict[str, _Layer] = {}

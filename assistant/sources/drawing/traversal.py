@@ -22,6 +22,7 @@ import numpy as np
 from assistant.base.arrays import Floats
 from assistant.base.budgets import budget_factor
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
+from assistant.base.toml_edits import toml_value
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.document import library_errors
 from assistant.sources.drawing.entities import check_stated, is_followed
@@ -127,6 +128,10 @@ def _never(_: str) -> bool:
     return False
 
 
+def _never_block(_: str, __: str) -> bool:
+    return False
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PlacedEntity:
     """An entity at one of its placements.
@@ -165,7 +170,8 @@ class Traversal:
 
     wanted: which entities are yielded, beside points and locations; what is not is counted.
     numbering: which texts of a layer are yielded.
-    unwanted: tells layers of which what is not yielded is not counted either.
+    unwanted: tells layers of which what is not yielded is not counted either. unwanted_block: tells
+    by layer and block which inserts need no content.
     """
 
     document: Drawing
@@ -175,6 +181,7 @@ class Traversal:
     wanted: Callable[[DXFGraphic], bool] = is_followed
     numbering: Callable[[DXFGraphic, str], bool] = lambda entity, layer: False  # noqa: ARG005
     unwanted: Callable[[str], bool] = _never
+    unwanted_block: Callable[[str, str], bool] = _never_block
     findings: list[Diagnostic] = field(default_factory=list)
     annotations: list[Floats] = field(default_factory=list)
     """Where texts are, (3,) mm of the world; not a number for dimensions and leaders."""
@@ -275,7 +282,8 @@ class Traversal:
             return
         if not location:
             self._no_location(insert, layer, tags, place, owner.matrix)
-        block = self._block(insert, place, owner, needed=not location)
+        wanted = not self.unwanted_block(layer, str(insert.dxf.get("name", "")))
+        block = self._block(insert, place, owner, needed=not location and wanted)
         symbol = owner.symbol or location
         for cell in cells(insert):
             # The location is yielded once per copy, its symbol is walked for locations inside it.
@@ -303,7 +311,7 @@ class Traversal:
         given = shown(name)
         if block is None:
             if needed:  # a location needs no symbol
-                self._say(NO_BLOCK, place, block=given)
+                self._say(NO_BLOCK, place, block=given, key=toml_value(given))
         elif needed and _is_clipped(insert):
             self._say(CLIPPED, place, block=given)
         elif block.name.lower() in (*owner.blocks, "*model_space"):

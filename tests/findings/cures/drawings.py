@@ -15,7 +15,12 @@ def line(space: Any) -> None:
 
 
 def long(space: Any) -> None:
-    space.add_line((0, 0), (50_000, 0), dxfattribs={"layer": "CUT"})
+    space.add_line((0, 0), (2000, 0), dxfattribs={"layer": "CUT"})
+
+
+def with_logo(space: Any) -> None:
+    line(space)
+    space.add_blockref("LOGO", (10, 10))
 
 
 def square(space: Any) -> None:
@@ -226,8 +231,14 @@ CASES: Final = (
         then=("init q a.dxf --tip 0,0,80 --place 300,0,200",),
     ),
     Case(
+        "DX206",
+        "check a.dxf",
+        {"a.dxf": dxf(with_logo)},
+        change={"a.process.toml": 'leave_out = [{block = "LOGO"}]\n'},
+    ),
+    Case(
         "PR308",
-        "init p a.dxf --yes",
+        "init p a.dxf --robot irb1200-7-0.7",
         {"a.dxf": dxf(long)},
         then=("init q a.dxf --robot irb6700-150-3.20",),
     ),
