@@ -69,6 +69,10 @@ def bordered_only(space: Any) -> None:
 def titled(space: Any) -> None:
     """A line in a border with a title block."""
     line(space)
+    form(space)
+
+
+def form(space: Any) -> None:
     space.add_lwpolyline([(-20, -60), (260, -60), (260, 130), (-20, 130)], close=True)
     for y in (-50, -40, -30):
         space.add_line((120, y), (260, y))
@@ -216,6 +220,18 @@ CASES: Final = (
         "init p a.dxf",
         {"a.dxf": dxf(bordered)},
         change={"p/drawings/a.process.toml": CUT + "[layers.BORDER]\n"},
+    ),
+    Case(
+        "PR305",
+        "init p a.dxf",
+        {"a.dxf": dxf(titled)},
+        change={"p/drawings/a.process.toml": 'follow = ["border"]\n'},
+    ),
+    Case(
+        "PR306",
+        "init p a.dxf",
+        {"a.dxf": dxf(form)},
+        change={"p/drawings/a.process.toml": 'follow = ["border"]\n'},
     ),
     Case(
         "PR306",
