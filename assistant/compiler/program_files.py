@@ -230,7 +230,7 @@ class _Grouping:
         taken = {unit for group in groups for unit in group.units}
         rest = [unit for unit in self.units if unit not in taken and unit.room not in spread]
         # A backup keeps the files that its tasks load beside them as well.
-        loaded = {_text_of(unit) for unit in taken if self.loading.closed(unit.room)}
+        loaded = {_text_of(unit) for unit in self.units if self.loading.closed(unit.room)}
         rest = [u for u in rest if self.loading.closed(u.room) or _text_of(u) not in loaded]
         groups += self._libraries(rest)
         shared = self._shared(groups)
