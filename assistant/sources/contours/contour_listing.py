@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from assistant.sources.contours.chains import Contour
 from assistant.sources.contours.contour_choice import ContourChoice, Row
+from assistant.sources.contours.contour_order import group_nestings
 from assistant.sources.contours.contour_shapes import ContourShape, contour_shapes
 from assistant.sources.process import DEFAULT_MOTION, Layer, LeftOut, Process
 
@@ -63,6 +64,10 @@ def _shapes(
         groups.append((process.placed(layer.direction), list[Contour]()))
     for i, k in rows:
         groups[i][1].append(choice.layers[i][k])
-    found = contour_shapes(groups, process.placement, process.tolerance)
-    by_layer = [iter(shapes) for shapes in found]
+    by_layer = [
+        iter(contour_shapes(contours, nesting, direction, process.placement, process.tolerance))
+        for (direction, contours), nesting in zip(
+            groups, group_nestings(groups, process.tolerance), strict=True
+        )
+    ]
     return {row: next(by_layer[row[0]]) for row in rows}
