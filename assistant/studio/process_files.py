@@ -151,16 +151,17 @@ def _with_proposal(
     fields: list[dict[str, Any]], studio: Studio, seen: Survey
 ) -> list[dict[str, Any]]:
     """Fields of a form, the place of the work with one in reach of the robot while it is blank."""
-    from assistant.project.first_values import ASSUMED_TIP, USUAL_ROBOT, known_robot, work_position
+    from assistant.project.first_values import ASSUMED_TIP, USUAL_ROBOT, known_robot, work_place
 
     known = {one["field"]: one for one in fields}
     place = known.get("frames.work.position")
     if place is not None and place["value"] == []:
         try:
             robot = known_robot(known[_ROBOT_KEY]["value"] or common_robot(studio) or USUAL_ROBOT)
-            place["proposed"] = work_position(robot, seen.extents, ASSUMED_TIP)
+            found = work_place(robot, seen.extents, ASSUMED_TIP)
         except Refused:
             return fields
+        place["proposed"] = None if found is None else found.position
         place["robot"] = robot.title
     return fields
 

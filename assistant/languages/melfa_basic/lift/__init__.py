@@ -20,6 +20,7 @@ PASSES: Final = (
     "program",  # the files of a program as one
     "vendor_only",  # equivalents of what no other language has
     "position_angles",  # angles and flags beside positions, for other languages
+    "angle_units",  # angles in degrees, for languages whose functions take these
     "for_other_vendor",  # the program for another language
 )
 """Modules in the order of their imports: none imports a later one."""
