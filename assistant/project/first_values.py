@@ -49,6 +49,8 @@ _GRID: Final = 5
 """Points along each side of the work that are looked at."""
 _ROOMY_WRIST: Final = 20.0
 """Degrees of axis 5 from the singularity of the wrist that are enough."""
+_LEAST_WRIST: Final = (10.0, 0.0)
+"""Degrees that are wanted, with whatever robot; then any."""
 _WRIST_AXIS: Final = 4
 _AXES_WITH_WRIST: Final = 6
 
@@ -136,8 +138,8 @@ def first_values(
     name, arm = candidates[0]
     if place is None:
         found = (
-            (one, work_place(one[1], extents, tool, turn))
-            for turn, one in itertools.product(_TURNS, candidates)
+            (one, work_place(one[1], extents, tool, turn, least))
+            for least, turn, one in itertools.product(_LEAST_WRIST, _TURNS, candidates)
         )
         fitting = next((one for one in found if one[1] is not None), None)
         if fitting is not None and fitting[1] is not None:
@@ -209,16 +211,17 @@ def _reach(one: tuple[str, Robot]) -> float:
 
 
 def work_place(
-    robot: Robot, extents: Extents | None, tip: Vector, turn: float = 0.0
+    robot: Robot, extents: Extents | None, tip: Vector, turn: float = 0.0, least: float = 0.0
 ) -> Pose | None:
     """Where the origin of work of that size stands so that the tool, pointing down, comes to all of
-    it; None if no place that is tried does. turn: degrees of the work about z.
+    it; None if no place that is tried does. turn: degrees of the work about z. least: of
+    the wrist from its singularity.
     """
     best: tuple[float, Pose] | None = None
     for distance, height in itertools.product(_DISTANCES, _HEIGHTS):
         place = _in_front(robot, extents, distance, height, turn)
         margin = _margin(robot, extents, place, tip)
-        if margin is not None and (best is None or margin > best[0]):
+        if margin is not None and margin >= least and (best is None or margin > best[0]):
             best = margin, place
             if margin >= _ROOMY_WRIST:
                 break
