@@ -28,13 +28,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache, wraps
 from queue import SimpleQueue
 from types import TracebackType
 from typing import Any, Final, Literal, ParamSpec, TypeVar
 from weakref import ReferenceType, ref
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error
 
 _PERIOD: Final = 0.05

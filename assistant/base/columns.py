@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import visible
 
 _Bytes = NDArray[np.uint8]

@@ -17,10 +17,11 @@ import enum
 import string
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final, Literal, Self, TypeAlias
 
+from assistant.base.data_classes import dataclass
 from assistant.lazy import pictured
 
 ProgramTable: TypeAlias = Literal[

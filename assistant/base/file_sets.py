@@ -28,11 +28,12 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.base import file_access
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.base.termination import defer_termination
 

@@ -13,10 +13,10 @@ import re
 import shlex
 import shutil
 import sys
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, Severity
 
 _NAME: Final = "robot-assistant"

@@ -24,13 +24,14 @@ import re
 import unicodedata
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cache, cached_property
 from itertools import islice
 from pathlib import Path as FilePath
 from typing import Any, BinaryIO, Final, NoReturn
 
 from assistant.base.budgets import FILE
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import (
     Diagnostic,
     Refused,

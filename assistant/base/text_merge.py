@@ -12,10 +12,10 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import decode, ended_lines, line_end, lines_of, visible
 

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final
 
 from assistant.base.budgets import READING, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span, Unreadable, error
 
 MOST_PARTS: Final = 100

@@ -12,13 +12,13 @@ import math
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.blocks import rules
 from assistant.program.geometry import Pose

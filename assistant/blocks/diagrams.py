@@ -10,7 +10,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from graphlib import CycleError, TopologicalSorter
 from typing import ClassVar, Final, Protocol, TypeVar
 
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base.arrays import Floats, number_within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, UnknownName
 from assistant.blocks import rules
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from assistant.base.arrays import Floats
 from assistant.base.columns import columns_html
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import visible
 
 if TYPE_CHECKING:

@@ -11,12 +11,12 @@ import threading
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import ClassVar, Final, Protocol
 
 import numpy as np
 
 from assistant.base.arrays import Floats, number_within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.blocks.connections import Connection
 from assistant.blocks.diagrams import closing_all

@@ -6,7 +6,7 @@ Bodies that the program takes and releases by its outputs are carried along (`Ca
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import pairwise
 from typing import Final, TypeAlias
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.cell.collision.continuous import (
     RESOLUTION,

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from dataclasses import replace as changed
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -27,6 +27,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, norms
 from assistant.base.budgets import INSERTING, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.findings import (
     BODY_RENAMED,

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, evenly_spaced
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.cell.findings import NO_DIRECTION, NO_REGION, NO_TURNS, TOO_MANY_POINTS
 from assistant.cell.planning.space import Space

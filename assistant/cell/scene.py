@@ -7,13 +7,14 @@ all shapes but a mesh have their middle in its origin. Surfaces are triangles fo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Ints, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.cell.findings import NO_SIZE
 from assistant.program.geometry import IDENTITY, Pose, Vector

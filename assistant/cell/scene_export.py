@@ -15,7 +15,7 @@ import json
 import os
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -24,6 +24,7 @@ import numpy as np
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.base.toml_edits import toml_item, toml_text
 from assistant.cell.collision.model import Carriers, carrier_of

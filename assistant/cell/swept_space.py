@@ -8,13 +8,13 @@ nearly swept count as well, up to `BEYOND` sizes of a cell away.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.cell.clearances import CarriedBodies, carried_stretches, rows_of
 from assistant.cell.collision.model import Carriers, carrier_of

@@ -9,13 +9,13 @@ further, joints are computed at points on the path, more of them the further it 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths, all_of, max_abs, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.program.expressions import Name, Number
 from assistant.program.geometry import Pose

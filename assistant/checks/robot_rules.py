@@ -10,12 +10,12 @@ straight through the wrist singularity by the robot (RB115).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Declared, Diagnostic, fold, info, warning
 from assistant.checks.program_view import Moves, ProgramView, RunView, figure
 from assistant.program.motion import Kind

@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
+from dataclasses import MISSING, field, fields, is_dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import (
@@ -42,6 +42,8 @@ from typing import (
 
 import click
 from click.core import ParameterSource
+
+from assistant.base.data_classes import dataclass
 
 
 class Command(Protocol):

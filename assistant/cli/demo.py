@@ -9,10 +9,11 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Severity
 from assistant.cli.command import command, option
 from assistant.cli.options import PageOptions, ReaderOptions

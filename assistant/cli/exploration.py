@@ -12,10 +12,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, error
 from assistant.base.termination import is_ctrl_c
 from assistant.cli.arm_motion import (

@@ -10,11 +10,12 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, info
 from assistant.base.file_sets import file_in_folder, write_all
 

@@ -13,10 +13,11 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.cli.arm_motion import NO_SPEED, Moving, moving
 from assistant.cli.command import option, options

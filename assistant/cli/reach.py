@@ -7,10 +7,10 @@ or of a table; `reach swept` adds up the space that an arm sweeps. Regions are L
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
 from assistant.cli.command import Option, argument, command_group, command_of, option, options
 from assistant.cli.options import (

@@ -7,11 +7,12 @@ is the scene of a cell file, which checks a program, and which of its robots run
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.base.source_text import SourceText, decode, path_of, read_bytes
 from assistant.program.program import Program

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import checks, languages, sources
 from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
 from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, is_folder, read_bytes

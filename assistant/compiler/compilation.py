@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from assistant.base.budgets import COMPILING, PRINTING, staged, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import (
     Diagnostic,
     Refused,

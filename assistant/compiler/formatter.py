@@ -5,11 +5,12 @@ The text is laid out, read back and compared: the same tree, with the same comme
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import languages
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, comments, encode, read_bytes

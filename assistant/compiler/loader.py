@@ -14,11 +14,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, decode, folders_of, read_bytes

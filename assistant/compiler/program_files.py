@@ -8,13 +8,14 @@ holds one program.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from difflib import SequenceMatcher
 from itertools import takewhile
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import (
     Diagnostic,
     Refused,

@@ -7,10 +7,11 @@ prefix before all that the program declares, and whether there is a main procedu
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.compiler.cell_equipment import KEYS_WITHOUT_EFFECT
 from assistant.program import expressions as e

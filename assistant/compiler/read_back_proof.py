@@ -7,10 +7,10 @@ pseudo-program.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assistant.base.budgets import COMPARING, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
 from assistant.languages.lark_parsing import Parsed, parse
 from assistant.program.comparison import Comparison, Tolerance, compare

@@ -11,13 +11,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from assistant import robots
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import (
     Declared,
     Diagnostic,

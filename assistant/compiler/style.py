@@ -23,12 +23,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cache
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.base.budgets import SETTINGS_FILE, TEMPLATE, budget_factor, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import (
     Diagnostic,
     Refused,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, warning
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import SourceText, decode, encode, read_bytes

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from itertools import chain
 from pathlib import Path as FilePath
@@ -19,6 +19,7 @@ import numpy as np
 
 from assistant.base.arrays import Rows
 from assistant.base.budgets import DRAFTING, REPORTING, within, without_gc
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import (
     Declared,
     Diagnostic,

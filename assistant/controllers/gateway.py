@@ -22,8 +22,10 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
+
+from assistant.base.data_classes import dataclass
 
 _GREETING: Final = "GATEWAY 1"
 _PIECE: Final = 50

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from datetime import datetime
 from pathlib import PurePath
 from typing import Literal
+
+from assistant.base.data_classes import dataclass
 
 Mode = Literal["automatic", "manual", ""]
 

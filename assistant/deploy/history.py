@@ -30,12 +30,13 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from datetime import UTC, datetime
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.base import file_access
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_access import read_file, read_text
 from assistant.controllers import Address

@@ -9,12 +9,12 @@ import json
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.base import file_access
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules

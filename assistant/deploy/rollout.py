@@ -10,11 +10,12 @@ import enum
 import time
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import Address
 from assistant.deploy import rules

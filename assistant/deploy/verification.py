@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import read_bytes
 from assistant.controllers import Address, Programs

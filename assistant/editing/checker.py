@@ -11,10 +11,10 @@ import subprocess
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.worker_processes import Worker, WorkerDied
 from assistant.editing.live_findings import Seen, Unseen
 from assistant.editing.workspace import Document, Workspace

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Span, has_errors
 from assistant.base.near_names import near_names
 from assistant.editing.answers import Change, Fix, Found

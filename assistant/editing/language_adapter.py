@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import checks, languages
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.source_text import SourceText, lines_of
 from assistant.compiler.arms import InCell

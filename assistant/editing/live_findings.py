@@ -10,10 +10,11 @@ concerns other lines.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.editing.excerpts import Excerpt, Structure, declarations, excerpt, structure
 from assistant.editing.text_lines import (

@@ -7,9 +7,9 @@ name cannot be changed, and why a language server cannot be started.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final, cast
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Span, error
 from assistant.base.installation import missing_extra
 from assistant.editing.answers import Change, Changes, Location, OutlineItem, OutlineKind

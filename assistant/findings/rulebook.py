@@ -6,13 +6,13 @@ import importlib
 import importlib.resources
 import pkgutil
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from types import ModuleType
 from typing import Any, Final
 
 import assistant
 from assistant import languages
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Rule, Severity, error
 from assistant.languages import Language
 

@@ -18,11 +18,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import (
     Diagnostic,
     Refused,

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 from typing import Any, Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p

@@ -18,11 +18,12 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from itertools import accumulate, chain
 from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.lalr import END, Passing, Reduction, Rows, Tables, Word
 from assistant.resources import kept_place, read_grammar
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 
 if TYPE_CHECKING:

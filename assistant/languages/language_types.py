@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import Any, Final, Generic, Literal, Protocol, TypeAlias, TypeVar
 
 from assistant.base import source_text
 from assistant.base.arrays import Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText
 from assistant.program.program import Program, Signal

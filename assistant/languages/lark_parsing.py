@@ -9,13 +9,13 @@ still a complete text.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from assistant.base.arrays import Rows
 from assistant.base.budgets import READING, within, without_gc
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.base.source_text import SourceText, with_line_feeds
 from assistant.languages.language_types import Sampling

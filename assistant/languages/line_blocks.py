@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final, Generic, Literal, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.program.analysis.dataflow import reachable
 
 Form = Literal["branches", "choice", "loop"]

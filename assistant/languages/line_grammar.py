@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
 from itertools import islice
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.grammar import Grammar
 from assistant.languages.lalr import END, Stack, Tables, Word
 from assistant.languages.recovery.syntax import STRANGE, Lexeme, Stop

@@ -17,9 +17,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from typing import Any, Final, Generic, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import Apply, Name, Number
 from assistant.program.rewriting import records, rewrite
 from assistant.program.statements import Motion

@@ -12,7 +12,6 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Any, Final, Literal
@@ -22,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, finite_rows, norms, reals
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, error
 from assistant.base.near_names import near_name
 from assistant.program.geometry import Pose

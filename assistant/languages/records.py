@@ -7,12 +7,12 @@ its external axes, which are UNUSED where there are none.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Rule
 from assistant.program import expressions as e
 from assistant.program.geometry import (

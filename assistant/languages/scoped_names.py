@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 from weakref import ReferenceType, ref
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Declared, Diagnostic, Rule
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.passes.names import Names

@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import reduce
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.line_blocks import EXIT
 from assistant.program.analysis.dataflow import Dataflow, postorder, reachable
 from assistant.program.expressions import Reason

@@ -9,9 +9,10 @@ follows such a label is read once for each.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.settings_flow import (
     UNKNOWN,
     Flow,

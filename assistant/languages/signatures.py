@@ -10,8 +10,10 @@ from __future__ import annotations
 import abc
 import enum
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final, Generic, TypeVar
+
+from assistant.base.data_classes import dataclass
 
 N = TypeVar("N")
 

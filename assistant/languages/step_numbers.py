@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 
 from assistant.base.arrays import Ints
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.base.source_text import SourceText, finding_in
 from assistant.languages.runs.columns import Run, rows_of

@@ -9,9 +9,9 @@ node.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.base.source_text import words_of
 from assistant.program.expressions import Effect, EffectBuilder, Verbatim

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Final
 
@@ -19,6 +19,7 @@ import numpy as np
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.learning import rules
 from assistant.learning.arm_models import EstimatedErrors, LengthsModel, Parameter, arm_model

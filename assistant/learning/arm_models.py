@@ -10,7 +10,7 @@ parallel, that shift is unbounded.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Final, Literal, Protocol
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
 from assistant.robots.arms import Arm, FiveAxis, Scara, SixAxis

@@ -10,7 +10,7 @@ what is seen, as the map does.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final, Protocol
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from assistant import robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.learning.extended_map import JOINTS_OF_POINTS, ExtendedMap, MapTask
 from assistant.learning.map_training import MapErrors, start_map

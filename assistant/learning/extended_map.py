@@ -22,12 +22,13 @@ neighbourhood cool down from step to step.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.learning.rules import BAD_PICTURE_SHAPE
 

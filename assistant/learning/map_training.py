@@ -10,13 +10,14 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, evenly_spaced, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.learning.extended_map import (
     JOINTS_OF_POINTS,

@@ -9,7 +9,7 @@ robot file; the map does not use it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Final, Literal
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, norms, rows_of
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.learning.extended_map import MapTask
 from assistant.learning.rules import BAD_BOX, BAD_RANGE, BOX_NOT_REACHED, NO_AXIS, NO_LENGTH

@@ -16,7 +16,7 @@ over-fitting.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
@@ -24,6 +24,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.learning.arm_models import ArmModel, Parameter, rotation_vectors
 from assistant.learning.measured_poses import MeasuredPoses
 from assistant.program.geometry import IDENTITY, Pose, Quaternion, Vector

@@ -8,12 +8,12 @@ measurement configurations for robot calibration based on observability measure,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.learning import rules
 from assistant.learning.arm_models import EstimatedErrors, Parameter, arm_model

@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
+
+from assistant.base.data_classes import dataclass
 
 WordKind = Literal[
     "comment", "keyword", "number", "string", "name", "operator", "label", "property"

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Set
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import words_of
 from assistant.program.geometry import JointTarget, Pose, Target
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, finite_rows, number_within, reals, rows_of
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, error
 
 Vector = tuple[float, float, float]

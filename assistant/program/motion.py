@@ -8,7 +8,7 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, require_same_length, rows_of
+from assistant.base.data_classes import dataclass
 from assistant.lazy import pictured
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.geometry import BASE, FLANGE, Configuration, Pose, Target

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span, info
 from assistant.base.source_text import plain_letters
 from assistant.lazy import pictured

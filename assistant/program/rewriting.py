@@ -7,11 +7,12 @@ computed once.
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from operator import attrgetter
 from types import EllipsisType, NoneType
 from typing import Any, Final, Literal, TypeVar, get_args, get_origin, get_type_hints
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.program import expressions as e
 from assistant.program import statements as p

@@ -6,12 +6,13 @@ The span of a statement is its source location; it does not count when statement
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Literal
 
 import numpy as np
 
 from assistant.base.arrays import Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.program.expressions import Effect, Expression, Name, Number
 from assistant.program.expressions import Reason as Reason

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, Literal, TypeAlias
 
+from assistant.base.data_classes import dataclass
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool

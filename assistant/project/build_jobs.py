@@ -11,12 +11,13 @@ import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
 from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_access import read_file
 from assistant.base.source_text import read_bytes

@@ -13,12 +13,13 @@ import enum
 import json
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, field, replace
 from pathlib import Path as FilePath
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from assistant import __version__
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import file_in_folder, scratch_folder, write_all, write_files

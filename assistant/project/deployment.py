@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from dataclasses import replace as with_
 from pathlib import Path as FilePath
 from typing import Any
 
 from assistant import deploy
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, fold, has_errors, worst
 from assistant.controllers import Named, Programs, connect
 from assistant.controllers.address import Question

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -20,6 +19,7 @@ import numpy as np
 from assistant import languages, robots
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.near_names import near_name
 from assistant.compiler.arms import robot_of

@@ -8,11 +8,12 @@ command says so and writes nothing. Files that are there are never overwritten.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import __version__
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all

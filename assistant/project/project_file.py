@@ -12,12 +12,13 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Any, Final, get_args
 
 from assistant import languages, robots
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.length_units import UNITS
 from assistant.base.near_names import near_name, near_names

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from assistant import languages
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, decode, encode, read_bytes

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.program import project_file as files
 from assistant.project.build_jobs import chosen_language, order_of, shown_path

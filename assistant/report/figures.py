@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, evenly_spaced
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, error
 from assistant.base.installation import missing_extra
 from assistant.program.se3 import METRE, Unit

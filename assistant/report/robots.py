@@ -7,13 +7,14 @@ reaches. Figures without a confirmed source carry the mark `_DOUBT`. Lengths are
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.report import figures
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis

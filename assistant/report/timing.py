@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.program.motion import Kind
 from assistant.robots.timing import Duration, MoveTimes, OutputTime, Simulation
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.motion import Kind, Path

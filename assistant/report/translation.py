@@ -11,10 +11,11 @@ import io
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import TABLE_NOUNS, Diagnostic, Span
 from assistant.compiler.loader import language_of
 from assistant.compiler.retarget import JOINTS_OF_OTHER_MAKER

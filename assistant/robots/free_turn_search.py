@@ -14,7 +14,6 @@ result is the optimum on the given grid.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import Name
 from assistant.program.motion import Kind, Speed
 from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE

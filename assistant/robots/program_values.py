@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import (
     Aggregate,
     Apply,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, rows_of
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import Kind, Speed

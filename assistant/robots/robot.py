@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache, cached_property
 from importlib.resources import files
 from typing import TYPE_CHECKING, Final, Literal
@@ -30,6 +30,7 @@ from assistant.base.arrays import (
     rows_of,
     whole_rows,
 )
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.lazy import drawing_of, pictured
 from assistant.program.geometry import IDENTITY, Pose, Vector

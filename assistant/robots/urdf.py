@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 from xml.parsers import expat
@@ -18,6 +18,7 @@ from xml.parsers import expat
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable, error, info
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.arms.arm import Arm

@@ -38,11 +38,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import Any, Final, TypeVar
 
 from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.base.toml_edits import toml_key, toml_value, with_values
 from assistant.base.toml_text import toml_content

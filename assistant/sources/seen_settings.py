@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Final, Literal
+
+from assistant.base.data_classes import dataclass
 
 _NOT_AN_ADDRESS: Final = "is no address at which a program can ask"
 _ADDRESS_FORMS: Final = (

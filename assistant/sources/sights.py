@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.base.source_text import decode, read_bytes
 from assistant.program.geometry import Pose

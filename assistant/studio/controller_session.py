@@ -17,12 +17,13 @@ import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from assistant.base.budgets import internal_error
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.commanded_motion import JOINT_AXES, LINEAR_AXES, TURNING_AXES, check_jog
 from assistant.controllers import Controller, Named, Programs, connect

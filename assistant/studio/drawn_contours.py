@@ -7,7 +7,6 @@ that is older than the file changes nothing else.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import CONTOURS, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.program.settings_tables import Wrong
 from assistant.sources.contours.contour_choice import ContourChoice, Row

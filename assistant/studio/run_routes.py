@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
@@ -21,6 +20,7 @@ from starlette.routing import Route
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, evenly_spaced, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.comparison import Comparison, compare
 from assistant.compiler.motion_proof import Proving

@@ -12,12 +12,13 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 import numpy as np
 
 from assistant.base.budgets import Reached, internal_error
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.compiler.simulated_run import unknown_visits
 from assistant.studio import rules

@@ -9,11 +9,11 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from types import ModuleType
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.studio import rules
 

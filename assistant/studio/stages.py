@@ -11,13 +11,14 @@ import re
 import threading
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.base.toml_text import key_spans, toml_content
 from assistant.editing.workspace import Document, Workspace

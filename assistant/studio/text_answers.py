@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import languages
 from assistant.base.budgets import freeze_loaded_objects
+from assistant.base.data_classes import dataclass
 from assistant.editing import service
 from assistant.editing.language_adapter import PSEUDO, adapter_of
 from assistant.editing.service import (

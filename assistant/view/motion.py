@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import groupby, takewhile
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText, lines_of, visible
 from assistant.cell.scene import PlacedRobot

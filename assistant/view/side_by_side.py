@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import accumulate, pairwise
 from typing import Final
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import SourceText, lines_of, visible
 from assistant.compiler.comparison import Comparison, paired_statements
 from assistant.compiler.loader import language_of

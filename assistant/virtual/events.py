@@ -8,9 +8,10 @@ report the branches taken to `Kernel.branch`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 
 

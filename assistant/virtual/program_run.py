@@ -7,12 +7,13 @@ in tasks of that kernel.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, error
 from assistant.program.geometry import Pose
 from assistant.virtual.kernel import Board, Kernel, Motion, Signals

@@ -9,13 +9,13 @@ from __future__ import annotations
 import io
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, error, info
 from assistant.base.source_text import SourceText, visible
 from assistant.program.geometry import Pose

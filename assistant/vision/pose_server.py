@@ -11,12 +11,12 @@ import datetime
 import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error
 from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.rules import Lost

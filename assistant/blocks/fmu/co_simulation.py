@@ -15,12 +15,13 @@ import sys
 import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 
 import assistant
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.blocks import rules
 from assistant.blocks.code import SourceNames, number_literal, source_of, template_environment

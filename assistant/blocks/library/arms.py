@@ -7,7 +7,7 @@ be added. `ArmMotion` is that motion without a diagram.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import ClassVar, Final, Self
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base.arrays import Floats, Truths, finite_row, number_within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams import Block, Port
 from assistant.blocks.library.ports import joints_port, pose_parts, pose_port, pose_signal

@@ -14,12 +14,12 @@ each part, so that their deviation from the line shrinks as the part does.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.cell.collision.model import Model
 
 _COARSE_GROUPS: Final = (4096, 1024, 256, 64)

@@ -14,7 +14,6 @@ to 1e-7 mm (measured against closed forms in tests/cell/test_distances.py).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 from weakref import WeakKeyDictionary
@@ -22,6 +21,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.cell.findings import NO_LIBRARY
 from assistant.cell.scene import Box, Capsule, Convex, Cylinder, Mesh, Shape, Sphere, extent

@@ -8,7 +8,6 @@ robots.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from typing import Final
@@ -17,6 +16,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.cell.collision.distances import Distances, bounding_box, coal_library
 from assistant.cell.findings import CIRCULAR_PARENTS, NO_PARENT

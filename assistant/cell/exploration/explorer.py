@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Ints
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.clearances import robot_of, way_of
 from assistant.cell.collision.continuous import Hit, JointPath, hits

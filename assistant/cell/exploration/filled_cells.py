@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.cell.collision.distances import (
     bounding_box,

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path as FilePath
 from typing import Any, Final
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Ints, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import read_bytes

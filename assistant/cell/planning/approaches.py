@@ -9,7 +9,7 @@ it takes, and is proven as the controller moves.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import error, info
 from assistant.cell.collision.continuous import RESOLUTION, JointPath, hits
 from assistant.cell.planning.space import Space, goal_joints

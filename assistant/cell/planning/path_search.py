@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import gc
 import time
-from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.cell.findings import NO_PLANNER
 from assistant.cell.planning.space import Cone, Space

@@ -8,13 +8,14 @@ way.statements()        # joint moves of the pseudo-program
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base.arrays import Floats, Truths, reals
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.length_units import length_text
 from assistant.cell.collision.continuous import RESOLUTION

@@ -9,13 +9,13 @@ to end at the joints of the path.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Severity
 from assistant.cell.collision.continuous import Hit, hits
 from assistant.cell.planning.space import Space

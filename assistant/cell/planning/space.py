@@ -9,7 +9,6 @@ for each arm branch, with every whole turn of the axes inside their limits.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from typing import Final
@@ -18,6 +17,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.cell.collision.continuous import RESOLUTION, Hit, JointPath, hits
 from assistant.cell.collision.model import Contact, Model
 from assistant.cell.scene import PlacedRobot, Scene

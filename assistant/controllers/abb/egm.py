@@ -17,9 +17,10 @@ import struct
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.controllers.cyclic import (
     Ended,
     Endpoint,

@@ -21,12 +21,12 @@ import ssl
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path as FilePath
 from typing import BinaryIO, Final, Literal, NoReturn, Self
 
 from assistant.base import file_access
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.file_access import read_text
 from assistant.controllers import backup_folder, connection, rules

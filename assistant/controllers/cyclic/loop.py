@@ -22,13 +22,14 @@ import struct
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Final, Protocol
 
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.rules import MISSED, PRIORITY

@@ -23,7 +23,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, is_dataclass
+from dataclasses import asdict, is_dataclass
 from pathlib import Path as FilePath
 from types import TracebackType
 from typing import IO, Final, Self
@@ -31,6 +31,7 @@ from typing import IO, Final, Self
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.worker_processes import ended_by, without_passwords
 from assistant.controllers.cyclic import rules

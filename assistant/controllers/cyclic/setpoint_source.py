@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Literal, Protocol
 
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Rule
 from assistant.controllers.cyclic import rules
 from assistant.controllers.cyclic.rules import BAD_SETTING

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, Literal, Protocol, get_args
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms, number_of, reals
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Rule
 from assistant.controllers.cyclic.rules import (
     BAD_LIMITS,

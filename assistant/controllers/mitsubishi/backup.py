@@ -19,10 +19,11 @@ import difflib
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import visible
 from assistant.controllers import backup_folder, rules

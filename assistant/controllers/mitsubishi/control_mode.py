@@ -17,7 +17,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from types import TracebackType
 from typing import Final, NoReturn, Self
@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base.arrays import Floats, reals
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Rule
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi import rules

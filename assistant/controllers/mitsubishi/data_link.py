@@ -19,10 +19,10 @@ import selectors
 import socket
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from termios import error as _terminal_error
 from typing import TYPE_CHECKING, Final, Literal, NoReturn, Protocol, Self
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Rule
 from assistant.controllers.connection import reason_of
 from assistant.controllers.mitsubishi import rules

@@ -18,10 +18,11 @@ import socket
 import struct
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import asin, atan2, copysign, cos, degrees, isfinite, pi, radians, sin, sqrt
 from typing import Final, Literal, Self
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.controllers import cyclic
 from assistant.controllers.cyclic import (

@@ -13,11 +13,11 @@ from __future__ import annotations
 import re
 import threading
 import time
-from dataclasses import dataclass
 from functools import reduce
 from operator import xor
 from typing import Final, Literal, NoReturn, Protocol
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address

@@ -13,7 +13,6 @@ import socket
 import struct
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import count, islice
 from math import isfinite
 from types import TracebackType
@@ -22,6 +21,7 @@ from typing import Final, Self
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.controllers.mitsubishi.rules import MONITOR_SILENT, NO_MONITOR, require
 

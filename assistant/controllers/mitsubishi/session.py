@@ -16,11 +16,11 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Final, NoReturn
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules
 from assistant.controllers.address import Address

@@ -18,10 +18,10 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.base.file_access import read_file
 from assistant.controllers import rules

@@ -7,9 +7,10 @@ statements, `Subroutines` on the graph of a language with one statement a line.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Generic, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.line_blocks import EXIT, Graph
 from assistant.program.analysis.dataflow import reachable
 

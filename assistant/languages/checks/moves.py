@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from math import nan
 from typing import Final, Generic, TypeVar
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Ints, Rows, Truths
+from assistant.base.data_classes import dataclass
 
 N = TypeVar("N")
 

@@ -7,7 +7,7 @@ stems and numbers.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 from typing import Final, Generic, TypeVar
@@ -15,6 +15,7 @@ from typing import Final, Generic, TypeVar
 import numpy as np
 
 from assistant.base.arrays import Ints, Truths
+from assistant.base.data_classes import dataclass
 from assistant.languages.runs.columns import Names, split_name
 
 N = TypeVar("N")

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from typing import Final, Generic, TypeVar
 
 from assistant.base.arrays import Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Severity
 from assistant.base.source_text import SourceText
 from assistant.languages.language_types import Tree

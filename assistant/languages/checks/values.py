@@ -8,11 +8,12 @@ from __future__ import annotations
 import abc
 import enum
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import product
 from math import inf
 from typing import Any, Generic, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.signatures import NamedTypes, Parameter, Slot
 from assistant.program import expressions as e
 

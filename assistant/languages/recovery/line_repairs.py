@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.base.near_names import spelled_like
 from assistant.base.source_text import SourceText

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.base.source_text import SourceText
 from assistant.languages.recovery.repairs import Broken, Repair

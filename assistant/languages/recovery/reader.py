@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.base.source_text import SourceText
 from assistant.languages.grammar import RunInTheWay, Shortened, WordScanner, number_of

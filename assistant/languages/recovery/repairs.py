@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import islice
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.near_names import spelled_like
 from assistant.languages.lalr import END, Kept, Tables
 from assistant.languages.recovery.syntax import STRANGE, Blocks, Lexeme, Syntax, column

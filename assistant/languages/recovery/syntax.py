@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.lalr import END
 
 STRANGE: Final = "STRANGE"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from itertools import groupby
 from typing import Any, Final, Generic, Self, TypeAlias, TypeVar
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Ints, Rows, Truths
 from assistant.base.columns import Chosen, Decimal, Integer, Piece
+from assistant.base.data_classes import dataclass
 
 MOST_DIGITS: Final = 15
 """Digits of a running number; of longer ones the digits stay with the stem."""

@@ -9,7 +9,6 @@ Numbers are printed in the fewest decimals that give them back.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate, pairwise
 from typing import Any, Final, Generic, NamedTuple, TypeVar
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Truths
 from assistant.base.columns import WORD, Chosen, Decimal, Offsets, Piece, Slots, rows_text
+from assistant.base.data_classes import dataclass
 from assistant.languages.runs.columns import MOST_DIGITS, Entries, Names, Run, Store, joined_runs
 
 R = TypeVar("R")

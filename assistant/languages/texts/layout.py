@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import dominant_newline
 from assistant.languages.texts.words import Word
 

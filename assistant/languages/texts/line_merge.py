@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.runs.columns import Run, joined_runs, rows_of
 from assistant.languages.step_numbers import steps_of, with_steps
 from assistant.languages.texts import tree_merge

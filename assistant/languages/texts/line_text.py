@@ -11,13 +11,14 @@ from __future__ import annotations
 import abc
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any, Final, TypeVar
 
 import numpy as np
 
 from assistant.base.arrays import Ints, Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import SourceText, dominant_newline, one_line
 from assistant.languages.line_blocks import NO_WORD, Block, BlockWord, blocks_of
 from assistant.languages.runs.columns import Run, joined_runs, rows_of

@@ -13,12 +13,13 @@ from __future__ import annotations
 import abc
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import field, fields, is_dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.base.arrays import Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import SourceText, lines_of
 from assistant.languages.texts import printed_trees
 from assistant.languages.texts.printed_trees import (

@@ -17,7 +17,7 @@ import abc
 import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from difflib import SequenceMatcher
 from functools import partial
 from operator import attrgetter
@@ -25,6 +25,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.texts.words import Word
 
 _MOST_COMPARED: Final = 1 << 20

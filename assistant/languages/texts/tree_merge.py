@@ -8,9 +8,11 @@ built tree is looked up in the tree, and what is new is placed beside the same n
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import SequenceMatcher
 from typing import Any, TypeVar
+
+from assistant.base.data_classes import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.program import expressions as e
 from assistant.program import statements as p

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Ints
+from assistant.base.data_classes import dataclass
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import EXIT, ControlFlowGraph, Dataflow

@@ -8,9 +8,10 @@ added in as many lines, and what is sent over a channel piece by piece.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.expressions import unknown_effect

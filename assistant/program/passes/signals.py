@@ -12,9 +12,10 @@ from __future__ import annotations
 import itertools
 from collections import ChainMap
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.io_use import read_by_another_name

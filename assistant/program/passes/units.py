@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from assistant.base.arrays import Ints
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Declared, Rule
 from assistant.program import statements as p
 from assistant.program.analysis.uses import called

@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 from lark import Token, Tree
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Rule, Span, error
 from assistant.base.near_names import spelled_like
 from assistant.base.source_text import with_line_feeds

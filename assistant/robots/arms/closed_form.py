@@ -21,7 +21,6 @@ Mitsubishi tells RIGHT (FLG1 4, J2 below 0) from LEFT (FLG1 0). A configuration 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar, Final
 
 import numpy as np
@@ -29,6 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.robots.arms.arm import BOUNDARY, CLOSING, MISS_TOLERANCE, Arm, Link, turn_between
 
 

@@ -6,7 +6,6 @@ is such an arm with the joint senses, zeros, base and flange of the user's file.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Final
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import Arm, Chain, Link
 from assistant.robots.arms.closed_form import Lengths, SixAxis

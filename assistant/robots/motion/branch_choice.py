@@ -9,13 +9,14 @@ broken chains cost extra.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Ints, Rows, Singles, Truths
+from assistant.base.data_classes import dataclass
 from assistant.program.motion import UNSTATED, Kind
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.between_targets import confirmed_crossings

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Ints, Rows, Singles, Truths
+from assistant.base.data_classes import dataclass
 from assistant.robots.motion.run import Run, continued
 from assistant.robots.robot import CHUNK, Robot
 

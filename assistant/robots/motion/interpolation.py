@@ -8,7 +8,6 @@ another. A move to a via point and the one after it lie on one circle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows
+from assistant.base.data_classes import dataclass
 from assistant.program.motion import Kind
 from assistant.robots.motion.run import Mounting
 from assistant.robots.robot import Robot

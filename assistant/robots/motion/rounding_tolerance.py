@@ -11,13 +11,13 @@ Such a target is accepted if joints inside the limits meet it within its roundin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, max_abs, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.rotations import to_euler
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.arms.closed_form import to_ab

@@ -6,13 +6,14 @@ Rows that need the rounding tolerance of their targets are few, so their joints 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Singles, Truths, all_of, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
 from assistant.program.motion import Kind

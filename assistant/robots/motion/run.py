@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final, Generic, TypeVar
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Goal, Neighbours, PathRow, Several, SomeTargets
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool

@@ -6,13 +6,13 @@ then a branch is chosen for each row, and the second computes its joints.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Truths, all_of, any_of
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Severity
 from assistant.program.motion import UNSTATED
 from assistant.robots import findings as rules

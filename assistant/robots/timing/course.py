@@ -22,7 +22,7 @@ overlap: u0 + u1 - u0 u1 of the one zone and u0 u1 of the other, for the span fr
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, any_of, max_abs, norms
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Kind, Speed

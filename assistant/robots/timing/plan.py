@@ -12,13 +12,13 @@ towards the one that is reached, so that each pass is within bounds and faster t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.program.motion import Kind
 from assistant.robots.robot import Robot
 from assistant.robots.timing.course import Course, Moves, course_of, knots_of, sums_by_move

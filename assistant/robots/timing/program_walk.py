@@ -13,12 +13,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import lines_of
 from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.uses import POSITION, altered, called

@@ -7,12 +7,13 @@ for those who ask (`Carried`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final, Protocol
 
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import Expression
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.motion import UNSTATED, Kind, configuration_row

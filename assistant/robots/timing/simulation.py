@@ -7,7 +7,6 @@ everything that is unknown.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, error
 from assistant.lazy import pictured
 from assistant.program.expressions import Expression, Number

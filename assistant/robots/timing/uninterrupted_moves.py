@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from itertools import accumulate
 from typing import Final
@@ -18,6 +18,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, max_abs
+from assistant.base.data_classes import dataclass
 from assistant.program.motion import Kind
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.interpolation import ToolPaths, joints_along

@@ -13,12 +13,13 @@ construction holds in space as in the plane.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.data_classes import dataclass
 from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, vector
 
 _INTERVAL_SAMPLES: Final = 33

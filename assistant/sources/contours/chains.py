@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import (

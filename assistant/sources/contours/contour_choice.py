@@ -8,13 +8,14 @@ are mm of the drawing's world, seen from above, wherever `[placement]` takes the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import groupby
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import shown

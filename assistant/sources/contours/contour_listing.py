@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from assistant.base.data_classes import dataclass
 from assistant.sources.contours.chains import Contour
 from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_order import group_nestings

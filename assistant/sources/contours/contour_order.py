@@ -19,13 +19,14 @@ import math
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import groupby, pairwise
 from typing import Final, Literal
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Rows
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, error, warning
 from assistant.program.geometry import Vector
 from assistant.program.settings_tables import shown

@@ -9,12 +9,12 @@ so that a reader finds the contour there.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose, Vector
 from assistant.sources.contours.chains import Contour
 from assistant.sources.contours.contour_order import GroupNesting, polygon_outline, view_axes

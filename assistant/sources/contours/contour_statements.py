@@ -9,7 +9,7 @@ for a motion in its frame with its tool.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, error
 from assistant.program.expressions import Apply, Expression, Name, Number
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Target, Tool, Vector

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from operator import attrgetter
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Vector
 
 Points = NDArray[np.float64]

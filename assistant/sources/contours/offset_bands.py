@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.data_classes import dataclass
 from assistant.sources.contours.curves import Arc, Piece, PlanePoints, at_parts, chord_counts
 
 SAME_POINT: Final = 1e-6

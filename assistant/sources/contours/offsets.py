@@ -14,13 +14,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import groupby, pairwise
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import (
     CHORD_TOLERANCE,

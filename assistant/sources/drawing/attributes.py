@@ -29,9 +29,10 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.program.motion import FINE, Blend
 from assistant.sources.drawing.findings import (

@@ -6,7 +6,6 @@ drawing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from datetime import date
 from functools import cache
 from pathlib import Path as FilePath
@@ -17,6 +16,7 @@ import numpy as np
 from assistant.base import rotations
 from assistant.base.arrays import Floats
 from assistant.base.budgets import INSERTING, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE, Vector
 from assistant.program.statements import Motion

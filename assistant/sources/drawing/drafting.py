@@ -22,7 +22,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
 from assistant.sources.contours.curves import Curve

@@ -15,13 +15,14 @@ is expressed in that one, and stays where it was drawn.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, Final, Literal, cast
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool, Vector
 from assistant.program.motion import Speed

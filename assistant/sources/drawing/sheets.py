@@ -14,13 +14,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.sources.contours.chains import chain_curves
 from assistant.sources.contours.contour_order import NO_HOLDER, holders

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, cast
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import CONTOURS, INSERTING, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Vector
 from assistant.sources.contours.chains import chain_curves

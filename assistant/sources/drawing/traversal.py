@@ -14,13 +14,14 @@ blocks in each other expand to 2⁴⁰ entities, which is known after examining 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import budget_factor
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Rule
 from assistant.base.toml_edits import toml_value
 from assistant.sources.drawing.attributes import Tags, texts_of

@@ -6,7 +6,6 @@ All numbers are in neutral units: mm, degrees, mm/s, seconds.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has_errors
 from assistant.program.motion import UNSTATED, Kind
 from assistant.sources.process import Process

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Rows
 from assistant.base.columns import read_numbers
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, Span, Unreadable, error, info
 from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, decode
 from assistant.sources.tables.headers import shown

@@ -29,9 +29,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Rule, Severity, error
 from assistant.base.length_units import UNITS
 from assistant.base.near_names import near_name, spelled_like

@@ -13,7 +13,6 @@ import re
 import struct
 import zipfile
 import zlib
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import most_unpacked
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Severity, Unreadable, error
 from assistant.sources.tables.headers import shown
 

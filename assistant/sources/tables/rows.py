@@ -8,7 +8,7 @@ matrices.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, norms
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, info, warning
 from assistant.base.near_names import near_name
 from assistant.program.expressions import Name

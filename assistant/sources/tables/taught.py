@@ -34,12 +34,13 @@ from __future__ import annotations
 import math
 import pathlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Severity, Span, error, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.base.toml_edits import (

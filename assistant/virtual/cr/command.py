@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.cr.state import CrSession
 from assistant.virtual.cr.store import CrRefusal
 

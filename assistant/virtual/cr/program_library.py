@@ -12,11 +12,12 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Future
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Final
 
 from assistant import languages
 from assistant.base.budgets import STORED, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Severity, has_errors
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.cr.store import ENCODING, CrProgram, CrRefusal

@@ -18,11 +18,12 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import reduce
 from operator import xor
 from typing import Final, Protocol
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.melfa.communication_lines import MADE, Rate, Terminal, set_rate
 
 MOST_BYTES: Final = 255

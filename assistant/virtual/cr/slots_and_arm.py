@@ -10,11 +10,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.virtual.cr import program_library
 from assistant.virtual.cr.jogging import Jogging

@@ -16,12 +16,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from datetime import datetime, timedelta
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.cr.slots_and_arm import Equipment, Machinery
 from assistant.virtual.cr.store import CrProgram, CrRefusal, CrStore
 from assistant.virtual.kernel import Board

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.file_access import read_file, write_whole
 from assistant.base.source_text import lines_of
 

@@ -11,10 +11,11 @@ import os
 import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
 from assistant.languages.melfa_basic.tree import syntax as melfa

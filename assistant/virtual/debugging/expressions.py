@@ -8,8 +8,9 @@ from __future__ import annotations
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Final
+
+from assistant.base.data_classes import dataclass
 
 Value = float | bool | str
 Read = Callable[[str], str]

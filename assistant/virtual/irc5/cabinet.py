@@ -14,11 +14,12 @@ import re
 import shutil
 import threading
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from datetime import datetime, timedelta
 from pathlib import Path as FilePath
 from typing import Final, Literal, TypeVar, get_args
 
+from assistant.base.data_classes import dataclass
 from assistant.base.file_access import UNFINISHED, read_file, read_text, write_whole
 from assistant.base.source_text import lines_of
 from assistant.languages.rapid.tree import syntax as s

@@ -14,11 +14,12 @@ import threading
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Literal
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.base.rotations import between
 from assistant.virtual.irc5 import egm_packets as packets
 from assistant.virtual.irc5.egm_packets import Kind, RobotState

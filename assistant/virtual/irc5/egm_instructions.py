@@ -11,12 +11,12 @@ from __future__ import annotations
 import socket
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.events import Moved

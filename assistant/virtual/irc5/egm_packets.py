@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final, Literal
+
+from assistant.base.data_classes import dataclass
 
 Kind = Literal["joints", "poses"]
 _MSGTYPE_DATA, _MSGTYPE_CORRECTION = 2, 3

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from datetime import datetime
 from typing import Final, Literal
+
+from assistant.base.data_classes import dataclass
 
 Mode = Literal["AUTO", "MANR", "MANF"]
 State = Literal["motoroff", "motoron", "guardstop", "emergencystop", "emergencystopreset"]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
@@ -23,6 +23,7 @@ from xml.etree import ElementTree
 
 from assistant import languages
 from assistant.base.budgets import STORED, within
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has_errors, warning
 from assistant.base.file_access import read_file
 from assistant.base.source_text import lines_of

@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 import ssl
 import threading
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Literal
 
 from assistant.base import certificate
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.base.installation import missing_extra
 

@@ -7,12 +7,12 @@ import socket
 import ssl
 import threading
 import time
-from dataclasses import dataclass
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Final, Protocol
 from urllib.parse import parse_qsl, unquote
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.irc5 import rws_messages
 from assistant.virtual.irc5.rws_faults import GARBLED_ANSWER, Faults
 from assistant.virtual.irc5.rws_messages import (

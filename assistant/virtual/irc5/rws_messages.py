@@ -24,11 +24,13 @@ import secrets
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from html import escape as escaped
 from http.cookies import CookieError, SimpleCookie
 from typing import Final, Generic, TypeVar
 from urllib.parse import unquote
+
+from assistant.base.data_classes import dataclass
 
 _REALM: Final = "validusers@robapi.abb"
 _OPAQUE: Final = "799d5"

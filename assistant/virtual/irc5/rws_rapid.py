@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Final, Literal, TypeVar
 from urllib.parse import quote
 from xml.etree import ElementTree
 
+from assistant.base.data_classes import dataclass
 from assistant.base.file_access import read_file, write_whole
 from assistant.virtual.irc5 import rws_messages
 from assistant.virtual.irc5.cabinet import BackgroundTask, Cabinet

@@ -15,7 +15,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Final
 
 from wsproto.connection import Connection as WebSocket
@@ -23,6 +23,7 @@ from wsproto.connection import ConnectionType
 from wsproto.events import CloseConnection, Message, Ping
 from wsproto.utilities import LocalProtocolError, RemoteProtocolError, generate_accept_token
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.irc5 import rws_hardware, rws_messages, rws_rapid
 from assistant.virtual.irc5.cabinet import OUTPUT_TYPES, Cabinet, Signal
 from assistant.virtual.irc5.programs import TASK

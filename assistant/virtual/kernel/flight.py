@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final, Literal
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, norms
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import UNSTATED, Kind
 from assistant.robots.arms.arm import CLOSING

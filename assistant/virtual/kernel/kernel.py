@@ -11,7 +11,7 @@ import heapq
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from datetime import datetime, timedelta
 from itertools import count
 from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 from greenlet import getcurrent
 
 from assistant.base.budgets import RUNNING, within
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Called, Event, Kept, Logged, Moved, Place, Run, Switched
 from assistant.virtual.kernel.script import Person

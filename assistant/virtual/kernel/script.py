@@ -10,10 +10,11 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from assistant.base.data_classes import dataclass
 from assistant.program.passes.operator_texts import ENTERED, KEY, NUMBER
 from assistant.virtual.events import Logged, Moved
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from greenlet import greenlet
 
 from assistant.base.budgets import internal_error, traceback_wanted
+from assistant.base.data_classes import dataclass
 from assistant.virtual.events import Event, OnWay, Place, Switched, Waited, Why
 
 if TYPE_CHECKING:

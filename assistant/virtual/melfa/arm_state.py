@@ -7,12 +7,13 @@ flange · Tool. An interrupt, a stop or a skip pauses the arm on its way.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.configurations import from_flags, to_flags
 from assistant.virtual.melfa.values import (

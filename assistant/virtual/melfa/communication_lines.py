@@ -11,9 +11,11 @@ import socket
 from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Final, Literal, Protocol
+
+from assistant.base.data_classes import dataclass
 
 _MOST_UNSENT: Final = 1 << 12
 """Bytes that wait for a client that does not read, until Print# waits as well."""

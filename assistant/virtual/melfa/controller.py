@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import has_errors
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.geometry import Pose

@@ -8,9 +8,9 @@ happened; `Return 1` and interrupts that jump leave it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import arm_state, expressions
 from assistant.virtual.melfa.code import nodes

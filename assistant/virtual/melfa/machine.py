@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.events import Place
 from assistant.virtual.kernel.task import Level, Shown

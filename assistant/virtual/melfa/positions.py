@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.melfa import arm_state
 from assistant.virtual.melfa.arm_state import Arm

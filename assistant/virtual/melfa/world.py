@@ -14,9 +14,10 @@ and any name may be one that the language lacks:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, Sent, Stopped, Switched
 from assistant.virtual.kernel.kernel import Source

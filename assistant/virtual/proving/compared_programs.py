@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tree import syntax as rapid

@@ -18,13 +18,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import zip_longest
 from typing import Final, Literal
 
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.events import (
     Awaited,

@@ -11,10 +11,11 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from random import Random
 from typing import Final, Protocol
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.events import Awaited, BranchKey, Logged, Moved, Stopped, Switched, Waited
 from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.kernel.kernel import NEVER

@@ -12,11 +12,12 @@ import struct
 import time
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import product
 from random import Random
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.events import (
     Awaited,
     Branch,

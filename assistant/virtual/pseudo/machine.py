@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
 from assistant.base import rotations
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import SourceText
 from assistant.program.expressions import ANGLES, EXTERNAL, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Pose, Target, Tool

@@ -6,10 +6,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import SourceText, lines_of
 from assistant.program import statements as p
 from assistant.program.expressions import Elapsed, Expression

@@ -7,9 +7,9 @@ a value, or a reference to data.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid import records
 from assistant.virtual.rapid.control_flow import Fault, NotSimulated

@@ -7,12 +7,13 @@ nodes.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from datetime import datetime
 from typing import Final, Literal, TypeGuard
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.syntax import MoveRun, TargetRun
 from assistant.languages.rapid.tree.walk import nodes

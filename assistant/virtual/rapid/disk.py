@@ -7,11 +7,11 @@ import shutil
 import tempfile
 import weakref
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import IO, ClassVar, Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.file_access import check_regular
 from assistant.virtual.rapid.control_flow import Fault, NotSimulated
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import has_errors
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.geometry import Pose

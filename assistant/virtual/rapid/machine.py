@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Final, Protocol
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.geometry import IDENTITY, Pose

@@ -6,9 +6,10 @@ Types are those of every controller, and the records and aliases that the progra
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
 from assistant.languages.rapid.tables import predefined

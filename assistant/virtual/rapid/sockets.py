@@ -16,10 +16,11 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.events import Sent
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid import records

@@ -8,9 +8,9 @@ that it meets. Numbers that functions put into a record are rounded when they ar
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.virtual.events import Switched
 
 LARGEST: Final = 3.40282347e38

@@ -10,7 +10,7 @@ Lens: pinhole with the distortion of Brown and Conrady in the form and order of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, rows_of
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import IDENTITY, Pose, Vector
 
 WORLD: Final = "world"

@@ -10,7 +10,6 @@ unit normals (n, 3). `with_axes` draws the world's axes over a picture.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
 
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows
+from assistant.base.data_classes import dataclass
 from assistant.cell.collision.model import Carriers, carrier_of
 from assistant.cell.scene import (
     Body,

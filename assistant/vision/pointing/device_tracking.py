@@ -11,7 +11,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
@@ -19,6 +18,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision import rules

@@ -19,7 +19,7 @@ largest = 12                        # mm across
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -27,6 +27,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import decode, read_bytes
 from assistant.cell.link_bodies import capsule_between

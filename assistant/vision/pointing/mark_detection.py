@@ -16,13 +16,13 @@ A light is a spot that is brighter than its surroundings.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
+from assistant.base.data_classes import dataclass
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.cameras.synthetic_pictures import Picture
 from assistant.vision.opencv import opencv

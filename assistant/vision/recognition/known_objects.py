@@ -7,12 +7,13 @@ towards the viewer. Lengths are mm.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 
 TOOL_INTO_FACE: Final = (0.0, 1.0, 0.0, 0.0)

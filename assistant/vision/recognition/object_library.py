@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -29,6 +28,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Unreadable, has_errors
 from assistant.base.file_sets import write_files
 from assistant.base.source_text import decode, is_file, is_folder, read_bytes

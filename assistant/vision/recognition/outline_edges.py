@@ -9,12 +9,12 @@ counts the ways in which an outline can be turned and look the same.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.base.arrays import Floats, Truths
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.vision.recognition.known_objects import Outline
 from assistant.vision.recognition.photo import Photo

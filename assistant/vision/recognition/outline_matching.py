@@ -11,13 +11,14 @@ candidate is fitted to the edges of the picture and judged by them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Ints, evenly_spaced
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.known_objects import KnownObject, Outline

@@ -8,7 +8,7 @@ of one moment must have the calibrated size and be neither dark nor saturated.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats, Singles, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, Severity
 from assistant.program.settings_tables import listed, shown
 from assistant.vision import rules as of_cameras

@@ -10,13 +10,14 @@ deviation.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 

@@ -8,7 +8,7 @@ fit alike, a size that contradicts the plane.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import ModuleType
 from typing import Final
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera

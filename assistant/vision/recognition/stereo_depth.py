@@ -7,7 +7,6 @@ information, 2008).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from types import ModuleType
 from typing import Final
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.outline_matching import pixels_on_plane
 from assistant.vision.recognition.photo import Picture, analyse_picture

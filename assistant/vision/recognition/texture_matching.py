@@ -9,7 +9,6 @@ is compared with the picture cell by cell.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.recognition.known_objects import KnownObject, Texture

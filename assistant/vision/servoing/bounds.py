@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.controllers.cyclic.trajectory import braked
 from assistant.controllers.setpoint_streams import Arm

@@ -14,13 +14,14 @@ Position-based: the law moves the seen pose to the goal's.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final, Protocol
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, all_of
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.vision.cameras.camera import Camera
 from assistant.vision.servoing.interaction import (

@@ -6,12 +6,12 @@ import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from types import TracebackType
 from typing import Self
 
 from assistant.base.arrays import Floats
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.vision import rules
 from assistant.vision.cameras.camera import Camera

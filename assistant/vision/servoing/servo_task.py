@@ -31,12 +31,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 
 from assistant.base.arrays import Floats
 from assistant.base.budgets import SETTINGS_FILE
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused, has_errors
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.cell.body_tables import PLACE_KEYS, pose_of

@@ -9,13 +9,14 @@ as well, is doubtful.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final, Protocol
 
 import numpy as np
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, Truths, all_of
+from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.vision.cameras.camera import Camera, triangulate
 from assistant.vision.cameras.synthetic_pictures import Picture

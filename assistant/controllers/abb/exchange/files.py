@@ -20,10 +20,11 @@ import time
 import zlib
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path as FilePath
 from typing import Final, Literal, Protocol, Self, runtime_checkable
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
 from assistant.base.source_text import visible
 from assistant.controllers.abb.exchange import rules

@@ -10,7 +10,6 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from types import TracebackType
 from typing import Final, Self
 
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from assistant.base import rotations
 from assistant.base.arrays import Floats, reals
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import rules

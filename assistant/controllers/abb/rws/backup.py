@@ -13,12 +13,12 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from datetime import datetime
 from fnmatch import fnmatchcase
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.base.source_text import check_sent, lines_of, visible
 from assistant.controllers import backup_folder, rules

@@ -15,9 +15,11 @@ import html
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final, Literal
 from xml.etree import ElementTree
+
+from assistant.base.data_classes import dataclass
 
 Domain = Literal["", "rapid", "cfg"]
 """Domains of mastership; RWS 2.0 has one for both."""

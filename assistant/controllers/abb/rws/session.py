@@ -15,12 +15,12 @@ import time
 import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, NoReturn
 from urllib.parse import quote, urlencode, urljoin
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused
 from assistant.controllers import connection, rules
 from assistant.controllers.abb.rws import protocol

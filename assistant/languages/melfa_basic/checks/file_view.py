@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any, Final, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, Span
 from assistant.languages.checks.file_views import CachedResults, LineFormat, LineView, by_type
 from assistant.languages.checks.names import NameSet

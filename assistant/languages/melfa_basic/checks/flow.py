@@ -7,10 +7,10 @@ changed inside; subroutines must be entered by `GoSub` and left by `Return`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.languages.checks.control_flow import Subroutines
 from assistant.languages.checks.registry import Found

@@ -10,10 +10,11 @@ gives it, so programs that hand each other the turn are not reported.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import chain
 from typing import Final, Literal, TypeAlias
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Rule
 from assistant.languages.checks.control_flow import call_chain, call_depth
 from assistant.languages.checks.names import Keyed, NameSet, firsts

@@ -9,10 +9,10 @@ arguments, steps.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import inf
 from typing import Any, Final, TypeGuard
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Severity, error, info, warning
 from assistant.languages.checks.registry import Found, alternatives
 from assistant.languages.checks.values import Limits

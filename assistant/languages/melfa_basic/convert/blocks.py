@@ -20,10 +20,11 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.line_blocks import Block, Blocks
 from assistant.languages.melfa_basic.lift.settings import SETTING_COMMANDS
 from assistant.languages.melfa_basic.tables import vocabulary

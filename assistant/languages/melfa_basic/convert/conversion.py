@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, has_errors
 from assistant.base.source_text import SourceText, finding_in, without_ends
 from assistant.languages import step_numbers

@@ -9,13 +9,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.base.arrays import Ints, Rows, Truths
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span, span_over
 from assistant.languages.melfa_basic.lift.settings import (
     FRAME,

@@ -8,11 +8,12 @@ read once for each.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from assistant import robots
+from assistant.base.data_classes import dataclass
 from assistant.base.source_text import starts_of
 from assistant.languages.melfa_basic.lift import declarations, procedures, simple_statements
 from assistant.languages.melfa_basic.lift.computed_positions import mentions_pallet, pallets

@@ -12,10 +12,10 @@ import itertools
 from abc import abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.base.source_text import SourceText
 from assistant.languages import vendor_statements

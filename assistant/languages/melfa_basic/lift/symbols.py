@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.melfa_basic.tables.poses import plain_pose
 from assistant.languages.melfa_basic.tables.variables import (
     MARK_VALUE_TYPES,

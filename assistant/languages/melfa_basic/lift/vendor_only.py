@@ -17,10 +17,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any, Final, Literal, TypeGuard
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.computed_positions import ANGLE_DIVIDING

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.melfa_basic.lower.names import Names, mark
 from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.tables import equivalents, poses, vocabulary

@@ -10,9 +10,10 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
 from assistant.languages.melfa_basic.tables.variables import (
     ARC_START,

@@ -10,10 +10,11 @@ import math
 import re
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.languages import nodes
 from assistant.languages.grammar import Grammar, acceptor, load

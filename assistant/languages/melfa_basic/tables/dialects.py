@@ -6,8 +6,10 @@ The statements, functions and status variables of each version are in `vocabular
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
+
+from assistant.base.data_classes import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.melfa_basic.tables.vocabulary import functions, statement, statements
 from assistant.program.program import TakenNames, ValueType, Variable
 from assistant.program.statements import ChannelMode

@@ -19,11 +19,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from itertools import starmap
 from typing import Any, Final, cast
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.language_types import Numbering, Outline
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.tables.poses import FINE_PLACES

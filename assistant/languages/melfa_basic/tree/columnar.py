@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import ClassVar, Final, TypeVar
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats, Ints, Rows
 from assistant.base.columns import Chosen, Decimal, Integer, Offsets, Piece, Slots, rows_text
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.languages.runs.columns import Names, Run
 from assistant.languages.runs.row_text import Groups, Marks, after_digits, in_parts, numbered_names

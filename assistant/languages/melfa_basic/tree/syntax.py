@@ -7,7 +7,7 @@ thousands, position lines and moves to numbered positions, are held in columns i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from assistant.base.data_classes import dataclass
 from dataclasses import field
 from typing import Literal
 from assistant.base.diagnostics import Span

@@ -8,11 +8,12 @@ which these routines read and write.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, is_dataclass
+from dataclasses import is_dataclass
 from functools import cache
 from pathlib import PurePath
 from typing import Any, Final, Literal, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.languages.language_types import Part
 from assistant.languages.melfa_basic.tables.vocabulary import ANY, commands, function, statements

@@ -11,9 +11,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.rapid.checks.rule_context import NUMBER, SIGNAL_TYPES, Types
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.program import Signal, TakenNames, identifier

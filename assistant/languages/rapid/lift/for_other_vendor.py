@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Set
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Findings, Span
 from assistant.base.source_text import starts_of
 from assistant.languages.language_types import Adapted

@@ -10,9 +10,10 @@ steps that vendor statements contribute to it are read from their instructions.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name

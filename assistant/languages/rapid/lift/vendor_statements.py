@@ -8,9 +8,10 @@ statements.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, Final, TypeAlias
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.patterns import Called
 from assistant.languages.rapid.lift.statements import NameResolver, lift_instruction
 from assistant.languages.rapid.text import verbatim

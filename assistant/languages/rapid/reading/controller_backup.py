@@ -16,13 +16,14 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path as FilePath
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.language_types import (
     ControllerConfiguration,

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.program.expressions import EXTERNAL
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import ValueType

@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.signatures import Parameter, Signature, Slot, Type
 
 

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final, Literal
 
+from assistant.base.data_classes import dataclass
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Signal

@@ -9,7 +9,7 @@ position in mm, quaternion, confdata, external axes (9E9 for an unused one).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from assistant.base.data_classes import dataclass
 from typing import Final
 from typing import NamedTuple
 from numpy.typing import NDArray

@@ -11,10 +11,11 @@ their words are in `dialects`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Final, Literal, cast
+
+from assistant.base.data_classes import dataclass
 
 Role = Literal["motion", "command", "statement", "part"]
 Effect = Literal[

@@ -10,9 +10,10 @@ program assigns to it anywhere; texts that are read, cut or received are not kno
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.flatten.data_names import FreshNames

@@ -16,9 +16,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.rapid.lift.flatten.data_names import (
     PI,
     predefined_type,

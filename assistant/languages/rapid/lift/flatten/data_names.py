@@ -9,10 +9,11 @@ RAPID has 9E9 for their components, and an assignment to them moves nothing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.languages.rapid.lift.flatten.record_layout import (
     FRAME,

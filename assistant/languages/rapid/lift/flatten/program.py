@@ -9,10 +9,11 @@ RAPID itself keeps its records: only other languages get the flat program.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import takewhile
 from typing import TypeGuard
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Span
 from assistant.languages.rapid.lift.flatten.arrays import with_counts, with_shared_arrays
 from assistant.languages.rapid.lift.flatten.cell_facts import (

@@ -11,9 +11,10 @@ its pose. A work object is `table:=PoseMult(table_uframe,table_oframe);`.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.languages.rapid.tables.constants import VALUE_OF_TYPE
 from assistant.languages.rapid.tables.predefined import signature
 from assistant.languages.rapid.tables.predefined import types as predefined

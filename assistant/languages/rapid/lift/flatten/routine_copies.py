@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.flatten.late_binding import accepts_call

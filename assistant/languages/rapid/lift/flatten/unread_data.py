@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.languages.rapid.lift.flatten.data_names import ProgramData, parameter_nodes
 from assistant.languages.rapid.tree import syntax as s

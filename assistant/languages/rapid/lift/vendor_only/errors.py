@@ -9,10 +9,11 @@ handler. A statement is tried again 4 times (system parameters: No Of Retry).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Findings
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import NameResolver, StatementLift

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Findings
 from assistant.languages.patterns import Called
 from assistant.languages.rapid import rules

@@ -10,9 +10,10 @@ joints that the move before leads to. Speeds are mm/s and deg/s, times seconds.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Findings, Span
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import NameResolver, lift_call
