@@ -254,6 +254,8 @@ def _entries_changed(array: Item, value: Any) -> bool:
 
     if not isinstance(array, Array) or not isinstance(value, Sequence) or isinstance(value, str):
         return False
+    if any(isinstance(one, int | float) for one in value):
+        return False  # comments beside the parts of a vector would be at others
     wanted, kept, gone = list(value), 0, list[int]()
     for i, one in enumerate(array.unwrap()):
         if kept < len(wanted) and is_alike(one, wanted[kept]):
