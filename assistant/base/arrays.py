@@ -88,14 +88,20 @@ def number_of(value: object, what: str) -> float:
     raise Refused(_NO_REALS(what=what, reason=f"`{value!r:.40}` is no finite number"))
 
 
-def finite_row(values: ArrayLike, what: str) -> Floats:
-    """A row (k,) of finite numbers, also of a single one; raises Refused for others."""
+def row_of(values: ArrayLike, what: str) -> Floats:
+    """A row (k,) of real numbers, NaN included, also of a single one; raises Refused for others."""
     try:
         found = np.atleast_1d(_reals(values))
     except ValueError as reason:
         raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
     if found.ndim != 1 or not found.size:
         raise Refused(_NO_REALS(what=what, reason=f"the shape is {found.shape}, not (k,)"))
+    return found
+
+
+def finite_row(values: ArrayLike, what: str) -> Floats:
+    """Same as `row_of`, for numbers that are all finite."""
+    found = row_of(values, what)
     if not np.isfinite(found).all():
         raise Refused(_NO_REALS(what=what, reason="it holds a number that is not finite"))
     return found

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats, finite_columns, finite_row, number_within
+from assistant.base.arrays import Floats, finite_columns, finite_row, number_within, row_of
 from assistant.base.diagnostics import Refused
 from assistant.blocks.diagrams import Block, Port
 from assistant.blocks.library.ports import joints_port, pose_port, pose_signal
@@ -18,10 +18,10 @@ from assistant.robots.robot import Robot
 
 
 class Constant(Block):
-    """The same numbers at all times."""
+    """The same numbers at all times; NaN for a value that is not known."""
 
     def __init__(self, name: str, value: ArrayLike, unit: str = "") -> None:
-        self.value = finite_row(value, f"value of `{name}`")
+        self.value = row_of(value, f"value of `{name}`")
         super().__init__(name, (), [Port("value", len(self.value), unit)])
 
     def give(self, now: float, given: Sequence[Floats]) -> Sequence[ArrayLike]:

@@ -143,9 +143,9 @@ def test_a_trapezoid_begins_and_ends_at_rest() -> None:
 
 
 def test_what_makes_no_sense_is_refused() -> None:
-    with pytest.raises(ValueError, match="times that rise"):
+    with pytest.raises(Refused, match="do not rise at row 2"):
         Table("t", [0.0, 0.0], [1.0, 2.0])
-    with pytest.raises(ValueError, match="inside the limits"):
+    with pytest.raises(Refused, match="BL113.*outside its limits"):
         SimulatedArm("arm", IRB, start=[1000.0] * 6)
     diagram = Diagram()
     inverse = diagram.add(InverseKinematics("inverse", IRB))

@@ -334,5 +334,5 @@ def test_bounds_that_bound_nothing_are_refused(shared: Cell, bound: float) -> No
         lambda: RelCart("rel", connection, ARM, most=(5.0, bound)),
         lambda: ExternalControl("external", connection, ARM, approach=bound),
     ):
-        with pytest.raises(ValueError, match="is 0 or more"):
+        with pytest.raises(Refused, match="give a number from 0"):
             make()
