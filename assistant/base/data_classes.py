@@ -52,8 +52,8 @@ def _build(
     order: bool = False,
     **options: Any,
 ) -> type:
-    """Build a data class; the few with an order are left to `dataclasses`."""
-    if order:
+    """Build a data class; the few with an order or an unsafe hash are left to `dataclasses`."""
+    if order or options.get("unsafe_hash"):
         options |= {"frozen": frozen, "eq": eq, "repr": repr, "order": order}
         return dataclasses.dataclass(**options)(cls)
     # A class that defines `__eq__` alone has a `__hash__` of None, which Python put there.

@@ -257,6 +257,7 @@ def _arm_at_percent(robot: Robot, percent: float, tool: Pose = IDENTITY) -> Arm:
         return Pose.of(found[:3], found[3:])
 
     return Arm(
+        controller=robot.controller,
         axes=robot.axes,
         sliding=tuple(bool(slides) for slides in robot.sliding),
         limits=robot.limits,

@@ -228,6 +228,7 @@ def trajectory_of_program(
     count = max(1, math.ceil(done.seconds / (period * scale)))
     samples = replace(done, wanted_period=done.seconds / count).samples
     return TimedMotion(
+        controller=robot.controller,
         axes=robot.axes,
         sliding=tuple(bool(slides) for slides in robot.sliding),
         seconds=samples.t / scale,

@@ -48,6 +48,7 @@ _USUAL_AXES: Final = 6
 class Arm:
     """An arm of a axes, and its limits during control by setpoints.
 
+    controller: series of its controller, such as CR800.
     axes: J1, J2 … of the arm. sliding: (a,) which of them slide. limits: (a, 2). full: (a,) its
     greatest speeds a second. speeds, rises: (a,) a second (squared) that no step may exceed. share:
     part of `full` at which a motion of all axes keeps the limits of its tool; for carriers whose
@@ -55,6 +56,7 @@ class Arm:
     the tool, and joints (a,) near the solution; None without a solution.
     """
 
+    controller: str
     axes: tuple[str, ...]
     sliding: tuple[bool, ...]
     limits: Floats
@@ -542,7 +544,7 @@ def by_mxt(controller: Controller, arm: Arm, wishes: LinkOptions) -> CyclicCarri
             controller.address.host,
             port=wishes.port or external_control.PORT,
             limits=limits,
-            cycle=wishes.cycle or external_control.CYCLES["CR750"],
+            cycle=wishes.cycle or external_control.usual_cycle(arm.controller),
             axes=len(limits.speeds),
             sliding=sliding,
             settings=Settings(opening=_FIRST_PACKET_TIMEOUT),

@@ -33,9 +33,10 @@ class TimedMotion:
     axes: J1, J2 … of the arm, sliding: (a,) which of them slide. seconds: (k,) from 0. joints:
     (k, a) degrees or mm. positions: (k, 3) mm and quaternions: (k, 4) of the tool in the base.
     speeds, accelerations: (a,) a second (squared) that no axis may exceed, None if not known.
-    limits: (a, 2).
+    limits: (a, 2). controller: series of the arm's controller, such as CR800.
     """
 
+    controller: str
     axes: tuple[str, ...]
     sliding: tuple[bool, ...]
     seconds: Floats
@@ -302,7 +303,7 @@ def _mxt(session: Programs, led: TimedMotion, wishes: LinkOptions, progress: Pro
         host,
         port=wishes.port or external_control.PORT,
         limits=Limits.of_robot(led),
-        cycle=wishes.cycle or external_control.CYCLES["CR750"],
+        cycle=wishes.cycle or external_control.usual_cycle(led.controller),
         axes=joints.shape[1],
         sliding=sliding,
         settings=Settings(opening=FIRST_PACKET_TIMEOUT),

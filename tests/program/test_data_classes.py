@@ -28,6 +28,7 @@ CLASSES = [
     "@dataclass(frozen=True, slots=True)\nclass Point:\n    x: float\n    y: float = 2.0\n",
     "@dataclass(frozen=True, slots=True)\nclass One:\n    x: float\n",
     "@dataclass(frozen=True)\nclass Wide:\n    x: int\n    y: int = field(default=1, repr=False)\n",
+    "@dataclass(unsafe_hash=True)\nclass Hashed:\n    a: int\n",
     "@dataclass(slots=True, kw_only=True)\nclass Named:\n    a: int = 1\n    b: int\n",
     "@dataclass(frozen=True, slots=True)\nclass Mixed:\n"
     "    a: int\n    b: list[int] = field(default_factory=list, kw_only=True)\n",

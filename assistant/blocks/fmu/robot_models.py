@@ -22,7 +22,7 @@ from assistant.blocks import rules
 from assistant.blocks.code import number_literal, number_literals, safe_text, source_identifier
 from assistant.blocks.fmu.co_simulation import Group, Model, StartValue, Variable
 from assistant.controllers.cyclic import Settings
-from assistant.controllers.mitsubishi.external_control import CYCLES, PORT
+from assistant.controllers.mitsubishi.external_control import PORT, usual_cycle
 from assistant.robots import Robot
 from assistant.robots.timing import drive_of
 from assistant.robots.timing.simulation import samples_of
@@ -316,7 +316,7 @@ def live_model(robot: Robot, *, cycle: float | None = None) -> Model:
     """
     if not robot.controller.startswith("CR"):
         raise Refused(rules.NO_LIVE_CONTROLLER(title=robot.title, controller=robot.controller))
-    usual = CYCLES.get(robot.controller, CYCLES["CR750"])
+    usual = usual_cycle(robot.controller)
     seconds = usual if cycle is None else cycle
     if not 0.001 <= seconds <= 0.1:
         raise Refused(rules.BAD_CYCLE(value=seconds), exit_status=2)

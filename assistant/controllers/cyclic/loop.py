@@ -408,6 +408,10 @@ _CORRECTED_PROGRESS_INTERVAL: Final = 0.0
 _ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 _COUNTER_WRAP: Final = 1 << 32
+_FEWEST_TIMED: Final = 10
+"""Points that were taken before their rate tells anything."""
+_SHORTEST_CYCLE: Final = 0.75
+"""Part of the stated cycle that points may be apart on average; cycles differ by a half."""
 _SILENT_CYCLES: Final = 4
 """Cycles without a packet after which no packet of an earlier motion is expected."""
 _STANDSTILL_TOLERANCE: Final = 1e-3
@@ -636,7 +640,7 @@ class Loop:
                 hold -= 1
             # The first cause is reported, whatever the braking brings.
             if cause is None:
-                cause = self._astray(measured.values, most)
+                cause = self._astray(measured.values, most) or self._hurried(arrival - began)
             if self._sent - told > each:
                 told = self._sent
                 self._tell(arrival - began, way.row, measured.values, kept.timing)
@@ -683,6 +687,19 @@ class Loop:
                 where = column_named(self._job.kind, column)
                 return LoopFailure(rules.NOT_THERE, distance=distance, **where, **self._progress())
         return None
+
+    def _hurried(self, seconds: float) -> LoopFailure | None:
+        """Return a failure if the controller takes points faster than the motion has them.
+
+        The first answer may come at once. A delay of this computer cannot look like that: what was
+        late comes at once then, but never before its time.
+        """
+        cycle, taken = self._link.cycle, len(self.result.samples) - 1
+        if taken < _FEWEST_TIMED or seconds >= _SHORTEST_CYCLE * cycle * taken:
+            return None
+        found = seconds / taken
+        fields = {"found": 1e3 * found, "stated": 1e3 * cycle, "times": cycle / max(found, 1e-6)}
+        return LoopFailure(rules.OTHER_CYCLE, **fields, **self._progress())
 
     def _progress(self) -> dict[str, float]:
         self.result.done = done = self._way.done

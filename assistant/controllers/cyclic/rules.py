@@ -85,6 +85,13 @@ LEFT = error(
     "in; the arm was brought to rest on its way and the control ended",
     "do not stop (Ctrl-Z) or overload that program; start from where the arm is",
 )
+OTHER_CYCLE = error(
+    "CN719",
+    "the controller takes a point every {found:.3g} ms, and the motion has one for every "
+    "{stated:.3g} ms: the arm would move {times:.1f} times as fast; it was brought to rest, "
+    "{done} of {rows} points in",
+    "state the cycle of the controller: `--cycle 0.0035` for a CR800, `cycle=` from Python",
+)
 PRIORITY = warning(
     "CN721",
     "the loop ran with the priority of any other program: {reason}",
@@ -105,6 +112,7 @@ ERRORS: Final = {
         NOT_THERE,
         INTERRUPTED,
         LEFT,
+        OTHER_CYCLE,
         BROKEN,
         GARBLED,
     )

@@ -286,6 +286,13 @@ PORT: Final = 10000
 CYCLES: Final = {"CR750": 64 / 9000, "CR800": 0.0035}
 """Series → seconds of a cycle: CRn-500, CRn-700 and CR750 7.11 ms; CR800 3.5 ms, but 7.11 ms with
 a user mechanism."""
+
+
+def usual_cycle(controller: str) -> float:
+    """Return the seconds of a cycle of a controller series, such as CR800."""
+    return CYCLES.get(controller, CYCLES["CR750"])
+
+
 _KINDS: Final = {"pose": "poses", "joint": "joints", "pulse": "joints"}
 _END_PACKETS: Final = 2
 """Packets that end the control, if the first one is not answered."""

@@ -89,6 +89,7 @@ class Guard:
     def arm(self) -> Arm:
         """Return the data that a carrier requires."""
         return Arm(
+            controller=self.robot.controller,
             axes=self.robot.axes,
             sliding=tuple(bool(slides) for slides in self.robot.sliding),
             limits=self.robot.limits,
