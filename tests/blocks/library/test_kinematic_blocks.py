@@ -145,7 +145,7 @@ def test_a_trapezoid_begins_and_ends_at_rest() -> None:
 def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(Refused, match="do not rise at row 2"):
         Table("t", [0.0, 0.0], [1.0, 2.0])
-    with pytest.raises(Refused, match="BL113.*outside its limits"):
+    with pytest.raises(Refused, match=r"BL113.*outside its limits"):
         SimulatedArm("arm", IRB, start=[1000.0] * 6)
     diagram = Diagram()
     inverse = diagram.add(InverseKinematics("inverse", IRB))
