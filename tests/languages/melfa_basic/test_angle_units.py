@@ -64,6 +64,13 @@ def test_what_is_counted_on_and_compared_stays_in_radian(tmp_path: Path) -> None
     assert "WHILE M1<=45*pi/180 DO" in text and "M1:=M1+5*pi/180;" in text
 
 
+def test_external_variables_stay_in_radian_for_other_programs(tmp_path: Path) -> None:
+    _, text = made(
+        tmp_path, "Def Float M_ANG", "M_00=Rad(30)", "M_ANG=Rad(5)", "P1.Y=Sin(M_00+M_ANG)"
+    )
+    assert "M_00:=30*pi/180;" in text and "M_ANG:=5*pi/180;" in text
+
+
 def test_what_a_comment_quotes_stays_in_radian(tmp_path: Path) -> None:
     source = tmp_path / "ANGLE.prg"
     source.write_text(f"{HEAD}M1=Rad(300)\nP1.Y=Sin(M1)\nPrint #1,M1\nMvs P1\nEnd\n{PLACE}")

@@ -60,7 +60,10 @@ def with_degrees(program: Program, findings: Findings) -> Program:
 
 
 def _numbers(program: Program) -> frozenset[_Key]:
-    """The variables that hold one number each, which is assigned, and that no text names."""
+    """The variables that hold one number each, which is assigned, and that no text names.
+
+    External variables are none of them: other programs read and set these too.
+    """
     named: set[str] = set()
     assigned: set[str] = set()
     for record in records((program.procedures, program.declarations)):
@@ -86,6 +89,7 @@ def _numbers(program: Program) -> frozenset[_Key]:
         and low not in named
         and one.type == "number"
         and not one.size
+        and one.storage != "persistent"
     )
 
 
