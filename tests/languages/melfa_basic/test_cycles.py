@@ -222,6 +222,17 @@ def test_an_end_within_a_subroutine_leaves_its_callers(tmp_path: Path) -> None:
     assert lines[at + 1 : at + 3] == ["IF cycle_ended THEN", "RETURN;"]
 
 
+def test_an_end_within_an_interrupt_is_reported(tmp_path: Path) -> None:
+    file = tmp_path / "CELL.prg"
+    file.write_text(
+        "1 Def Act 1,M_In(1)=1 GoSub *S\n2 Act 1=1\n3 Dly 1\n4 End\n"
+        "5 *S\n6 If M1=1 Then End\n7 Return 0\n"
+    )
+    found = translate(file, to="rapid", language="melfa-basic-5")
+    assert not found.ok
+    assert ["ends the cycle" in f.message for f in found.findings].count(True) == 1
+
+
 def test_a_jump_out_of_a_subroutine_is_reported(tmp_path: Path) -> None:
     file = tmp_path / "CELL.prg"
     file.write_text(

@@ -462,7 +462,8 @@ class _VendorLowering:
 
         def said(node: p.Statement) -> Body:
             with self.findings.at(node.span):
-                made = node.told if isinstance(node, p.Opaque) and node.told else (node,)
+                told_in_full = isinstance(node, p.Opaque) and node.told and not _is_end(node)
+                made = node.told if told_in_full else (node,)
                 if made != (node,) and (loss := _lost_effects(node, made)) is not None:
                     what, cure = loss
                     text = getattr(node, "text", "").strip()
