@@ -165,7 +165,7 @@ def _arithmetic_findings(
 def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
     """Findings on loops and comparisons that end where a sum of inexact steps meets a bound."""
     steps: dict[str, float] = {}
-    bounds: list[tuple[e.Name, e.Expression, Any]] = []
+    bounds: list[tuple[str, float | None, Any]] = []
     constants = {
         name.lower(): variable.initial
         for name, variable in program.variables.items()
@@ -173,13 +173,25 @@ def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
     }
 
     def number(value: e.Expression | None) -> float | None:
-        if isinstance(value, e.Name):
-            value = constants.get(value.name.lower())
+        match value:
+            case e.Name(name):
+                return number(constants.get(name.lower()))
+            case e.Binary("*", angle, e.Number(e.DEGREE)):
+                degrees = number(angle)
+                return None if degrees is None else degrees * e.DEGREE
         return float(value.value) if isinstance(value, e.Number) else None
 
+    def bound(counted: e.Expression, value: e.Expression, span: Any) -> None:
+        """Note a comparison of a name, or of its degrees, with a value."""
+        match counted:
+            case e.Name(name):
+                bounds.append((name, number(value), span))
+            case e.Binary("/", e.Name(name), e.Number(e.DEGREE)):
+                bounds.append((name, number(e.Binary("*", value, e.Number(e.DEGREE))), span))
+
     def finding(name: str, step: float, end: float | None, span: Any) -> Diagnostic:
-        bound = "the last value" if end is None else f"{end:g}"
-        return _INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=bound, span=span)
+        met = "the last value" if end is None else f"{end:g}"
+        return _INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=met, span=span)
 
     for statement, parts in statements_with(program, p.For, p.Assign, e.Binary):
         match statement:
@@ -198,12 +210,12 @@ def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
         for part in parts:
             match part:
                 case e.Binary(relation, one, other_side) if relation in e.RELATIONS:
-                    sides = (one, other_side), (other_side, one)
-                    bounds += [(x, y, statement.span) for x, y in sides if isinstance(x, e.Name)]
-    for one, value, span in bounds:
-        end, added = number(value), steps.get(one.name.lower())
+                    bound(one, other_side, statement.span)
+                    bound(other_side, one, statement.span)
+    for name, end, span in bounds:
+        added = steps.get(name.lower())
         if added is not None and end is not None and _meets_bound(0.0, end, added):
-            yield finding(one.name, added, end, span)
+            yield finding(name, added, end, span)
 
 
 def _is_inexact(step: float) -> bool:

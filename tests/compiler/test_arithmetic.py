@@ -90,3 +90,17 @@ def test_a_bound_that_inexact_steps_meet_is_reported(
     tmp_path: Path, lines: str, codes: list[str]
 ) -> None:
     assert said(tmp_path, "m.mod", RAPID.format(lines), "melfa-basic-5")[1] == codes
+
+
+@pytest.mark.parametrize(
+    ("asked", "codes"),
+    [
+        ("M1<Rad(45)", ["CO117"]),
+        ("Deg(M1)<45", ["CO117"]),
+        ("45>Deg(M1)", ["CO117"]),
+        ("Deg(M1)<47", []),
+    ],
+)
+def test_steps_of_angles_are_inexact(tmp_path: Path, asked: str, codes: list[str]) -> None:
+    lines = f"2 M1=0\n3 While {asked}\n4 M1=M1+Rad(5)\n5 WEnd"
+    assert said(tmp_path, "a.prg", MELFA.format(lines), "rapid")[1] == codes
