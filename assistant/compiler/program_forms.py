@@ -461,7 +461,7 @@ class _Constants:
             return self.given
         comments = self.given.comments
         if self.variables and self.commented:
-            comments = (*comments, f"{', '.join(self.variables)}: mm above the work")
+            comments = (*comments, f"{', '.join(self.variables)}: mm above the targets")
         return replace(
             self.given,
             comments=comments,

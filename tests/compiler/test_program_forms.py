@@ -261,7 +261,7 @@ def test_programs_say_what_heights_are_and_how_many_locations_there_are(tmp_path
     (tmp_path / "part.process.toml").write_text(given)
     made = compile(tmp_path / "part.dxf", language="rapid", robot="irb1200-7-0.7")
     text = next(iter(made.files.values())).decode()
-    assert "! locations_height: mm above the work" in text
+    assert "! locations_height: mm above the targets" in text
     assert "! 3 locations: SPOTS_1 to SPOTS_3" in text
     silent = process.format(place="[420, 20, 280]", style="comments = false", layer="")
     (tmp_path / "part.process.toml").write_text(silent)
