@@ -165,3 +165,25 @@ def test_a_value_that_another_task_states_is_asked_of_nobody(tmp_path: Path) -> 
     assert "M_00=3" in first and "M_00=3" not in second
     assert "(+0.00,+0.00,+150.00," in first
     assert "Mrow(2)=7" in first and "Mrow(1)=1" in second
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "given"),
+    [
+        ("CONST num k:=9;", "CONST num k:=5;\nPERS num a:=k;", "Ma=5"),
+        ("", "CONST num k:=5;\nPERS num a:=k+1;", "Ma=5+1"),
+        ("CONST num k:=9;", "CONST num j:=5;\nCONST num k:=j;\nPERS num a:=k;", "Ma=0"),
+    ],
+)
+def test_a_constant_in_a_value_is_that_of_the_task_that_states_it(
+    tmp_path: Path, first: str, second: str, given: str
+) -> None:
+    bodies = (f"{first}\nPERS num a;", second)
+    files = []
+    for task, data in zip(("TASK1", "TASK2"), bodies, strict=True):
+        file = tmp_path / "RAPID" / task / "PROGMOD" / f"{task}.mod"
+        file.parent.mkdir(parents=True)
+        file.write_text(f"MODULE m\n{data}\nPROC main()\nWaitTime a;\nENDPROC\nENDMODULE\n")
+        files.append(str(file))
+    done = translate(load_task(tasks_of(files)[0]), to="melfa-basic-6")
+    assert f" {given}\n" in text_of(done).replace("\r\n", "\n")

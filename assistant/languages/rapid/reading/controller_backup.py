@@ -452,10 +452,13 @@ def _with_values_of_others(
     values: dict[tuple[str, str, int], s.Expression] = {}
     lacking = False
     for _, files in tasks:
+        constants = _PlainConstants(files)
         for name, data in _persistent_data(files):
             lacking |= data.value is None
-            if data.value is not None:
-                values.setdefault((name, data.type.lower(), len(data.dimensions)), data.value)
+            # A name may be another constant in another task, or none.
+            value = None if data.value is None else rewrite(data.value, constants.of)
+            if value is not None and not _names_any(value):
+                values.setdefault((name, data.type.lower(), len(data.dimensions)), value)
     if not lacking:
         return tasks
 
@@ -478,6 +481,30 @@ def _with_values_of_others(
         (name, [replace(file, parts=tuple(map(of_part, file.parts))) for file in files])
         for name, files in tasks
     ]
+
+
+def _names_any(value: s.Expression) -> bool:
+    return any(isinstance(node, s.NameRef) for node in nodes((value,)))
+
+
+class _PlainConstants:
+    """The constants of a task whose value names nothing, and that one module alone declares."""
+
+    def __init__(self, files: TaskFiles) -> None:
+        data = [x for f in files for m in f.modules for x in m.items if isinstance(x, s.Data)]
+        count = Counter(one.name.lower() for one in data)
+        self._values = {
+            one.name.lower(): one.value
+            for one in data
+            if one.storage == "CONST"
+            and one.value is not None
+            and count[one.name.lower()] == 1
+            and not _names_any(one.value)
+        }
+
+    def of(self, node: Any) -> Any:
+        """The value of a constant, any other node as it is."""
+        return self._values.get(node.name.lower(), node) if isinstance(node, s.NameRef) else node
 
 
 def _without_place(node: Any) -> Any:
