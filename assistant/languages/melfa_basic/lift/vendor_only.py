@@ -462,8 +462,10 @@ class _VendorLowering:
 
         def said(node: p.Statement) -> Body:
             with self.findings.at(node.span):
-                told_in_full = isinstance(node, p.Opaque) and node.told and not _is_end(node)
-                made = node.told if told_in_full else (node,)
+                made: Body = (node,)
+                # An `End` that is still here has no other meaning: see `with_endings`.
+                if isinstance(node, p.Opaque) and node.told and not _is_end(node):
+                    made = node.told
                 if made != (node,) and (loss := _lost_effects(node, made)) is not None:
                     what, cure = loss
                     text = getattr(node, "text", "").strip()
