@@ -1,10 +1,11 @@
-"""Data classes whose methods are shared, so that a command starts sooner.
+"""Data classes that share their methods, so that a command starts sooner.
 
 `dataclasses.dataclass` compiles up to seven functions for each class at each start of Python,
-which took half the time of `check` on a small file. Here, comparison, hash, text and the protection
-of frozen instances are closures over the field names, and classes with fields of the same kinds
-share the code of `__init__`. Fields, slots, `replace`, `asdict` and `match` are those of
-`dataclasses`.
+which took half the time of `check` on a small file. Here, `__eq__`, `__hash__`, `__repr__` and the
+protection of frozen instances are closures over the field names, and classes with fields of the
+same kinds share the code of `__init__`. Fields, slots, `replace`, `asdict` and `match` are those
+of `dataclasses`. What type checkers report anyway is not refused here: a frozen class that inherits
+from one that is not frozen, and the other way round.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ else:
     def dataclass(cls=None, /, **options):
         """Add the methods of a data class; the options are those of `dataclasses.dataclass`.
 
-        Raises TypeError for what `dataclasses.dataclass` refuses, and for an `InitVar`.
+        Raises TypeError for an `InitVar`.
         """
         if cls is None:
             return lambda undecorated: _build(undecorated, **options)
@@ -34,7 +35,7 @@ else:
 
 
 class _Absent:
-    """The default of a field with a factory, as `dataclasses` shows it in signatures."""
+    """Default of a field with a factory in signatures, shown as `dataclasses` shows it."""
 
     def __repr__(self) -> str:
         return "<factory>"
@@ -52,8 +53,8 @@ def _build(
     order: bool = False,
     **options: Any,
 ) -> type:
-    """Build a data class; the few with an order or an unsafe hash are left to `dataclasses`."""
-    if order or options.get("unsafe_hash"):
+    """Return a data class; `dataclasses` builds the few with an order or an unsafe hash."""
+    if order or options.get("unsafe_hash", False):
         options |= {"frozen": frozen, "eq": eq, "repr": repr, "order": order}
         return dataclasses.dataclass(**options)(cls)
     # A class that defines `__eq__` alone has a `__hash__` of None, which Python put there.
@@ -92,6 +93,7 @@ def _initializer(cls: type, own: tuple[Field[Any], ...], frozen: bool, slots: bo
     """Return `__init__`, a closure over the defaults and, if frozen, over the slots.
 
     The text has numbers for names, so that classes with fields of the same kinds share its code.
+    own: fields of the class, inherited ones too.
     """
     closure: dict[str, Any] = {"absent": _ABSENT, "assign": object.__setattr__}
     positional = ["self"]
@@ -129,7 +131,13 @@ def _initializer(cls: type, own: tuple[Field[Any], ...], frozen: bool, slots: bo
     if by_name:
         by_name.insert(0, "*")
     create = _compile(", ".join(closure), ", ".join(positional + by_name), "; ".join(body))
-    template = create(**closure)
+    return _with_field_names(create(**closure), cls, own)
+
+
+def _with_field_names(
+    template: FunctionType, cls: type, own: tuple[Field[Any], ...]
+) -> FunctionType:
+    """Return the `__init__` of a class, made of one that has numbers for the names of fields."""
     names = {f"_{number}": field.name for number, field in enumerate(own)}
     code = template.__code__
     code = code.replace(
@@ -153,6 +161,7 @@ def _initializer(cls: type, own: tuple[Field[Any], ...], frozen: bool, slots: bo
 
 @cache
 def _compile(closure: str, parameters: str, body: str) -> Callable[..., FunctionType]:
+    """Return a function that takes the variables of the closure and returns `__init__`."""
     namespace: dict[str, Any] = {}
     exec(  # noqa: S102 - the text holds numbers only, no name of a field
         f"def create({closure}):\n def __init__({parameters}): {body or 'pass'}\n return __init__",
@@ -207,7 +216,9 @@ def _refuse_removal(self: Any, name: str) -> None:
 
 
 def _refuse(record: Any, name: str, action: str) -> None:
-    """Protect all attributes of a record, and of a class that inherits from one the fields."""
+    """Raise FrozenInstanceError for any attribute of a data class, and for the fields alone of a
+    plain class that inherits from one.
+    """
     if "__dataclass_fields__" in type(record).__dict__ or name in record.__dataclass_fields__:
         raise FrozenInstanceError(f"cannot {action} field {name!r}")
 

@@ -28,7 +28,6 @@ CLASSES = [
     "@dataclass(frozen=True, slots=True)\nclass Point:\n    x: float\n    y: float = 2.0\n",
     "@dataclass(frozen=True, slots=True)\nclass One:\n    x: float\n",
     "@dataclass(frozen=True)\nclass Wide:\n    x: int\n    y: int = field(default=1, repr=False)\n",
-    "@dataclass(unsafe_hash=True)\nclass Hashed:\n    a: int\n",
     "@dataclass(slots=True, kw_only=True)\nclass Named:\n    a: int = 1\n    b: int\n",
     "@dataclass(frozen=True, slots=True)\nclass Mixed:\n"
     "    a: int\n    b: list[int] = field(default_factory=list, kw_only=True)\n",
@@ -43,6 +42,7 @@ CLASSES = [
     "@dataclass(frozen=True, slots=True, eq=False)\nclass Single:\n    a: int\n",
     "@dataclass(frozen=True, eq=False, repr=False)\nclass Silent:\n    a: int\n",
     "@dataclass(frozen=True, slots=True, order=True)\nclass Ranked:\n    a: int\n    b: int = 0\n",
+    "@dataclass(unsafe_hash=True)\nclass Unsafe:\n    a: int\n",
     "@dataclass(frozen=True, slots=True, weakref_slot=True)\nclass Watched:\n    a: int\n",
     "@dataclass(frozen=True, slots=True)\nclass Own:\n    a: int\n"
     "    def __eq__(self, other): return True\n    def __hash__(self): return 7\n"
