@@ -120,7 +120,8 @@ class ContourChoice:
     """Which contours of the layers that are followed are left out.
 
     layers: contours of each. back: from where they are placed to the drawing's world. left: rows
-    that are left out, with the entries of leave_out that do. findings: about these, and groups.
+    that are left out, with the entries of leave_out that name them. findings: about these, and
+    groups.
     """
 
     layers: Sequence[Sequence[Contour]]
@@ -175,7 +176,8 @@ class ContourChoice:
         return self._outlines[row]
 
     def naming_point(self, row: Row) -> tuple[float, float] | None:
-        """A point that names a contour in an entry with its layer, None if there is none.
+        """Return a point (mm in the drawing's world) that names a contour in an entry with its
+        layer, None if others run along all of it.
 
         The middle of a side belongs to one contour also where two of them meet.
         """
@@ -240,7 +242,10 @@ class ContourChoice:
             self.findings.append(_NO_NUMBER(entry=entry.text, count=len(rows), where=where))
             return
         self._leave_out(entry, row)
-        instead = LeftOut(layer, at=self.naming_point(row)).text
+        outline = self.outline(row)
+        x, y = (0.5 * (outline[0] + outline[1])).tolist()
+        # Where others run along all of it, no entry names it alone: this one is refused as well.
+        instead = LeftOut(layer, at=self.naming_point(row) or (x, y)).text
         self.findings.append(_NUMBERED(entry=entry.text, what=self._text(row), instead=instead))
 
     def _leave_out_group(self, entry: LeftOut, number: int, groups: Sequence[ContourGroup]) -> None:
@@ -270,7 +275,7 @@ class ContourChoice:
         self.findings.append(GROUPS(count=len(groups), what=_listed(groups)))
 
     def views(self) -> list[ContourGroup]:
-        """Groups that may be views of a part, the largest first; empty if they are not."""
+        """Return the groups that may be views of a part, the largest first; empty if none may."""
         groups = list(self.groups())
         return groups if _are_views(groups) else []
 
@@ -315,7 +320,7 @@ class ContourChoice:
 
 
 def _are_views(groups: Sequence[ContourGroup]) -> bool:
-    """True if not all groups are one part, or copies of one, which are meant to be worked."""
+    """True if groups may be views of a part: a few of different sizes; copies are work."""
     views = [one for one in groups if one.may_be_view]
     if not 2 <= len(groups) <= _MOST_GROUPS or len(views) < 2:
         return False

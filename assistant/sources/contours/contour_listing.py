@@ -1,6 +1,7 @@
-"""Contours of a drawing as people choose among them: what they are, their numbers, what drops them.
+"""List the contours of a drawing for people who choose among them.
 
-Numbers are those of the pictures of the order (`check --plot`).
+Each has its shape in words, its numbers in the picture of the order (`check --plot`), a point that
+names it under `leave_out`, and the entries there that leave it out.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from assistant.sources.process import DEFAULT_MOTION, Layer, LeftOut, Process
 class ListedContour:
     """A contour of a layer that is followed.
 
-    at: mm in the drawing's world, what names it under `leave_out`; None if nothing does. text: what
-    it is. numbers: in the picture of the order, one for each pass. left_by: entries of `leave_out`
-    that drop it.
+    at: point that names it under `leave_out`, mm in the drawing's world; None if no point names it
+    alone. text: its shape in words. numbers: in the picture of the order, one for each pass.
+    left_by: entries of `leave_out` that leave it out.
     """
 
     contour: Contour
@@ -35,15 +36,15 @@ class ListedContour:
 def listed_contours(
     choice: ContourChoice, order: Sequence[Row], process: Process
 ) -> Iterator[ListedContour]:
-    """The contours of a program by layers, with those that `leave_out` of its process drops.
+    """Yield the contours of a drawing by layers, also those that `leave_out` of its process names.
 
-    order: of the program, empty if it is not known.
+    order: of the contours in the program, empty if it is not known.
     """
     numbers = defaultdict[Row, list[int]](list)
     for number, row in enumerate(order, start=1):
         numbers[row].append(number)
     rows = [row for row, _ in choice.rows()]
-    # What is left out is around nothing, so that the others are named without it.
+    # A contour that is left out makes no other one a hole: those are named as if it were missing.
     kept = _shapes(choice, process, [row for row in rows if row not in choice.left])
     shapes = _shapes(choice, process, rows) if choice.left else kept
     for row, contour in choice.rows():
@@ -56,6 +57,7 @@ def listed_contours(
 def _shapes(
     choice: ContourChoice, process: Process, rows: Sequence[Row]
 ) -> dict[Row, ContourShape]:
+    """Return the shapes of some contours, as if the drawing had no others."""
     known = {name.casefold(): layer for name, layer in process.layers.items()}
     usual = Layer("", DEFAULT_MOTION.motion)
     groups = []

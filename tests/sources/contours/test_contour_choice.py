@@ -117,6 +117,18 @@ def test_a_number_is_that_of_the_order_and_its_finding_names_the_place(plate: Pa
         assert "CT234" not in codes(again)
 
 
+def test_no_cure_leaves_out_a_complete_layer(tmp_path: Path) -> None:
+    """Two contours run along each other, so that no point names one of them alone."""
+    document = ezdxf.new(units=4)
+    for off in (0.0, 0.015):
+        rectangle(document.modelspace(), off, off, 50 - off, 50 - off)
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    made = reading(path, "tolerance = 0.001\nleave_out = [{number = 1}]")
+    (told,) = [one for one in made.findings if one.code == "CT234"]
+    assert 'layer = "CUT", at = [' in (told.cure or "")
+
+
 def test_numbers_are_all_of_the_same_order(plate: Path) -> None:
     one = reading(plate, "leave_out = [{number = 1}, {number = 2}, {number = 5}]")
     other = reading(plate, "leave_out = [{number = 5}, {number = 1}, {number = 2}]")
