@@ -1,13 +1,13 @@
-"""Sheets of paper in a drawing: borders and title blocks on layers of the work, known by shape.
+"""Find sheets of paper in a drawing: borders and title blocks on layers of the work, by shape.
 
-A rectangle of four lines is the border of a sheet if a title block stands in its corner: lines that
-end on its sides and on each other, with texts between them. With it go the edge of the paper
-around it, the marks between the two, and all that is in the cells of the title block.
+A rectangle of four lines is the border of a sheet if a title block is in its corner: lines that
+end on its sides and on each other, with texts between them. To the border belong the edge of the
+paper around it, the marks between the two, and everything in the cells of the title block.
 
-A rectangle alone is looked at only if it has the size of a sheet, holds all that is drawn, touches
-none of it, and if there are texts or dimensions, as in drawings for people. It is the edge of
-a sheet if a border runs along it, or if parts with holes are in it: were it a part, these would be
-loose in its holes. Otherwise nobody but the user knows whether it is a plate.
+A rectangle without a title block is a candidate only if it has the size of a sheet, encloses all
+that is drawn, touches none of it, and if the drawing has texts or dimensions. It is the edge of a
+sheet if a border runs along it, or if parts with holes are in it: if it were a part, these would be
+loose in its holes. Otherwise only the user can tell whether it is a plate.
 """
 
 from __future__ import annotations
@@ -40,35 +40,37 @@ _SIZES: Final = {
 }
 """Sheets of ISO 216 and of ANSI Y14.1: mm of the short and of the long side."""
 _SIZE_PART: Final = 0.005
-"""Part by which a side may differ from a sheet's: inches are written with one decimal."""
+"""Relative difference between a side and that of a sheet; inches have one decimal."""
 _TOUCH: Final = 0.05
 """mm within which lines meet."""
 _SHIFT: Final = 0.0373
-"""mm between grid lines of rounding and coordinates that people choose."""
+"""mm by which coordinates are shifted before rounding: round ones are in the middle of a step."""
 _SHORTEST_SIDE: Final = 90.0
 """mm of a border's short side: half of an A4 sheet's."""
 _WIDEST_PROPORTION: Final = 1.7
-"""Of the sides of a border; A4 within margins of GB/T 14689 has 1.59."""
+"""Long by short side of a border, at most; A4 within margins of GB/T 14689 has 1.59."""
 _MARGIN_PART: Final = 0.15
-"""Part of a border's short side that the edge of the paper may be away: 25 mm on A4."""
+"""Distance of the edge of the paper by the border's short side, at most; 25 mm on A4."""
 _BLOCK_PART: Final = 0.4
-"""Part of a border that a title block takes at most."""
+"""Area of a title block by that of its border, at most."""
 _FEWEST_LINES: Final = 5
+"""Lines of a title block, at least."""
 _FEWEST_TEXTS: Final = 3
-"""Lines and texts of a title block."""
+"""Texts of a title block, at least."""
 _TEXTS_OF_TABLE: Final = 20
-"""Texts with which a block of any size is a table, such as a list of parts."""
+"""Texts from which on a block of any size is a table, such as a list of parts."""
 _SMALL_BLOCK_PART: Final = 0.25
-"""Part of a border up to which everything in a block belongs to it, as a logo."""
+"""Area of a block by that of its border up to which all in it belongs to it, such as a logo."""
 _CELL_PART: Final = 0.04
-"""The same of a single cell of a larger one."""
+"""The same for a single cell of a larger block."""
 _BESIDE: Final = 0.5
-"""mm that a line of a title block may be beside its place, where one was drawn by hand."""
+"""mm that curves in a cell may project over its lines, as those drawn by hand do."""
 _MARK_PART: Final = 0.1
-"""Part of a border's short side that a mark on it is long at most."""
+"""Length of a mark by the border's short side, at most."""
 _MOST_LINES: Final = 50_000
-"""Lines along the axes over which no sheet is looked for."""
+"""Lines along the axes up to which sheets are searched for."""
 _BOX_PARTS: Final = (0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
+"""Parts of a curve at which it is sampled for its box."""
 _DOWN: Final = (0.0, 0.0, -1.0)
 
 _Ids = NDArray[np.intp]
@@ -76,8 +78,10 @@ _Ids = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """Border of a sheet. rows: of its curves, and those of the title block. size: mm of the
-    rectangle. what: how it is known. sure: False if it may be a part as well.
+    """Border of a sheet.
+
+    rows: of its curves and those of the title block. size: mm of the rectangle. what: what shows
+    that it is a sheet, in words. sure: False if it may be a part as well.
     """
 
     rows: frozenset[int]
@@ -87,17 +91,18 @@ class Sheet:
 
     @property
     def text(self) -> str:
+        """Size in words: `390 x 277`."""
         return " x ".join(f"{length:.5g}" for length in self.size)
 
 
 def find_sheets(
     curves: Sequence[Curve], aside: Sequence[Curve], texts: Floats, back: Pose, *, annotated: bool
 ) -> list[Sheet]:
-    """The sheets of paper that are drawn by these curves.
+    """Return the sheets of paper that curves draw.
 
-    aside: others that are drafting by their names; their rows come after those of the curves.
-    texts: (n, 2) mm in the drawing's world, where texts stand. back: from where the curves are into
-    that world. annotated: the drawing has texts, dimensions or leaders.
+    aside: further curves, drafting by their names; their rows come after those of `curves`. texts:
+    (n, 2) positions of texts, mm in the drawing's world. back: from the frame of the curves to that
+    world. annotated: True if the drawing has texts, dimensions or leaders.
     """
     page = _Page.of([*curves, *aside], back)
     if page is None:
@@ -125,7 +130,7 @@ def find_sheets(
 
 @dataclass(frozen=True, slots=True)
 class _Rectangle:
-    """low, high: mm of two corners. rows: of the curves that are its sides."""
+    """Rectangle along the axes. low, high: mm of two corners. rows: of the curves of its sides."""
 
     low: tuple[float, float]
     high: tuple[float, float]
@@ -141,22 +146,24 @@ class _Rectangle:
         return width * height
 
     def margins(self, inner: _Rectangle) -> tuple[float, ...]:
-        """Mm from its sides to those of one inside it."""
+        """Return the distances (mm) from its sides to those of a rectangle inside it."""
         return (
             *(b - a for a, b in zip(self.low, inner.low, strict=True)),
             *(a - b for a, b in zip(self.high, inner.high, strict=True)),
         )
 
     def is_edge_of(self, border: _Rectangle) -> bool:
-        """True if it is as far around a border as the edge of the paper is."""
+        """True if it encloses a border within the margins of paper."""
         margins = self.margins(border)
         return min(margins) > _TOUCH and max(margins) <= _MARGIN_PART * min(border.size)
 
 
 @dataclass(frozen=True, slots=True)
 class _Stretch:
-    """A line along an axis, of curves that follow each other. upright: along y. at: its other
-    coordinate. low, high: its ends, mm.
+    """Line along an axis, of curves that follow each other.
+
+    upright: True if along y. at: its other coordinate, mm. low, high: its ends, mm. rows: of the
+    curves.
     """
 
     upright: bool
@@ -166,7 +173,7 @@ class _Stretch:
     rows: frozenset[int]
 
     @property
-    def corners(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
         if self.upright:
             return (self.at, self.low), (self.at, self.high)
         return (self.low, self.at), (self.high, self.at)
@@ -177,14 +184,12 @@ class _Stretch:
 
     def meets(self, other: _Stretch) -> bool:
         """True if an end of one is on the other; lines that only cross do not meet."""
-        return any(map(self.has, other.corners)) or any(map(other.has, self.corners))
+        return any(map(self.has, other.ends)) or any(map(other.has, self.ends))
 
 
 @dataclass(slots=True)
 class _Page:
-    """curves: of the drawing. low, high: (n, 2) mm of their boxes. stretches: lines along the
-    axes.
-    """
+    """Curves of a drawing. low, high: (n, 2) mm of their boxes. stretches: lines along the axes."""
 
     curves: Sequence[Curve]
     low: Floats
@@ -193,7 +198,7 @@ class _Page:
 
     @staticmethod
     def of(curves: Sequence[Curve], back: Pose) -> _Page | None:
-        """None if nothing of them can be a sheet."""
+        """Return the page of curves, None if they cannot draw a sheet. back: see `find_sheets`."""
         if len(curves) < 4:
             return None
         points = sample(curves, _BOX_PARTS)
@@ -212,17 +217,17 @@ class _Page:
         return _Page(curves, low, high, stretches)
 
     def rectangles(self) -> Iterator[_Rectangle]:
-        """Rectangles in the proportion of sheets, of four lines that end at its corners."""
+        """Yield rectangles in the proportion of sheets, of four lines that end at the corners."""
         sides = [one for one in self.stretches if one.high - one.low >= _SHORTEST_SIDE]
-        level = {_ends(one): one for one in sides if not one.upright}
-        upright = {_ends(one): one for one in sides if one.upright}
+        level = {_keys(one): one for one in sides if not one.upright}
+        upright = {_keys(one): one for one in sides if one.upright}
         above: dict[tuple[int, int], list[_Stretch]] = defaultdict(list)
         for one in upright.values():
-            above[_key(one.corners[0])].append(one)
+            above[_key(one.ends[0])].append(one)
         for bottom in level.values():
-            for left in above.get(_key(bottom.corners[0]), ()):
-                right = upright.get(_ends(_moved(left, bottom.high)))
-                top = level.get(_ends(_moved(bottom, left.high)))
+            for left in above.get(_key(bottom.ends[0]), ()):
+                right = upright.get(_keys(_moved(left, bottom.high)))
+                top = level.get(_keys(_moved(bottom, left.high)))
                 if right is None or top is None:
                     continue
                 rows = bottom.rows | left.rows | right.rows | top.rows
@@ -232,19 +237,19 @@ class _Page:
                     yield made
 
     def inside(self, box: _Rectangle, off: float = _TOUCH) -> NDArray[np.bool_]:
-        """Curves in a rectangle or on its sides."""
+        """Return a flag for each curve: True if it is in a rectangle or on its sides."""
         return np.asarray(
             (self.low >= np.array(box.low) - off).all(axis=1)
             & (self.high <= np.array(box.high) + off).all(axis=1)
         )
 
     def beyond(self, box: _Rectangle) -> NDArray[np.bool_]:
-        """Curves that are outside a rectangle or on its sides."""
+        """Return a flag for each curve: True if it is outside a rectangle or on its sides."""
         low, high = np.array(box.low) + _TOUCH, np.array(box.high) - _TOUCH
         return np.asarray((self.high <= low).any(axis=1) | (self.low >= high).any(axis=1))
 
     def crossing(self, box: _Rectangle) -> list[int]:
-        """Rows of curves that are partly in a rectangle and partly outside."""
+        """Return the rows of curves that are partly in a rectangle and partly outside."""
         return np.flatnonzero(~(self.inside(box) | self.beyond(box))).tolist()
 
     def holds_all(self, box: _Rectangle) -> bool:
@@ -259,14 +264,14 @@ class _Page:
         )
 
     def is_short(self, row: int, most: float) -> bool:
-        """True if a curve is a line along an axis and no longer than that."""
+        """True if a curve is a line along an axis, at most `most` mm long."""
         size = self.high[row] - self.low[row]
         straight = isinstance(self.curves[row], Line)
         return straight and float(size.min()) <= _TOUCH and float(size.max()) <= most
 
 
 def _merged(rows: _Ids, low: Floats, high: Floats, *, upright: bool) -> Iterator[_Stretch]:
-    """Lines of one direction, those that follow each other or overlap as one."""
+    """Yield lines of one direction; those that follow each other or overlap are one."""
     along, across = (1, 0) if upright else (0, 1)
     at = low[rows, across]
     order = np.lexsort((low[rows, along], np.round((at + _SHIFT) / (4.0 * _TOUCH))))
@@ -295,34 +300,35 @@ def _stretch(
 
 
 def _moved(side: _Stretch, at: float) -> _Stretch:
-    """The side opposite to one."""
+    """Return a side moved across to another coordinate, without curves."""
     return _Stretch(side.upright, at, side.low, side.high, frozenset())
 
 
 def _key(point: tuple[float, float]) -> tuple[int, int]:
-    """The same of points that are the same: sides of a border meet exactly or nearly."""
+    """Return a key that points which meet within rounding have in common."""
     x, y = (round((part + _SHIFT) / (4.0 * _TOUCH)) for part in point)
     return x, y
 
 
-def _ends(side: _Stretch) -> tuple[int, ...]:
-    first, last = side.corners
+def _keys(side: _Stretch) -> tuple[int, ...]:
+    """Return the keys of both ends of a line."""
+    first, last = side.ends
     return (*_key(first), *_key(last))
 
 
 def _with_title_block(page: _Page, border: _Rectangle, texts: Floats) -> set[int]:
-    """Rows of a border and its title block; none if a title block is not there."""
+    """Return the rows of a border and its title block; empty if it has no title block."""
     most = _MARK_PART * min(border.size)
     marks = page.crossing(border)
     if not all(page.is_short(row, most) for row in marks):
         return set()
     blocks = list(_blocks(page, border))
-    inner = [block for block in blocks if _is_title_block(block, border, texts)]
-    if not inner:
+    titles = [block for block in blocks if _is_title_block(block, border, texts)]
+    if not titles:
         return set()
     rows = set(border.rows) | set(marks)
     for block in blocks:
-        if block in inner or _is_table(block, border, texts):
+        if block in titles or _is_table(block, border, texts):
             rows |= {row for one in block for row in one.rows}
             rows |= _in_cells(page, block, border)
         elif len(block) == 1 and block[0].high - block[0].low <= most:
@@ -331,7 +337,7 @@ def _with_title_block(page: _Page, border: _Rectangle, texts: Floats) -> set[int
 
 
 def _blocks(page: _Page, border: _Rectangle) -> Iterator[list[_Stretch]]:
-    """Lines inside a border that meet each other, and its sides."""
+    """Yield groups of lines inside a border that meet each other and its sides."""
     within = page.inside(border)
     inner = [
         one
@@ -363,19 +369,19 @@ def _blocks(page: _Page, border: _Rectangle) -> Iterator[list[_Stretch]]:
 
 
 def _near_pairs(lines: Sequence[_Stretch]) -> Iterable[tuple[int, int]]:
-    """Pairs of lines whose boxes meet."""
+    """Return the pairs of lines whose boxes meet, by their indices."""
     if not lines:
         return ()
     import shapely
 
-    ends = np.array([one.corners for one in lines])
+    ends = np.array([one.ends for one in lines])
     boxes = shapely.box(*(ends[:, 0] - _TOUCH).T, *(ends[:, 1] + _TOUCH).T)
     first, second = shapely.STRtree(boxes).query(boxes)
     return zip(*(rows[first < second].tolist() for rows in (first, second)), strict=True)
 
 
 def _box(block: Sequence[_Stretch]) -> tuple[Floats, Floats]:
-    ends = np.array([one.corners for one in block])
+    ends = np.array([one.ends for one in block])
     return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
 
 
@@ -385,7 +391,7 @@ def _texts_in(block: Sequence[_Stretch], texts: Floats) -> int:
 
 
 def _is_table(block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> bool:
-    """True if texts are between the lines of a block, and room for a part is beside it."""
+    """True if texts are between the lines of a block that leaves room for a part, or very many."""
     low, high = _box(block)
     count = _texts_in(block, texts)
     small = float((high - low).prod()) <= _BLOCK_PART * border.area
@@ -393,7 +399,7 @@ def _is_table(block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> b
 
 
 def _is_title_block(block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> bool:
-    """True if a table is in a corner."""
+    """True if a block is a table in a corner of the border."""
     if len(block) < _FEWEST_LINES or not _is_table(block, border, texts):
         return False
     low, high = _box(block)
@@ -406,13 +412,13 @@ def _is_title_block(block: Sequence[_Stretch], border: _Rectangle, texts: Floats
 
 
 def _in_cells(page: _Page, block: Sequence[_Stretch], border: _Rectangle) -> set[int]:
-    """Rows of curves in small cells of a block."""
+    """Return the rows of curves in small cells of a block."""
     import shapely
 
     (left, bottom), (right, top) = border.low, border.high
     around = shapely.box(left, bottom, right, top).exterior
     lines = shapely.union_all(
-        [*shapely.linestrings([one.corners for one in block]), around], grid_size=_TOUCH
+        [*shapely.linestrings([one.ends for one in block]), around], grid_size=_TOUCH
     )
     low, high = _box(block)
     small = float((high - low).prod()) <= _SMALL_BLOCK_PART * border.area
@@ -433,7 +439,7 @@ def _in_cells(page: _Page, block: Sequence[_Stretch], border: _Rectangle) -> set
 
 
 def _around(page: _Page, border: _Rectangle, rectangles: Sequence[_Rectangle]) -> set[int]:
-    """Rows of the edges of the paper around a border, and of what is between."""
+    """Return the rows of the edges of the paper around a border, and of the curves between."""
     rows: set[int] = set()
     edge = border
     for one in rectangles:
@@ -459,7 +465,7 @@ def _around(page: _Page, border: _Rectangle, rectangles: Sequence[_Rectangle]) -
 
 
 def _paper(box: _Rectangle) -> str:
-    """The name of the sheet that has the size of a rectangle, empty if none has."""
+    """Return the name of the sheet that has the size of a rectangle, empty if none has it."""
     short, long = sorted(box.size)
     for name, (width, height) in _SIZES.items():
         if abs(short - width) <= _SIZE_PART * width and abs(long - height) <= _SIZE_PART * height:
@@ -470,7 +476,11 @@ def _paper(box: _Rectangle) -> str:
 def _bare_sheet(
     page: _Page, edge: _Rectangle, name: str, rectangles: Sequence[_Rectangle], work: int
 ) -> Iterator[Sheet]:
-    """A sheet without a title block. work: rows that are not drafting by their names."""
+    """Yield the one sheet without a title block.
+
+    edge, name: its rectangle and its size in words. work: number of curves that are not drafting by
+    their names; these come first.
+    """
     inside = [row for row in range(len(page.curves)) if row not in edge.rows]
     for border in rectangles:
         if edge.is_edge_of(border) and not page.crossing(border):
