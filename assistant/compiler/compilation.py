@@ -541,7 +541,7 @@ def compile_program(
             unformed = adapted
             adapted = target.adapt(formed.program, arm, most_targets=most_targets)
             if has_errors(adapted.findings):
-                findings.append(form_refused(adapted.findings, form, target))
+                findings.append(form_refused(adapted.findings, target))
                 adapted, unformed = unformed, None
     # A routine that is left out may have been the only caller of others: repeat until none is left.
     while source.origin is not None:

@@ -1,13 +1,13 @@
-"""Forms of programs that are made from drawings and tables: constants, offsets and arrays.
+"""Forms of programs made from drawings and tables: constants, offsets and arrays.
 
     [style]                       # in the process file or assistant.toml
     points = "offsets"            # or "targets", "arrays"
     constants = true
 
-The forms are given to the program last, as its arm was solved with plain targets: heights, speeds
-and blends that are used often get names; the targets of a contour become offsets of its start, or
-the targets of a path an array. `unfolded` undoes all of it in another way, by following the
-program as a controller does, so that a written form is compared with the plain program.
+A program gets its form last, because its arm is solved with plain targets. Heights, speeds and
+blends that are used often get names; the targets of a contour become offsets of its start, or the
+targets of a path an array. `unfolded` reverses the form independently: it follows the program as a
+controller does, so that the written program is compared with the plain one.
 """
 
 from __future__ import annotations
@@ -41,50 +41,60 @@ if TYPE_CHECKING:
 
 STAYS_PLAIN: Final = warning(
     "CO621",
-    "{count} paths keep targets instead of {points}, such as `{name}`: {why}",
-    '{cure}, or say points = "targets" in [style]',
+    "the points of {paths} stay targets instead of {points}: {why}",
+    '{cure}, or write points = "targets" in [style]',
 )
 FORM_REFUSED: Final = warning(
     "CO622",
-    "`points = {points}` in [style] is not followed: {language} cannot express it ({reason})",
-    'say points = "targets" in [style]',
+    "the form that [style] states is left out: {language} cannot express it ({reason})",
+    'write points = "targets" in [style], or constants = false if the points are targets',
 )
 FORM_DIFFERS: Final = error(
     "CO623",
-    "the text in the form of [style] says something else: {message}",
-    'say points = "targets" and constants = false in [style]; report this with the input',
+    "the program in the form of [style] differs from the one with plain targets: {message}",
+    'write points = "targets" and constants = false in [style]; report this with the input',
 )
 
 _OFTEN: Final = 4
 """Uses of a height from which on it has a name."""
-_TWICE: Final = 2
+_SEVERAL: Final = 2
+"""Uses of a speed or blend from which on it has a name."""
+_MOST_HEIGHTS: Final = 2
+"""Heights of a subject up to which they have names: of an approach and of a retract."""
 _LONG: Final = 8
 """Rows of a path from which on it is an array."""
 _LOOP: Final = 3
 """Rows under the same settings from which on they are a loop."""
 _MOST_POINTS: Final = 5000
-"""Rows of a path that is given another form; longer ones are no reading for people."""
+"""Rows up to which a path gets another form; nobody reads longer ones."""
 _START: Final = "_start"
 """End of the name of the target where a contour begins."""
 _SAME: Final = 1e-9
-"""Difference of quaternions and external axes that is none."""
+"""Difference of external axes that counts as none."""
 _DECIMALS: Final = 4
 """Decimals of mm of offsets."""
 _DEEPEST: Final = 64
+"""Calls and loops inside each other that are followed."""
 _NEAR: Final = 1e-6
+"""Difference of quaternions, 1 - |a·b|, that counts as none."""
+_NEIGHBOURS: Final = 12
+"""Statements before and after a move among which the path of its contour is."""
+_TOO_LONG: Final = f"it has more than {_MOST_POINTS} points", "divide it"
+"""Why a path keeps its targets, and the cure."""
 
 
 @dataclass(frozen=True, slots=True)
 class Formed:
-    """A program in the form of a style, the same object where nothing changed, and findings."""
+    """A program in the form of a style, the given one if nothing changed, and findings."""
 
     program: Program
     findings: tuple[Diagnostic, ...] = ()
 
 
 def with_structure(program: Program, style: ProgramStyle) -> Program:
-    """Return a program with procedures and comments for what has none yet: paths of tables and
-    locations. Its moves stay as they are.
+    """Return a program with procedures for paths of tables, and comments for these and locations.
+
+    Its moves stay as they are.
     """
     program = _with_path_procedures(program, style)
     return _with_location_notes(program) if style.commented else program
@@ -102,24 +112,18 @@ def with_form(program: Program, style: ProgramStyle, language: Language[Any]) ->
     return Formed(program, findings)
 
 
-def form_refused(
-    found: Iterable[Diagnostic], style: ProgramStyle, language: Language[Any]
-) -> Diagnostic:
-    """Return the finding that a language cannot express a form. found: with the errors of it."""
+def form_refused(found: Iterable[Diagnostic], language: Language[Any]) -> Diagnostic:
+    """Return the finding that a language cannot express a form. found: findings with its errors."""
     reason = next(one.message for one in found if one.severity is Severity.ERROR)
-    points = style.points or "targets"
-    return FORM_REFUSED(points=points, language=language.title, reason=reason)
+    return FORM_REFUSED(language=language.title, reason=reason)
 
 
 def form_differences(
     plain: Program, written: Program, language: Language[Any]
 ) -> Iterator[Diagnostic]:
-    """Yield the differences between a plain program and one that was read back in its form.
-
-    Both are followed move by move.
-    """
+    """Yield the differences, move by move, between a plain program and the text in its form."""
     precision = language.precision
-    # A sum of two rounded positions is off by twice as much.
+    # A sum of two rounded positions has twice the rounding error.
     tolerance = Tolerance(2.0 * precision.position, precision.angle, precision.number)
     try:
         comparison = compare(unfolded(plain), unfolded(written), tolerance)
@@ -134,7 +138,7 @@ def form_differences(
 
 
 def _with_path_procedures(program: Program, style: ProgramStyle) -> Program:
-    """A program of paths alone, as tables have them, with a procedure and a comment for each."""
+    """Return a program of paths alone, as of a table, with a procedure and a comment for each."""
     if len(program.procedures) != 1 or style.procedures == "none":
         return program
     (main,) = program.procedures
@@ -148,7 +152,7 @@ def _with_path_procedures(program: Program, style: ProgramStyle) -> Program:
         if not isinstance(node, p.Follow):
             body.append(node)
             continue
-        # The path keeps its name, which its rows have; one alone often has that of the program.
+        # The path keeps its name, which its rows have; a single path often has the program's.
         own = node.path.name.lower() not in {one.lower() for one in taken}
         name = node.path.name if own else identifier(f"{_FOLLOWING}{node.path.name}", taken)
         taken.add(name)
@@ -159,7 +163,7 @@ def _with_path_procedures(program: Program, style: ProgramStyle) -> Program:
 
 
 def _with_location_notes(program: Program) -> Program:
-    """A program whose procedures of locations say how many these are."""
+    """Return a program with the number of locations in a comment of each of their procedures."""
     entry = program.procedure(program.entry or "")
     called = {
         x.procedure.lower() for x in walk(entry.body if entry else ()) if isinstance(x, p.Call)
@@ -183,7 +187,7 @@ def _with_location_notes(program: Program) -> Program:
 
 
 def _path_text(path: Path) -> str:
-    """What a path is, for people: `seam: 35 points, 412 mm`."""
+    """Describe a path for people: `seam: 35 points, 412 mm`."""
     text = f"{path.name}: {len(path)} point{'s' * (len(path) != 1)}"
     rows = np.flatnonzero(path.kinds[1:] == Kind.LINEAR) + 1
     # Arcs and joint moves are not as long as their chords.
@@ -197,7 +201,10 @@ def _path_text(path: Path) -> str:
 
 
 class _Points:
-    """What both forms of points have in common. left: why paths keep targets, with their names."""
+    """Base of the forms of points.
+
+    left: names of the paths that keep targets, by the reason and its cure.
+    """
 
     form: str
 
@@ -206,17 +213,23 @@ class _Points:
         self.taken = _taken_names(given)
         self.left: dict[tuple[str, str], list[str]] = {}
 
-    def stays(self, path: Path, why: str, cure: str) -> None:
+    def keep(self, path: Path, why: str, cure: str) -> None:
+        """Note that a path keeps its targets."""
         self.left.setdefault((why, cure), []).append(path.name)
 
     def findings(self) -> tuple[Diagnostic, ...]:
         return tuple(
             STAYS_PLAIN(
-                count=len(names), points=self.form, name=names[0], why=why, cure=cure,
+                paths=_in_words(names), points=self.form, why=why, cure=cure,
                 about=Declared(names[0], "paths"),
             )
             for (why, cure), names in self.left.items()
         )  # fmt: skip
+
+
+def _in_words(paths: list[str]) -> str:
+    more = len(paths) - 1
+    return f"`{paths[0]}`" + (f" and {more} more path{'s' * (more != 1)}" if more else "")
 
 
 class _Offsets(_Points):
@@ -254,39 +267,40 @@ class _Offsets(_Points):
                     self.changed = True
                     yield from self.moves(node, start)
                     continue
-                self.stays(node.path, *why)
+                self.keep(node.path, *why)
             elif start and not begun and isinstance(node, p.Move | p.MoveCircular):
-                if not self.stays_in(body, at, start):
+                if not self.keeps_targets(body, at, start):
                     node = map_expressions(node, partial(self.target, start))
             yield node
 
-    def stays_in(self, body: tuple[p.Statement, ...], at: int, start: str) -> bool:
-        """True if the path of the contour at hand keeps its targets."""
-        near = [x for x in body[max(at - 12, 0) : at + 12] if isinstance(x, p.Follow)]
+    def keeps_targets(self, body: tuple[p.Statement, ...], at: int, start: str) -> bool:
+        """True if the path of the contour of a move keeps its targets."""
+        around = body[max(at - _NEIGHBOURS, 0) : at + _NEIGHBOURS]
+        near = [x for x in around if isinstance(x, p.Follow)]
         return any(
             _is_of(x.path.name, start) and self.unfit(x.path, start) is not None for x in near
         )
 
     def unfit(self, path: Path, start: str) -> tuple[str, str] | None:
-        """Why a path cannot be offsets, and what helps."""
+        """Return why a path cannot be offsets, and the cure; None if it can."""
         if not start:
-            return "they have no target of their own that the others are offsets of", (
+            return "no target has a name where it starts, as contours of a drawing have one", (
                 "follow contours of a drawing"
             )
         if len(path) > _MOST_POINTS:
-            return f"they have more than {_MOST_POINTS} points", "divide them"
+            return _TOO_LONG
         base = self.targets[start.lower()]
         turn = np.array(base.pose.quaternion)
         if np.abs(np.abs(path.quaternions @ turn) - 1.0).max(initial=0.0) > _NEAR:
-            return "the tool turns along them, which offsets do not", "leave out `tangential`"
+            return "the tool turns on the path, and offsets only shift", "leave out `tangential`"
         wanted = configuration_row(base.configuration)
         if (path.configurations != np.array(wanted, dtype=np.int8)).any():
-            return "the arm changes its configuration along them, which offsets do not", (
-                "place the work where it does not"
+            return "the arm changes its configuration on the path, and offsets keep it", (
+                "place the work where one configuration reaches all of the path"
             )
         mine = np.array([np.nan if x is None else x for x in base.external], dtype=np.float64)
         if not np.isclose(path.external, mine, rtol=0.0, atol=_SAME, equal_nan=True).all():
-            return "external axes move along them, which offsets do not", "keep these still"
+            return "external axes move on the path, and offsets keep them", "keep them still"
         return None
 
     def moves(self, node: p.Follow, start: str) -> Iterator[p.Statement]:
@@ -305,13 +319,13 @@ class _Offsets(_Points):
                 yield replace(move_at(path, row, point), span=node.span)
 
     def target(self, start: str, value: e.Expression) -> e.Expression:
-        """Another target of a contour, as the offset of its start."""
+        """Return another target of a contour as an offset of its start, if it is only shifted."""
         if not isinstance(value, e.Name) or value.name.lower() not in self.once - {start.lower()}:
             return value
         if not value.name.lower().startswith(start.lower().removesuffix(_START) + "_"):
             return value
         base, other = self.targets[start.lower()], self.targets[value.name.lower()]
-        if not _differ_by_place(base, other):
+        if not _is_shifted(base, other):
             return value
         self.changed = True
         self.gone.add(value.name.lower())
@@ -320,12 +334,12 @@ class _Offsets(_Points):
 
 
 def _is_of(path: str, start: str) -> bool:
-    """True if a path, or a part of it, is of the contour that has a start."""
+    """True if a path, or a part of one, belongs to the contour that has a start."""
     return f"{path.lower()}_".startswith(start.lower().removesuffix(_START) + "_")
 
 
 def _start_named(node: p.Statement) -> str:
-    """The start of a contour that a move goes to, or to a place above it; else empty."""
+    """Return the start of a contour that a move goes to, or to a position above it; else empty."""
     target = node.target if isinstance(node, p.Move) else None
     while isinstance(target, e.Apply) and target.arguments:
         target = target.arguments[0]
@@ -339,7 +353,7 @@ def _offset(start: str, shift: list[float]) -> e.Expression:
     return e.Apply("offset", (e.Name(start), *map(e.number_of, shift)))
 
 
-def _differ_by_place(one: Target, other: Target) -> bool:
+def _is_shifted(one: Target, other: Target) -> bool:
     """True if two targets differ by their positions alone."""
     turned = abs(float(np.dot(one.pose.quaternion, other.pose.quaternion)))
     return (
@@ -375,7 +389,7 @@ class _Arrays(_Points):
             return
         path = node.path
         if len(path) > _MOST_POINTS:
-            self.stays(path, f"they have more than {_MOST_POINTS} points", "divide them")
+            self.keep(path, *_TOO_LONG)
             yield node
             return
         name = identifier(f"{path.name}_points", self.taken)
@@ -399,7 +413,7 @@ class _Arrays(_Points):
                 row += 2
                 continue
             stop = _same_until(path, row)
-            # An arc begins at a place that is written, not at one that a loop came to.
+            # The target before an arc is written out: after a loop, its index is not known.
             if stop < len(path) and path.kinds[stop] == Kind.VIA:
                 stop -= 1
             if stop - row >= _LOOP:
@@ -416,7 +430,7 @@ _COUNTER: Final = "i"
 
 
 def _same_until(path: Path, row: int) -> int:
-    """The first row behind one that is another kind of move, or has other settings."""
+    """Return the first row after one that is another kind of move, or has other settings."""
     same = path.kinds[row:] == path.kinds[row]
     for column in COLUMNS:
         values = getattr(path, column)
@@ -434,8 +448,8 @@ Role = Literal["approach", "retract"]
 class _Constants:
     """Names for heights, speeds and blends that are used often.
 
-    The procedures that the entry calls are the subjects, such as layers: what they call belongs to
-    them, and names begin with theirs.
+    The procedures that the entry calls are the subjects, such as layers. What they call belongs to
+    them, to the last of several; names begin with that of the subject.
     """
 
     def __init__(self, given: Program, language: Language[Any], *, commented: bool) -> None:
@@ -506,7 +520,7 @@ class _Constants:
         return {one.name: replace(one, body=tuple(map(statement, one.body))) for one in procedures}
 
     def heights(self, subject: str, procedures: list[Procedure]) -> dict[float, str]:
-        """Names of the heights above the work."""
+        """Declare the heights above the work that are used often; return their names."""
         uses: Counter[float] = Counter()
         roles: dict[float, set[Role]] = {}
         for procedure in procedures:
@@ -520,17 +534,14 @@ class _Constants:
                 down = isinstance(below, p.Move) and below.target == base
                 roles.setdefault(height, set()).add("approach" if down else "retract")
         often = [height for height, count in uses.items() if count >= _OFTEN]
-        if not often or len(uses) > _TWICE:
+        if not often or len(uses) > _MOST_HEIGHTS:
+            return {}
+        # Of two heights one is for approaches and one for retracts, or neither has a name.
+        if len(uses) > 1 and any(len(roles[height]) > 1 for height in often):
             return {}
         named: dict[float, str] = {}
         for height in often:
-            word = "height"
-            if len(uses) > 1:
-                # Two heights are one to come by and one to leave by, or nothing names them.
-                if len(roles[height]) > 1:
-                    return {}
-                word = next(iter(roles[height]))
-            name = self.new(subject, word)
+            name = self.new(subject, next(iter(roles[height])) if len(uses) > 1 else "height")
             named[height] = name
             value = e.number_of(height)
             self.variables[name] = Variable("number", value, (), "constant")
@@ -539,7 +550,7 @@ class _Constants:
     def motions(
         self, subject: str, procedures: list[Procedure]
     ) -> tuple[dict[Speed, str], dict[Speed, str], dict[Blend, str]]:
-        """Names of the speeds of travel and of work, and of blends."""
+        """Declare speeds of travel and of work, and blends; return the names of each."""
         travel: Counter[Speed] = Counter()
         work: Counter[Speed] = Counter()
         blends: Counter[Blend] = Counter()
@@ -552,14 +563,14 @@ class _Constants:
                         motions = [(one.speed, one.blend)]
                     case p.Follow(path):
                         motions = [(speed, None) for speed in path.speeds]
-                        motions += [(None, blend) for blend in path.blends] * _TWICE
+                        # A path uses its blends at each of its points.
+                        motions += [(None, blend) for blend in path.blends] * _SEVERAL
                 for speed, blend in motions:
                     if isinstance(speed, Speed) and self.language.declares_motion(speed):
                         (travel if away else work)[speed] += 1
                     if isinstance(blend, Blend) and self.language.declares_motion(blend):
                         blends[blend] += 1
         zones = self.only(subject, "zone", blends, self.blends)
-        # Two speeds of one kind have no names that tell which is which.
         if travel.keys() == work.keys():
             same = self.only(subject, "speed", travel + work, self.speeds)
             return same, same, zones
@@ -572,7 +583,9 @@ class _Constants:
     def only(
         self, subject: str, word: str, uses: Counter[Any], table: dict[str, Any]
     ) -> dict[Any, str]:
-        if len(uses) != 1 or next(iter(uses.values())) < _TWICE:
+        """Declare the value of a kind that a subject uses, and uses several times."""
+        # Names would not tell two values of one kind apart.
+        if len(uses) != 1 or next(iter(uses.values())) < _SEVERAL:
             return {}
         name = self.new(subject, word)
         value = next(iter(uses))
@@ -587,8 +600,9 @@ class _Constants:
 
 
 _LONGEST_STEM: Final = 20
+"""Letters of a subject that names of its constants begin with."""
 _FOLLOWING: Final = "follow_"
-"""Begin of the name of a procedure whose path has the name of something else."""
+"""Prefix for the procedure of a path whose name is taken by something else."""
 
 
 def _known(names: Mapping[Any, str], value: Any) -> Any:
@@ -597,7 +611,7 @@ def _known(names: Mapping[Any, str], value: Any) -> Any:
 
 
 def _height(node: p.Statement | None) -> float | None:
-    """Mm that a move goes to above a target, along the tool; None of another move."""
+    """Return the height (mm) above a target, along the tool, that a move goes to; else None."""
     if not isinstance(node, p.Move):
         return None
     match node.target:
@@ -609,9 +623,9 @@ def _height(node: p.Statement | None) -> float | None:
 
 
 def _subjects(program: Program) -> dict[str, str]:
-    """By the name of each procedure that of the procedure called by the entry that it belongs to.
+    """Return the subject of each procedure by its name in lower case, see `_Constants`.
 
-    Empty for the entry itself, and for what several of them call.
+    Empty for the entry.
     """
     calls = {
         one.name.lower(): {x.procedure.lower() for x in walk(one.body) if isinstance(x, p.Call)}
@@ -646,11 +660,11 @@ def _taken_names(program: Program) -> TakenNames:
 
 
 class NotUnfolded(ValueError):
-    """A program has something that only running it tells."""
+    """The order of moves, or a value of one, is known only when the program runs."""
 
 
 def unfolded(program: Program) -> Program:
-    """Return the moves and other statements of a program in the order in which they are made.
+    """Return the moves and other statements of a program in the order in which they are run.
 
     Calls and loops are followed; constants, offsets and arrays have their values. Raises
     NotUnfolded for a program with branches or with values that change.
@@ -672,7 +686,7 @@ def unfolded(program: Program) -> Program:
 
 @dataclass(slots=True)
 class _Rows:
-    """Rows of a path that is being gathered."""
+    """Columns of a path, collected move by move."""
 
     kinds: list[Any] = field(default_factory=list)
     positions: list[Any] = field(default_factory=list)
@@ -683,6 +697,8 @@ class _Rows:
 
 
 class _Following:
+    """Follows a program. made: statements in their order. rows: moves since the last other one."""
+
     def __init__(self, program: Program) -> None:
         self.program = program
         self.names = Names(program)
@@ -734,7 +750,7 @@ class _Following:
                 self.end_path()
                 self.made.append(replace(node, span=None))
             case _:
-                raise NotUnfolded(f"a {type(node).__name__} is in it")
+                raise NotUnfolded(f"a statement of kind {type(node).__name__} is not followed")
 
     def loop(
         self,
@@ -764,7 +780,7 @@ class _Following:
     def target(self, value: e.Expression) -> Target:
         place = self.names.place(map_expressions(value, self.element))
         if place is None:
-            raise NotUnfolded("a target is worked out as the program runs")
+            raise NotUnfolded("a target is computed while the program runs")
         return replace(place.target, pose=place.pose)
 
     def element(self, value: e.Expression) -> e.Expression:
@@ -785,7 +801,7 @@ class _Following:
         if isinstance(blend, e.Name):
             blend = self.blends.get(blend.name.lower(), blend)
         if not (isinstance(speed, Speed | e.Name) and isinstance(blend, Blend | e.Name)):
-            raise NotUnfolded("a speed is worked out as the program runs")
+            raise NotUnfolded("a speed is computed while the program runs")
         return self.table.setdefault((speed, blend, tool.lower(), frame.lower()), len(self.table))
 
     def row(self, kind: Kind, target: Target, setting: int) -> None:
@@ -818,7 +834,7 @@ class _Following:
         rows.settings.append(known[which.reshape(-1)])
 
     def alone(self, node: Any) -> p.Statement:
-        """A move that sets outputs on its way, or goes to joints, with its values."""
+        """Return a move that sets outputs on its path, or goes to joints, with its values."""
         values = tuple(self.table)
         index = self.setting(node.motion)
         speed, blend, tool, frame = (tuple(self.table) if index >= len(values) else values)[index]

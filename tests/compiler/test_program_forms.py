@@ -8,7 +8,13 @@ import pytest
 
 from assistant import languages
 from assistant.compiler import compile
-from assistant.compiler.program_forms import form_differences
+from assistant.compiler.program_forms import form_differences, with_form
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.geometry import Pose, Target
+from assistant.program.motion import FINE, Speed
+from assistant.program.program import Procedure, Program
+from assistant.sources.process import ProgramStyle
 from assistant.virtual.events import Moved
 from assistant.virtual.proving.comparison import difference
 from tests.compiler.same_motion import ran
@@ -158,6 +164,20 @@ def test_different_heights_are_named_by_what_they_are_for(tmp_path):
     (data,) = made.files.values()
     assert b"CONST num cut_approach:=25;" in data
     assert b"CONST num cut_retract:=40;" in data
+
+
+def test_heights_that_are_for_both_have_no_names_at_all():
+    fast, target = p.Motion(Speed(100.0), FINE), e.Name("a")
+
+    def above(height):
+        place = e.Apply("relative", (target, *map(e.Number, (0, 0, -height))))
+        return p.Move("linear", place, fast)
+
+    work = p.Move("linear", target, fast)
+    contour = (above(25), work, above(40), above(40), work, above(40))
+    given = Program("cut", (Procedure("main", contour * 4),), targets={"a": Target(Pose())})
+    made = with_form(given, ProgramStyle(), languages.get("rapid")).program
+    assert not made.variables
 
 
 MUTATIONS = [
