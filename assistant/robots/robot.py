@@ -65,12 +65,12 @@ _NO_JOINT_UNIT: Final = error(
 )
 _NO_ROBOT: Final = error(
     "RB013",
-    "{given} is no Robot",
+    "{given} is not a Robot",
     "give what assistant.robots.get({name}) returns, or assistant.robots.load of a robot file",
 )
 _NO_PROGRAM: Final = error(
     "RB014",
-    "{given} is no Program",
+    "{given} is not a Program",
     "give what assistant.from_poses or from_joints returns, or the program of assistant.load",
 )
 Kind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
@@ -229,7 +229,7 @@ class Robot:
         return self.flange_poses(rows if unit == "deg" else rows * self._axis_scale(unit))
 
     def flange_poses(self, joints: ArrayLike) -> tuple[Floats, Floats]:
-        """Same as `fk`, for columns with rows of NaN, such as poses out of reach; they stay NaN."""
+        """Same as `fk` in degrees, without a check of the numbers: rows of NaN stay NaN."""
         return self.arm.fk(self.chained(joints))
 
     def ik(
@@ -269,11 +269,10 @@ class Robot:
     ) -> Floats:
         """Return (n, 6, a) for (n, a) joints: how the tool tip moves and turns with each axis.
 
-        Rows: x, y, z of the tip in the base, and its turn about x, y, z. unit: has to be stated:
-        "deg" for joints in
+        Rows: x, y, z of the tip in the base, and its turn about x, y, z. unit: "deg" for joints in
         degrees, and mm and degrees for each degree of them (mm of an axis that slides); "rad" for
         radians and metres throughout, as `jacob0` of roboticstoolbox. tool: the tip in the flange.
-        Raises Refused.
+        Raises Refused, also without a unit.
         """
         unit = _known_unit(unit)
         scale = self._axis_scale(unit)
@@ -576,6 +575,7 @@ class Robot:
 
 
 def _known_unit(unit: object) -> JointUnit:
+    """Return a unit of joints; raise Refused for another one and for None."""
     if isinstance(unit, str) and unit in _LENGTHS:
         return "deg" if unit == "deg" else "rad"
     reason = f"the unit {str(unit)[:40]!r} of joints is not known"
@@ -584,14 +584,14 @@ def _known_unit(unit: object) -> JointUnit:
 
 
 def require_robot(robot: object) -> None:
-    """Raises Refused for anything but a robot, such as its name."""
+    """Raise Refused for anything but a Robot, such as its name."""
     if not isinstance(robot, Robot):
         name = f'"{robot[:40]}"' if isinstance(robot, str) else "NAME"
         raise Refused(_NO_ROBOT(given=f"`{str(robot)[:40]}`", name=name))
 
 
 def require_program(program: object) -> None:
-    """Raises Refused for anything but a program, such as its file."""
+    """Raise Refused for anything but a Program, such as its file."""
     if not isinstance(program, Program):
         raise Refused(_NO_PROGRAM(given=f"`{str(program)[:40]}`"))
 

@@ -1,7 +1,7 @@
-"""Units of long programs: a controller limits the targets of one, so paths move to further ones.
+"""Spread long programs over units, as a controller limits the targets of one unit.
 
-Runs of statements that follow several short paths move together, see `_Packer`: a unit takes time
-to load, and is loaded once for all of them. What is still too long is split path by path.
+Statements that follow several short paths move to a unit together, see `_Packer`: loading a unit
+takes time, and one load serves all of them. What is still too long is split path by path.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
     from assistant.program.passes.legalisation import Legalisation, Units
 
 _FEWEST_PATHS: Final = 2
-"""Paths of a run that moves to a unit; a single one is split by itself."""
+"""Paths of a run that moves to a unit, at least; `_Splitter` moves single ones."""
 _SINGLE_MOVES: Final = (p.Move, p.MoveCircular, p.MoveJoints)
 _JUMPING: Final = (p.Label, p.Goto, p.Return, p.Opaque, p.Interrupt)
-"""Statements that a procedure has to keep around them."""
+"""Statements of a procedure that cannot be divided."""
 
 
 def _packed(job: Legalisation, units: Units) -> Program:
-    """The program with runs of short paths in units, as many in each as there is room for."""
+    """Return the program with runs of short paths in units, each as full as possible."""
     program = job.program
-    # Vendor text, and programs that were lifted from it, may call procedures by their names.
+    # Vendor text, and programs lifted from it, may call procedures by their names.
     if units.packed is None or program.origin is not None or program.declarations:
         return program
     if any(isinstance(node, p.Opaque) for node in program.statements()):
@@ -47,9 +47,9 @@ def _packed(job: Legalisation, units: Units) -> Program:
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """Statements of a body from start up to stop: targets and number of the paths that they follow.
+    """Statements of a body from start up to stop, and the paths that they follow.
 
-    targets: None if they cannot move.
+    targets: of these paths, None if the statements cannot move to a unit. paths: their number.
     """
 
     start: int
@@ -61,8 +61,8 @@ class _Run:
 class _Packer:
     """Moves runs of statements to units, with the procedures that they alone call.
 
-    A run begins and ends where the arm stands, as loading a unit takes time. total: targets of the
-    main unit.
+    A run begins and ends where the arm stands still, because loading a unit takes time. total:
+    targets that remain in the main unit.
     """
 
     def __init__(self, job: Legalisation, units: Units, rule: Rule) -> None:
@@ -80,11 +80,12 @@ class _Packer:
         self.moved: dict[str, str] = {}
         """The unit of each procedure that moves, by its name in lower case."""
         self.new: dict[str, list[Procedure]] = {}
-        """By the name of a procedure, those that hold runs of it."""
+        """The rest of each divided procedure and those with its runs, by its name."""
 
     def packed(self) -> Program:
+        """Return the program with its runs in units."""
         entry = (self.program.entry or "").lower()
-        # The entry last: what a procedure calls keeps together.
+        # The entry comes last, so that what another procedure calls stays together.
         for procedure in sorted(self.program.procedures, key=lambda q: q.name.lower() == entry):
             if self.total > self.most and self._may_be_divided(procedure):
                 self._pack(procedure)
@@ -101,8 +102,8 @@ class _Packer:
         return replace(self.program, procedures=tuple(made))
 
     def _may_be_divided(self, procedure: Procedure) -> bool:
-        form = procedure.parameters or procedure.variables or procedure.result is not None
-        if form or procedure.unit is not None or procedure.name.lower() in self.moved:
+        signature = procedure.parameters or procedure.variables or procedure.result is not None
+        if signature or procedure.unit is not None or procedure.name.lower() in self.moved:
             return False
         return not any(isinstance(node, _JUMPING) for node in walk(procedure.body))
 
@@ -134,7 +135,7 @@ class _Packer:
             )
 
     def _runs(self, procedure: Procedure) -> Iterator[_Run]:
-        """Yield the body of a procedure in runs, each with as many targets as a unit has room."""
+        """Yield the body of a procedure in runs, each with as many targets as fit a unit."""
         run = _Run(0, 0)
         for piece in self._pieces(procedure.body):
             fits = (
@@ -165,7 +166,7 @@ class _Packer:
                 start = at
 
     def _is_cut(self, body: Body, at: int) -> bool:
-        """True if the arm stands before a statement, and something new begins there."""
+        """True if the arm stands still before a statement that begins something new."""
         before, here = body[at - 1], body[at]
         if isinstance(before, p.Comment):
             # The heading of a procedure stays in it.
@@ -175,10 +176,10 @@ class _Packer:
         # Without comments the next contour begins with its approach, after the last retract.
         moving = isinstance(before, _SINGLE_MOVES) and isinstance(here, _SINGLE_MOVES)
         commented = any(isinstance(one, p.Comment) for one in body)
-        return (begins or (moving and not commented)) and self._stands(body[:at])
+        return (begins or (moving and not commented)) and self._ends_at_stop(body[:at])
 
-    def _stands(self, body: Sequence[p.Statement]) -> bool:
-        """True if the last move of statements ends at a stop, or they have none."""
+    def _ends_at_stop(self, body: Sequence[p.Statement]) -> bool:
+        """True if the last move of statements ends at a stop point, or they have no move."""
         for node in reversed(body):
             match node:
                 case (
@@ -191,7 +192,7 @@ class _Packer:
                     return self._is_stop(path.blends[path.blend[-1]])
                 case p.Call(name):
                     callee = self.program.procedure(name)
-                    return callee is None or self._stands(callee.body)
+                    return callee is None or self._ends_at_stop(callee.body)
                 case p.Comment() | p.SetSignal() | p.Wait():
                     continue
                 case _:
@@ -206,7 +207,7 @@ class _Packer:
         return isinstance(blend, Blend) and blend.fine
 
     def _sizes(self, node: p.Statement) -> list[int] | None:
-        """Targets of each path that a statement follows; None if it cannot move to a unit."""
+        """Return the targets of each path that a statement follows; None if it cannot move."""
         match node:
             case p.Follow(path):
                 return [len(path)]
@@ -231,7 +232,7 @@ def _taken_names(program: Program) -> TakenNames:
 
 
 def split(job: Legalisation) -> Program:
-    """The program with calls of new procedures for the paths that fill a unit over its limit."""
+    """Return the program with the paths that exceed the limit of a unit in further units."""
     units = job.can.units
     if units is None:
         return job.program
@@ -244,7 +245,10 @@ def split(job: Legalisation) -> Program:
 
 
 class _Splitter:
-    """count: targets that each unit still has. new: procedures of pieces."""
+    """Splits paths and moves them to units.
+
+    count: targets that remain in each unit. new: procedures of the pieces.
+    """
 
     def __init__(self, job: Legalisation, units: Units) -> None:
         program = job.program
@@ -271,7 +275,7 @@ class _Splitter:
         return tuple(made)
 
     def follow(self, node: p.Follow, owner: Procedure) -> Iterator[p.Statement]:
-        """A path, or calls of a new procedure, in a new unit, for each piece of it."""
+        """Yield a path, or a call for each piece of it, which is in a new procedure and unit."""
         pieces = _unit_ranges(node.path, self.units, self.most)
         if len(pieces) < 2 and self.stays(len(node.path), owner):
             yield node
