@@ -379,9 +379,9 @@ def path_of(given: object) -> FilePath:
 
 
 def _cure_of_missing(name: str) -> str:
-    """Return what to do where there is no file of a name: the one meant, or what it looks like."""
+    """Return the cure for a missing file: the name that was meant, or how such a name is given."""
     if re.match(r"\w{2,}:/", name):
-        return "an address of a controller stands first: `robot-assistant put CONTROLLER FILES`"
+        return "an address of a controller comes first: `robot-assistant put CONTROLLER FILES`"
     if "\\" in name and os.sep == "/":
         return "check the name and folder; folders are separated by `/` here"
     path = FilePath(name)
@@ -395,7 +395,7 @@ def _cure_of_missing(name: str) -> str:
 
 
 _MOST_BESIDE: Final = 1000
-"""Files of a folder among which a name that is near is looked for."""
+"""Files of a folder among which a similar name is searched for."""
 
 
 def read_bytes(path: str | FilePath, *, allow_empty: bool = False, most: int = FILE) -> bytes:

@@ -67,7 +67,7 @@ def _adopt_format(words: Sequence[str]) -> None:
 
 _WRONG_USAGE: Final = error("CL902", "{fault}", "{cure}")
 _WORDS: Final = "assistant.words"
-"""Key of what was typed, in the context of a command."""
+"""Key of the arguments as they were typed, in the context of a command."""
 _MOST_NAMED: Final = 12
 """Commands of a group that a cure lists."""
 _NO_COMMAND: Final = re.compile(r"No such command '[^']*'")
@@ -157,33 +157,33 @@ class _Commands(Group):
 
 
 def _refused_usage(wrong: click.UsageError, everything: click.Context) -> Exception:
-    """Return wrong usage as a finding; what only shows the help stays as it is."""
+    """Return wrong usage as a refusal with a finding; a request for help stays as it is."""
     if isinstance(wrong, click.exceptions.NoArgsIsHelpError):
         return wrong
     context = wrong.ctx or everything
     path = context.command_path
     if wrong.ctx is None and everything.invoked_subcommand:
         path = f"{path} {everything.invoked_subcommand}"
-    said, names = wrong.format_message(), list[str]()
+    fault, names = wrong.format_message(), list[str]()
     if isinstance(wrong, click.NoSuchOption):
-        said = wrong.message
+        fault = wrong.message
         names = [name for one in context.command.params for name in one.opts]
-    elif isinstance(context.command, click.Group) and (found := _NO_COMMAND.search(said)):
-        said, names = found[0], context.command.list_commands(context)
-    typed = re.search(r"'([^']+)'", said)
+    elif isinstance(context.command, click.Group) and (found := _NO_COMMAND.search(fault)):
+        fault, names = found[0], context.command.list_commands(context)
+    typed = re.search(r"'([^']+)'", fault)
     near = spelled_like(typed[1], names, 2) if typed else []
-    said = re.sub(r"'([^']+)'", r"`\1`", " ".join(said.split()).rstrip("."))
+    fault = re.sub(r"'([^']+)'", r"`\1`", " ".join(fault.split()).rstrip("."))
     usage = " ".join(context.get_usage().split()[1:]) if wrong.ctx else f"{path} …"
-    cure = f"write `{usage}`; `{path} --help` tells what each is"
+    cure = f"write `{usage}`; `{path} --help` explains it"
     if names and isinstance(context.command, click.Group) and len(names) <= _MOST_NAMED:
-        cure = f"write one of {', '.join(names)}; `{path} --help` tells what each is"
+        cure = f"write one of {', '.join(names)}; `{path} --help` explains them"
     parameter = getattr(wrong, "param", None)
     if near:
         cure = f"did you mean {' or '.join(f'`{one}`' for one in near)}?"
     elif isinstance(wrong, click.MissingParameter) and isinstance(parameter, click.Option):
         cure = f"add `{parameter.opts[0]}` ({(parameter.help or '').rstrip('.')}); {cure}"
     _adopt_format(everything.meta[_WORDS])
-    fault = said[:1].lower() + said[1:]
+    fault = fault[:1].lower() + fault[1:]
     return Refused(_WRONG_USAGE(about=path, fault=fault, cure=cure), exit_status=2)
 
 
