@@ -108,9 +108,9 @@ def finite_row(values: ArrayLike, what: str) -> Floats:
 
 
 def finite_columns(values: ArrayLike, what: str, width: int | None = None) -> Floats:
-    """Rows (n, k) of finite numbers, a single column (n,) too; raises Refused for others.
+    """Return rows (n, k) of finite numbers, also for a column (n,); raise Refused for others.
 
-    width: that k has to be, None for any.
+    width: k that is required, None for any.
     """
     try:
         found = _reals(values)
@@ -131,7 +131,10 @@ def number_within(
     least: float = -np.inf,
     most: float = np.inf,
 ) -> float:
-    """Return a finite number above one, or from one, to another; raises Refused for others."""
+    """Return a finite number within bounds; raise Refused for another one.
+
+    above: bound that the number exceeds. least, most: bounds that it may reach.
+    """
     found = number_of(value, what)
     if not (found > above and least <= found <= most):
         bounds = f"above {above:g}" if above > -np.inf else f"from {least:g}"
@@ -156,13 +159,14 @@ _OTHER_KINDS: Final = {
     "M": "times",
     "m": "times",
 }
-"""What an array of a kind of numpy holds that is not real numbers, though numpy converts it."""
+"""Contents of arrays, by the kind of numpy, that are not real numbers although numpy converts them.
+"""
 _WHOLE: Final = 2.0**53
-"""Where whole numbers end that float64 tells from their neighbours."""
+"""From here on float64 does not hold every whole number."""
 
 
 def _reals(values: ArrayLike) -> Floats:
-    """The values as float64, not copied if need not be; raises ValueError unless all are real."""
+    """Return values as float64, not copied if possible; raise ValueError unless all are real."""
     try:
         if np.ma.is_masked(values):
             raise ValueError("it holds masked values")

@@ -179,7 +179,7 @@ def with_cell_values(
 
 
 def _with_uses(missing: Iterable[Wanted], program: Program) -> tuple[Wanted, ...]:
-    """Values that are missing, with where the program needs those that it does not name itself.
+    """Return missing values; those that no statement names get the statements that need them.
 
     program: lowered for a language of another family.
     """
@@ -203,7 +203,7 @@ def _with_uses(missing: Iterable[Wanted], program: Program) -> tuple[Wanted, ...
 
 
 def _needs(statement: p.Statement, program: Program) -> set[tuple[WantedKind, str]]:
-    """What of a cell a statement needs, by kind and lower-case name."""
+    """Return what a statement needs of the cell, by kind and name in lower case."""
     texts = texts_in(statement)
     kinds: tuple[WantedKind, ...] = ("signal", "data")
     found: set[tuple[WantedKind, str]] = {(kind, text) for kind in kinds for text in texts}
@@ -222,7 +222,7 @@ def _needs(statement: p.Statement, program: Program) -> set[tuple[WantedKind, st
 
 
 def _moves_joints(record: Any) -> bool:
-    """True if a record moves each axis on its own way."""
+    """True if a record is a joint move, or a path with one."""
     match record:
         case p.Move(kind="joint") | p.MoveJoints():
             return True
@@ -276,7 +276,7 @@ def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
 def with_values_beside(
     language: Language[Any], trees: Sequence[Tree], file: str, path: FilePath
 ) -> list[Tree]:
-    """Trees with what the files of their controller, and a cell file, state of undeclared names.
+    """Return trees with the values that a cell file and files of their controller state.
 
     file: of one of the trees. path: of the cell file. Raises Unreadable or Refused for a cell file
     that cannot be used.
@@ -288,7 +288,10 @@ def with_values_beside(
 def with_tree_values(
     language: Language[Any], trees: Sequence[Tree], given: ControllerConfiguration, cell: Cell
 ) -> list[Tree]:
-    """The same for files that were read. given: what the files of the controller state."""
+    """Return trees with the values that a cell and the files of a controller state.
+
+    given: contents of the files of the controller.
+    """
     signals = {**given.signals, **cell.process.signals}
     values = values_stated(language.wanted(trees), given.values, cell, signals)
     return list(language.with_supplied(trees, values, STATED_TEXT_NAME)) if values else list(trees)

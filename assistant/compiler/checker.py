@@ -61,7 +61,7 @@ _LEFT_OUT: Final = info(
 )
 _PSEUDO_MARK: Final = "#"
 CellFinder = Callable[[str], FilePath | None]
-"""Returns the file that states what a program uses and does not declare, by the program's path."""
+"""Returns the cell file with the values of undeclared names, by the path of a program."""
 _FOLDER_SUFFIXES: Final = (pseudo.SUFFIX, ".dxf")
 """Files searched for in a folder beside programs; any folder may hold tables of other things."""
 
@@ -132,7 +132,7 @@ def check_files(
     language: of robot programs, if neither suffix nor text identifies it. unit: length unit of
     drawings. placement: of the drawings. cell: file of the cell that they run in, so that contacts
     with its bodies are checked; or the cell read from it, whose findings the caller reports.
-    values: returns the file that states what a program uses and does not declare, None for none.
+    values: returns the cell file of a program with values of undeclared names, None for none.
     keep: store the programs in `looked`. Raises Refused for an unknown robot or language, or for
     an invalid cell file.
     """
@@ -350,7 +350,7 @@ def _check_texts(
 ) -> list[Diagnostic]:
     """Findings of a program; of a broken one those of its text, as it is not known what it does.
 
-    stated: the file of what it uses and does not declare.
+    stated: cell file with values of undeclared names.
     """
     trees = read_trees(language, texts, beside=beside)
     found = [finding for tree in trees for finding in tree.findings]

@@ -126,7 +126,7 @@ def load(
 
 
 def _facts(program: Program, source: FilePath) -> Iterator[str]:
-    """Lines above the program of a table: what it was made from, with what tools and frames."""
+    """Yield comments for the program of a table: its file, tools and frames."""
     yield f"table {source.name}"
     tools: dict[str, None] = {}
     frames: dict[str, None] = {}

@@ -34,15 +34,15 @@ class Pose:
     """Position in mm and orientation as a unit quaternion (w, x, y, z).
 
     `first @ second` composes two poses: `second`, given in the frame of `first`, in the frame
-    that `first` is given in. A pose holds what was read, and what moves or writes it refuses what
-    is not finite. Raises Refused for another number of numbers.
+    that `first` is given in. Numbers that are not finite are kept as they were read; what moves or
+    writes a pose refuses them. Raises Refused for another number of numbers.
     """
 
     position: Vector = (0.0, 0.0, 0.0)
     quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        # Programs that run make millions: those that are tuples of the right length are taken so.
+        # Running programs make millions of poses: tuples of the right lengths are not converted.
         position, quaternion = self.position, self.quaternion
         if type(position) is tuple is type(quaternion) and len(position) + len(quaternion) == 7:
             if len(position) == 3 and type(position[0]) is float is type(quaternion[0]):
@@ -178,11 +178,11 @@ def _vector_of(values: ArrayLike, what: str) -> Vector:
 
 
 def _tuple_of(values: ArrayLike, width: int, what: str) -> tuple[float, ...]:
-    """The numbers of a position or quaternion; raises Refused for another shape."""
+    """Return the numbers of a position or quaternion; raise Refused for another shape."""
     try:
         given = reals(values)
     except ValueError as reason:
-        raise Refused(_NO_POSE(reason=f"has a {what} that is none: {reason}")) from None
+        raise Refused(_NO_POSE(reason=f"has a {what} that is not numbers: {reason}")) from None
     if given.shape != (width,):
         shape = f"shape {given.shape}, not ({width},)"
         raise Refused(_NO_POSE(reason=f"has a {what} of {shape}"))

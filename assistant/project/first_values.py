@@ -50,7 +50,7 @@ _GRID: Final = 5
 _ROOMY_WRIST: Final = 20.0
 """Degrees of axis 5 from the singularity of the wrist that are enough."""
 _LEAST_WRIST: Final = (10.0, 0.0)
-"""Degrees that are wanted, with whatever robot; then any."""
+"""Least degrees of axis 5 from the singularity: of a first search with all robots, of a second."""
 _WRIST_AXIS: Final = 4
 _AXES_WITH_WRIST: Final = 6
 
@@ -78,7 +78,7 @@ class FirstValues:
 
     @property
     def place_text(self) -> str:
-        """The place as the option has it."""
+        """Return the pose of the work as `--place` takes it."""
         stated = self.keys("position")
         turn = stated["euler_zyx"] if any(stated["euler_zyx"]) else []
         return ",".join(f"{part:g}" for part in (*stated["position"], *turn))
@@ -165,8 +165,9 @@ def _roomier(
     tip: Vector,
     millimetres: float,
 ) -> str:
-    """How work is had that one of the robots reaches. Many programs write a unit that they do not
-    draw in: inches above numbers that are millimetres.
+    """Return how to bring the work within reach of one of the robots.
+
+    Many programs name a unit that they do not draw in: inches above numbers that are millimetres.
     """
     usual = "name a robot with more reach by --robot, or make the work smaller"
     if extents is None or millimetres <= 1.0:
@@ -213,9 +214,10 @@ def _reach(one: tuple[str, Robot]) -> float:
 def work_place(
     robot: Robot, extents: Extents | None, tip: Vector, turn: float = 0.0, least: float = 0.0
 ) -> Pose | None:
-    """Where the origin of work of that size stands so that the tool, pointing down, comes to all of
-    it; None if no place that is tried does. turn: degrees of the work about z. least: of
-    the wrist from its singularity.
+    """Return a pose of the work's origin at which the tool, pointing down, reaches all of the work.
+
+    None if no pose that is tried is one. turn: of the work about z, degrees. least: distance of the
+    wrist from its singularity, degrees.
     """
     best: tuple[float, Pose] | None = None
     for distance, height in itertools.product(_DISTANCES, _HEIGHTS):
@@ -231,7 +233,7 @@ def work_place(
 def _in_front(
     robot: Robot, extents: Extents | None, distance: float, height: float, turn: float
 ) -> Pose:
-    """The origin of work whose middle is that far in front of the robot, in whole cm."""
+    """Return the origin of work whose middle is that far in front of the robot, in whole cm."""
     box = extents or Extents((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     middle = [(a + b) / 2.0 for a, b in zip(box.low, box.high, strict=True)]
     turned = rotations.from_euler(np.array([turn, 0.0, 0.0]), "ZYX")

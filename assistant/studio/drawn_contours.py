@@ -1,7 +1,7 @@
-"""Contours of a drawing on the page: what a click leaves out of the work, or takes back.
+"""Contours of a drawing for the page, on which a click leaves one out or takes it back.
 
-Contours go by a point on their line, as `leave_out` of the process file names them, so that a page
-that is older than the file changes nothing else.
+A point on its line identifies a contour, as `leave_out` of the process file names it, so that a
+page that is older than the file changes no other one.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _MOST_DRAWN_POINTS: Final = 20_000
 _MOST_ORDERED: Final = 3_000
 """Curves over which contours are listed without their numbers in the order."""
 _CHORD_SHARE: Final = 0.0002
-"""Parts of a drawing's size that chords of a curve are off in its picture, less than is seen."""
+"""Deviation of chords in the picture by the size of the drawing; nobody sees it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class DrawnContours:
 
     @staticmethod
     def of(drawing: FilePath, process: Process) -> DrawnContours:
-        """No contours if the program along them cannot be worked out."""
+        """Return the contours of a drawing; none if no program can be made of them."""
         contents = read_contents(drawing, process)
         contours: tuple[ListedContour, ...] = ()
         views: tuple[dict[str, Any], ...] = ()
@@ -64,7 +64,7 @@ class DrawnContours:
         return DrawnContours(contours, (*curves, *contents.aside), process, views)
 
     def records(self, *, numbered: bool) -> dict[str, Any]:
-        """Contours and lines for the page; a line of a contour has its place in the list."""
+        """Return contours and lines for the page; a line of a contour has its index in the list."""
         return {
             "contours": [
                 {
@@ -81,7 +81,7 @@ class DrawnContours:
         }
 
     def _lines(self) -> Iterator[dict[str, Any]]:
-        """Curves from above, in mm of the drawing, as far as there is room."""
+        """Yield curves from above, in mm of the drawing, up to a number of points."""
         rows = [*(one.contour.curves for one in self.contours), *((one,) for one in self.others)]
         if not rows:
             return
@@ -105,7 +105,7 @@ class DrawnContours:
 def _choice_and_order(
     contents: Contents, process: Process
 ) -> tuple[ContourChoice, tuple[Row, ...]]:
-    """The order is empty for a drawing of which the program takes long."""
+    """Return the choice of contours and their order, which is empty for a large drawing."""
     curves, marks, texts = contents.curves, contents.marks, contents.texts
     if len(curves) > _MOST_ORDERED:
         return contour_choice(curves, process, marks, texts), ()
@@ -121,10 +121,11 @@ def _view_records(choice: ContourChoice) -> Iterator[dict[str, Any]]:
 
 
 def with_choices(entries: Sequence[Any], drawn: DrawnContours, choices: Any) -> list[Any]:
-    """Entries of `leave_out` in which single contours are left out or taken back.
+    """Return the entries of `leave_out` after contours were left out or taken back.
 
-    choices: of the page, `{"layer": …, "at": [x, y], "used": …}`. Of a group that holds one that is
-    taken back, the others are named instead. Raises Refused for what is no contour of the drawing.
+    choices: of the page, `{"layer": …, "at": [x, y], "used": …}`. If a contour of a group is taken
+    back, entries for the other ones replace that of the group. Raises Refused for a choice that is
+    not a contour of the drawing.
     """
     entries = list(entries)
     known = {(one.contour.layer.casefold(), one.at): one for one in drawn.contours if one.at}
@@ -167,7 +168,7 @@ def _is_entry(value: Any, entry: LeftOut) -> bool:
 
 
 def left_out_entries(values: Sequence[Any]) -> tuple[LeftOut, ...]:
-    """The entries of `leave_out` that are tables, without those that are wrong."""
+    """Return the entries of `leave_out` that are valid tables."""
     found: list[LeftOut] = []
     for value in values:
         try:

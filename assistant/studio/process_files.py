@@ -150,7 +150,7 @@ def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 def _with_proposal(
     fields: list[dict[str, Any]], studio: Studio, seen: Survey
 ) -> list[dict[str, Any]]:
-    """Fields of a form, the place of the work with one in reach of the robot while it is blank."""
+    """Return the fields of a form; a blank position of the work has a proposal within reach."""
     from assistant.project.first_values import ASSUMED_TIP, USUAL_ROBOT, known_robot, work_place
 
     known = {one["field"]: one for one in fields}
@@ -167,7 +167,7 @@ def _with_proposal(
 
 
 def common_robot(studio: Studio) -> str | None:
-    """The robot of a project whose controllers all have the same."""
+    """Return the robot that all controllers of a project have, None if they differ."""
     from assistant.controllers import controllers_of
 
     try:

@@ -26,7 +26,10 @@ POSE_SIZE: Final = 7
 
 
 def joints_port(robot: Robot, name: str = "joints") -> Port:
-    """The a joints of an arm, degrees, of an axis that slides mm; raises Refused for no Robot."""
+    """Return a port for joints (a,) of an arm: degrees, and mm of an axis that slides.
+
+    Raises Refused for anything but a Robot.
+    """
     require_robot(robot)
     return Port(name, len(robot.axes), "deg" if not robot.sliding.any() else "")
 

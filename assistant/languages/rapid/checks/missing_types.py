@@ -326,7 +326,7 @@ class NameUses:
 
 
 def agree_on_types(alike: Sequence[tuple[str, str]], met: Mapping[str, NameUses]) -> None:
-    """Give names without a use that tells their type that of the names they are compared with.
+    """Give names whose uses show no type that of names they are assigned to or compared with.
 
     alike: pairs of names in lower case that have one type. A signal that is read is a number.
     """
@@ -344,7 +344,7 @@ def agree_on_types(alike: Sequence[tuple[str, str]], met: Mapping[str, NameUses]
 _ROWS: Final[Mapping[tuple[int, ...], str]] = {
     (3, 4, 4, 6): "robtarget", (6, 6): "jointtarget", (3, 4): "pose",
 }  # fmt: skip
-"""Numbers in the brackets of a value that one type alone has → that type."""
+"""Lengths of the brackets in a value that only one type has → that type."""
 
 
 def type_of_row(value: s.Expression) -> str:
