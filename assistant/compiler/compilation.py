@@ -538,11 +538,11 @@ def compile_program(
         formed = with_form(program, form, target)
         findings += formed.findings
         if formed.program is not program:
-            unformed = adapted
-            adapted = target.adapt(formed.program, arm, most_targets=most_targets)
-            if has_errors(adapted.findings):
-                findings.append(form_refused(adapted.findings, target))
-                adapted, unformed = unformed, None
+            shaped = target.adapt(formed.program, arm, most_targets=most_targets)
+            if has_errors(shaped.findings):
+                findings.append(form_refused(shaped.findings, target))
+            else:
+                adapted, unformed = shaped, adapted
     # A routine that is left out may have been the only caller of others: repeat until none is left.
     while source.origin is not None:
         rest = without_uncalled(program, (*unlike, *adapted.findings), target.name)
@@ -586,7 +586,7 @@ def compile_program(
             return replace(compiled, found=tuple(findings))
         proof = unframed
     if unformed is not None and proof.holds and proof.lifted is not None:
-        # The form is proven as well: what it does is what the plain program does.
+        # The read-back text does what the plain program does.
         unlike = tuple(form_differences(unformed.program, proof.lifted, target))
         proof = replace(proof, findings=(*proof.findings, *unlike))
     own = () if proof.holds else _own_faults(program.origin)

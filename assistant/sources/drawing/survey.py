@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, cast
@@ -202,21 +202,7 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
             elif reason is None and (location := reader.read(placed)) is not None:
                 here.places.append(location.pose.position)
                 found.append(_located(location, placed.layer))
-    drawn = [(each, curve) for each in layers.values() for curve in each.curves]
-    borders = drafting.borders(
-        [curve for _, curve in drawn],
-        [curve for each in layers.values() for curve in each.aside],
-        traversal.annotations,
-    )
-    for each in layers.values() if borders else ():
-        each.curves = []
-    for row, (each, curve) in enumerate(drawn if borders else ()):
-        if row in borders:
-            each.aside.append(curve)
-            reason = borders[row]
-            each.reasons[reason.what, reason.name, reason.kind] += 1
-        else:
-            each.curves.append(curve)
+    _put_borders_aside(layers.values(), drafting, traversal.annotations)
     for (_, kind, layer, _), count in tally.counts.items():
         at(layer).kinds[kind] += count
         at(layer).unused[kind] += count
@@ -242,6 +228,26 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
         tuple(found),
         findings,
     )
+
+
+def _put_borders_aside(
+    layers: Collection[_Layer], drafting: Drafting, annotations: Sequence[Floats]
+) -> None:
+    """Move curves of borders, which are known by their shape, from the work to the drafting."""
+    drawn = [(layer, curve) for layer in layers for curve in layer.curves]
+    aside = [curve for layer in layers for curve in layer.aside]
+    borders = drafting.borders([curve for _, curve in drawn], aside, annotations)
+    if not borders:
+        return
+    for layer in layers:
+        layer.curves = []
+    for row, (layer, curve) in enumerate(drawn):
+        if row in borders:
+            reason = borders[row]
+            layer.aside.append(curve)
+            layer.reasons[reason.what, reason.name, reason.kind] += 1
+        else:
+            layer.curves.append(curve)
 
 
 def _located(location: Location, layer: str) -> SurveyedLocation:
