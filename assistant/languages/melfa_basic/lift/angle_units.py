@@ -3,9 +3,9 @@
 Expressions of MELFA-BASIC hold angles in radian: `M1=Rad(300)`, `M2=Cos(M1)`. Lifted as they are,
 they would be multiplied where they are stored and divided where they are read. A number variable
 that holds nothing but angles, and is read as nothing else, is held in degrees instead: `M1:=300`,
-`M2:=Cos(M1)`. One that a `Print` shows, a call is given, or a sum with plain numbers reads stays in
-radian. So does one that is counted on and compared: in another unit, the last turn of its loop
-could come earlier or later.
+`M2:=Cos(M1)`. A variable stays in radian if a `Print` shows it, a call is given it, a sum with
+plain numbers reads it, or other programs share it, as they do `M_01`. So does one that is counted
+on and compared: in another unit, its loop could end a turn earlier or later.
 """
 
 from __future__ import annotations
@@ -27,25 +27,24 @@ from assistant.program.statement_index import records_in_procedures
 from assistant.program.vendor_statements import effect_of
 
 _Key = tuple[str, str]
-"""A variable: the procedure whose own it is, empty for the program's, and its name, both in lower
-case."""
+"""A variable: its procedure, empty for one of the program, and its name, both in lower case."""
 _UNIT: Final = e.Number(e.DEGREE)
 _NOTHING: Final = e.Number(0)
 _QUOTED: Final = "| "
-"""Begins a comment with a statement that was not translated, which people write anew by hand."""
+"""Begins a comment that quotes a statement which was not translated, for people to rewrite."""
 _WORD: Final = re.compile(r"[^\W\d]\w*")
 
 
 def with_degrees(program: Program, findings: Findings) -> Program:
-    """The program whose angles are in degrees wherever nothing but angles are meant."""
+    """Return the program with variables in degrees that hold angles alone; findings name them."""
     if not any(one == _UNIT for one in records_in_procedures(program, e.Number)):
         return program
     held = _numbers(program)
     while True:
-        work = _Conversion(program, held)
-        made = work.done()
-        # A variable counts on only what is still one of them.
-        wrong = held & work.plainly or held & work.counted & work.compared
+        conversion = _Conversion(program, held)
+        made = conversion.converted()
+        # Whether a variable is counted on depends on which others are still in degrees.
+        wrong = held & conversion.plainly or held & conversion.counted & conversion.compared
         if not wrong:
             break
         held -= wrong
@@ -60,9 +59,8 @@ def with_degrees(program: Program, findings: Findings) -> Program:
 
 
 def _numbers(program: Program) -> frozenset[_Key]:
-    """The variables that hold one number each, which is assigned, and that no text names.
-
-    External variables are none of them: other programs read and set these too.
+    """Return the variables of the program alone that hold one assigned number, and that no text
+    names.
     """
     named: set[str] = set()
     assigned: set[str] = set()
@@ -89,16 +87,17 @@ def _numbers(program: Program) -> frozenset[_Key]:
         and low not in named
         and one.type == "number"
         and not one.size
-        and one.storage != "persistent"
+        # Other programs read external variables, such as `M_01`, in radian.
+        and one.storage == "variable"
     )
 
 
 @dataclass
 class _Conversion:
-    """One try with some variables in degrees.
+    """A conversion of a program with some variables in degrees.
 
-    plainly: those that are read or set as plain numbers too. counted: those set by what they, or
-    others of them, were. compared: those in comparisons.
+    held: these variables. plainly: those of them that are read or set as plain numbers too.
+    counted: those that are set from values of these variables. compared: those in comparisons.
     """
 
     program: Program
@@ -108,7 +107,7 @@ class _Conversion:
     counted: set[_Key] = field(default_factory=set)
     compared: set[_Key] = field(default_factory=set)
 
-    def done(self) -> Program:
+    def converted(self) -> Program:
         variables = self._variables(self.program.variables)
         procedures = []
         for procedure in self.program.procedures:
@@ -138,7 +137,7 @@ class _Conversion:
         return map_bodies(made, lambda _: next(inner))  # type: ignore[no-any-return]
 
     def _value(self, name: str, value: e.Expression) -> e.Expression:
-        """What a variable is set to."""
+        """Return the value that a variable is set to, in the unit of the variable."""
         key = self._key(e.Name(name))
         if key not in self.held:
             return self._plain(value)
@@ -160,11 +159,11 @@ class _Conversion:
         return "", low
 
     def _names(self, x: e.Expression) -> set[_Key]:
-        """The variables in degrees that an expression names."""
+        """Return the variables in degrees that an expression names."""
         return {self._key(one) for one in records(x) if isinstance(one, e.Name)} & self.held
 
     def _degrees(self, x: e.Expression) -> e.Expression | None:
-        """The degrees of an angle in radian, None for any other number."""
+        """Return an angle in radian as one in degrees, None for any other number."""
         match x:
             case e.Binary("*", inner, unit) if unit == _UNIT:
                 return self._plain(inner)
@@ -187,7 +186,7 @@ class _Conversion:
         return None
 
     def _plain(self, x: e.Expression) -> e.Expression:
-        """An expression that is no angle as a whole."""
+        """Return an expression that is not an angle, with the angles inside it converted."""
         match x:
             case e.Name() if (key := self._key(x)) in self.held:
                 self.plainly.add(key)
@@ -209,7 +208,7 @@ class _Conversion:
 
 
 def _with_expressions(record: Any, change: Callable[[e.Expression], e.Expression]) -> Any:
-    """A record with the outermost expressions in it changed."""
+    """Return a record with its outermost expressions changed."""
     known = record_fields(type(record))
     if known is None or isinstance(record, Path):
         return record
