@@ -29,7 +29,7 @@ that no program declares has a table:
     address = "192.168.0.5"       # of the other computer; of a server its own
 
     [arms.taught_on]
-    arm = "same"                  # joint angles are of the arm that runs the program; or its name
+    arm = "irb1200-7-0.7"         # that joint angles were taught on; "same": it runs the program
 
 A value that is still to be filled in is `"?"`, and its whole entry is ignored.
 """
@@ -419,7 +419,11 @@ def _keys(wanted: Wanted, value: SuppliedValue | None) -> Iterator[tuple[str, An
             yield "port", line and line.port, "of TCP, or the number of the serial port"
             yield "address", line and line.address, 'of a client the other computer; or ""'
         case "arm":
-            yield "arm", value, '"same" as the one that runs the program, or a robot by its name'
+            yield (
+                "arm",
+                value,
+                'the robot, by its name; "same" if it runs the program',
+            )
 
 
 def data_text(value: Plain | None) -> str:

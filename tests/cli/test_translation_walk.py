@@ -250,3 +250,16 @@ def test_a_copy_of_a_file_that_a_task_loads_is_no_program_of_its_own(
     _, said, _ = run(capsys, "translate", "backup", "--to", "melfa-basic-6", "-o", "out")
     assert "backup/HOME/other.sys: " in said and "backup/RAPID/TASK1: " in said
     assert "HOME/user.sys" not in said
+
+
+def test_no_arm_of_one_maker_is_the_same_as_one_of_another(capsys):
+    Path("home.mod").write_text(
+        "MODULE home\n"
+        "  CONST jointtarget home:=[[0,-10,20,0,80,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+        "  PROC main()\n    MoveAbsJ home,v100,fine,tool0;\n  ENDPROC\nENDMODULE\n"
+    )
+    Path("cell.toml").write_text('[arms.taught_on]\narm = "same"\n')
+    given = ("translate", "home.mod", "--to", "melfa-basic-6", "--robot", "rv-7frl")
+    status, _, err = run(capsys, *given, "--cell", "cell.toml")
+    assert status == 1 and "CO079" in err
+    assert not Path("HOME.prg").exists()
