@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from assistant import languages
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors
 from assistant.cli.command import command, option
 from assistant.cli.options import (
@@ -180,9 +179,9 @@ class Compile:
         """
         one = with_project_defaults(source, self)
         if one.language is None:
-            raise Refused(
-                _NO_LANGUAGE(path=source, known=", ".join(languages.names())), exit_status=2
-            )
+            from assistant.languages import names
+
+            raise Refused(_NO_LANGUAGE(path=source, known=", ".join(names())), exit_status=2)
         return one
 
     def _compiled(self, source: str, stands: InCell) -> Compiled:

@@ -114,7 +114,7 @@ def cell_of(source: str) -> Path | None:
     """
     from assistant import languages
     from assistant.base.source_text import is_folder
-    from assistant.project.source_options import SourceOptions, completed_options
+    from assistant.program.project_file import project_of
     from assistant.sources.cell_values import cell_file_beside
 
     path = Path(source)
@@ -124,8 +124,11 @@ def cell_of(source: str) -> Path | None:
         suffixes = {suffix for name in languages.names() for suffix in languages.get(name).suffixes}
         if path.suffix.lower() not in suffixes:
             return None
-        if (stated := completed_options(source, SourceOptions(), ("cell",)).cell) is not None:
-            return stated
+        if project_of(path.absolute().parent) is not None:  # few files need to load all of projects
+            from assistant.project.source_options import SourceOptions, completed_options
+
+            if (stated := completed_options(source, SourceOptions(), ("cell",)).cell) is not None:
+                return stated
     return cell_file_beside(source)
 
 

@@ -593,7 +593,10 @@ class _Constants:
         return {value: name}
 
     def new(self, subject: str, word: str) -> str:
-        stem = subject.lower().removeprefix(_FOLLOWING).removesuffix(CONTOURS_SUFFIX) or "work"
+        stem = subject.lower().removeprefix(_FOLLOWING).removesuffix(CONTOURS_SUFFIX)
+        if not stem:
+            interface = self.given.interface
+            stem = f"{interface.prefix if interface else ''}work"
         name = identifier(f"{stem[:_LONGEST_STEM].rstrip('_')}_{word}", self.taken)
         self.taken.add(name)
         return name
@@ -625,7 +628,8 @@ def _height(node: p.Statement | None) -> float | None:
 def _subjects(program: Program) -> dict[str, str]:
     """Return the subject of each procedure by its name in lower case, see `_Constants`.
 
-    Empty for the entry.
+    A subject is a procedure that the entry calls; without an entry, one that none calls. Empty for
+    the entry.
     """
     calls = {
         one.name.lower(): {x.procedure.lower() for x in walk(one.body) if isinstance(x, p.Call)}
@@ -633,8 +637,9 @@ def _subjects(program: Program) -> dict[str, str]:
     }
     entry = (program.entry or "").lower()
     found = dict.fromkeys(calls, "")
+    called = calls[entry] if entry in calls else calls.keys() - set().union(*calls.values())
     for one in program.procedures:
-        if one.name.lower() not in calls.get(entry, set()):
+        if one.name.lower() not in called:
             continue
         reached, left = set[str](), [one.name.lower()]
         while left:
@@ -666,15 +671,15 @@ class NotUnfolded(ValueError):
 def unfolded(program: Program) -> Program:
     """Return the moves and other statements of a program in the order in which they are run.
 
-    Calls and loops are followed; constants, offsets and arrays have their values. Raises
-    NotUnfolded for a program with branches or with values that change.
+    Calls and loops are followed; constants, offsets and arrays have their values. Without an entry,
+    the procedures are run one after the other. Raises NotUnfolded for a program with branches or
+    with values that change.
     """
     entry = program.procedure(program.entry or "")
-    if entry is None:
-        raise NotUnfolded("the program has no entry")
     following = _Following(program)
-    following.body(entry.body, _DEEPEST)
-    following.end_path()
+    for procedure in program.procedures if entry is None else (entry,):
+        following.body(procedure.body, _DEEPEST)
+        following.end_path()
     return Program(
         program.name,
         (Procedure("main", tuple(following.made)),),

@@ -90,7 +90,7 @@ OTHER_CYCLE = error(
     "the controller takes a point every {found:.3g} ms, and the motion has one for every "
     "{stated:.3g} ms: the arm would move {times:.1f} times as fast; it was brought to rest, "
     "{done} of {rows} points in",
-    "state the cycle of the controller: `--cycle 0.0035` for a CR800, `cycle=` from Python",
+    "state the cycle of the controller with `--cycle`, such as 0.0035 s for a CR800",
 )
 PRIORITY = warning(
     "CN721",

@@ -298,9 +298,9 @@ CASES: Final = (
     ),
     Case(
         "MB201",
-        "translate a.mod --to melfa-basic-5 -o out",
-        {"a.mod": rapid("SetDO glue,1;")},
-        ("translate a.mod --to melfa-basic-5 --cell c.toml -o out",),
+        "compile a.dxf --language melfa-basic-6 --robot rv-4frl -o out",
+        {"a.dxf": sample("plate.dxf"), "a.process.toml": UNNUMBERED},
+        change={"a.process.toml": sample("plate.process.toml").decode()},
     ),
     Case(
         "MB204",

@@ -42,4 +42,5 @@ VISITS = {"there and back": 2, "with a tool and a displacement that change": 6} 
 def test_they_give_the_same_places(tmp_path: Path, name: str) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text('[arms.taught_on]\narm = "irb1200-7-0.7"\n', encoding="utf-8")
-    assert moves_the_same(crossed_module(HEAD, CASES[name], cell=cell, robot="irb1200-7-0.7")) == VISITS[name]
+    done = crossed_module(HEAD, CASES[name], cell=cell, robot="irb1200-7-0.7")
+    assert moves_the_same(done) == VISITS[name]
