@@ -17,8 +17,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter, defaultdict, deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field
 from itertools import groupby, pairwise
 from typing import Final, Literal
@@ -545,12 +545,14 @@ class GroupNesting:
     """Nesting of the contours of one group.
 
     holders: see `holders`, among the contours of the group. depths: how many contours of all groups
-    are around each. holds: True for those that others of any group lie inside.
+    are around each. holds: True for those that others of any group lie inside. around: for each
+    other group whose contours lie inside contours of this one, how many of them do.
     """
 
     holders: list[int]
     depths: list[int]
     holds: list[bool]
+    around: Mapping[int, int]
 
 
 def group_nestings(
@@ -566,13 +568,44 @@ def group_nestings(
         members = [groups[row][1] for row in rows]
         around, in_group = _holders_in_groups(members, direction, tolerance)
         depths, held = nesting_depths(around), set(around)
+        inner = _inner_groups(around, [k for k, some in enumerate(members) for _ in some])
         first = 0
-        for row, contours in zip(rows, members, strict=True):
+        for at, (row, contours) in enumerate(zip(rows, members, strict=True)):
             part = range(first, first + len(contours))
-            own = [NO_HOLDER if (at := in_group[k]) == NO_HOLDER else at - first for k in part]
-            found[row] = GroupNesting(own, [depths[k] for k in part], [k in held for k in part])
+            own = [NO_HOLDER if (to := in_group[k]) == NO_HOLDER else to - first for k in part]
+            found[row] = GroupNesting(
+                own,
+                [depths[k] for k in part],
+                [k in held for k in part],
+                {rows[other]: count for other, count in inner[at].items()},
+            )
             first += len(contours)
     return [found[row] for row in range(len(groups))]
+
+
+def _inner_groups(around: Sequence[int], group_of: Sequence[int]) -> defaultdict[int, Counter[int]]:
+    """For each group how many contours of each other group lie inside contours of it.
+
+    around: `holders` of the contours. group_of: the group of each.
+    """
+    outer: list[frozenset[int] | None] = [None] * len(around)
+    inner = defaultdict[int, Counter[int]](Counter)
+    for row in range(len(around)):
+        chain, at = list[int](), row
+        while at != NO_HOLDER and outer[at] is None:
+            chain.append(at)
+            at = around[at]
+        for one in reversed(chain):
+            holder = around[one]
+            known = frozenset[int]() if holder == NO_HOLDER else outer[holder] or frozenset()
+            more = frozenset() if holder == NO_HOLDER else frozenset({group_of[holder]})
+            # Most contours share the set of the one around them.
+            outer[one] = known if more <= known else known | more
+    for row, groups in enumerate(outer):
+        for group in groups or ():
+            if group != group_of[row]:
+                inner[group][group_of[row]] += 1
+    return inner
 
 
 def nesting_depths(around: Sequence[int]) -> list[int]:

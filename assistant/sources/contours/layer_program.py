@@ -171,10 +171,10 @@ def contour_program(
     """Procedures of each layer that has a process, in the style of the process.
 
     curves: where the process places them in its default frame; the layers come in order of
-    first appearance. A layer whose motion names another frame is followed at the same
-    place, its targets and its tool direction given in that frame. Without any layer in the
-    process, every layer moves as the defaults say. Curves of other layers are counted in a
-    finding. taken: names that must not be used; those that the program got are added.
+    first appearance, those inside others first. A layer whose motion names another frame is
+    followed at the same place, its targets and its tool direction given in that frame. Without any
+    layer in the process, every layer moves as the defaults say. Curves of other layers are counted
+    in a finding. taken: names that must not be used; those that the program got are added.
     path: the drawing, for findings. marks: points on layers, where contours start. texts: of the
     drawing, where they number contours.
     """
@@ -195,7 +195,9 @@ def contour_program(
         [(layer.direction, contours) for _, layer, contours in followed], process.tolerance
     )
     contour_names = _ContourNames(len(followed) > 1, names)
-    shaper = PathShaper([(layer, contours) for _, layer, contours in followed], process.tolerance)
+    shaper = PathShaper(
+        [(layer, contours) for _, layer, contours in followed], nestings, process.tolerance
+    )
     # All procedures have their names before any path gets one.
     before: Layer | None = None
     order: list[Row] = []

@@ -7,7 +7,7 @@ start where both have room.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,7 +18,7 @@ from assistant.base.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
 from assistant.program.settings_tables import shown
 from assistant.sources.contours.chains import Contour
-from assistant.sources.contours.contour_order import NO_HOLDER, holders, nesting_depths
+from assistant.sources.contours.contour_order import GroupNesting, holders, nesting_depths
 from assistant.sources.contours.curves import (
     CHORD_TOLERANCE,
     Arc,
@@ -249,9 +249,10 @@ _OVERLAP_TOO_LONG: Final = error(
 )
 _LAYERS_MINGLED: Final = warning(
     "CT334",
-    "contours of layer {layer!r} lie inside of contours of layers that lie inside of its own: "
-    "not every one comes before what is around it",
-    "draw them on one layer",
+    "layer {layer!r} is worked before {count} contours of layer {inner!r} that lie inside its own,"
+    " as some of its own lie inside those of other layers; what is cut out falls before its holes"
+    " are done",
+    "draw them on one layer, or say inside_first = false for {layer!r}",
 )
 
 
@@ -584,16 +585,16 @@ class PathShaper:
     """layers: those that are followed, each with its contours. Of these it knows which lie inside
     which, over all layers on which sides matter, and how near they are to each other.
 
-    rooms: by the direction of the tool. depths: how many contours are around one. held: rows of
-    the layers whose contours lie inside those of a layer. known: contours as lines and arcs.
+    nestings: of the layers. rooms: by the direction of the tool. depths: how many contours are
+    around one. known: contours as lines and arcs.
     """
 
     layers: Sequence[tuple[Layer, Sequence[Contour]]]
+    nestings: Sequence[GroupNesting]
     tolerance: float
     findings: list[Diagnostic] = field(default_factory=list)
     rooms: dict[tuple[float, ...], ClearRoom] = field(default_factory=dict)
     depths: dict[ContourKey, int] = field(default_factory=dict)
-    held: dict[int, set[int]] = field(default_factory=dict)
     known: dict[ContourKey, ContourPieces] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -611,9 +612,6 @@ class PathShaper:
             lines = []
             for row, (key, contour) in enumerate(members):
                 self.depths[key] = depths[row]
-                if around[row] != NO_HOLDER:
-                    (outer, _), _ = members[around[row]]
-                    self.held.setdefault(outer, set()).add(key[0])
                 pieces = self._pieces(key, contour).pieces
                 if pieces:
                     lines.append((key, view.of(pieces), contour.closed))
@@ -627,21 +625,21 @@ class PathShaper:
 
     def order(self) -> list[int]:
         """The rows of the layers: those whose contours lie inside others' come before them."""
-        left, order = list(range(len(self.layers))), list[int]()
+        left, order = dict.fromkeys(range(len(self.layers))), list[int]()
         while left:
-            free = (row for row in left if not self._waits_for(row) & (set(left) - {row}))
-            row = next(free, None)
+            row = next((row for row in left if not self._waits_for(row, left)), next(iter(left)))
             # Layers that wait for each other in a circle: the first one is taken, with a finding.
-            if row is None:
-                row = left[0]
-                name = shown(self.layers[row][1][0].layer)
-                self.findings.append(_LAYERS_MINGLED(layer=name))
-            left.remove(row)
+            for inner, count in self._waits_for(row, left).items():
+                name, other = (shown(self.layers[k][1][0].layer) for k in (row, inner))
+                self.findings.append(_LAYERS_MINGLED(layer=name, inner=other, count=count))
+            del left[row]
             order.append(row)
         return order
 
-    def _waits_for(self, row: int) -> set[int]:
-        return self.held.get(row, set()) if self.layers[row][0].inside_first else set()
+    def _waits_for(self, row: int, left: Container[int]) -> dict[int, int]:
+        """How many contours of each other layer left lie inside those of a layer that minds."""
+        inner = self.nestings[row].around if self.layers[row][0].inside_first else {}
+        return {other: count for other, count in inner.items() if other in left}
 
     def shaped(self, row: int, marks: Points) -> list[ShapedContour | None]:
         """The contours of a layer, in their order; None for one that is left out.

@@ -28,6 +28,12 @@ def outline_first(space: Any) -> None:
         space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "CUT"})
 
 
+def crossed_layers(space: Any) -> None:
+    for layer, x, size in (("CUT", 0, 100), ("SLOTS", 20, 30), ("CUT", 30, 10)):
+        corners = [(x, x), (x + size, x), (x + size, x + size), (x, x + size)]
+        space.add_lwpolyline(corners, close=True, dxfattribs={"layer": layer})
+
+
 def _of(
     code: str, draw: Any, wrong: str, right: str, top: str = "", others: tuple[str, ...] = ()
 ) -> Case:
@@ -54,6 +60,7 @@ CASES: Final = (
     _of("CT223", rounded, SLOW, f"{SLOW}corner_radius = 8\n"),
     _of("CT223", slight, SLOW, f"{SLOW}corner_angle = 10\n"),
     _of("CT224", outline_first, 'order = "drawing"\n', 'order = "drawing"\ninside_first = false\n'),
+    _of("CT334", crossed_layers, "[layers.SLOTS]\n", "inside_first = false\n[layers.SLOTS]\n"),
     _of("CT343", slight, f"{JOINT}approach = 0\nretract = 0\n", JOINT),
     _of("CT343", slight, f"{JOINT}retract = 0\n", f"{JOINT}travel_height = 50\n"),
     _of("CT344", slight, WIDE, "travel_blend = 20\n"),

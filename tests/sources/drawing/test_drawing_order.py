@@ -6,7 +6,7 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.compiler import load
 from assistant.program.expressions import Name
-from assistant.program.statements import Move
+from assistant.program.statements import Call, Move
 
 
 def square(space, x, y, size, layer="CUT"):
@@ -51,6 +51,57 @@ def test_as_drawn(tmp_path):
     places, codes = starts(tmp_path, three, 'order = "drawing"')
     assert places == [(0, 0), (20, 30), (300, 0)]
     assert "CT224" in codes  # the part falls before its hole is cut
+
+
+def layer_order(folder, draw, tables):
+    """The procedures that `main` calls, and the messages of CT334."""
+    document = ezdxf.new()
+    document.units = 4
+    draw(document.modelspace())
+    document.saveas(folder / "part.dxf")
+    process = folder / "part.process.toml"
+    process.write_text(tables, encoding="utf-8")
+    loaded = load(folder / "part.dxf", process=process)
+    (main,) = (one for one in loaded.program.procedures if one.name == "main")
+    called = [one.procedure for one in main.body if isinstance(one, Call)]
+    return called, [f.message for f in loaded.findings if f.code == "CT334"]
+
+
+LAYERS = ("OUTER", "SLOTS", "HOLES", "SEAL")
+
+
+def part_on_layers(space):
+    """An outline, slots in it and holes in those, a layer for each kind; and a layer beside."""
+    square(space, 0, 0, 100, "OUTER")
+    square(space, 20, 20, 30, "SLOTS")
+    square(space, 30, 30, 5, "HOLES")
+    square(space, 300, 0, 10, "SEAL")
+
+
+def test_layers_inside_those_of_others_come_first(tmp_path):
+    tables = "".join(f"[layers.{name}]\n" for name in LAYERS)
+    called, told = layer_order(tmp_path, part_on_layers, tables)
+    assert (called, told) == (["HOLES", "SLOTS", "OUTER", "SEAL"], [])
+    # What a layer in between does not mind, the layer around both still does.
+    tables = tables.replace("SLOTS]\n", "SLOTS]\ninside_first = false\n")
+    called, told = layer_order(tmp_path, part_on_layers, tables)
+    assert (called, told) == (["SLOTS", "HOLES", "OUTER", "SEAL"], [])
+
+
+def test_layers_that_lie_inside_each_other_are_told(tmp_path):
+    def draw(space):
+        part_on_layers(space)
+        square(space, 60, 60, 30, "OUTER")
+        square(space, 70, 70, 4, "SLOTS")
+        square(space, 21, 21, 2, "OUTER")
+
+    tables = "[layers.OUTER]\n[layers.SLOTS]\n"
+    called, told = layer_order(tmp_path, draw, f'leave_out = ["*"]\n{tables}')
+    assert called == ["OUTER", "SLOTS"]
+    (message,) = told
+    assert message.startswith("layer 'OUTER' is worked before 2 contours of layer 'SLOTS'")
+    free = tables.replace("OUTER]\n", "OUTER]\ninside_first = false\n")
+    assert not layer_order(tmp_path, draw, f'leave_out = ["*"]\n{free}')[1]
 
 
 def test_by_the_numbers_beside(tmp_path):
