@@ -28,7 +28,7 @@ from assistant.program import pseudo
 from assistant.program.analysis.uses import called
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.project_file import Project, project_of
-from assistant.program.statements import Follow, MoveStatement
+from assistant.program.statements import Follow, MoveStatement, OwnText
 from assistant.program.vendor_statements import with_effects
 from assistant.sources.seen_settings import NO_SEEN_SETTINGS, SeenSettings
 
@@ -114,7 +114,9 @@ def load(
         percent = reading.joint_percent
         program = reading.program
         if source.suffix.lower() != ".dxf" and (reading.style or NO_STYLE).commented:
-            program = replace(program, comments=(*program.comments, *_facts(program, source)))
+            program = replace(
+                program, comments=(*program.comments, *map(OwnText, _facts(program, source)))
+            )
         read = program, None, reading.findings
         return Loaded(*read, joint_percent=percent, seen=reading.seen, form=reading.style)
     loaded = lift_texts(spoken, [spoken.read(source)], robot, beside=source.parent)

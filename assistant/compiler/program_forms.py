@@ -156,7 +156,7 @@ def _with_path_procedures(program: Program, style: ProgramStyle) -> Program:
         own = node.path.name.lower() not in {one.lower() for one in taken}
         name = node.path.name if own else identifier(f"{_FOLLOWING}{node.path.name}", taken)
         taken.add(name)
-        notes = (p.Comment(_path_text(node.path)),) if style.commented else ()
+        notes = (p.Comment(p.OwnText(_path_text(node.path))),) if style.commented else ()
         made.append(Procedure(name, (*notes, node)))
         body.append(p.Call(name, span=node.span))
     return replace(program, procedures=(replace(main, body=tuple(body)), *made))
@@ -179,7 +179,7 @@ def _with_location_notes(program: Program) -> Program:
             return procedure
         text = f"{len(names)} location{'s' * (len(names) != 1)}: {names[0]}"
         text += f" to {names[-1]}" if len(names) > 1 else ""
-        return replace(procedure, body=(p.Comment(text), *body))
+        return replace(procedure, body=(p.Comment(p.OwnText(text)), *body))
 
     procedures = tuple(map(noted, program.procedures))
     changed = any(a is not b for a, b in zip(procedures, program.procedures, strict=True))

@@ -335,6 +335,12 @@ class Return(Spanned):
     value: Expression | None = None
 
 
+class OwnText(str):
+    """Text of a comment that the compiler wrote itself: how a language spells it is no finding."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True, slots=True)
 class Comment(Spanned):
     """One line of comment, without its mark and without outer blanks.

@@ -55,7 +55,7 @@ def comment_lines(text: str, job: Legalisation) -> list[str]:
     can = job.can.comments
     plain = in_ascii(text) if can.ascii else text
     plain = "".join(c if c.isprintable() else " " for c in plain).strip()
-    if plain != text.strip():
+    if plain != text.strip() and not isinstance(text, p.OwnText):
         job.changed(f"the comment `{text.strip()}`", f"`{plain}`", "use one line of ASCII")
     made: list[str] = []
     while can.most_bytes is not None and len(plain.encode("utf-8")) > can.most_bytes:

@@ -19,7 +19,7 @@ from assistant.base.near_names import near_name
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.settings_tables import shown
-from assistant.program.statements import Call, Comment, Statement
+from assistant.program.statements import Call, Comment, OwnText, Statement
 from assistant.sources.contours.chains import Contour, chain_curves, wide_gaps, without_overlaps
 from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_order import (
@@ -527,6 +527,6 @@ def _path_name_stem(layer: str, taken: TakenNames) -> str:
     return candidate
 
 
-def _printable_line(text: str) -> str:
-    """One printable line."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+def _printable_line(text: str) -> OwnText:
+    """One printable line of a comment."""
+    return OwnText(" ".join("".join(c if c.isprintable() else " " for c in text).split()))

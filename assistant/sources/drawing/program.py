@@ -21,7 +21,7 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.motion import FINE
 from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
-from assistant.program.statements import Call, MoveJoints, Statement, Travel
+from assistant.program.statements import Call, MoveJoints, OwnText, Statement, Travel
 from assistant.sources.contours.contour_order import TravelMeasure, order_points
 from assistant.sources.contours.contour_statements import (
     FramedSurroundings,
@@ -101,7 +101,7 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
         (Procedure(_MAIN_PROCEDURE, _between_homes(home, work, process)), *procedures),
         entry=_MAIN_PROCEDURE,
         robot=process.robot,
-        comments=tuple(_facts(contents, path, process)),
+        comments=tuple(map(OwnText, _facts(contents, path, process))),
         frames=dict(process.frames),
         tools=dict(process.tools),
         signals=dict(process.signals),
