@@ -9,7 +9,7 @@ from __future__ import annotations
 import enum
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, Literal
@@ -80,16 +80,16 @@ class JogFrame(enum.StrEnum):
     TOOL = "tool"
 
 
-def complete_mode(incomplete: str) -> list[str]:
+def follow_modes() -> Iterable[str]:
     from assistant.controllers.trajectory_execution import MODES
 
-    return [name for name in MODES if name.startswith(incomplete)]
+    return MODES
 
 
-def complete_servo_mode(incomplete: str) -> list[str]:
+def servo_modes() -> Iterable[str]:
     from assistant.controllers.setpoint_streams import MODES
 
-    return [name for name in MODES if name.startswith(incomplete)]
+    return MODES
 
 
 RecordingOption = Annotated[
@@ -384,7 +384,7 @@ class Follow:
 
     cell: CellArgument
     trajectory: str = argument("A table, an array, or a program that only moves.")
-    by: str = option("Way to lead it: see the docs.", completions=complete_mode)
+    by: str = option("Way to lead it.", choices=follow_modes)
     speed: float = option("Percent of what the trajectory says.", default=100.0)
     interval: float | None = option("Seconds between points; default what suits the way.")
     log: RecordingOption

@@ -22,9 +22,10 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, field, fields, is_dataclass, replace
 from enum import Enum
+from functools import partial
 from pathlib import Path
 from typing import (
     Annotated,
@@ -65,13 +66,30 @@ _SCALARS: Final[Mapping[Any, click.ParamType[Any]]] = {
 }
 
 
+class _Choice(click.Option):
+    """An option that lists its words in the help."""
+
+    def __init__(self, choices: Callable[[], Iterable[str]], *args: Any, **settings: Any) -> None:
+        super().__init__(*args, **settings)
+        self._choices = choices
+
+    def make_metavar(self, ctx: click.Context) -> str:  # noqa: ARG002
+        return f"[{'|'.join(self._choices())}]"
+
+
+def _begun(choices: Callable[[], Iterable[str]], typed: str) -> list[str]:
+    return [word for word in choices() if word.startswith(typed)]
+
+
 class Option:
     """An option of commands, for `Annotated`.
 
     names: as it is typed; default the name of the field. default: None, False and () need not be
     stated. project: key of `SourceOptions` that it defaults to. min, max: bounds of a number.
     callback: called with the value before the command runs; returns the value. completions: returns
-    what may follow when a shell asks. settings: of `click.Option`.
+    what may follow when a shell asks. choices: the words that the command takes, for help and
+    shells, from a table that is loaded only then; the command refuses others. settings: of
+    `click.Option`.
     """
 
     def __init__(
@@ -84,6 +102,7 @@ class Option:
         max: Any = None,
         callback: Callable[[Any], Any] | None = None,
         completions: Callable[[str], list[str]] | None = None,
+        choices: Callable[[], Iterable[str]] | None = None,
         **settings: Any,
     ) -> None:
         self.help, self.names, self.default, self.project = help, names, default, project
@@ -91,6 +110,9 @@ class Option:
         self._settings = settings
         if callback is not None:
             self._settings["callback"] = lambda _c, _p, value: callback(value)
+        if choices is not None:
+            self._settings["cls"] = partial(_Choice, choices)
+            completions = partial(_begun, choices)
         if completions is not None:
             self._settings["shell_complete"] = lambda _c, _p, typed: completions(typed)
 
@@ -114,7 +136,10 @@ class Option:
             settings["required"] = True
         else:
             settings["default"] = default.value if isinstance(default, Enum) else default
-        return click.Option([name, *names], help=self.help, **(settings | self._settings))
+        settings |= self._settings
+        made = settings.pop("cls", click.Option)
+        option: click.Option = made([name, *names], help=self.help, **settings)
+        return option
 
     def _type(self, kind: Any) -> click.ParamType[Any]:
         if self._bounds != (None, None):

@@ -22,8 +22,8 @@ from assistant.cli.arm_motion import (
     START_TIME,
     LinesOption,
     ReplaceProgramsOption,
-    complete_servo_mode,
     moving,
+    servo_modes,
 )
 from assistant.cli.command import (
     Argument,
@@ -296,9 +296,7 @@ class Wander:
     )
     box: str | None = option("Box of the base for the flange, mm, each LOW:HIGH.", metavar="X,Y,Z")
     speed: float = option("mm/s of the flange, at most 250.", default=50.0)
-    by: str = option(
-        "Way to lead the arm: see `servo`.", default="jog", completions=complete_servo_mode
-    )
+    by: str = option("Way to lead the arm, as of `servo`.", default="jog", choices=servo_modes)
     port: int | None = option("UDP port of the way; default the usual one.", min=1)
     lines: LinesOption
     replace: ReplaceProgramsOption

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error
-from assistant.cli.arm_motion import NO_SPEED, Moving, moving
+from assistant.cli.arm_motion import NO_SPEED, Moving, follow_modes, moving
 from assistant.cli.command import option, options
 from assistant.cli.controller_session import (
     YesOption,
@@ -65,7 +65,7 @@ class PointingOptions:
     stroke: bool = option("Store the way between two places, as a .csv.")
     step: float = option("mm between waypoints of a stroke.", default=5.0)
     go: bool = option("Lead the arm there; store what it reached.")
-    by: str = option("Way to lead it, as of `follow`.", default="data-link")
+    by: str = option("Way to lead it, as of `follow`.", default="data-link", choices=follow_modes)
     port: int | None = option("UDP port of that way.", min=1, max=65535)
     lines: tuple[str, ...] = option("Line of that way; repeatable.", "--line")
     above: float = option("mm before a place from which it is led straight.", default=50.0)

@@ -15,9 +15,9 @@ from assistant.cli.arm_motion import (
     LinkedOptions,
     RecordingOption,
     check_recording,
-    complete_servo_mode,
     moving,
     progress_bar,
+    servo_modes,
 )
 from assistant.cli.command import argument, command, option
 from assistant.cli.controller_session import (
@@ -58,7 +58,7 @@ class Servo:
     cell: CellArgument
     task: Path = argument("File of what is led where.", metavar="SERVO.toml")
     cameras: Path = option("File of the cameras.", metavar="CAMERAS.toml")
-    by: str = option("Way to lead it: see the docs.", completions=complete_servo_mode)
+    by: str = option("Way to lead it.", choices=servo_modes)
     log: RecordingOption
     link: LinkedOptions
     yes: YesOption

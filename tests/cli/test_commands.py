@@ -34,6 +34,15 @@ def run(capsys, *arguments: object) -> tuple[int, str, str]:
     return int(ended.value.code or 0), said.out, said.err
 
 
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [("follow", "[exchange|data-link|mxt|egm]"), ("servo", "[jog|data-link|mxt|egm|exchange]")],
+)
+def test_the_help_lists_the_ways_to_lead_an_arm(capsys, command, words):
+    status, out, _ = run(capsys, command, "--help")
+    assert status == 0 and f"--by {words}" in out
+
+
 def test_version_and_help(capsys):
     assert run(capsys, "--version")[1] == f"robot-assistant {__version__}\n"
     status, out, _ = run(capsys, "--help")
