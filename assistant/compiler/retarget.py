@@ -70,8 +70,9 @@ _JOINTS_OF_UNKNOWN_ARM = error(
     "CO503",
     "{name} has joint angles, and nothing says on which arm they were taught: on another one they "
     "lead to another place",
-    "name the arm that they were taught on: `--from-robot`, or `robot` in the file",
+    "name the arm that they were taught on: `--from-robot`, or `robot` in the file{own}",
 )
+_OWN_ARM: Final = '; in the process file write `robot = "{arm}"` if that is the arm'
 JOINTS_OF_OTHER_MAKER = error(
     "CO504",
     "{name} has joint angles of {source}, whose controller does not run {language}",
@@ -213,11 +214,14 @@ def joint_angle_errors(
     uses = _name_uses(program)
     if (rule := _refusal_rule(program, language, source, arm)) is not None:
         arms: dict[str, Any] = {"language": language.name, "source": source and source.name}
+        # Only drawings say whether they are placed; their joints are those of the process file.
+        drawn = program.placed is not None
+        arms["own"] = _OWN_ARM.format(arm=arm.name) if drawn and arm is not None else ""
         for one in _stated_joints(program):
             for where in one.wherever(uses):
                 yield rule(name=one.called, **arms, **where)
         for name, span in _computed_joints(program) if source is None else ():
-            yield rule(name=name, span=span)
+            yield rule(name=name, **arms, span=span)
     elif source is not None and arm is not None and arm.name != source.name:
         names = {one.name for one in _stated_joints(program)}
         others = records((program.declarations, program.variables))

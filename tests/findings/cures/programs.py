@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from typing import Final
 
-from tests.findings.cures.case import Case, sample
+from tests.findings.cures.case import Case, dxf, sample
+from tests.findings.cures.following import outline_first
 from tests.findings.cures.tables import CROWD
 from tests.robots.test_urdf import WRISTED
 
+PLACED: Final = (
+    "home = [0, 0, 0, 0, 60, 0]\n[placement]\nposition = [600, -50, 300]\neuler_zyx = [0, 0, 0]\n"
+    "[layers.CUT]\n"
+)
 ARM: Final = "--robot irb1200-7-0.7"
 POSE: Final = "[[400,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
 JOINTS: Final = "[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
@@ -159,6 +164,12 @@ CASES: Final = (
         f"compile a.toml --language rapid {ARM} -o out",
         {"a.toml": UNNAMED},
         change={"a.toml": 'robot = "irb1200-7-0.7"\n' + UNNAMED},
+    ),
+    Case(
+        "CO503",
+        f"compile a.dxf --language rapid {ARM} -o out",
+        {"a.dxf": dxf(outline_first), "a.process.toml": PLACED},
+        change={"a.process.toml": 'robot = "irb1200-7-0.7"\n' + PLACED},
     ),
     Case(
         "CO504",
