@@ -27,7 +27,7 @@ from assistant.base.diagnostics import (
     notes_last,
 )
 from assistant.base.source_text import visible
-from assistant.findings.rulebook import Page, page_address, pages, rules
+from assistant.findings.rulebook import Page, cure_in_general, page_address, pages, rules
 
 _SARIF_SCHEMA: Final = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -170,7 +170,7 @@ def _rule(rule: Rule) -> dict[str, Any]:
     said = {
         "id": rule.code,
         "shortDescription": {"text": rule.sentence(rule.message)},
-        "help": {"text": rule.sentence(rule.cure) or "Nothing needs to be done."},
+        "help": {"text": cure_in_general(rule) or "Nothing needs to be done."},
         "helpUri": page_address(rule.code),
         "defaultConfiguration": {"level": _SARIF_LEVELS[rule.severity]},
     }

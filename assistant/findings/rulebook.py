@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.resources
 import pkgutil
+import string
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from types import ModuleType
@@ -50,14 +51,19 @@ _NO_RULE: Final = error(
 )
 
 
+_CURE_OF_ITS_OWN: Final = "each finding says it below its message, as it depends on what was found"
+
+
 @dataclass(frozen=True, slots=True)
 class Page:
     """Text about a rule beyond its row in the table.
 
-    why: how a controller reacts to it, or the source of a limit. example: the text of a small file
-    that has the finding. better: the same file without it.
+    cure: what to do, for rules whose findings each have a cure of their own. why: how a controller
+    reacts to it, or the source of a limit. example: the text of a small file that has the finding.
+    better: the same file without it.
     """
 
+    cure: str = ""
     why: str = ""
     example: str = ""
     better: str = ""
@@ -119,12 +125,21 @@ def explain(codes: Sequence[str]) -> str:
     return "\n".join(section(book[code.upper()]) for code in codes)
 
 
+def cure_in_general(rule: Rule) -> str:
+    """What to do about the findings of a rule, to be read without one; empty if nothing."""
+    if cure := pages().get(rule.code, Page()).cure:
+        return " ".join(cure.split())
+    words = "".join(text for text, *_ in string.Formatter().parse(rule.cure))
+    named = any(c.isalpha() for c in words)
+    return rule.sentence(rule.cure) if named or not rule.cure else _CURE_OF_ITS_OWN
+
+
 def section(rule: Rule) -> str:
     """The page about a rule, in Markdown: what is wrong, what to do, why, and an example."""
     page = pages().get(rule.code, Page())
     lines = [f"### {rule.code}", "", f"**{rule.severity}**: {rule.sentence(rule.message)}", ""]
-    if rule.cure:
-        lines += [f"What to do: {rule.sentence(rule.cure)}", ""]
+    if cure := cure_in_general(rule):
+        lines += [f"What to do: {cure}", ""]
     if page.why:
         lines += [page.why.strip(), ""]
     for title, text in (("For example", page.example), ("Better", page.better)):

@@ -14,6 +14,7 @@ from assistant.cell.cell_file import read_scene
 from assistant.compiler import check_files
 from assistant.findings.rulebook import (
     adjustable,
+    cure_in_general,
     explain,
     families,
     page_address,
@@ -94,6 +95,19 @@ def test_a_page_tells_severity_cure_and_example() -> None:
     assert "MoveL p1, v25, fine, tool0;" in page
     assert page_address("RA204").endswith("docs/findings.md#ra204")
     assert explain(["ra204"]) == page
+
+
+def test_what_to_do_is_said_in_words() -> None:
+    told = {code: cure_in_general(rule) for code, rule in rules().items()}
+    assert {
+        code: cure for code, cure in told.items() if cure and not re.search("[a-z]", cure)
+    } == {}
+
+
+def test_the_page_says_what_to_do_where_each_finding_has_a_cure_of_its_own() -> None:
+    assert "What to do: give the work its place: `position`" in explain(["CO340"])
+    assert "What to do: read both" in explain(["RA306"])
+    assert "What to do: each finding says it" in explain(["CO002"])
 
 
 def test_a_code_that_is_none_is_refused() -> None:
