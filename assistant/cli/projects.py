@@ -111,7 +111,7 @@ class Init:
     yes: bool = option("Assume what is not stated, and ask nothing.")
 
     def run(self) -> int:
-        from assistant.project.new_project import BLANK_KEYS, start_project
+        from assistant.project.new_project import BLANK_KEYS, PROJECT_FILE, start_project
         from assistant.sources.process.placement import DRAWING_SUFFIXES
 
         drawings = [
@@ -130,6 +130,11 @@ class Init:
             say(f"wrote {file}")
         for file in started.blank:
             say(f"fill in {' and '.join(BLANK_KEYS)} in {file}")
+        project = folder / PROJECT_FILE
+        assumed = drawings and self.robot is None and (started.blank or self.yes)
+        if assumed and project in started.written:
+            robot = f'robot = "{_robot_of(folder)}"'
+            say(f"the arm is assumed: if it is another, change {robot} in {project}")
         inside = "" if folder.resolve() == Path.cwd() else f"in {folder}: "
         first = (
             "check, then build and deploy"

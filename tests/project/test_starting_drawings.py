@@ -224,4 +224,11 @@ def test_the_command_says_what_to_fill_in(
     assert ended.value.code == 0
     said = capsys.readouterr().out
     assert "fill in `tip` of [tools.tool] and `position` of [frames.work] in drawings/" in said
+    assert 'the arm is assumed: if it is another, change robot = "' in said
     assert said.endswith("next, robot-assistant check, then build and deploy\n")
+    # Another drawing comes to the robot that the project has by now.
+    other = drawing.rename(drawing.with_name("other.dxf"))
+    with pytest.raises(SystemExit):
+        main(["init", str(other)])
+    said = capsys.readouterr().out
+    assert "fill in `tip`" in said and "assumed" not in said
