@@ -8,14 +8,15 @@ at the same place as a declaration of the program.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
-from assistant.base.diagnostics import Refused, error, has_errors, warning
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, warning
 from assistant.base.source_text import SourceText
+from assistant.base.toml_edits import toml_key
 from assistant.compiler.cell_equipment import (
     STATED_TEXT_NAME,
     check_signals,
@@ -53,6 +54,7 @@ from assistant.sources.cell_values import (
     TABLE_OF_KIND,
     Cell,
     data_text,
+    kind_in_words,
     parse_cell,
     read_cell,
     wanted_in_words,
@@ -85,10 +87,18 @@ _TWO_KINDS: Final = error(
     "keep the table of what it is, and delete the other one",
 )
 _NOT_SAME: Final = error(
-    "CO079",
+    "CO080",
     "the joint angles are of an arm of {source}, which runs no {target}: on another arm they lead "
     'to other places, so `arm = "same"` cannot be',
     "write the arm that they were taught on, by its name in `robot-assistant robots`",
+)
+_ENTRY_UNUSED: Final = warning(
+    "CO079",
+    "`{entry}` of the cell file is not used: {reason}",
+    "{cure}",
+)
+_DELETE_DECLARATION: Final = (
+    "delete the entry, and write its value in the declaration if that is the one that is wrong"
 )
 UNPROVEN: Final = warning(
     "CO074",
@@ -153,6 +163,7 @@ def with_cell_values(
     told = _lowered_for_export(program, language)
     program = replace(program, signals=told.signals | program.signals)
     program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
+    findings += tuple(_entries_unused(cell, wanted, origin.lifted, str(path)))
     missing = [
         one for one in declared if cell.value(one) is None and neutral_value(one) is not None
     ]
@@ -261,6 +272,41 @@ def _of_stated_kind(one: Wanted, cell: Cell, signals: Mapping[str, Signal]) -> W
     return replace(one, kind="signal", signal=signal, perhaps=None)
 
 
+def _entries_unused(
+    cell: Cell, wanted: Sequence[Wanted], lifted: Program, path: str
+) -> Iterator[Diagnostic]:
+    """Yield a finding for each value of a cell file that a program has a name for, and not the use.
+
+    Of other names the file may speak for other programs of the cell. wanted: the names that the
+    program does not declare. lifted: the program as it was read. path: of the cell file.
+    """
+    used = {(TABLE_OF_KIND[one.kind], one.name.lower()) for one in wanted}
+    kinds = {one.name.lower(): one for one in wanted}
+    tables = (lifted.speeds, lifted.blends, lifted.targets, lifted.joint_targets, lifted.variables)
+    declared = {name.lower(): name for table in tables for name in table}
+    declared |= {one.name.lower(): one.name for one in lifted.procedures}
+    declared |= {name.lower(): name for name in (*lifted.tools, *lifted.frames)}
+    for table, low in cell.given:
+        if (table, low) in used:
+            continue
+        if low in kinds:
+            one = kinds[low]
+            name, reason = one.name, f"the program uses `{one.name}` as {kind_in_words(one)}"
+            cure = f"write `[{toml_key(TABLE_OF_KIND[one.kind], one.name)}]` with its value instead"
+        elif low in declared:
+            name = declared[low]
+            reason, cure = f"the program declares `{name}` itself", _DELETE_DECLARATION
+        else:
+            continue
+        yield _ENTRY_UNUSED(
+            entry=f"[{toml_key(table, name)}]",
+            reason=reason,
+            cure=cure,
+            place=f"{table}.{name}",
+            path=path,
+        )
+
+
 def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
     """A program with what a cell file states of it, and nothing in place of what it lacks.
 
@@ -271,13 +317,16 @@ def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
         return loaded
     cell, language, program = read_cell(path), language_of(origin.language), loaded.program
     signals = program.signals | dict(loaded.signals) | dict(cell.process.signals)
-    given = values_stated(language.wanted(origin.trees), {}, cell, signals)
+    wanted = language.wanted(origin.trees)
+    given = values_stated(wanted, {}, cell, signals)
     if given:
         trees = language.with_supplied(origin.trees, given, STATED_TEXT_NAME)
         anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
         program = _with_stated_tables(anew, program, origin.lifted)
     check_signals(program, cell.process, str(path))
     program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
+    wanted = tuple(_of_stated_kind(one, cell, signals) for one in wanted)
+    findings += tuple(_entries_unused(cell, wanted, origin.lifted, str(path)))
     return replace(loaded, program=program, findings=(*loaded.findings, *findings))
 
 

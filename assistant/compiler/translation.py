@@ -163,6 +163,12 @@ _NO_PROGRAM = error(
     "compile it: `robot-assistant compile`",
 )
 
+_NOT_RUN = warning(
+    "CO016",
+    "the proof by motion was not run, because the program is {what}",
+    "see to what is not translated, then prove it",
+)
+
 Level = Literal["supported", "partial", "not"]
 LEVELS: Final[tuple[Level, ...]] = ("supported", "partial", "not")
 _LONGEST_TEXT: Final = 100
@@ -306,7 +312,7 @@ def translate(
     program, sights = with_located_frames(program, arms)
     style = style_beside(program, loaded.text, None)
     compiled = compile_program(program, places, target, arms, most_targets, style)
-    written, later = compiled, tuple[Diagnostic, ...]()
+    written, later, unrun = compiled, tuple[Diagnostic, ...](), not compiled.ok
     if not compiled.ok:
         # The draft is compiled even if it is not requested: it finds further faults of the source.
         with within(DRAFTING, None, program.size()):
@@ -322,6 +328,8 @@ def translate(
     unfilled = tuple(UNFILLED(what=wanted_in_words(one), place=one.name) for one in loaded.wanting)
     if loaded.wanting and proving is not None:
         unfilled += (UNPROVEN(),)
+    elif unrun and proving is not None:
+        unfilled += (_NOT_RUN(what="a draft" if written.ok else "not complete"),)
     return Translation(
         compiled,
         written,

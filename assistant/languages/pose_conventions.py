@@ -162,7 +162,8 @@ def write(
     """
     stated = convention(target)
     p, q = columns_of(given, unit=unit)
-    p = p / mm_of(stated.unit if to_unit is None else to_unit, "the positions to write")
+    there = stated.unit if to_unit is None else to_unit
+    p = p / mm_of(there, "the positions to write", written=True)
     if stated.form == "matrix":
         out = np.tile(np.eye(4), (len(p), 1, 1))
         out[:, :3, :3], out[:, :3, 3] = rotations.to_matrix(q), p

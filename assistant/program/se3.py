@@ -48,8 +48,13 @@ NO_UNIT: Final = error(
     'write unit="m", as SE3 of roboticstoolbox are, or unit="mm"; or give a Pose, which is in mm: '
     'assistant.pose.of(…, unit="m")',
 )
+NO_WRITTEN_UNIT: Final = error(
+    "TB449",
+    "{what}: nothing says whether they are to be mm or m",
+    'write to_unit="mm" or to_unit="m"',
+)
 NO_SUCH_UNIT: Final = error(
-    "TB446", "{what}: the unit {unit!r} is not known", 'write unit="mm" or unit="m"'
+    "TB446", "{what}: the unit {unit!r} is not known", 'write {key}="mm" or {key}="m"'
 )
 
 
@@ -156,12 +161,16 @@ def are_columns(poses: Any) -> bool:
         return False
 
 
-def mm_of(unit: object, what: str) -> float:
-    """Return the mm of a unit of lengths; raise Refused for another one and for None."""
+def mm_of(unit: object, what: str, *, written: bool = False) -> float:
+    """Return the mm of a unit of lengths; raise Refused for another one and for None.
+
+    written: it is the unit of a result, `to_unit`.
+    """
     if unit is None:
-        raise Refused(NO_UNIT(what=what))
+        raise Refused((NO_WRITTEN_UNIT if written else NO_UNIT)(what=what))
     if not isinstance(unit, str) or unit not in METRE:
-        raise Refused(NO_SUCH_UNIT(what=what, unit=str(unit)[:40]))
+        key = "to_unit" if written else "unit"
+        raise Refused(NO_SUCH_UNIT(what=what, unit=str(unit)[:40], key=key))
     return METRE[unit]
 
 

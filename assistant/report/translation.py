@@ -220,7 +220,9 @@ def summary(one: Translated) -> Iterator[str]:
                 yield f"    and {len(cost.rows) - len(shown):,} more"
         if len(every) > _MOST_COSTS:
             rest = sum(cost.count for cost in every[_MOST_COSTS:])
-            yield f"  {rest:,} {_LEVEL_WORDS[level]} for {len(every) - _MOST_COSTS:,} other reasons"
+            more = len(every) - _MOST_COSTS
+            reasons = "1 other reason" if more == 1 else f"{more:,} other reasons"
+            yield f"  {rest:,} {_LEVEL_WORDS[level]} for {reasons}"
 
 
 def reason_lines(one: Translated) -> Iterator[str]:

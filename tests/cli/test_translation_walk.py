@@ -261,5 +261,5 @@ def test_no_arm_of_one_maker_is_the_same_as_one_of_another(capsys):
     Path("cell.toml").write_text('[arms.taught_on]\narm = "same"\n')
     given = ("translate", "home.mod", "--to", "melfa-basic-6", "--robot", "rv-7frl")
     status, _, err = run(capsys, *given, "--cell", "cell.toml")
-    assert status == 1 and "CO079" in err
+    assert status == 1 and "CO080" in err
     assert not Path("HOME.prg").exists()

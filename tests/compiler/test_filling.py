@@ -98,6 +98,21 @@ def test_a_draft_is_not_proven_by_motion(tmp_path: Path) -> None:
     assert "CO074" in {f.code for f in done.whole}
 
 
+def test_the_proof_of_a_draft_that_stops_at_statements_is_said_not_to_have_run(
+    tmp_path: Path,
+) -> None:
+    file = program(tmp_path, DECLARED.replace("vFast", "v100").replace("tGrip", "tool0"))
+    file.write_text(file.read_text().replace("rHome;", 'Open "HOME:/log.txt",ioFile;'))
+    cell = tmp_path / "cell.toml"
+    cell.write_text(neutral_cell(load(file)), encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=cell, draft=True, proving=Proving(seconds=1))
+    assert done.draft and not done.wanting and done.motion is None
+    (finding,) = (one for one in done.whole if one.code == "CO016")
+    assert "a draft" in finding.message
+    done = translate(file, to="melfa-basic-6", cell=cell, draft=True)
+    assert "CO016" not in {one.code for one in done.whole}
+
+
 def test_the_file_is_taken_back_in_and_keeps_what_people_wrote(tmp_path: Path) -> None:
     file, path = program(tmp_path), tmp_path / "cell.toml"
     first = cell_text(read_cell(path), translate(file, to="melfa-basic-6", cell=path).wanting)
@@ -283,3 +298,51 @@ def test_a_tool_that_another_task_gives_its_value_is_asked_for(tmp_path: Path) -
     assert second.motion is not None and second.motion.holds
     assert second.compiled.program.tools["held"].tip.position == (0, 0, 55)
     assert second.compiled.program.frames["place"].pose.position == (10, 20, 30)
+
+
+DECLARED = """MODULE Home
+  CONST jointtarget jHome:=[[0,-10,20,0,80,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  CONST num nHigh:=300;
+  PROC main()
+    MoveAbsJ jHome,vFast,fine,tGrip;
+    WaitTime nHigh;
+    rHome;
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize(
+    ("entry", "said", "cure"),
+    [
+        ("[positions.jHome]\njoints = [0, 0, 0, 0, 30, 0]", "`jHome` itself", "delete the entry"),
+        ('[data.JHOME]\ntype = "num"\nvalue = 1', "`jHome` itself", "delete the entry"),
+        ("[data.nHigh]\nvalue = 1", "`nHigh` itself", "delete the entry"),
+        ('[routines.main]\nroutine = "empty"', "`main` itself", "delete the entry"),
+        ("[data.tGrip]\nvalue = 1", "uses `tGrip` as tool", "write `[tools.tGrip]`"),
+        ("[speeds.vFast]\nspeed = 20", "", ""),
+        ("[positions.pOfAnotherProgram]\nposition = [1, 2, 3]", "", ""),
+    ],
+)
+def test_a_value_of_the_cell_file_that_changes_nothing_is_told_of(
+    tmp_path: Path, entry: str, said: str, cure: str
+) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(entry + "\n", encoding="utf-8")
+    done = translate(program(tmp_path, DECLARED), to="melfa-basic-6", cell=cell)
+    told = [one for one in done.whole if one.code == "CO079"]
+    if not said:
+        assert not told
+        return
+    (finding,) = told
+    assert entry.splitlines()[0].lower() in finding.message.lower() and said in finding.message
+    assert finding.cure.startswith(cure) and finding.path == str(cell)
+
+
+def test_a_cell_file_written_for_a_program_has_no_entry_that_changes_nothing(
+    tmp_path: Path,
+) -> None:
+    file, cell = program(tmp_path), tmp_path / "cell.toml"
+    cell.write_text(neutral_cell(load(file)), encoding="utf-8")
+    done = translate(file, to="melfa-basic-6", cell=cell)
+    assert "CO079" not in {one.code for one in done.whole}

@@ -105,7 +105,8 @@ def test_other_texts_are_refused(name, text):
         (lambda: pose.read([1, 2, 3, 4], "matrix", unit="m"), "TB441"),
         (lambda: pose.read(np.ones(16), "matrix", unit="m"), "TB444"),
         (lambda: pose.write(SE3(), "kuka"), "TB445"),
-        (lambda: pose.write(SE3(), "xyzw", unit="m"), "TB445"),
+        (lambda: pose.write(SE3(), "xyzw", unit="m"), 'TB449.*to_unit="m"'),
+        (lambda: pose.write(SE3(), "kuka", unit="m", to_unit="cm"), 'TB446.*to_unit="m"'),
     ],
 )
 def test_what_is_no_pose_is_refused(call, said):

@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
+import pytest
+
 from assistant.compiler import translate
-from assistant.report.translation import Translated, costs, report_markdown, report_record
+from assistant.report.translation import Translated, costs, report_markdown, report_record, summary
 
 MODULE = """MODULE Cell
   PROC main()
@@ -56,3 +58,12 @@ def test_a_program_that_is_whole_costs_nothing(tmp_path: Path) -> None:
     assert costs(one.translation.rows) == []
     assert report_record(one)["said_percent"] == 100
     assert "reason" not in report_markdown([one])
+
+
+@pytest.mark.parametrize(
+    ("count", "said"), [(11, "for 1 other reason"), (12, "for 2 other reasons")]
+)
+def test_the_rest_of_many_reasons_is_counted(tmp_path: Path, count: int, said: str) -> None:
+    shown = "".join(f'TPWrite "{word}";\n' for word in "abcdefghijkl"[:count])
+    one = translated(tmp_path, f"MODULE m\nPROC main()\n{shown}ENDPROC\nENDMODULE\n")
+    assert [line for line in summary(one) if line.endswith(said)]
