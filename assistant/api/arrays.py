@@ -14,6 +14,7 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, number_of, reals
 from assistant.base.diagnostics import Refused, Severity, error, has_errors
 from assistant.compiler.arms import robot_of
+from assistant.compiler.loader import language_of
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import FLANGE, Frame, JointTarget, Pose, Tool
 from assistant.program.motion import FINE, Blend, Kind, Speed
@@ -82,6 +83,7 @@ def from_poses(
     unit: Unit | None = None,
     name: str = "path",
     speed: float | None = None,
+    percent: float | None = None,
     blend: float | Literal["fine"] | None = None,
     tool: str | Tool | AnyPose | None = None,
     frame: str | Frame | AnyPose | None = None,
@@ -90,21 +92,23 @@ def from_poses(
 ) -> Program:
     """Return a program that follows poses.
 
-    poses: one spatialmath SE3 of many poses (the result of roboticstoolbox's `ctraj`), an array
-    (n, 7) of x y z and a quaternion w x y z, or (n, 4, 4), columns (n, 3) and (n, 4), or a sequence
-    of SE3, matrices or `Pose`. unit: of their positions, "mm" or "m"; it is not guessed,
+    poses: one spatialmath SE3 of many poses (the result of roboticstoolbox's `ctraj`), an array (n,
+    7) of x y z and a quaternion w x y z, or (n, 4, 4), columns (n, 3) and (n, 4), or a sequence of
+    SE3, matrices or `Pose`. unit: of their positions, "mm" or "m"; it is not guessed,
     roboticstoolbox uses metres; a `Pose` is in mm whatever the unit. speed: mm/s of the tool, 100
-    if nothing else states it. blend: mm at which a corner may be rounded, "fine" to stop at each
-    pose; without one, corners are rounded within the tolerance. tool: name of a tool in the process
-    file, or a value: its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix
-    in `unit`, or a complete `Tool`. frame: the frame of the poses, in the same forms, in the
-    robot's base. robot: the arm that runs the program. process: file with tools, frames, signals
-    and all that is not stated here.
+    if nothing else states it; percent: of the joints' greatest speed, for the joint move to the
+    first pose in languages that state joint moves so; without it `joint_percent` of the process
+    file. blend: mm at which a corner may be rounded, "fine" to stop at each pose; without one,
+    corners are rounded within the tolerance. tool: name of a tool in the process file, or a value:
+    its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix in `unit`, or a
+    complete `Tool`. frame: the frame of the poses, in the same forms, in the robot's base. robot:
+    the arm that runs the program. process: file with tools, frames, signals and all that is not
+    stated here.
 
     Warnings are issued as Python warnings; errors raise Refused.
     """
     given = {TOOL: tool, FRAME: frame}
-    stated = _process(process, speed, None, blend, given, robot, unit)
+    stated = _process(process, speed, percent, blend, given, robot, unit)
     reading = read_poses(poses, replace(stated, merges=True), str(name), unit=unit)
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
@@ -130,11 +134,12 @@ def from_joints(
     as `q`, like the trajectory of roboticstoolbox's `jtraj`. unit: "rad", sliding axes in m, as in
     roboticstoolbox, or "deg", sliding axes in mm. robot: the arm of the joints. speed: mm/s of the
     tool at most, 100 if nothing else states it; percent: of the joints' greatest speed, for
-    languages that state joint moves so. The time of each row is lost: a program states speeds, and
-    the controller goes as fast as these allow. blend: mm at which the path may leave a row for the
-    next one, "fine" to stop at each; without one, the arm stops only at the ends and where the tool
-    tip stays or turns back sharply, and keeps within the tolerance. tool, process: as for
-    `from_poses`; an SE3 is in m beside "rad", in mm beside "deg".
+    languages that state joint moves so; without it `joint_percent` of the process file. The time of
+    each row is lost: a program states speeds, and the controller goes as fast as these allow.
+    blend: mm at which the path may leave a row for the next one, "fine" to stop at each; without
+    one, the arm stops only at the ends and where the tool tip stays or turns back sharply, and
+    keeps within the tolerance. tool, process: as for `from_poses`; an SE3 is in m beside "rad", in
+    mm beside "deg".
 
     Raises Refused for errors; `check` and `compile` check the joint limits.
     """
@@ -182,6 +187,8 @@ def _process(
         given = NO_PROCESS
     stated = given if isinstance(given, Process) else read_process(given)
     changed: dict[str, Any] = {}
+    if percent is None and getattr(stated.defaults.speed, "joint", None) is None:
+        percent = _percent_of(stated, robot)
     if speed is not None or percent is not None:
         changed["speed"] = _speed(stated, speed, percent)
     if blend is not None:
@@ -194,6 +201,15 @@ def _process(
     arm = stated.robot if robot is None else getattr(robot_of(robot), "name", None)
     defaults = replace(stated.defaults, **changed)
     return replace(stated, defaults=defaults, tools=tools, frames=frames, robot=arm)
+
+
+def _percent_of(stated: Process, robot: str | Robot | None) -> float | None:
+    """Return `joint_percent` of a process file, None for an arm that takes no percents."""
+    if stated.joint_percent is None:
+        return None
+    arm = robot_of(stated.robot if robot is None else robot)
+    takes = arm is None or any(language_of(name).joint_percent for name in arm.languages)
+    return stated.joint_percent if takes else None
 
 
 def _speed(stated: Process, tcp: float | None, percent: float | None) -> Speed:

@@ -39,7 +39,13 @@ from assistant.compiler.arms import (
     teaching_arm,
     with_robot_of_cell,
 )
-from assistant.compiler.loader import Loaded, language_of, with_entry, with_project_settings
+from assistant.compiler.loader import (
+    Loaded,
+    language_of,
+    with_entry,
+    with_process,
+    with_project_settings,
+)
 from assistant.compiler.merge_edits.last_output import write_unedited
 from assistant.compiler.motion_proof import (
     ComparisonTerms,
@@ -376,7 +382,8 @@ def compile(
     robot: whose arm runs it; chooses configurations and checks reach and limits. Default the
     program's robot, or the only one of its cell. cell: file of the cell: a program that touches
     anything there is not written; or the cell read from it, whose findings the caller reports.
-    process: process file of a drawing or table. unit: length unit of a drawing, overriding its own.
+    process: process file of a drawing or table; of a `Program` or a vendor program, whose tools,
+    frames and signals it states anew. unit: length unit of a drawing, overriding its own.
     placement: of a drawing. from_robot: the arm that a vendor program was written for.
     most_targets: of one unit, for controllers that take less. frames: how a language without work
     objects expresses them, see `Language.with_frames`. grammar: `full` has the proof parse programs
@@ -394,6 +401,8 @@ def compile(
     stands = cell if isinstance(cell, InCell) else replace(open_cell(cell, robot), seeing=seeing)
     if isinstance(source, Program):
         loaded = Loaded(source)
+        if process is not None:
+            loaded = with_process(loaded, process)
     elif isinstance(source, Loaded):
         loaded = source
     else:

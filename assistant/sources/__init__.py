@@ -97,7 +97,8 @@ def read(
         program = replace(program, interface=chosen.interface)
     seen = chosen.seen if reading.seen == NO_SEEN_SETTINGS else reading.seen
     found = (*findings, *reading.findings)
-    return Reading(program, found, chosen.joint_percent, seen, chosen.style)
+    percent = reading.joint_percent or chosen.joint_percent
+    return Reading(program, found, percent, seen, chosen.style)
 
 
 def _stage(source: FilePath) -> AbstractContextManager[None]:

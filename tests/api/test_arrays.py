@@ -208,3 +208,37 @@ def test_what_should_be_looked_at_is_a_warning_of_python():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assistant.from_poses(LINE, unit="m")
+
+
+@pytest.mark.parametrize("where", ["from_poses", "compile", "percent"])
+def test_the_first_move_gets_the_percentage_that_is_stated(tmp_path, where):
+    process = tmp_path / "lab.process.toml"
+    process.write_text("joint_percent = 13\n")
+    way = [Pose((300 + x, 0, 400), (0, 0, 1, 0)) for x in (0, 10, 20)]
+    stated = {"from_poses": {"process": process}, "percent": {"percent": 13}}.get(where, {})
+    program = assistant.from_poses(way, speed=80, robot=RV, **stated)
+    options = {"process": process} if where == "compile" else {}
+    text = text_of(program, language="melfa-basic-5", **options)
+    assert re.findall(r"JOvrd (\d+)", text) == ["13"] and re.findall(r"Spd (\d+)", text) == ["80"]
+
+
+def test_that_of_a_process_file_is_nothing_to_an_arm_that_takes_mm_s(tmp_path):
+    process = tmp_path / "lab.process.toml"
+    process.write_text("joint_percent = 13\n")
+    way = [Pose((400 + x, 0, 400), (0, 0, 1, 0)) for x in (0, 10)]
+    program = assistant.from_poses(way, speed=80, robot=IRB, process=process)
+    done = assistant.compile(program, language="rapid", process=process)
+    assert done.ok and not done.findings
+
+
+def test_a_process_file_states_the_tool_of_a_program_anew(tmp_path):
+    process = tmp_path / "lab.process.toml"
+    process.write_text("[tools.tool]\ntip = [0, 0, 77]\nmass = 1\ncentre = [0, 0, 40]\n")
+    way = [Pose((300 + x, 0, 400), (0, 0, 1, 0)) for x in (0, 10)]
+    program = assistant.from_poses(way, robot=IRB, tool=[0, 0, 50])
+    assert "[[0,0,77]" in text_of(program, language="rapid", process=process)
+
+
+def test_the_percentage_of_poses_is_one(tmp_path):
+    with pytest.raises(assistant.Refused, match="TB435"):
+        assistant.from_poses([Pose((300, 0, 400), (0, 0, 1, 0))], percent=0)

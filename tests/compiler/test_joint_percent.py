@@ -73,3 +73,19 @@ def test_what_is_no_percentage_is_told_of(tmp_path: Path, value: str) -> None:
     source.write_text(TABLE)
     (tmp_path / "way.process.toml").write_text(f"joint_percent = {value}\n")
     assert [finding.code for finding in check_files([source]).findings] == ["CT303"]
+
+
+@pytest.mark.parametrize("beside", [None, 33])
+def test_joint_moves_of_taught_targets_get_that_of_their_own_file(
+    tmp_path: Path, beside: int | None
+) -> None:
+    source = tmp_path / "taught.toml"
+    source.write_text(
+        'joint_percent = 14\n[[targets]]\nname = "home"\nposition = [300, 0, 400]\n'
+        "quaternion = [0, 0, 1, 0]\n"
+    )
+    if beside is not None:
+        (tmp_path / "taught.process.toml").write_text(f"joint_percent = {beside}\n")
+    done = compile(source, language="melfa-basic-5")
+    assert [line for line in lines(done) if line.startswith("JOvrd")] == ["JOvrd 14"]
+    assert "MB204" not in codes(done)

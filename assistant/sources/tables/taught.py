@@ -1,6 +1,7 @@
 """Files of taught targets, as TOML: read as a move to each in order, and edited.
 
     robot = "irb1200-7-0.7"         # the arm that it was taught on: joints are of this arm only
+    joint_percent = 20              # of joint moves, where a controller takes no mm/s
 
     [motion]                        # as in a process file, and so are [tools], [frames],
     speed = 100                     # [signals]; a process file may hold them as well
@@ -118,7 +119,7 @@ def read_taught(source: SourceText, stem: str, process: Process) -> Reading:
     if has_errors(findings):
         raise Refused(*sorted(findings, key=lambda f: f.line or 0))
     program = rows.program_of(name, body, cell, taught.targets, taught.joint_targets)
-    return Reading(program, findings, seen=cell.seen)
+    return Reading(program, findings, cell.joint_percent, cell.seen)
 
 
 def _with_own_tables(top: Table, own: Process, process: Process) -> Process:
@@ -136,6 +137,7 @@ def _with_own_tables(top: Table, own: Process, process: Process) -> Process:
         tools={**process.tools, **own.tools},
         frames={**process.frames, **own.frames},
         signals={**process.signals, **own.signals},
+        joint_percent=own.joint_percent or process.joint_percent,
         seen=own.seen if "seen" in top.content else process.seen,
     )
 
