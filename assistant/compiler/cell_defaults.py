@@ -22,8 +22,10 @@ from assistant.compiler.cell_equipment import (
     check_signals,
     controller_configuration,
     with_cell_equipment,
+    with_directions,
     with_lines,
     with_signals,
+    without_other_numbers,
 )
 from assistant.compiler.loader import Loaded, language_of
 from assistant.compiler.retarget import has_joint_angles
@@ -146,6 +148,7 @@ def with_cell_values(
     trees = [*origin.trees, *files]
     if files:
         wanted = language.wanted(trees)
+    cell = _with_signals_used(cell, loaded.program, wanted)
     signals = loaded.program.signals | dict(loaded.signals) | dict(cell.process.signals)
     wanted = tuple(_of_stated_kind(one, cell, signals) for one in wanted)
     declared = [one for one in wanted if one.kind != "signal"]
@@ -158,6 +161,7 @@ def with_cell_values(
     if files or given:
         anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
         program = _with_stated_tables(anew, program, origin.lifted)
+        cell = _with_signals_used(cell, program)
     check_signals(program, cell.process, str(path))
     program = _with_input_signals(program, wanted)
     told = _lowered_for_export(program, language)
@@ -186,15 +190,24 @@ def with_cell_values(
         if joint_speed is None and not taught and _has_percent_joints(told):
             missing.append(Wanted(JOINT_SPEED, "speed"))
             joint_speed = SLOW_SPEED.tcp
+    told_before = without_other_numbers(
+        loaded.findings, program, loaded.signals, cell.process.signals
+    )
     return replace(
         loaded,
         program=program,
-        findings=(*loaded.findings, *findings),
+        findings=(*told_before, *findings),
         joint_speed=joint_speed,
         joint_percent=cell.process.joint_percent or loaded.joint_percent,
         wanting=_with_uses((*missing, *unnumbered, *([arm] if stated is None else [])), told),
         arm=str(neutral_value(arm) if stated is None else stated) if joints else loaded.arm,
     )
+
+
+def _with_signals_used(cell: Cell, program: Program, wanted: Iterable[Wanted] = ()) -> Cell:
+    """A cell file whose signals without a stated direction have that in which they are used."""
+    read = {one.name: one.signal for one in wanted if one.signal is not None}
+    return replace(cell, process=with_directions(cell.process, {**read, **program.signals}))
 
 
 def _with_uses(missing: Iterable[Wanted], program: Program) -> tuple[Wanted, ...]:
@@ -316,8 +329,9 @@ def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
     if origin is None:
         return loaded
     cell, language, program = read_cell(path), language_of(origin.language), loaded.program
-    signals = program.signals | dict(loaded.signals) | dict(cell.process.signals)
     wanted = language.wanted(origin.trees)
+    cell = _with_signals_used(cell, program, wanted)
+    signals = program.signals | dict(loaded.signals) | dict(cell.process.signals)
     given = values_stated(wanted, {}, cell, signals)
     if given:
         trees = language.with_supplied(origin.trees, given, STATED_TEXT_NAME)
@@ -327,7 +341,8 @@ def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
     program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
     wanted = tuple(_of_stated_kind(one, cell, signals) for one in wanted)
     findings += tuple(_entries_unused(cell, wanted, origin.lifted, str(path)))
-    return replace(loaded, program=program, findings=(*loaded.findings, *findings))
+    told = without_other_numbers(loaded.findings, program, loaded.signals, cell.process.signals)
+    return replace(loaded, program=program, findings=(*told, *findings))
 
 
 def with_values_beside(

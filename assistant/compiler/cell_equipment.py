@@ -7,7 +7,7 @@ files of the program's controller: signals, the arm, values that the controller 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final, TypeVar
@@ -42,12 +42,12 @@ KEYS_WITHOUT_EFFECT = info(
 )
 _SIGNAL_MISMATCH = error(
     "CO010",
-    "the program uses `{name}` as {used}, but the process file states {stated}",
+    "the program uses `{name}` as {used}, but the file states {stated}",
     'write kind = "{kind}" and direction = "{direction}", or see which signal the program means',
 )
 _PROGRAM_KEYS: Final = (
     *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
-    *("seen", "findings"),
+    *("undirected", "seen", "findings"),
 )
 """Keys of a process file that a program takes from it."""
 _KEY_WORDS: Final = {"defaults": "motion"}
@@ -87,6 +87,45 @@ def with_cell_equipment(
         frames=_replaced_entries(program.frames, stated.frames),
         interface=stated.interface or program.interface,
     ), tuple(findings)
+
+
+def with_directions(stated: Process, used: Mapping[str, Signal]) -> Process:
+    """A process file whose signals without a stated direction have that of a program's signals."""
+    given = {name.lower(): signal.direction for name, signal in used.items()}
+    known = {name: given[name.lower()] for name in stated.undirected if name.lower() in given}
+    if not known:
+        return stated
+    signals = {
+        name: replace(signal, direction=known.get(name, signal.direction))
+        for name, signal in stated.signals.items()
+    }
+    return replace(stated, signals=signals, undirected=stated.undirected - known.keys())
+
+
+def without_other_numbers(
+    findings: Iterable[Diagnostic],
+    program: Program,
+    held: Mapping[str, Signal],
+    stated: Mapping[str, Signal],
+) -> tuple[Diagnostic, ...]:
+    """Findings in which those signals count no more that a file gives a number.
+
+    held: the signals that the controller's files state. stated: those of the file.
+    """
+    numbers = {name.lower(): signal.number for name, signal in held.items()}
+    given = {name.lower() for name, signal in stated.items() if signal.number is not None}
+    left = sum(
+        signal.number is not None
+        and numbers.get(name.lower()) == signal.number
+        and name.lower() not in given
+        for name, signal in program.signals.items()
+    )
+    told = _SIGNALS_NUMBERED(count=left)
+    return tuple(
+        replace(one, message=told.message) if one.code == told.code else one
+        for one in findings
+        if left or one.code != told.code
+    )
 
 
 def check_signals(program: Program, stated: Process, path: str) -> None:
@@ -181,7 +220,8 @@ _SIGNALS_NUMBERED: Final = info(
     "CO043",
     "{count} signals of the program have the numbers that its controller's files state, each "
     "device behind the one before",
-    "see that the other controller is wired so, or state other numbers in the process file",
+    "see that the other controller is wired so, or state other numbers in the process file or the "
+    "cell file",
 )
 _CROSS_CONNECTED: Final = warning(
     "CO044",

@@ -177,17 +177,22 @@ def load_text(
 
 def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
     """A program in the cell that a process file states; raises Unreadable or Refused."""
-    from assistant.compiler.cell_equipment import check_signals, with_cell_equipment
+    from assistant.compiler.cell_equipment import (
+        check_signals,
+        with_cell_equipment,
+        with_directions,
+        without_other_numbers,
+    )
     from assistant.sources.process.file import read_process
 
-    stated = read_process(process)
+    stated = with_directions(read_process(process), loaded.program.signals)
     check_signals(loaded.program, stated, str(process))
     program, findings = with_cell_equipment(loaded.program, stated, str(process))
-    found = (*loaded.findings, *findings)
+    told = without_other_numbers(loaded.findings, program, loaded.signals, stated.signals)
     return replace(
         loaded,
         program=program,
-        findings=found,
+        findings=(*told, *findings),
         joint_speed=stated.joint_speed,
         joint_percent=stated.joint_percent,
         seen=stated.seen,

@@ -35,8 +35,8 @@ def written(folder: Path, name: str, text: str) -> Path:
 @pytest.mark.parametrize(
     ("statement", "stated"),
     [
-        ("WaitDI part,1;", "number = 5"),
-        ("IF DInput(part)=1 Stop;", "number = 5"),
+        ("WaitDI part,1;", 'direction = "output"\nnumber = 5'),
+        ("IF DInput(part)=1 Stop;", 'direction = "output"\nnumber = 5'),
         ("SetDO part,1;", 'direction = "input"\nnumber = 5'),
         ("SetGO part,3;", "number = 5"),
         ("SetAO part,3;", "number = 6000"),
@@ -63,7 +63,9 @@ def test_a_signal_is_what_statements_use_it_as(
 
 def test_so_is_one_that_a_program_addresses_by_its_number(tmp_path: Path) -> None:
     program = written(tmp_path, "M.prg", MELFA)
-    process = written(tmp_path, "m.process.toml", "[signals.di_3]\nnumber = 3\n")
+    process = written(
+        tmp_path, "m.process.toml", '[signals.di_3]\ndirection = "output"\nnumber = 3\n'
+    )
     with pytest.raises(Refused, match="CO010"):
         load(program, process=process, language="melfa-basic-5")
 
@@ -75,3 +77,52 @@ def test_one_that_only_expressions_read_is_what_the_file_says(tmp_path: Path) ->
         process = written(tmp_path, "m.process.toml", stated)
         done = translate(load(program, process=process), to="melfa-basic-5")
         assert done.ok and f"{word}(5)".encode() in b"".join(done.files.values())
+
+
+@pytest.mark.parametrize("with_cell_file", [False, True])
+@pytest.mark.parametrize(
+    ("statement", "said"),
+    [("WaitDI part,1;", "M_In(5)"), ("IF DInput(part)=1 Stop;", "M_In(5)"),
+     ("SetDO part,1;", "M_Out(5)")],
+)  # fmt: skip
+def test_one_without_a_stated_direction_has_that_of_its_use(
+    tmp_path: Path, statement: str, said: str, with_cell_file: bool
+) -> None:
+    program = written(tmp_path, "m.mod", RAPID.format(statement=statement))
+    file = written(tmp_path, "m.toml", "[signals.part]\nnumber = 5\n")
+    loaded = with_values_of_file(load(program), file) if with_cell_file else None
+    done = translate(loaded or load(program, process=file), to="melfa-basic-5")
+    assert done.ok and said.encode() in b"".join(done.files.values())
+
+
+def test_so_has_one_whose_name_and_comparison_tell_it_in_a_cell_file(tmp_path: Path) -> None:
+    program = written(tmp_path, "m.mod", RAPID.format(statement="IF diPart=1 Stop;"))
+    file = written(tmp_path, "m.toml", "[signals.diPart]\nnumber = 5\n")
+    done = translate(program, to="melfa-basic-5", cell=file)
+    assert done.ok and b"M_In(5)" in b"".join(done.files.values())
+
+
+@pytest.mark.parametrize(
+    ("stated", "left"),
+    [
+        ("[signals.doOne]\nnumber = 30\n", "1 signal"),
+        ("[signals.doOne]\nnumber = 30\n[signals.DOTWO]\nnumber = 6\n", ""),
+        ("[tools.gun]\ntip = [0, 0, 10]\n", "2 signal"),
+    ],
+)
+@pytest.mark.parametrize("with_cell_file", [False, True])
+def test_numbers_of_the_controller_are_told_of_where_no_file_gives_others(
+    tmp_path: Path, stated: str, left: str, with_cell_file: bool
+) -> None:
+    rows = [f'      -Name "do{name}" -SignalType "DO" -DeviceMap "{bit}"\n'
+            for name, bit in (("One", 5), ("Two", 6))]  # fmt: skip
+    (tmp_path / "SYSPAR").mkdir()
+    written(tmp_path, "SYSPAR/EIO.cfg", "EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n" + "".join(rows))
+    program = written(tmp_path, "m.mod", RAPID.format(statement="SetDO doOne,1;SetDO doTwo,1;"))
+    file = written(tmp_path, "m.toml", stated)
+    if with_cell_file:
+        loaded = with_values_of_file(load(program), file)
+    else:
+        loaded = load(program, process=file)
+    told = [one.message for one in loaded.findings if one.code == "CO043"]
+    assert len(told) == bool(left) and all(one.startswith(left) for one in told)

@@ -525,12 +525,13 @@ class Process:
     robot: name of the arm that joints were taught on and that runs the program, None if not stated.
     leave_out: layers that are not wanted, compared without case, `*` being any letters. left_out:
     line types and single contours that are not wanted. follow: layers, blocks and line types that
-    are worked although their names mean drafting, spelled as in leave_out. placement:
-    the drawing's world in the default frame, None where it is that frame. joint_speed: mm/s of
-    joint moves of a robot program whose percentage has no equivalent in mm/s. joint_percent: of
-    joint moves whose mm/s cannot be expressed, None for the share of the fastest. lines: by their
-    numbers on the source's controller. interface: place of the program among other programs, None
-    if not stated. home: degrees of the axes (mm of sliding ones) at which the program of a drawing
+    are worked although their names mean drafting, spelled as in leave_out. placement: the drawing's
+    world in the default frame, None where it is that frame. joint_speed: mm/s of joint moves of a
+    robot program whose percentage has no equivalent in mm/s. joint_percent: of joint moves whose
+    mm/s cannot be expressed, None for the share of the fastest. lines: by their numbers on the
+    source's controller. interface: place of the program among other programs, None if not stated.
+    undirected: names of signals without a stated direction, which are outputs unless a program says
+    otherwise. home: degrees of the axes (mm of sliding ones) at which the program of a drawing
     begins and ends, None for the position of the arm. seen: for frames that are seen, the limits of
     trust in sights, and the server that a program asks. around: bodies around the work, which no
     process file states; None if they are unknown. merges: rows that repeat the pose of the row
@@ -556,6 +557,7 @@ class Process:
     joint_percent: float | None = None
     lines: Mapping[int, ChannelLine] = field(default_factory=dict)
     interface: Interface | None = None
+    undirected: frozenset[str] = frozenset()
     home: tuple[float, ...] | None = None
     seen: SeenSettings = NO_SEEN_SETTINGS
     around: Surroundings | None = None

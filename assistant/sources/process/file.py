@@ -630,6 +630,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         for layer, table in top.table("layers").named(identifiers=False)
     }
     tags = top.table("tags").read(_tag_keys(top))
+    directed = (n for n, t in top.table("signals").named() if "direction" in t.content)
     placement = (
         _read_placement(top.table(PLACEMENT_TABLE))
         if not beside and PLACEMENT_TABLE in top.content
@@ -648,6 +649,7 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         lines=lines,
         placement=placement,
         interface=interface,
+        undirected=frozenset(signals).difference(directed),
         seen=seen,
         style=ProgramStyle(**style),
         findings=findings,

@@ -245,7 +245,7 @@ CASES: Final = (
     Case(
         "CO010",
         "translate a.mod --to melfa-basic-5 -o out -p p.toml",
-        {"a.mod": WAITING, "p.toml": "[signals.ready]\nnumber = 3\n"},
+        {"a.mod": WAITING, "p.toml": READY.replace("input", "output")},
         change={"p.toml": READY},
     ),
     Case(
