@@ -263,3 +263,6 @@ def test_no_arm_of_one_maker_is_the_same_as_one_of_another(capsys):
     status, _, err = run(capsys, *given, "--cell", "cell.toml")
     assert status == 1 and "CO080" in err
     assert not Path("HOME.prg").exists()
+    Path("cell.toml").write_text('[arms.taught_on]\narm = "irb1200-7-0.7"\n')
+    status, said, err = run(capsys, *given, "--cell", "cell.toml")
+    assert "CO080" not in err and "CO501" in said
