@@ -15,6 +15,8 @@ from assistant.virtual.cr.mxt import Bits, MxtArm, MxtControl
 
 ARM = robots.get("rv-4frl")
 CYCLE = 0.002
+STAMP = 35
+"""SO_TIMESTAMPNS, which `socket` does not name."""
 
 
 class Peer:
@@ -71,6 +73,24 @@ def ended(peer, control, *given, **fields):
 HOME = tuple(np.radians(ARM.home))
 
 
+@contextlib.contextmanager
+def stamped():
+    """Linux stamps packets as they arrive a while after the first socket asked for that."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
+        own.bind(("127.0.0.1", 0))
+        own.setsockopt(socket.SOL_SOCKET, STAMP, 1)
+
+        def is_stamped():
+            own.sendto(b".", own.getsockname())
+            time.sleep(0.02)
+            _, ((_, _, moment), *_), _, _ = own.recvmsg(1, 64)
+            seconds, nanoseconds = struct.unpack_from("=qq", moment)
+            return time.time() - (seconds + 1e-9 * nanoseconds) >= 0.02
+
+        until(is_stamped)
+        yield
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="packets carry their moment on Linux only")
 def test_a_packet_that_came_before_the_reply_answers_none():
     class Meanwhile(Bits):
@@ -78,7 +98,7 @@ def test_a_packet_that_came_before_the_reply_answers_none():
             peer.send(angles=HOME)
 
     signals = Meanwhile()
-    with running(signals=signals) as (peer, control):
+    with stamped(), running(signals=signals) as (peer, control):
         peer.ask(angles=HOME, at48=1)
         peer.socket.recv(2048)
         assert control.result.answers == []
