@@ -252,7 +252,10 @@ def test_a_copy_of_a_file_that_a_task_loads_is_no_program_of_its_own(
     assert "HOME/user.sys" not in said
 
 
-def test_no_arm_of_one_maker_is_the_same_as_one_of_another(capsys):
+def test_no_arm_of_one_maker_is_the_same_as_one_of_another(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     Path("home.mod").write_text(
         "MODULE home\n"
         "  CONST jointtarget home:=[[0,-10,20,0,80,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
