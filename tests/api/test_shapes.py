@@ -115,7 +115,7 @@ QUATERNIONS = POSES[:, 3:]
         lambda: arms.InverseKinematics("ik", "rv-2aj"),
         lambda: arms.SimulatedArm("arm", ROBOT, start=[0.0] * 5),
         lambda: arms.SimulatedArm("arm", ROBOT, lag=np.nan),
-        lambda: sources.Constant("one", np.nan),
+        lambda: sources.Constant("one", "seam"),
         lambda: sources.Table("way", [0.0, 1.0], [[1.0], [np.nan]]),
         lambda: sources.Table("way", [1.0, 0.0], [[1.0], [2.0]]),
         lambda: sources.joint_table("way", ROBOT, [0.0, 1.0], np.zeros((2, 5))),

@@ -154,7 +154,9 @@ def test_a_single_file_goes_to_standard_output(tmp_path):
 
 def test_show_can_be_piped_into_compile(capsys, monkeypatch, tmp_path):
     plain = tmp_path / "plain.process.toml"
-    plain.write_text('[style]\nprocedures = "none"\ncomments = false\nconstants = false\n', "utf-8")
+    style = '[style]\nprocedures = "none"\nconstants = false\n'
+    tools = (SAMPLES / "positioning.process.toml").read_text("utf-8")
+    plain.write_text(style + tools, encoding="utf-8")
     status, text, _ = run(capsys, "show", POSITIONING)
     assert status == 0
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
