@@ -100,7 +100,12 @@ def teaching_arm(program: Program, arms: Arms) -> Robot | None:
 
 
 def arms_of_loaded(loaded: Loaded, arms: Arms) -> Arms:
-    """The arms of a program that was read, with what a cell file says of them."""
+    """The arms of a program that was read, with what a cell file says of them.
+
+    Raises Refused if it says that joint angles are of an arm which runs no program of their
+    language.
+    """
+    _check_same_arm(loaded, arms.robot)
     taught = None if loaded.arm in (None, SAME_ARM) else robot_of(loaded.arm)
     same, written_for = loaded.arm == SAME_ARM, arms.written_for or taught
     return replace(
@@ -111,6 +116,26 @@ def arms_of_loaded(loaded: Loaded, arms: Arms) -> Arms:
         same=same,
         seeing=arms.seeing.beside(loaded.seen),
     )
+
+
+_NOT_SAME: Final = error(
+    "CO080",
+    "the joint angles are of an arm that runs {language}, which {arm} does not: on it they lead to "
+    'other places, so `arm = "same"` in the cell file cannot be',
+    "write the arm that they were taught on, by its name in `robot-assistant robots`",
+)
+
+
+def _check_same_arm(loaded: Loaded, robot: Robot | None) -> None:
+    from assistant import languages
+
+    origin = loaded.program.origin
+    stated = not any(one.kind == "arm" for one in loaded.wanting)
+    if robot is None or origin is None or loaded.arm != SAME_ARM or not stated:
+        return
+    language = languages.get(origin.language)
+    if language.family not in {languages.get(name).family for name in robot.languages}:
+        raise Refused(_NOT_SAME(language=language.title, arm=robot.name))
 
 
 _EMPTY_CELL: Final = warning(

@@ -88,12 +88,6 @@ _TWO_KINDS: Final = error(
     "the cell file states `{name}` as data and as a signal",
     "keep the table of what it is, and delete the other one",
 )
-_NOT_SAME: Final = error(
-    "CO080",
-    "the joint angles are of an arm of {source}, which runs no {target}: on another arm they lead "
-    'to other places, so `arm = "same"` cannot be',
-    "write the arm that they were taught on, by its name in `robot-assistant robots`",
-)
 _ENTRY_UNUSED: Final = warning(
     "CO079",
     "`{entry}` of the cell file is not used: {reason}",
@@ -179,8 +173,6 @@ def with_cell_values(
         and (has_joint_angles(program) or has_joint_angles(told))
     )
     stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
-    if joints and stated == SAME_ARM and to is not None and to.family != language.family:
-        raise Refused(_NOT_SAME(source=language.title, target=to.title).within(str(path)))
     joint_speed = cell.process.joint_speed or _joint_speed(cell) or loaded.joint_speed
     if to is None or to.family != language.family:
         open_ends = _lines_opened(told)  # without those whose other end the program states itself
