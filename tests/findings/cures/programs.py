@@ -179,9 +179,9 @@ CASES: Final = (
     ),
     Case(
         "CO510",
-        "translate a.mod --to melfa-basic-5",
+        "compile a.mod -l melfa-basic-5 -o out",
         {"a.mod": IDLE},
-        ("translate a.mod --to melfa-basic-5 --from-robot irb1200-7-0.7 --robot rv-4frl",),
+        ("compile a.mod -l melfa-basic-5 --from-robot irb1200-7-0.7 --robot rv-4frl -o out",),
     ),
     Case(
         "CO034",
