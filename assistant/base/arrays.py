@@ -47,10 +47,7 @@ def rows_of(values: ArrayLike, width: int, what: str) -> Floats:
 
     what: names the rows in the finding. Nothing is copied that need not be.
     """
-    try:
-        array = _reals(values)
-    except ValueError as reason:
-        raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
+    array = _reals_of(values, what)
     if array.shape[-1:] == (width,):
         return array if array.ndim == 2 else array.reshape(-1, width)
     if array.shape == (0,):
@@ -90,10 +87,7 @@ def number_of(value: object, what: str) -> float:
 
 def row_of(values: ArrayLike, what: str) -> Floats:
     """A row (k,) of real numbers, NaN included, also of a single one; raises Refused for others."""
-    try:
-        found = np.atleast_1d(_reals(values))
-    except ValueError as reason:
-        raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
+    found = np.atleast_1d(_reals_of(values, what))
     if found.ndim != 1 or not found.size:
         raise Refused(_NO_REALS(what=what, reason=f"the shape is {found.shape}, not (k,)"))
     return found
@@ -112,10 +106,7 @@ def finite_columns(values: ArrayLike, what: str, width: int | None = None) -> Fl
 
     width: k that is required, None for any.
     """
-    try:
-        found = _reals(values)
-    except ValueError as reason:
-        raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
+    found = _reals_of(values, what)
     if found.ndim == 1 and width in (None, 1):
         found = found[:, None]
     if found.ndim != 2 or not found.size or width not in (None, found.shape[1]):
@@ -178,6 +169,14 @@ def _reals(values: ArrayLike) -> Floats:
         raise ValueError("it is empty") from None
     except (TypeError, OverflowError) as error:
         raise ValueError(str(error)) from None
+
+
+def _reals_of(values: ArrayLike, what: str) -> Floats:
+    """Same as `_reals`; raises Refused."""
+    try:
+        return _reals(values)
+    except ValueError as reason:
+        raise Refused(_NO_REALS(what=what, reason=str(reason))) from None
 
 
 def evenly_spaced(count: int, most: int) -> Rows:

@@ -282,7 +282,7 @@ def _entries_unused(
 ) -> Iterator[Diagnostic]:
     """Yield a finding for each value of a cell file that a program has a name for, and not the use.
 
-    Of other names the file may speak for other programs of the cell. wanted: the names that the
+    Other names may be those of other programs of the cell. wanted: the names that the
     program does not declare. lifted: the program as it was read. path: of the cell file.
     """
     used = {(TABLE_OF_KIND[one.kind], one.name.lower()) for one in wanted}

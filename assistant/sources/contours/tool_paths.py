@@ -637,7 +637,7 @@ class PathShaper:
         return order
 
     def _waits_for(self, row: int, left: Container[int]) -> dict[int, int]:
-        """How many contours of each other layer left lie inside those of a layer that minds."""
+        """Count the contours inside those of a layer, by the layers that are not yet ordered."""
         inner = self.nestings[row].around if self.layers[row][0].inside_first else {}
         return {other: count for other, count in inner.items() if other in left}
 
