@@ -51,7 +51,7 @@ _NO_RULE: Final = error(
 )
 
 
-_CURE_OF_ITS_OWN: Final = "follow the cure below the message of the finding, as it depends on the case"
+_CURE_OF_ITS_OWN: Final = "follow the cure below the message, as it depends on the case"
 
 
 @dataclass(frozen=True, slots=True)

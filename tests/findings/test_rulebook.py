@@ -107,7 +107,7 @@ def test_what_to_do_is_said_in_words() -> None:
 def test_the_page_says_what_to_do_where_each_finding_has_a_cure_of_its_own() -> None:
     assert "What to do: give the work its place: `position`" in explain(["CO340"])
     assert "What to do: read both" in explain(["RA306"])
-    assert "What to do: each finding says it" in explain(["CO002"])
+    assert "What to do: follow the cure below the message" in explain(["CO002"])
 
 
 def test_a_code_that_is_none_is_refused() -> None:
