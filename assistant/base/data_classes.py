@@ -4,8 +4,7 @@
 which took half the time of `check` on a small file. Here, `__eq__`, `__hash__`, `__repr__` and the
 protection of frozen instances are closures over the field names, and classes with fields of the
 same kinds share the code of `__init__`. Fields, slots, `replace`, `asdict` and `match` are those
-of `dataclasses`. What type checkers report anyway is not refused here: a frozen class that inherits
-from one that is not frozen, and the other way round.
+of `dataclasses`, whose own decorator may be used on classes that inherit from these.
 """
 
 from __future__ import annotations
@@ -63,7 +62,12 @@ def _build(
     )
     # Without a docstring, `dataclasses` writes one of the signature, at the cost of all the rest.
     cls.__doc__ = cls.__doc__ or cls.__qualname__
-    built: type = dataclasses.dataclass(init=False, repr=False, eq=False, **options)(cls)
+    # Only `dataclasses` compares the protection of a class with that of its bases.
+    inherits = any(dataclasses.is_dataclass(base) for base in cls.__bases__)
+    protected = frozen and inherits
+    built: type = dataclasses.dataclass(
+        init=False, repr=False, eq=False, frozen=protected, **options
+    )(cls)
     own = fields(built)
     for field in vars(built)["__dataclass_fields__"].values():
         if field not in own and "InitVar" in str(field.type):
@@ -77,7 +81,7 @@ def _build(
         methods["__eq__"] = _comparison([field.name for field in own if field.compare])
         if not defines_hash:
             built.__hash__ = _hash(own) if frozen else None  # type: ignore[assignment]
-    if frozen:
+    if frozen and not protected:
         methods |= {"__setattr__": _refuse_change, "__delattr__": _refuse_removal}
         if options.get("slots", False):
             methods |= {"__getstate__": _read_state, "__setstate__": _write_state}
@@ -86,6 +90,8 @@ def _build(
             setattr(built, name, method)
         elif name in ("__setattr__", "__delattr__"):
             raise TypeError(f"cannot overwrite {name} of frozen {cls.__qualname__}")
+    parameters = vars(built)["__dataclass_params__"]
+    parameters.init, parameters.repr, parameters.eq, parameters.frozen = True, repr, eq, frozen
     return built
 
 

@@ -167,6 +167,34 @@ def test_a_record_in_itself_is_described() -> None:
     assert repr(loop) == "Loop(a=...)"
 
 
+@pytest.mark.parametrize("base", ["ours", "theirs"])
+@pytest.mark.parametrize("derived", ["ours", "theirs"])
+@pytest.mark.parametrize("frozen", [(True, True), (False, False), (True, False), (False, True)])
+def test_classes_of_both_kinds_inherit_from_each_other(
+    base: str, derived: str, frozen: tuple[bool, bool]
+) -> None:
+    def use(base: str, derived: str) -> Any:
+        module = ModuleType(f"{__name__}_both_{base}_{derived}")
+        sys.modules[module.__name__] = module
+        vars(module).update(base=DECORATORS[base], derived=DECORATORS[derived])
+        exec(
+            f"@base(frozen={frozen[0]}, slots=True)\nclass Base:\n    a: int\n    b: int = 1\n"
+            f"@derived(frozen={frozen[1]}, slots=True)\nclass Derived(Base):\n    c: int = 2\n",
+            vars(module),
+        )
+        return observe(module.Derived)
+
+    plain = outcome(lambda: use("theirs", "theirs"))
+    assert (plain is TypeError) == (frozen[0] != frozen[1])
+    assert outcome(lambda: use(base, derived)) == plain
+
+
+def test_the_options_of_a_class_can_be_read() -> None:
+    text = "@dataclass(frozen=True, repr=False)\nclass Fixed:\n    a: int\n"
+    ours, theirs = (vars(build(text, source))["__dataclass_params__"] for source in DECORATORS)
+    assert repr(ours) == repr(theirs)
+
+
 def test_an_argument_for_post_init_alone_is_refused() -> None:
     text = (
         "from dataclasses import InitVar\n"

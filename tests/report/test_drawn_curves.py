@@ -10,7 +10,7 @@ import pytest
 from assistant.cli import main
 from assistant.report.contour_plot import drawn_lines
 from assistant.report.track import arc_points
-from assistant.studio.process_files import _drawn_lines
+from assistant.studio.drawn_contours import DrawnContours
 from tests.sources.contours.exports import apart
 
 
@@ -59,7 +59,7 @@ def test_the_studio_draws_it_as_far_as_is_seen(waves):
     from assistant.sources.process import NO_PROCESS
 
     path, points = waves
-    (line,) = _drawn_lines(path, NO_PROCESS)
+    (line,) = DrawnContours.of(path, NO_PROCESS).records(numbered=False)["lines"]
     assert apart(points, np.array(line["points"])).max() <= 0.1
 
 
