@@ -27,7 +27,7 @@ from assistant.base.diagnostics import (
     notes_last,
 )
 from assistant.base.source_text import visible
-from assistant.findings.rulebook import Page, cure_in_general, page_address, pages, rules
+from assistant.findings.rulebook import Page, cure_in_general, page_address, pages, rule_of
 
 _SARIF_SCHEMA: Final = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -138,7 +138,6 @@ def sarif(
     ignored: findings that a comment ignores, marked as suppressed. root: an absolute folder;
     files inside it are named relative to it.
     """
-    book = rules()
     codes = sorted({f.code for f in (*findings, *ignored)})
     index = {code: number for number, code in enumerate(codes)}
     results = [_result(f, index, root) for f in findings]
@@ -155,7 +154,7 @@ def sarif(
                         "name": "robot-assistant",
                         "version": __version__,
                         "informationUri": page_address("").rstrip("#"),
-                        "rules": [_rule(book[code]) for code in codes],
+                        "rules": [_rule(rule) for code in codes if (rule := rule_of(code))],
                     }
                 },
                 "originalUriBaseIds": {BASE: {"uri": root.as_uri().rstrip("/") + "/"}},

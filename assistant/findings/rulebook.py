@@ -5,9 +5,12 @@ from __future__ import annotations
 import importlib
 import importlib.resources
 import pkgutil
+import re
 import string
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from functools import cache
+from itertools import chain
+from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
@@ -51,6 +54,10 @@ _NO_RULE: Final = error(
 )
 
 
+_DEFINITION: Final = re.compile(
+    rb'\b(?:Rule|error|warning|info|missing_extra)\((?:\s|#.*\n)*"([A-Z]{2}[0-9]{3})"'
+)
+"""What defines a rule, in the text of a module."""
 _CURE_OF_ITS_OWN: Final = "follow the cure below the message, as it depends on the case"
 
 
@@ -87,6 +94,32 @@ def pages() -> Mapping[str, Page]:
     return {code: Page(**page) for table in tables for code, page in table.items()}
 
 
+def rule_of(code: str) -> Rule | None:
+    """Return the rule of a code, None if there is none. Imports the modules that define it."""
+    for name in _modules_by_code().get(code, ()):
+        rules = chain.from_iterable(map(_in, vars(importlib.import_module(name)).values()))
+        if (rule := next((rule for rule in rules if rule.code == code), None)) is not None:
+            return rule
+    return None
+
+
+def codes() -> Set[str]:
+    """Return the codes of all rules."""
+    return _modules_by_code().keys()
+
+
+@cache
+def _modules_by_code() -> Mapping[str, Sequence[str]]:
+    """Return names of modules by the codes whose rules their texts define, without an import."""
+    package = Path(assistant.__path__[0])
+    found: dict[str, list[str]] = {}
+    for file in sorted(package.rglob("*.py")):
+        for code in _DEFINITION.findall(file.read_bytes()):
+            module = ".".join(file.relative_to(package.parent).with_suffix("").parts)
+            found.setdefault(code.decode(), []).append(module.removesuffix(".__init__"))
+    return found
+
+
 @cache
 def rules() -> Mapping[str, Rule]:
     """Every rule by code; raises ValueError if two rules share one. Imports all of the package."""
@@ -118,11 +151,10 @@ def page_address(code: str) -> str:
 
 def explain(codes: Sequence[str]) -> str:
     """Return the pages of the rules with these codes; raises Refused for an unknown code."""
-    book = rules()
-    unknown = [code for code in codes if code.upper() not in book]
-    if unknown:
+    found = {code: rule_of(code.upper()) for code in codes}
+    if unknown := [code for code, rule in found.items() if rule is None]:
         raise Refused(*(_NO_RULE(code=code) for code in unknown), exit_status=2)
-    return "\n".join(section(book[code.upper()]) for code in codes)
+    return "\n".join(section(rule) for code in codes if (rule := found[code]))
 
 
 def cure_in_general(rule: Rule) -> str:

@@ -145,12 +145,11 @@ class _Page:
 
     def look_up(self, levels: Mapping[str, Severity | None], written: Mapping[str, str]) -> None:
         """Says which codes there are not, and which cannot be turned down."""
-        book = rulebook.rules() if levels else {}
         for code, level in levels.items():
             at = (TABLE, written[code])
-            if not code or not any(known.startswith(code) for known in book):
+            if not code or not any(known.startswith(code) for known in rulebook.codes()):
                 self.say(_NO_SUCH_CODE, at, code=written[code])
-            elif (rule := book.get(code)) and _is_lower(level, rule.severity):
+            elif (rule := rulebook.rule_of(code)) and _is_lower(level, rule.severity):
                 if not rulebook.adjustable(rule):
                     self.say(_NOT_LOWERED, at, code=code)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 import re
+import subprocess
+import sys
 from pathlib import Path
 from string import Formatter
 
@@ -14,11 +16,13 @@ from assistant.cell.cell_file import read_scene
 from assistant.compiler import check_files
 from assistant.findings.rulebook import (
     adjustable,
+    codes,
     cure_in_general,
     explain,
     families,
     page_address,
     pages,
+    rule_of,
     rules,
     section,
 )
@@ -51,6 +55,24 @@ def found_in_cell(folder: Path, text: str) -> set[str]:
 
 def test_every_rule_is_of_a_known_family() -> None:
     assert {code[:2] for code in rules()} == set(families())
+
+
+def test_a_rule_is_found_by_its_code_alone() -> None:
+    assert codes() == set(rules())
+    assert {code: rule_of(code) for code in codes()} == rules()
+    assert rule_of("RA000") is None
+
+
+def test_a_page_needs_no_other_room() -> None:
+    """What a drawing or a language brings takes seconds to be imported."""
+    rooms = ("assistant.compiler", "assistant.robots", "ezdxf", "matplotlib", "scipy", "lsprotocol")
+    script = (
+        "import sys; from assistant.cli import main\n"
+        "try: main(['explain', 'CN301'])\n"
+        f"except SystemExit as end: print(end.code, {{*sys.modules}} & {{*{rooms}}})"
+    )
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert said.stdout.endswith("0 set()\n"), said
 
 
 def test_no_rule_takes_the_name_of_another() -> None:
