@@ -233,31 +233,29 @@ def test_a_deployment_that_died_is_finished_and_is_taken_back(bench):
     assert tally.ends == {"open": 1}
 
 
-EVERY = {"cut": 30, "refuse": 30, "kill": 20, "full here": 200, "full there": 2500}
+EVERY = {"cut": 60, "refuse": 60, "kill": 40, "full here": 400, "full there": 5000}
 """Which of the places that there are is tried; 1 is every byte, step or size."""
 
 
 @pytest.mark.slow
-def test_nothing_is_lost_whatever_happens(tmp_path, tell):
-    """Some 100 faults of each controller; a server that is not installed is left out."""
+@pytest.mark.parametrize("name", BENCHES)
+def test_nothing_is_lost_whatever_happens(name, tmp_path, tell):
+    """Some 50 faults of each controller; a server that is not installed is left out."""
     faults, losses, lines = 0, [], []
-    for number, (name, make) in enumerate(BENCHES.items()):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        for fault, act in FAULTS.items():
-            told = f"{name}, {fault}: "
-            try:
-                tally = tried(make, folder / fault.replace(" ", "_"), act, EVERY[fault])
-            except pytest.skip.Exception as skipped:
-                told += str(skipped)
-            else:
-                told += tally.told()
-                faults += tally.faults
-                losses += [f"{name}, {loss}" for loss in tally.losses]
-            lines.append(told)
-    tell("\n".join([*lines, f"deployments: {faults} faults, {len(losses)} losses"]))
+    for fault, act in FAULTS.items():
+        told = f"{name}, {fault}: "
+        try:
+            tally = tried(BENCHES[name], tmp_path / fault.replace(" ", "_"), act, EVERY[fault])
+        except pytest.skip.Exception as skipped:
+            told += str(skipped)
+        else:
+            told += tally.told()
+            faults += tally.faults
+            losses += tally.losses
+        lines.append(told)
+    tell("\n".join(lines))
     assert losses == []
-    assert faults >= 300
+    assert faults >= 25 or not faults  # none where its server is not installed
 
 
 def tried(make, folder, act, every):
