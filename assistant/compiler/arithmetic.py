@@ -1,22 +1,24 @@
 """Results that the controllers of two languages may compute differently.
 
-Halves that are rounded, remainders below 0, and sums of small steps.
+Halves that are rounded, remainders below 0, sums of small steps, and angles where a little counts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterable, Iterator
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from assistant.base.diagnostics import Diagnostic, error, warning
+from assistant.base.diagnostics import Diagnostic, Span, error, warning
 from assistant.compiler.loader import with_project_settings
 from assistant.languages.language_types import ARITHMETIC
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.converted_angles import EDGES, doubtful_angles
 from assistant.program.analysis.integer_inference import NumberFacts
+from assistant.program.analysis.possible_values import PossibleValues
 from assistant.program.program import Procedure, Program
 from assistant.program.statement_index import statements_with
 
@@ -40,6 +42,18 @@ _INEXACT_STEPS: Final = warning(
     "controller and may be missed by the other",
     "count in whole numbers and multiply by {step}, or compare with a value between two steps",
 )
+_ANGLE_AT_EDGE: Final = warning(
+    "CO127",
+    "a value that is worked out with an angle {edge}: one controller has the angle in radian, the "
+    "other in degrees, and after rounding they may go different ways at the edge",
+    "{cure}",
+)
+_EDGE_CURES: Final = {
+    "=": "ask whether the difference is below a tolerance, such as 0.001",
+    "whole": "add a tolerance such as 0.001 before it is cut off, or round it to the nearest",
+    "switch": "round it to the nearest first, or ask for ranges",
+    "count": "let it end between two steps, such as half a step further",
+}
 _NEAR_STEP_PART: Final = 1e-3
 """Parts of a step by which a bound may be off a multiple of it and still be met."""
 _OPERATION_WORDS: Final = {
@@ -56,11 +70,12 @@ _RESULT_WORDS: Final = {
 
 
 def arithmetic_findings(
-    program: Program, source: Language[Any], target: Language[Any]
+    program: Program, exported: Program, source: Language[Any], target: Language[Any]
 ) -> Iterator[Diagnostic]:
     """Findings on what a lifted program works out, where the language of it and another differ.
 
-    Raises Unreadable or Refused if the project's file is broken.
+    exported: the program without what its own language alone has. Raises Unreadable or Refused if
+    the project's file is broken.
     """
     if source.family == target.family or program.origin is None:
         return
@@ -82,63 +97,113 @@ def arithmetic_findings(
             )
         elif key not in one or key not in other:
             yield _ARITHMETIC_ASSUMED(**tables, what=what, way=_RESULT_WORDS[first], span=span)
-    yield from _inexact_steps(program)
+    # Exported, a program has the constants of its language as numbers.
+    counted = {one.span: one for of in (exported, program) for one in _inexact_steps(of)}
+    yield from counted.values()
+    yield from _angles_at_edges(program, exported, counted)
+
+
+def _angles_at_edges(
+    program: Program, exported: Program, known: Container[Span | None]
+) -> Iterator[Diagnostic]:
+    """Findings on angles, in another unit in each language, where a little rounding counts.
+
+    As lifted, a program has the conversions that its export may join to others; exported, it has
+    the angles that its own functions give. known: spans that another finding is about.
+    """
+    found = dict.fromkeys(
+        (statement.span, edge)
+        for one in (program, exported)
+        for statement, edge in doubtful_angles(one)
+        if statement.span is not None and statement.span not in known
+    )
+    for span, edge in found:
+        yield _ANGLE_AT_EDGE(edge=EDGES[edge], cure=_EDGE_CURES[edge], span=span)
 
 
 def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
     """Findings on loops and comparisons that end where a sum of inexact steps meets a bound."""
-    steps: dict[str, float] = {}
-    bounds: list[tuple[str, float | None, Any]] = []
-    constants = {
-        name.lower(): variable.initial
+    possible: PossibleValues | None = None
+    steps: dict[str, set[float]] = {}
+    starts: dict[str, set[float]] = {
+        name.lower(): {variable.initial.value}
         for name, variable in program.variables.items()
-        if variable.storage == "constant"
+        if isinstance(variable.initial, e.Number)
     }
+    bounds: list[tuple[str, set[float], Any]] = []
 
-    def number(value: e.Expression | None) -> float | None:
-        match value:
-            case e.Name(name):
-                return number(constants.get(name.lower()))
-            case e.Binary("*", angle, e.Number(e.DEGREE)):
-                degrees = number(angle)
-                return None if degrees is None else degrees * e.DEGREE
-        return float(value.value) if isinstance(value, e.Number) else None
+    def numbers(value: e.Expression, procedure: Procedure) -> set[float]:
+        """Return the numbers that a value may be, none if they are not known."""
+        nonlocal possible
+        possible = possible or PossibleValues(program)
+        return set(possible.of(value, procedure) or ())
 
-    def bound(counted: e.Expression, value: e.Expression, span: Any) -> None:
-        """Note a comparison of a name, or of its degrees, with a value."""
-        match counted:
-            case e.Name(name):
-                bounds.append((name, number(value), span))
-            case e.Binary("/", e.Name(name), e.Number(e.DEGREE)):
-                bounds.append((name, number(e.Binary("*", value, e.Number(e.DEGREE))), span))
+    for procedure in program.procedures:
+        for statement, parts in statements_with(procedure, p.For, p.Assign, e.Binary):
+            match statement:
+                case p.For(variable, first, last, step=each) if each is not None:
+                    for step in sorted(filter(_is_inexact, numbers(each, procedure))):
+                        begun, ends = numbers(first, procedure), numbers(last, procedure)
+                        met = [end for end in ends if _meets_bound(begun or {0.0}, end, step)]
+                        if met or not begun or not ends:
+                            yield _steps_finding(variable, step, min(met, default=None), statement)
+                            break
+                case p.Assign(target, value) if (name := _counted(target)) is not None:
+                    added = _step_of(name, value)
+                    known = starts if added is None else steps
+                    found = numbers(value if added is None else added, procedure)
+                    known.setdefault(name, set()).update(found)
+            for part in parts:
+                match part:
+                    case e.Binary(relation, one, other) if relation in e.RELATIONS:
+                        for asked, value in ((one, other), (other, one)):
+                            counted, bound = _in_own_unit(asked, value)
+                            if (name := _counted(counted)) is not None:
+                                bounds.append((name, numbers(bound, procedure), statement))
+    for name, ends, statement in bounds:
+        for step in sorted(filter(_is_inexact, steps.get(name, ()))):
+            met = [end for end in ends if _meets_bound(starts.get(name) or {0.0}, end, step)]
+            if met:
+                yield _steps_finding(name, step, min(met), statement)
+                break
 
-    def finding(name: str, step: float, end: float | None, span: Any) -> Diagnostic:
-        met = "the last value" if end is None else f"{end:g}"
-        return _INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=met, span=span)
 
-    for statement, parts in statements_with(program, p.For, p.Assign, e.Binary):
-        match statement:
-            case p.For(variable, first, last, step=each):
-                step, end = number(each), number(last)
-                if (
-                    step is not None
-                    and _is_inexact(step)
-                    and _meets_bound(number(first), end, step)
-                ):
-                    yield finding(variable, step, end, statement.span)
-            case p.Assign(e.Name(name), e.Binary("+" | "-", e.Name(other), each)):
-                step = number(each)
-                if name.lower() == other.lower() and step is not None and _is_inexact(step):
-                    steps[name.lower()] = step
-        for part in parts:
-            match part:
-                case e.Binary(relation, one, other_side) if relation in e.RELATIONS:
-                    bound(one, other_side, statement.span)
-                    bound(other_side, one, statement.span)
-    for name, end, span in bounds:
-        added = steps.get(name.lower())
-        if added is not None and end is not None and _meets_bound(0.0, end, added):
-            yield finding(name, added, end, span)
+def _steps_finding(name: str, step: float, end: float | None, statement: p.Statement) -> Diagnostic:
+    met = "the last value" if end is None else f"{end:g}"
+    return _INEXACT_STEPS(name=name, step=f"{abs(step):g}", bound=met, span=statement.span)
+
+
+def _counted(place: e.Expression) -> str | None:
+    """Return what may be counted on, a variable or a component of one, as it is known here."""
+    match place:
+        case e.Name(name):
+            return name.lower()
+        case e.Member(e.Name(name), component):
+            return f"{name}.{component}".lower()
+    return None
+
+
+def _step_of(name: str, value: e.Expression) -> e.Expression | None:
+    """Return what is added to a variable to get its new value, None for any other value."""
+    match value:
+        case e.Binary("+", one, step) if _counted(one) == name:
+            return step
+        case e.Binary("+", step, one) if _counted(one) == name:
+            return step
+        case e.Binary("-", one, step) if _counted(one) == name:
+            return e.Unary("-", step)
+    return None
+
+
+def _in_own_unit(asked: e.Expression, value: e.Expression) -> tuple[e.Expression, e.Expression]:
+    """Return both sides of a comparison in the unit in which the first of them is kept."""
+    degree = e.Number(e.DEGREE)
+    match asked:
+        case e.Binary("/", e.Name() | e.Member() as kept, unit) if unit == degree:
+            return kept, e.Binary("*", value, degree)
+        case e.Binary("*", e.Name() | e.Member() as kept, unit) if unit == degree:
+            return kept, e.Binary("/", value, degree)
+    return asked, value
 
 
 def _is_inexact(step: float) -> bool:
@@ -146,12 +211,10 @@ def _is_inexact(step: float) -> bool:
     return float(np.float32(step)) != step
 
 
-def _meets_bound(first: float | None, last: float | None, step: float) -> bool:
-    """True unless a count from first in steps clearly passes last between two steps."""
-    if first is None or last is None:
-        return True
-    rounds = (last - first) / step
-    return abs(rounds - round(rounds)) < _NEAR_STEP_PART
+def _meets_bound(starts: Iterable[float], end: float, step: float) -> bool:
+    """True unless each count in steps clearly passes the end between two steps."""
+    rounds = ((end - start) / step for start in starts)
+    return any(abs(one - round(one)) < _NEAR_STEP_PART for one in rounds)
 
 
 def _operations_used(program: Program) -> Iterator[tuple[str, Any]]:

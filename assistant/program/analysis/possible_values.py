@@ -144,12 +144,16 @@ class PossibleValues:
             case e.Unary("-", inner):
                 found = self._of(inner, owner, known)
                 return None if found is None else frozenset(-one for one in found)
-            case e.Binary(operator, left, right) if operator in _WORKED_OUT:
+            case e.Binary(sign, left, right) if sign in _WORKED_OUT:
                 return _combined(
-                    _WORKED_OUT[operator],
+                    _WORKED_OUT[sign],
                     self._of(left, owner, known),
                     self._of(right, owner, known),
                 )
+            case e.Binary("/", left, right):
+                divisors = self._of(right, owner, known)
+                if divisors is not None and 0.0 not in divisors:
+                    return _combined(operator.truediv, self._of(left, owner, known), divisors)
         return None
 
     # -------------------------------------------------------------------------- gathering
