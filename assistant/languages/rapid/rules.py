@@ -296,6 +296,12 @@ SHARED: Final = warning(
     "`{name}`, which tasks share, is `{new}` of all programs; {begins} gives it its first value",
     "start that program first, and again only where the value is to begin anew",
 )
+OTHER_VALUE: Final = warning(
+    "RA472",
+    "`{name}`, which tasks share, begins with `{value}` here and with `{other}` at {there}: a "
+    "controller has one of the two for all of them, and nobody knows which",
+    "write the value that the controller shows in both places",
+)
 NOT_SHARED: Final = warning(
     "RA396",
     "`{name}` is shared by tasks, of which each program has its own now: it is no single number, "

@@ -187,3 +187,47 @@ def test_a_constant_in_a_value_is_that_of_the_task_that_states_it(
         files.append(str(file))
     done = translate(load_task(tasks_of(files)[0]), to="melfa-basic-6")
     assert f" {given}\n" in text_of(done).replace("\r\n", "\n")
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        ("PERS num a:=3;", "PERS num a:=5;", True),
+        ("PERS num a:=3;", "PERS num a:=3.0;", False),
+        ("PERS num a:=3;", "CONST num k:=3;\nPERS num A:=k;", False),
+        ("PERS num a:=3;", "CONST num k:=4;\nPERS num a:=k;", True),
+        ("PERS num a:=3;", "PERS num a;", False),
+        ("PERS num a:=3;", "TASK PERS num a:=5;", False),
+        ("PERS num a{2}:=[1,2];", "PERS num a{2}:=[1,3];", True),
+        ("PERS bool a:=TRUE;", "PERS bool a:=FALSE;", True),
+        ("PERS pos a:=[1,2,3];", "PERS pos a:=[1,2,-3];", True),
+    ],
+)
+def test_tasks_that_state_different_values_are_told(
+    tmp_path: Path, first: str, second: str, told: bool
+) -> None:
+    files = []
+    for task, data in (("TASK1", first), ("TASK2", second)):
+        file = tmp_path / "RAPID" / task / "PROGMOD" / f"{task}.mod"
+        file.parent.mkdir(parents=True)
+        file.write_text(f"MODULE m\n{data}\nPROC main()\nWaitTime 1;\nENDPROC\nENDMODULE\n")
+        files.append(str(file))
+    found = [f for task in tasks_of(files) for f in load_task(task).findings if f.code == "RA472"]
+    assert len(found) == told
+    for one in found:
+        assert one.path == files[1] and f"{files[0]}:2" in one.message
+
+
+def test_different_targets_of_tasks_are_told_in_long_tables(tmp_path: Path) -> None:
+    row = "PERS robtarget p{}:=[[{},0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n"
+    files = []
+    for task, shift in (("TASK1", 0), ("TASK2", 1)):
+        file = tmp_path / "RAPID" / task / "PROGMOD" / f"{task}.mod"
+        file.parent.mkdir(parents=True)
+        rows = "".join(row.format(n, 400 + n + shift * (n == 50)) for n in range(100))
+        file.write_text(
+            f"MODULE m\n{rows}PROC main()\nMoveL p1,v100,fine,tool0;\nENDPROC\nENDMODULE\n"
+        )
+        files.append(str(file))
+    found = [f for task in tasks_of(files) for f in load_task(task).findings if f.code == "RA472"]
+    assert ["`p50`" in one.message for one in found] == [True]

@@ -25,6 +25,7 @@ import numpy as np
 
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
+from assistant.base.source_text import SourceText, one_line
 from assistant.languages.language_types import (
     ControllerConfiguration,
     SharedData,
@@ -37,7 +38,7 @@ from assistant.languages.rapid.tables.constants import CONTROLLER_STATES
 from assistant.languages.rapid.tables.signals import ARC_OUTPUT
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.changed_data import changed_names
-from assistant.languages.rapid.tree.literals import EXTERNAL_AXES, still_axis_name
+from assistant.languages.rapid.tree.literals import EXTERNAL_AXES, literal_values, still_axis_name
 from assistant.languages.rapid.tree.walk import nodes, renamed
 from assistant.program.geometry import Pose
 from assistant.program.program import Signal
@@ -403,6 +404,7 @@ TaskFiles = Sequence[s.File]
 
 def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]:
     """The files of each task of a controller, by the task's name, with names for all programs."""
+    unlike = _unlike_values(tasks)
     tasks = _with_values_of_others(tasks)
     declared = [dict(_persistent_data(files)) for _, files in tasks]
     count = Counter(name for one in declared for name in one)
@@ -412,7 +414,10 @@ def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]
     modules = [module for file in files.values() for module in file.modules]
     changed = both & changed_names(modules) if both else set()
     if not changed:
-        return [SharedData(tuple(given)) for _, given in tasks]
+        return [
+            SharedData(tuple(given), tuple(told))
+            for (_, given), told in zip(tasks, unlike, strict=True)
+        ]
     taken = {name.upper() for file in files.values() for name in _used_names(file)}
     free = {
         letter: iter([f"{letter}_{n}" for n in _SHARED_NUMBERS if f"{letter}_{n}" not in taken])
@@ -440,9 +445,56 @@ def with_shared_data(tasks: Sequence[tuple[str, TaskFiles]]) -> list[SharedData]
             for name, data in own.items()
         ]
         made.append(
-            SharedData(tuple(_renamed_file(file, names, kept) for file in given), tuple(found))
+            SharedData(
+                tuple(_renamed_file(file, names, kept) for file in given), (*unlike[at], *found)
+            )
         )
     return made
+
+
+_MOST_OF_VALUE: Final = 40
+"""Characters of a value that a finding shows."""
+
+
+def _unlike_values(tasks: Sequence[tuple[str, TaskFiles]]) -> list[list[Diagnostic]]:
+    """Return for each task its persistent data that an earlier one states another value of."""
+    first: dict[tuple[str, str, int], tuple[Any, s.Expression, SourceText]] = {}
+    found: list[list[Diagnostic]] = []
+    for _, files in tasks:
+        constants, told = _PlainConstants(files), list[Diagnostic]()
+        found.append(told)
+        for file in files:
+            for name, data in _persistent_data((file,)):
+                text = file.source
+                if data.value is None or data.value.span is None or text is None:
+                    continue
+                plain = rewrite(data.value, constants.of)
+                if _names_any(plain):
+                    continue
+                key = name, data.type.lower(), len(data.dimensions)
+                values, value, there = first.setdefault(
+                    key, (literal_values(plain), data.value, text)
+                )
+                if literal_values(plain) != values and value.span is not None:
+                    line, _ = there.line_column(value.span.start)
+                    told.append(
+                        text.finding(
+                            rules.OTHER_VALUE,
+                            data.span or data.value.span,
+                            name=data.name,
+                            value=_shown_value(data.value, text),
+                            other=_shown_value(value, there),
+                            there=f"{there.path}:{line}",
+                        )
+                    )
+    return found
+
+
+def _shown_value(value: s.Expression, text: SourceText) -> str:
+    """Return the beginning of a value as it is written."""
+    assert value.span is not None
+    written = one_line(text.text[value.span.start : value.span.end])
+    return written if len(written) <= _MOST_OF_VALUE else f"{written[:_MOST_OF_VALUE]}…"
 
 
 def _with_values_of_others(
