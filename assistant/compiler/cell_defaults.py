@@ -96,6 +96,13 @@ _ENTRY_UNUSED: Final = warning(
 _DELETE_DECLARATION: Final = (
     "delete the entry, and write its value in the declaration if that is the one that is wrong"
 )
+_DEDICATED: Final = warning(
+    "CO081",
+    "`{name}` has the number {number}: as it leaves the factory, a controller {use} by this "
+    "{direction}",
+    "write another `number` for it in the cell file; none is needed where parameters of the "
+    "controller give that use another signal",
+)
 UNPROVEN: Final = warning(
     "CO074",
     "what lacks values of its cell is not proven by motion",
@@ -165,7 +172,9 @@ def with_cell_values(
     missing = [
         one for one in declared if cell.value(one) is None and neutral_value(one) is not None
     ]
-    program, unnumbered = _with_signal_numbers(program, wanted)
+    dedicated = _dedicated_signals(to, language)
+    findings += tuple(_numbers_of_controller(program, dedicated, cell, str(path)))
+    program, unnumbered = _with_signal_numbers(program, wanted, dedicated)
     arm = Wanted(TAUGHT_ON, "arm")
     joints = (
         not taught
@@ -589,13 +598,55 @@ def _with_input_signals(program: Program, wanted: Sequence[Wanted]) -> Program:
     return replace(program, signals={**program.signals, **found}) if found else program
 
 
+def _dedicated_signals(
+    to: Language[Any] | None, source: Language[Any]
+) -> Mapping[str, Mapping[int, str]]:
+    """Return the numbers that a controller of the language has uses of its own for.
+
+    to: None for any language but that of the source, whose program states numbers by itself.
+    """
+    if to is not None:
+        return {} if to.family == source.family else to.dedicated_signals
+    found: dict[str, dict[int, str]] = {}
+    for name in languages.names():
+        for direction, uses in language_of(name).dedicated_signals.items():
+            found.setdefault(direction, {}).update(uses)
+    return found
+
+
+def _numbers_of_controller(
+    program: Program, dedicated: Mapping[str, Mapping[int, str]], cell: Cell, path: str
+) -> Iterator[Diagnostic]:
+    """Yield a finding for each signal whose number the controller has a use of its own for.
+
+    path: of the cell file; a number may be from a process file, or from files of the controller.
+    """
+    for name, signal in program.signals.items():
+        if signal.number is None or signal.kind == "analog":
+            continue
+        uses = dedicated.get(signal.direction, {})
+        numbers = range(signal.number, signal.number + signal.bits)
+        for number in [one for one in numbers if one in uses][:1]:
+            yield _DEDICATED(
+                direction=signal.direction,
+                name=name,
+                number=number,
+                use=uses[number],
+                place=f"signals.{name}",
+                path=None if cell.signal(name) is None else path,
+            )
+
+
 def _with_signal_numbers(
-    program: Program, wanted: Sequence[Wanted]
+    program: Program, wanted: Sequence[Wanted], dedicated: Mapping[str, Mapping[int, str]]
 ) -> tuple[Program, list[Wanted]]:
-    """With numbers for signals that have none, from 1 on, and those signals."""
+    """With numbers for signals that have none, from 1 on, and those signals.
+
+    dedicated: numbers that the controller has uses of its own for, by direction.
+    """
     uses = {one.name.lower(): one for one in wanted if one.kind == "signal"}
     signals = dict(program.signals)
-    taken: dict[tuple[str, bool], set[int]] = {}
+    taken = {(direction, False): set(numbers) for direction, numbers in dedicated.items()}
     for signal in signals.values():
         if signal.number is not None:
             _numbers_taken(taken, signal).update(range(signal.number, signal.number + signal.bits))

@@ -126,3 +126,48 @@ def test_numbers_of_the_controller_are_told_of_where_no_file_gives_others(
         loaded = load(program, process=file)
     told = [one.message for one in loaded.findings if one.code == "CO043"]
     assert len(told) == bool(left) and all(one.startswith(left) for one in told)
+
+
+@pytest.mark.parametrize(
+    ("statement", "stated", "told"),
+    [
+        ("WaitDI part,1;", "number = 3", True),
+        ("WaitDI part,1;", "number = 5", True),
+        ("WaitDI part,1;", "number = 6", False),
+        ("SetDO part,1;", "number = 0", True),
+        ("SetDO part,1;", "number = 4", False),
+        ("SetDO part,1;", "number = 902", True),
+        ("SetGO part,1;", 'kind = "group"\nnumber = 2\nbits = 8', True),
+        ("SetGO part,1;", 'kind = "group"\nnumber = 8\nbits = 8', False),
+        ("SetAO part,1;", 'kind = "analog"\nnumber = 6000', False),
+    ],
+)
+def test_numbers_that_a_new_controller_uses_itself_are_told(
+    tmp_path: Path, statement: str, stated: str, told: bool
+) -> None:
+    program = written(tmp_path, "m.mod", RAPID.format(statement=statement))
+    direction = "input" if "Wait" in statement else "output"
+    kind = "" if "kind" in stated else 'kind = "digital"\n'
+    text = f'[signals.part]\n{kind}direction = "{direction}"\n{stated}\n'
+    cell = written(tmp_path, "cell.toml", text)
+    for to in ("melfa-basic-5", "melfa-basic-6"):
+        found = translate(program, to=to, cell=cell).whole
+        assert ("CO081" in [f.code for f in found]) is told
+
+
+def test_free_numbers_are_none_that_a_new_controller_uses_itself(tmp_path: Path) -> None:
+    statements = [f"WaitDI in{n},1;SetDO out{n},1;SetGO go{n},1;" for n in range(9)]
+    program = written(tmp_path, "m.mod", RAPID.format(statement="\n  ".join(statements)))
+    done = translate(program, to="melfa-basic-6", cell=tmp_path / "cell.toml")
+    assert "CO081" not in [f.code for f in done.whole]
+    signals = [one.signal for one in done.wanting if one.signal is not None]
+    inputs = {one.number for one in signals if one.direction == "input"}
+    assert len(signals) == 27 and inputs == set(range(6, 15))
+    assert min(one.number or 0 for one in signals if one.direction == "output") == 4
+
+
+def test_numbers_of_a_program_in_the_language_of_the_controller_are_its_own(tmp_path: Path) -> None:
+    program = written(tmp_path, "A.prg", MELFA)
+    cell = written(tmp_path, "cell.toml", "# none\n")
+    found = translate(program, to="melfa-basic-6", cell=cell, language="melfa-basic-5").whole
+    assert "CO081" not in [f.code for f in found]

@@ -352,7 +352,7 @@ def test_a_comparison_of_positions_is_said_by_components(tmp_path: Path) -> None
     text = text.replace("    VAR num n;", "    VAR robtarget p20;\n    VAR num n;")
     found = translated(tmp_path, text, "melfa-basic-5", draft=True)
     (row,) = [r for r in found.rows if r.text.startswith("IF p10")]
-    assert [f.code for f in row.reasons] == ["RA349"]
+    assert [f.code for f in row.reasons] == ["RA349", "CO127"]
 
 
 @pytest.mark.parametrize("to", MELFA)

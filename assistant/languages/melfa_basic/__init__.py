@@ -25,6 +25,7 @@ from assistant.languages.language_types import (
 )
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
+from assistant.languages.melfa_basic.tables.dedicated_signals import DEDICATED_SIGNALS
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.lazy import offered
 from assistant.program.expressions import Effect, VendorTextKind
@@ -89,6 +90,7 @@ class MelfaBasic(Language["File"]):
     surroundings = staticmethod(_surroundings)
     called_by_file = True
     joint_percent = True
+    dedicated_signals = DEDICATED_SIGNALS
     frames: Frames = "base"
     table = "melfa-basic"
     settings = MappingProxyType({**_SETTINGS, **ARITHMETIC})

@@ -84,7 +84,7 @@ def test_what_tasks_share_is_one_variable_of_all_programs(tmp_path: Path) -> Non
     assert "M_00=M_00+1" in counting and 'C_00$="full"' in counting
     assert "M_00=3" in counting and 'C_00$="none"' in counting
     assert "Def Float M_00" not in waiting
-    assert "M_00=3" not in waiting and "M_Out16(2)=M_00" in waiting
+    assert "M_00=3" not in waiting and "M_Out16(5)=M_00" in waiting
     assert "Mparts" in waiting  # the parameter of that name
 
 
@@ -96,7 +96,7 @@ def test_both_programs_run_beside_each_other(tmp_path: Path) -> None:
         written.append(str(file))
     run = prepared(programs(written), Settings(most_time=9.0, most_steps=20_000)).run()
     on = [row for row in run.log if isinstance(row.what, Switched) and row.what.value]
-    assert {row.what for row in on} == {Switched(str(n), 1.0) for n in (1, 3, 4, 19)}  # 6, and 2
+    assert {row.what for row in on} == {Switched(str(n), 1.0) for n in (4, 6, 7, 22)}  # 6, and 2
     assert 3.0 <= on[0].time < 3.2
 
 

@@ -335,6 +335,17 @@ CASES: Final = (
         change={"c.toml": '[data.b]\ntype = "num"\nvalue = 1\n'},
     ),
     Case(
+        "CO081",
+        "translate a.mod --to melfa-basic-5 --cell c.toml -o out",
+        {
+            "a.mod": rapid("SetDO valve,1;"),
+            "c.toml": '[signals.valve]\nkind = "digital"\ndirection = "output"\nnumber = 1\n',
+        },
+        change={
+            "c.toml": '[signals.valve]\nkind = "digital"\ndirection = "output"\nnumber = 16\n'
+        },
+    ),
+    Case(
         "RB008",
         "check a.mod --robot own.urdf",
         {"a.mod": MOVING, "own.urdf": WRISTED},
