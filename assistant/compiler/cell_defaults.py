@@ -100,8 +100,8 @@ _DEDICATED: Final = warning(
     "CO081",
     "`{name}` has the number {number}: as it leaves the factory, a controller {use} by this "
     "{direction}",
-    "write another `number` for it in the cell file; none is needed where parameters of the "
-    "controller give that use another signal",
+    "write another `number` in the cell file or process file; none is needed where parameters of "
+    "the controller give that use another signal",
 )
 UNPROVEN: Final = warning(
     "CO074",
