@@ -21,6 +21,7 @@ from assistant.compiler.cell_equipment import (
     STATED_TEXT_NAME,
     check_signals,
     controller_configuration,
+    names_in_words,
     with_cell_equipment,
     with_directions,
     with_lines,
@@ -103,11 +104,18 @@ _DEDICATED: Final = warning(
     "write another `number` in the cell file or process file; none is needed where parameters of "
     "the controller give that use another signal",
 )
+_NOTHING_GIVEN: Final = warning(
+    "CO082",
+    "`{name}`, used in {uses}, is empty in the cell file: {what}",
+    'write `routine = "stop"`, or the name of a file with a routine that gives the value',
+)
 UNPROVEN: Final = warning(
     "CO074",
     "what lacks values of its cell is not proven by motion",
     "write them in the cell file, then prove it",
 )
+_MOST_USES: Final = 3
+"""Uses of a name that a finding lists."""
 _GROUP_BITS: Final = {"input": 15, "output": 16}
 """Bits of a group of signals without a stated width; an input of 16 may be read as negative."""
 _GROUP_WIDTHS: Final = (8, 16, 32)
@@ -169,6 +177,7 @@ def with_cell_values(
     program = replace(program, signals=told.signals | program.signals)
     program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
     findings += tuple(_entries_unused(cell, wanted, origin.lifted, str(path)))
+    findings += tuple(_values_not_given(cell, wanted, str(path)))
     missing = [
         one for one in declared if cell.value(one) is None and neutral_value(one) is not None
     ]
@@ -317,6 +326,27 @@ def _entries_unused(
             reason=reason,
             cure=cure,
             place=f"{table}.{name}",
+            path=path,
+        )
+
+
+def _values_not_given(cell: Cell, wanted: Iterable[Wanted], path: str) -> Iterator[Diagnostic]:
+    """Yield a finding for each routine that is to do nothing, and would give the program values."""
+    for one in wanted:
+        if one.kind != "routine" or cell.value(one) != "empty":
+            continue
+        kept = names_in_words(one.sets)
+        what = [f"{kept} keep what they have" if len(one.sets) > 1 else f"{kept} keeps what it has"]
+        if one.nothing is not None:
+            result = f"what it gives is always {data_text(one.nothing)}"
+            what = [result, *what] if one.sets else [result]
+        elif not one.sets:
+            continue
+        yield _NOTHING_GIVEN(
+            name=one.name,
+            uses=", ".join(one.uses[:_MOST_USES]) or "the program",
+            what=", and ".join(what),
+            place=f"routines.{one.name}",
             path=path,
         )
 

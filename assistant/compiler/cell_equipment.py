@@ -283,7 +283,7 @@ def controller_configuration(
         )
     if source is not None and found.unread:
         reason = "it states no type of signal that there is"
-        what = _names_in_words(found.unread)
+        what = names_in_words(found.unread)
         unread.append(
             _CONFIGURATION_UNREAD(what=what, name=source.name, reason=reason, path=str(source))
         )
@@ -312,13 +312,13 @@ def with_controller_configuration(
     )
     found: list[Diagnostic] = []
     if names:
-        found.append(_CONFIGURATION_TAKEN(what=_names_in_words([one.name for one, _ in names])))
+        found.append(_CONFIGURATION_TAKEN(what=names_in_words([one.name for one, _ in names])))
     numbered = _signal_numbers(program) - _signal_numbers(before)
     if numbered:
         found.append(_SIGNALS_NUMBERED(count=len(numbered)))
     crossed = [name for name in program.signals if name.lower() in given.crossed]
     if crossed:
-        found.append(_CROSS_CONNECTED(names=_names_in_words(crossed)))
+        found.append(_CROSS_CONNECTED(names=names_in_words(crossed)))
     arm = given.arm if program.robot is None else None
     if arm is not None:
         found.append(_CONFIGURATION_TAKEN(what=f"the robot `{given.told}`, which is `{arm}`"))
@@ -357,7 +357,7 @@ def _signal_numbers(program: Program) -> set[str]:
     return {name for name, signal in program.signals.items() if signal.number is not None}
 
 
-def _names_in_words(names: list[str] | tuple[str, ...]) -> str:
+def names_in_words(names: list[str] | tuple[str, ...]) -> str:
     shown = ", ".join(f"`{name}`" for name in names[:_MOST_NAMED])
     more = len(names) - _MOST_NAMED
     return f"{shown} and {more} more" if more > 0 else shown

@@ -166,7 +166,7 @@ class Wanted:
     in order, each once. assigned: True if the program itself gives it values. nothing: of data, the
     plainest value, None if its type has no values. perhaps: another kind that the uses allow as
     well, `type` if they show no type of data, None if they show the kind; what the cell states
-    counts.
+    counts. sets: data of the program that a routine gives values to, if that is known of it.
     """
 
     name: str
@@ -179,6 +179,7 @@ class Wanted:
     assigned: bool = False
     nothing: Plain | None = None
     perhaps: Literal["signal", "data", "type"] | None = None
+    sets: tuple[str, ...] = ()
 
 
 Supplied: TypeAlias = Sequence[tuple[Wanted, SuppliedValue | None]]

@@ -346,3 +346,30 @@ def test_a_cell_file_written_for_a_program_has_no_entry_that_changes_nothing(
     cell.write_text(neutral_cell(load(file)), encoding="utf-8")
     done = translate(file, to="melfa-basic-6", cell=cell)
     assert "CO079" not in {one.code for one in done.whole}
+
+
+@pytest.mark.parametrize(
+    ("statements", "routine", "said"),
+    [
+        ('ReadCfgData "/MOC/ARM/rob1_1","upper",most;', "ReadCfgData", "`most` keeps what it has"),
+        ('ReadCfgData "/MOC/ARM/rob1_1","upper",row{2};', "ReadCfgData", "`row` keeps"),
+        ("most:=fCount(3);", "fCount", "always 0"),
+        ("st:=TextGet(1,2);", "TextGet", 'always ""'),
+        ("rMoveTo most,5;", "rMoveTo", ""),
+        ('WriteCfgData "/MOC/ARM/rob1_1","upper",most;', "WriteCfgData", ""),
+    ],
+)
+def test_a_routine_without_contents_gives_no_values(
+    tmp_path: Path, statements: str, routine: str, said: str
+) -> None:
+    text = (
+        "MODULE cell\nVAR num most;\nVAR num row{3};\nVAR string st;\n"
+        f"PROC main()\n{statements}\nENDPROC\nENDMODULE\n"
+    )
+    cell = tmp_path / "cell.toml"
+    for value in ("empty", "stop"):
+        cell.write_text(f'[routines.{routine}]\nroutine = "{value}"\n', encoding="utf-8")
+        done = translate(program(tmp_path, text), to="melfa-basic-6", cell=cell, draft=True)
+        told = [one.message for one in done.whole if one.code == "CO082"]
+        assert len(told) == (value == "empty" and bool(said))
+        assert all(said in one and "cell.mod:6" in one for one in told)

@@ -335,6 +335,15 @@ CASES: Final = (
         change={"c.toml": '[data.b]\ntype = "num"\nvalue = 1\n'},
     ),
     Case(
+        "CO082",
+        "translate a.mod --to melfa-basic-5 --cell c.toml -o out",
+        {
+            "a.mod": rapid("a:=given();", data="  VAR num a;\n"),
+            "c.toml": '[routines.given]\nroutine = "empty"\n',
+        },
+        change={"c.toml": '[routines.given]\nroutine = "stop"\n'},
+    ),
+    Case(
         "CO081",
         "translate a.mod --to melfa-basic-5 --cell c.toml -o out",
         {

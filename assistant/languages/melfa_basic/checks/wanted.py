@@ -217,20 +217,25 @@ def _functions(look: Look) -> Iterator[Wanted]:
         return
     names = look.once(known_variables)
     made = {node.name.upper() for _, node in look.all(s.DefFunction)}
-    called = [(line, call.function, "") for line, call in look.all(s.Call)]
+    called: list[tuple[s.Line, s.Variable, str, Plain | None]] = [
+        (line, call.function, "", None) for line, call in look.all(s.Call)
+    ]
     for line, use in look.uses:
         variable = use.variable
         if use.role == "read" and variable.arguments is not None:
             if variable.arguments == () or variable.key.startswith("FN"):
-                called.append((line, variable, _KINDS[_letter(variable)][1] or "position"))
-    for line, function, result in called:
+                _, type, nothing = _KINDS[_letter(variable)]
+                called.append((line, variable, type or "position", nothing))
+    for line, function, result, nothing in called:
         key = function.key
         if key in look.functions or key in made or key in names.dimensioned:
             continue
         if vocabulary.function(key) is None and vocabulary.status(key) is None:
             given = tuple(CallArgument(_KINDS[_letter(one)][1]) for one in function.arguments or ())
             uses = (_place(look, line.span),)
-            yield Wanted(function.name, "routine", result, arguments=given, uses=uses)
+            yield Wanted(
+                function.name, "routine", result, arguments=given, uses=uses, nothing=nothing
+            )
 
 
 def _letter(node: s.Expression | None) -> str:

@@ -249,7 +249,7 @@ class _ModuleWalk:
                     self._state(TASK_NUMBER)
             # Nothing tells what the routine does, so the cell has to declare it.
             elif routine is None or _is_cell_routine(low, routine):
-                self._unread(node, name, scope, kind, result)
+                self._unread(node, name, scope, kind, result, routine)
                 return
         elif isinstance(found.node, s.Routine):
             routine = signature_of(found.node)
@@ -311,9 +311,18 @@ class _ModuleWalk:
         scope: Scope,
         kind: str,
         result: str,
+        routine: Signature | None,
     ) -> None:
+        """routine: what is known of it where the controller has it, None where nothing is."""
         met = self._note(name, result)
         met.routine = met.routine or kind
+        for value, parameters in () if routine is None else call_of(node, routine).bound():
+            whole = value
+            while isinstance(whole, s.Element | s.Component):
+                whole = whole.value
+            handed = any(one.mode in ("VAR", "INOUT", "PERS") for one in parameters)
+            if handed and isinstance(whole, s.NameRef):
+                met.sets.setdefault(whole.name)
         given: list[GivenArgument] = []
         for argument in node.arguments:
             self._argument(argument, scope)

@@ -310,6 +310,7 @@ class NameUses:
     """Uses of one name. types: how many uses require each type. usual: usual value of a controller
     state. parts: the components that the program reads. compared: True if a comparison uses it.
     counted: True if a use requires more than on or off, such as a sum, or a comparison with 5.
+    sets: data that calls of a routine hand over to be given values.
     """
 
     name: str
@@ -322,6 +323,7 @@ class NameUses:
     calls: list[tuple[GivenArgument, ...]] = field(default_factory=list)
     uses: dict[str, None] = field(default_factory=dict)
     usual: Plain | None = None
+    sets: dict[str, None] = field(default_factory=dict)
     parts: RecordUses = field(default_factory=lambda: RecordUses(""))
 
 
@@ -416,10 +418,12 @@ def _missing_routine(
         _parameter(slot, data) for slot in _ordered_slots(_parameter_slots(met.calls))
     )
     if met.routine == "PROC":
-        return Wanted(met.name, "routine", arguments=parameters, uses=uses)
+        return Wanted(met.name, "routine", arguments=parameters, uses=uses, sets=tuple(met.sets))
     type = met.types.most_common(1)[0][0] if met.types else "num"
     nothing = _neutral_value(type, types)
-    return Wanted(met.name, "routine", type, (), parameters, uses=uses, nothing=nothing)
+    return Wanted(
+        met.name, "routine", type, (), parameters, uses=uses, nothing=nothing, sets=tuple(met.sets)
+    )
 
 
 def _ordered_slots(slots: Mapping[int | str, list[GivenArgument]]) -> Iterator[list[GivenArgument]]:
