@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from assistant import languages
+from assistant.base.source_text import SourceText
 from assistant.compiler.motion_proof import Proving
 from assistant.compiler.translation import Translation, translate
+from assistant.virtual.melfa.code import branches
 
 PROGRAM = r"""MODULE m
 VAR num x;
@@ -89,6 +92,24 @@ def test_the_key_that_is_pressed_is_the_answer(tmp_path: Path) -> None:
         "ENDIF",
     ]
     assert "Wait M_In(20)=0 And M_In(22)=0 ' message: Which? [1: A] [3: C]" in said[:wait]
+
+
+@pytest.mark.parametrize(
+    ("asked", "ways"),
+    [
+        (("M_In(1)=1", "M_In(2)=1"), 2),
+        (("M_In(1)=1", "M_In(3)=1"), 3),
+        (("M_In(1)=1",), 2),
+    ],
+)
+def test_a_key_let_go_between_two_statements_is_no_branch(
+    asked: tuple[str, ...], ways: int
+) -> None:
+    first, *others = asked
+    more = "".join(f"ElseIf {one} Then\nM1=2\n" for one in others)
+    text = f"Wait M_In(1)=1 Or M_In(2)=1\nIf {first} Then\nM1=1\n{more}EndIf\nEnd\n"
+    tree = languages.get("melfa-basic-6").parse(SourceText(text, "A.prg"))
+    assert len(branches([tree])) == ways
 
 
 @pytest.mark.parametrize(

@@ -350,9 +350,7 @@ CASES: Final = (
             "a.mod": rapid("SetDO valve,1;"),
             "c.toml": '[signals.valve]\nkind = "digital"\ndirection = "output"\nnumber = 1\n',
         },
-        change={
-            "c.toml": '[signals.valve]\nkind = "digital"\ndirection = "output"\nnumber = 16\n'
-        },
+        change={"c.toml": '[signals.valve]\nkind = "digital"\ndirection = "output"\nnumber = 16\n'},
     ),
     Case(
         "RB008",
