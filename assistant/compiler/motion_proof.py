@@ -402,6 +402,28 @@ class MotionProof:
             return f"not {word}"
         return f"{self.compared()}: {'nothing to compare' if self.empty else word}{self.left_out()}"
 
+    def reach(self) -> str:
+        """Return how much of the first program was run, in words: a proof tells of that alone."""
+        found = self.found
+        if found is None or not self.holds:
+            return "not proven by motion"
+        if self.empty:
+            return "nothing to compare by motion"
+        total, taken = found.total[0], found.total[0] - len(found.never[0])
+        text = "proven by motion"
+        if taken < total:
+            share = min(round(100 * taken / total), _MOST_OF_PART)
+            text = f"{text} along {taken:,} of {total:,} branches alone, {share} %"
+        elif total:
+            text = f"{text} along {total:,} of {total:,} branches"
+        places = [stop.run.place for stop in found.stalled]
+        for file, line in [one for one in places if one is not None][:1]:
+            more = f" and {len(places) - 1:,} more" if len(places) > 1 else ""
+            text += (
+                f", and not past the wait at {FilePath(file or self.names[0]).name}:{line}{more}"
+            )
+        return text
+
     def compared(self) -> str:
         """Return a summary of the runs and comparisons."""
         found = self.found
@@ -446,6 +468,10 @@ class MotionProof:
                 for total, never, name in self._branches(found)
             ],
         }
+
+
+_MOST_OF_PART: Final = 99
+"""Percent of branches that are told where one was not taken."""
 
 
 def _count_text(count: int, word: str, several: str = "s") -> str:

@@ -189,7 +189,12 @@ def _wanted_row(one: Wanted) -> tuple[str, str, str]:
 
 
 def share_in_words(translation: Translation) -> str:
-    """Return how much is translated, and whether the files are complete."""
+    """Return how much is translated, whether it is complete, and how far a proof reached."""
+    proven = "" if translation.motion is None else f"; {translation.motion.reach()}"
+    return f"{_written_in_words(translation)}{proven}"
+
+
+def _written_in_words(translation: Translation) -> str:
     share = f"{_share_text(translation)} translated: {level_totals(translation)}"
     if not translation.files:
         lacks = ", as no procedure is named that it begins with" if translation.beginnings else ""

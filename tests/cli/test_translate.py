@@ -437,3 +437,48 @@ def test_a_report_says_why_a_program_is_not_in_it(tmp_path: Path, capsys: Captur
     records = json.loads((tmp_path / "report.json").read_text("utf-8"))
     assert [one["ok"] for one in records] == [False, False]
     assert records[1]["source"] == str(broken)
+
+
+REACHED = """MODULE reached
+  VAR num n;
+  PROC main()
+    WaitDI diGo,1;
+    {}
+    SetDO doDone,1;
+  ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize(
+    ("statement", "script", "said"),
+    [
+        ("IF DInput(diPart)=1 n:=1;", "", "proven by motion along 2 of 2 branches"),
+        (
+            "IF DInput(diPart)=1 n:=1;",
+            '[[set]]\ninput = "diGo"\nvalue = 1\n',
+            "proven by motion along 1 of 2 branches alone, 50 %",
+        ),
+        ("n:=1;", "", "proven by motion"),
+        (
+            "SetDO doDone,1;\n    WaitDI diPart,1;\n    IF n=1 n:=2;",
+            '[[set]]\ninput = "diGo"\nvalue = 1\n',
+            "along 0 of 2 branches alone, 0 %, and not past the wait at reached.mod:6",
+        ),
+    ],
+)
+def test_the_first_line_says_how_far_a_proof_reached(
+    tmp_path: Path, capsys: Capture, statement: str, script: str, said: str
+) -> None:
+    (tmp_path / "reached.mod").write_text(REACHED.format(statement))
+    numbers = {"diGo": ("input", 8), "diPart": ("input", 9), "doDone": ("output", 10)}
+    text = "".join(
+        f'[signals.{name}]\nkind = "digital"\ndirection = "{way}"\nnumber = {number}\n'
+        for name, (way, number) in numbers.items()
+    )
+    (tmp_path / "cell.toml").write_text(text)
+    (tmp_path / "script.toml").write_text(script)
+    more = ("--signals", tmp_path / "script.toml") if script else ()
+    to = ("--to", "melfa-basic-6", "-o", tmp_path / "out", "--prove", *more)
+    _, out, _ = run(capsys, "translate", tmp_path / "reached.mod", *to)
+    assert out.splitlines()[0].endswith(said), out
