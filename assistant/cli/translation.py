@@ -62,6 +62,8 @@ _REPORT_TO_OUTPUT: Final = error(
     "the report of a translation goes to standard output, so programs cannot",
     "name a folder with --output",
 )
+_STANDARD_INPUT: Final = "standard input"
+"""What answers call the program that comes over standard input."""
 _LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
 
 
@@ -194,7 +196,7 @@ class Translate:
         elif self.format is TranslationFormat.JSON:
             answer = {
                 "ok": status == 0, "programs": list(map(report_record, done)), "written": written,
-                "next": next(iter(again), None), "findings": records_of(refusals),
+                "next": again, "findings": records_of(refusals),
             }  # fmt: skip
             print_json(answer)
         elif self.format is TranslationFormat.MARKDOWN:
@@ -288,7 +290,7 @@ def _translate_task(task: Task, options: Translate) -> Translated:
         proving=options.proof.proving,
         seeing=options.sight.seeing,
     )
-    return Translated("standard input" if name == STANDARD else name, translation, options.cell)
+    return Translated(_STANDARD_INPUT if name == STANDARD else name, translation, options.cell)
 
 
 def _found_cell_file(name: str, source: Loaded, options: Translate) -> Path | None:
@@ -319,14 +321,25 @@ def _next_commands(done: Sequence[Translated], options: Translate) -> list[str]:
     stated = options.cell is not None or len(cells) != 1
     more = {} if stated else {"cell": str(cells[0])}
     lone = [one for one in done if one.translation.beginnings]
+    again = _fed if STANDARD in options.programs else str
     if len(done) == 1 and lone:
-        return [command_line(**more, entry=lone[0].translation.beginnings[0])]
+        return [again(command_line(**more, entry=lone[0].translation.beginnings[0]))]
     if cells:
-        return [command_line(**more)]
+        return [again(command_line(**more))]
     return [
-        command_line(one.source, entry=one.translation.beginnings[0])
+        _fed(command_line(STANDARD, entry=one.translation.beginnings[0]))
+        if one.source == _STANDARD_INPUT
+        else command_line(one.source, entry=one.translation.beginnings[0])
         for one in lone[:_MOST_NEXT_COMMANDS]
     ]
+
+
+def _fed(command: str) -> str:
+    """Return a command that reads a program from standard input, with the file to feed it from.
+
+    What came over a pipe is gone: typed again, the command would wait for it at the keyboard.
+    """
+    return f"{command} < FILE" if command else ""
 
 
 def _load_standard_input(options: Translate) -> Loaded:
@@ -561,8 +574,8 @@ def _programs_to_count(
         return
     text, spoken = standard_input(language)
     if spoken is None:
-        raise Refused(_LANGUAGE_UNCLEAR(path="standard input"), exit_status=2)
-    yield "standard input", language_of(spoken), text
+        raise Refused(_LANGUAGE_UNCLEAR(path=_STANDARD_INPUT), exit_status=2)
+    yield _STANDARD_INPUT, language_of(spoken), text
 
 
 def _print_coverage(rows: Sequence[Construct], wrong: Sequence[Diagnostic], format: Format) -> None:

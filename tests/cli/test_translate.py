@@ -100,7 +100,7 @@ def test_the_answer_in_json_and_findings_at_their_lines(
     cell = str(made / "cell.toml")
     assert (status, answer["ok"]) == (1, False)
     assert answer["written"] == [str(made / "FILES.prg"), cell]
-    assert answer["next"].endswith(f" --format json --cell {cell}")
+    assert answer["next"][0].endswith(f" --format json --cell {cell}")
     (program,) = answer["programs"]
     (lack,) = program["wanting"]
     assert (lack["name"], lack["kind"], lack["uses"]) == (
@@ -482,3 +482,32 @@ def test_the_first_line_says_how_far_a_proof_reached(
     to = ("--to", "melfa-basic-6", "-o", tmp_path / "out", "--prove", *more)
     _, out, _ = run(capsys, "translate", tmp_path / "reached.mod", *to)
     assert out.splitlines()[0].endswith(said), out
+
+
+def part(name: str) -> str:
+    return f"MODULE {name}\nPROC run_{name}()\nSetDO x,1;\nENDPROC\nENDMODULE\n"
+
+
+def test_json_has_every_command_that_goes_on(tmp_path: Path, capsys: Capture) -> None:
+    for name in ("a", "b"):
+        (tmp_path / f"{name}.mod").write_text(part(name))
+    cell = tmp_path / "cell.toml"
+    cell.write_text('[signals.x]\nkind = "digital"\ndirection = "output"\nnumber = 9\n')
+    given = ("translate", tmp_path / "a.mod", tmp_path / "b.mod", "--to", "melfa-basic-6")
+    _, said, _ = run(capsys, *given, "--cell", cell)
+    _, out, _ = run(capsys, *given, "--cell", cell, "--format", "json")
+    shown = [line.removeprefix("then: ") for line in said.splitlines() if line.startswith("then: ")]
+    assert len(shown) == 2 and "--entry run_b" in shown[1]
+    assert [one.replace(" --format json", "") for one in json.loads(out)["next"]] == shown
+
+
+@pytest.mark.parametrize("others", [(), ("b.mod",)])
+def test_the_command_that_goes_on_from_standard_input_is_fed_a_file(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch, others: tuple[str, ...]
+) -> None:
+    (tmp_path / "b.mod").write_text(part("b"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(part("a").encode())))
+    _, said, _ = run(capsys, "translate", "-", *others, "--to", "melfa-basic-6")
+    (line,) = (line for line in said.splitlines() if line.startswith("then: "))
+    assert line.startswith("then: robot-assistant translate - ") and line.endswith(" < FILE")
