@@ -434,14 +434,19 @@ _NO_PROGRAMS: Final = error(
     "the folder `{name}` holds no robot programs",
     "name the files, and their language with --from",
 )
-_LEFT_OUT: Final = info(
-    "CO308", "left out, as {why}: {files}", "name a file by itself if it is meant"
-)
+_LEFT_OUT: Final = info("CO308", "{files} left out: {why}", "{cure}")
 _WHY_EMPTY: Final = "empty"
-_WHY_NO_PROGRAM: Final = "nothing that looks like a robot program"
-_WHY_COPY: Final = "what a project keeps as a copy of a program"
-_WHY_NO_TEXT: Final = "what a controller makes of a program, which is no text"
-_WHY_OUTPUT: Final = "what stands in the folder that is written to"
+_WHY_NO_PROGRAM: Final = "no line there looks like one of a robot program"
+_WHY_COPY: Final = "a copy of a program, kept by the project"
+_WHY_NO_TEXT: Final = "what a controller makes of a program, and no text"
+_WHY_OUTPUT: Final = "in the folder that is written to, where an earlier run may have left it"
+_CURES_OF_LEFT: Final[Mapping[str, str]] = {
+    _WHY_EMPTY: "export or save it again if a program should be in it",
+    _WHY_NO_PROGRAM: "if it is a program, name it by itself, with its language (--from)",
+    _WHY_COPY: "name it by itself if the copy is meant",
+    _WHY_NO_TEXT: "export the program as text, if that is not among the files that are read",
+    _WHY_OUTPUT: "name it by itself, or write to another folder, if it is a source",
+}
 _MOST_FILES_NAMED: Final = 3
 """Files of one reason that are named."""
 
@@ -495,7 +500,8 @@ def programs_in(
         left = {file: why for file, why in left.items() if file not in found}
     for why in dict.fromkeys(left.values()):
         if told is not None:
-            told(_LEFT_OUT(why=why, files=_left_out_finding(path, left, why), path=path))
+            shown = _left_out_finding(path, left, why)
+            told(_LEFT_OUT(why=why, files=shown, cure=_CURES_OF_LEFT[why], path=path))
     if not found:
         raise Refused(_NO_PROGRAMS(path=path, name=path), exit_status=2)
     yield from found

@@ -41,10 +41,10 @@ def test_of_a_project_the_programs_are_read_and_its_copies_left_out(tmp_path: Pa
     found, told = listed(written(tmp_path, texts))
     assert found == ["RC1/Program/A.prg"]
     assert sorted(told) == [
-        "left out, as empty: `RC1/Program/EMPTY.prg`",
-        "left out, as what a controller makes of a program, which is no text: "
-        "`RC1/Backup/20240101/A.MB6`, `RC1/RoboSim/sysorg.MB6`",
-        "left out, as what a project keeps as a copy of a program: `RC1/Backup/20240101/A.prg`",
+        "`RC1/Backup/20240101/A.MB6`, `RC1/RoboSim/sysorg.MB6` left out: "
+        "what a controller makes of a program, and no text",
+        "`RC1/Backup/20240101/A.prg` left out: a copy of a program, kept by the project",
+        "`RC1/Program/EMPTY.prg` left out: empty",
     ]
 
 
@@ -54,10 +54,25 @@ def test_a_backup_that_is_named_by_itself_is_read(tmp_path: Path) -> None:
     assert (found, told) == (["20240101/A.prg"], [])
 
 
+def test_the_cure_of_a_file_that_is_left_out_depends_on_why(tmp_path: Path) -> None:
+    texts = {
+        "m.mod": MODULE.format("m", "main"),
+        "none.mod": "\n",
+        "sound.mod": "Extended Module: a tune\n",
+    }
+    told = list[Diagnostic]()
+    folder = written(tmp_path, texts)
+    assert len(list(programs_in(folder, None, told.append))) == 1
+    cures = {one.message.partition(" ")[0]: one.cure for one in told}
+    assert cures["`none.mod`"].startswith("export or save it again")
+    assert "(--from)" in cures["`sound.mod`"]
+    assert len(list(programs_in(f"{folder}/sound.mod", "rapid", told.append))) == 1
+
+
 def test_an_empty_module_of_a_folder_is_said(tmp_path: Path) -> None:
     texts = {"m.mod": MODULE.format("m", "main"), "none.mod": "\n"}
     found, told = listed(written(tmp_path, texts))
-    assert (found, told) == (["m.mod"], ["left out, as empty: `none.mod`"])
+    assert (found, told) == (["m.mod"], ["`none.mod` left out: empty"])
 
 
 def test_a_folder_with_one_program_is_that_program(tmp_path: Path) -> None:
@@ -98,5 +113,6 @@ def test_what_was_written_into_a_folder_of_it_is_no_source(tmp_path: Path) -> No
     found = [Path(one) for one in programs_in(folder, None, told.append, made)]
     assert found == [tmp_path / "A.prg", tmp_path / "b.mod"]
     assert [(one.code, "`out/A.prg`" in one.message) for one in told] == [("CO308", True)]
+    assert "write to another folder" in told[0].cure
     inside = OutputFolder(folder, "melfa-basic-6")  # a program may be translated where it is
     assert len(list(programs_in(folder, None, None, inside))) == 3

@@ -125,3 +125,14 @@ def test_spans_count_on_from_one_text_to_the_next(tmp_path: Path) -> None:
         whole = "\n".join(tree.source.text for tree in program.origin.trees)
         spans = [x.span for x in program.statements() if isinstance(x, p.Wait) and x.span]
         assert [whole[s.start : s.end].strip(" ;\n")[-1] for s in spans] == waits
+
+
+def test_a_name_is_told_to_lack_a_declaration_only_where_it_does(tmp_path: Path) -> None:
+    text = (
+        "MODULE cell\nVAR wzstationary zone;\nVAR num n;\n"
+        "PROC main()\nn:=nowhere;\nn:=zone;\nENDPROC\nENDMODULE\n"
+    )
+    found = [f for f in translated(tmp_path, text).findings if f.code == "MB229"]
+    said = {f.line: f.message for f in found}
+    assert "`nowhere` is declared in none of the files" in said[5]
+    assert "`zone` is declared, with a type that nothing in MELFA-BASIC is like" in said[6]

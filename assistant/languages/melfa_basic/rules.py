@@ -162,8 +162,9 @@ RENAMED = warning(
 )
 IN_DEGREES = info(
     "MB299",
-    "angles are in degrees here, which the source has in radian: {names}",
-    "none is needed: each of their uses is an angle",
+    "the written program has the angles in {names} in degrees, where the source has them in radian",
+    "none is needed in the program, as each of their uses is converted; who reads or sets them by "
+    "hand has degrees now",
 )
 LEFT_OPEN = warning(
     "MB298",
@@ -252,8 +253,7 @@ SHARED_BRANCH = warning(
 )  # fmt: skip
 UNDECLARED = error(
     "MB229",
-    "`{name}` is not declared in what was read, or is of a type that only the other controller has",
-    "give the file that declares it as well, or write the statement without it", misses=True,
+    "`{name}` {what}", "{cure}", misses=True,
 )  # fmt: skip
 MISSING = error(
     "MB230", "the procedure `{name}` that is called is not in what was read",

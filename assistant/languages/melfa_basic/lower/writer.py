@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from assistant.base.diagnostics import Declared, Diagnostic, Findings, Span
 from assistant.languages.melfa_basic import rules
@@ -47,6 +47,19 @@ def _opens(item: s.Item) -> bool:
         case s.Line(statement=s.If(then=None) | s.For() | s.Command(keyword="While")):
             return True
     return False
+
+
+_LACKING: Final[Mapping[bool, tuple[str, str]]] = {
+    True: (
+        "is declared, with a type that nothing in MELFA-BASIC is like",
+        "write the statement without it",
+    ),
+    False: (
+        "is declared in none of the files that were read",
+        "give the file that declares it as well, or write the statement without it",
+    ),
+}
+"""What a name lacks and the cure, by whether the source declares it."""
 
 
 class Writer:
@@ -97,6 +110,8 @@ class Writer:
         self.expressions = Expressions(program, dialect, names, robot, self.next_number)
         self.used, self.shared = self._used()
         self.elsewhere = {name for d in program.declarations for name in effect_of(d).names}
+        lifted = () if program.origin is None else program.origin.lifted.declarations
+        self.declared = self.elsewhere | {name for d in lifted for name in effect_of(d).names}
         """Words of declarations that were refused already: what they declare is no news."""
         self.mounts = {name.lower() for name in (*program.tools, *program.frames)}
         """Tools and frames, which are no values here."""
@@ -156,7 +171,8 @@ class Writer:
                     about,
                 )
             else:
-                finding = rules.UNDECLARED(name=name.what, about=about)
+                what, cure = _LACKING[name.what.lower() in self.declared]
+                finding = rules.UNDECLARED(name=name.what, what=what, cure=cure, about=about)
                 known = name.what.lower() in self.elsewhere
                 (self.wanting if known else self.findings).append(self.findings.placed(finding))
         except Unsayable as unsayable:
