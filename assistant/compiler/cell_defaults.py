@@ -52,6 +52,7 @@ from assistant.program.undeclared_names import (
     WantedKind,
     neutral_value,
 )
+from assistant.program.vendor_statements import effect_of
 from assistant.sources.cell_values import (
     NO_CELL,
     TABLE_OF_KIND,
@@ -109,6 +110,9 @@ _NOTHING_GIVEN: Final = warning(
     "`{name}`, used in {uses}, is empty in the cell file: {what}",
     'write `routine = "stop"`, or the name of a file with a routine that gives the value',
 )
+_DELETE_TYPE: Final = (
+    "delete the entry, and correct the declaration of the type if that is the one that is wrong"
+)
 UNPROVEN: Final = warning(
     "CO074",
     "what lacks values of its cell is not proven by motion",
@@ -128,13 +132,14 @@ def with_values_of_file(
     loaded: Loaded,
     path: str | FilePath,
     *,
-    taught: bool = False,
+    taught: str | None = None,
     to: Language[Any] | None = None,
 ) -> Loaded:
     """A program in the cell of a cell file, which need not be there yet.
 
-    taught: the arm that its joint angles were taught on is known. to: the language that it is
-    translated to, None for any. Raises Unreadable or Refused for a file that cannot be used.
+    taught: the arm that its joint angles were taught on, if that is known without the cell file.
+    to: the language that it is translated to, None for any. Raises Unreadable or Refused for a
+    file that cannot be used.
     """
     return with_cell_values(loaded, read_cell(path), FilePath(path), taught=taught, to=to)
 
@@ -144,7 +149,7 @@ def with_cell_values(
     cell: Cell,
     path: FilePath,
     *,
-    taught: bool = False,
+    taught: str | None = None,
     to: Language[Any] | None = None,
 ) -> Loaded:
     """The same for a cell that was read. What it does not say is in `wanting` of the answer."""
@@ -184,9 +189,10 @@ def with_cell_values(
     dedicated = _dedicated_signals(to, language)
     findings += tuple(_numbers_of_controller(program, dedicated, cell, str(path)))
     program, unnumbered = _with_signal_numbers(program, wanted, dedicated)
+    findings += tuple(_arms_unused(cell, taught, program.robot, str(path)))
     arm = Wanted(TAUGHT_ON, "arm")
     joints = (
-        not taught
+        taught is None
         and program.robot is None
         and (has_joint_angles(program) or has_joint_angles(told))
     )
@@ -197,7 +203,7 @@ def with_cell_values(
         numbers = [number for number in _lines_opened(program) if number in open_ends]
         missing += [Wanted(LINE_NAME.format(number), "line") for number in numbers]
         program = with_lines(program, dict.fromkeys(numbers, NEUTRAL_LINE))
-        if joint_speed is None and not taught and _has_percent_joints(told):
+        if joint_speed is None and taught is None and _has_percent_joints(told):
             missing.append(Wanted(JOINT_SPEED, "speed"))
             joint_speed = SLOW_SPEED.tcp
     told_before = without_other_numbers(
@@ -309,8 +315,21 @@ def _entries_unused(
     declared = {name.lower(): name for table in tables for name in table}
     declared |= {one.name.lower(): one.name for one in lifted.procedures}
     declared |= {name.lower(): name for name in (*lifted.tools, *lifted.frames)}
+    types = {name for one in lifted.declarations for name in effect_of(one).names}
     for table, low in cell.given:
         if (table, low) in used:
+            continue
+        if table == TABLE_OF_KIND["record"]:
+            # A type that declarations name, and that nobody is asked for, is there already.
+            if low in types:
+                reason = f"the type `{low}` is the program's or its controller's own"
+                yield _ENTRY_UNUSED(
+                    entry=f"[{toml_key(table, low)}]",
+                    reason=reason,
+                    cure=_DELETE_TYPE,
+                    place=f"{table}.{low}",
+                    path=path,
+                )
             continue
         if low in kinds:
             one = kinds[low]
@@ -326,6 +345,36 @@ def _entries_unused(
             reason=reason,
             cure=cure,
             place=f"{table}.{name}",
+            path=path,
+        )
+
+
+def _arms_unused(
+    cell: Cell, taught: str | None, own: str | None, path: str
+) -> Iterator[Diagnostic]:
+    """Yield a finding for each arm of a cell file that counts for nothing.
+
+    taught: the arm that the caller names for the program. own: the arm that the program names.
+    """
+    table = TABLE_OF_KIND["arm"]
+    named = taught or own
+    for of, low in cell.given:
+        if of != table:
+            continue
+        if low != TAUGHT_ON:
+            reason = f"`{TAUGHT_ON}` is the only arm that a cell file states"
+            cure = f"write `[{toml_key(table, TAUGHT_ON)}]`, or delete the entry"
+        elif named is not None and cell.given[of, low] != named:
+            by = "is named as the arm of" if taught else "is stated by"
+            reason = f"`{named}` {by} the program"
+            cure = "delete the entry, or name that arm"
+        else:
+            continue
+        yield _ENTRY_UNUSED(
+            entry=f"[{toml_key(table, low)}]",
+            reason=reason,
+            cure=cure,
+            place=f"{table}.{low}",
             path=path,
         )
 

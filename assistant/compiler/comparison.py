@@ -637,7 +637,11 @@ def _load_part(
         tells = is_folder(program) or languages.of_file(FilePath(program), read_bytes(program))
         spoken = None if tells else language
         loaded = load(program, process=process, robot=robot, language=spoken)
-    return loaded if cell is None else with_values_of_file(loaded, cell, taught=robot is not None)
+    return (
+        loaded
+        if cell is None
+        else with_values_of_file(loaded, cell, taught=None if robot is None else robot.name)
+    )
 
 
 def _program_title(given: str | FilePath | Loaded, loaded: Loaded) -> str:

@@ -303,7 +303,8 @@ def translate(
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(_NO_PROGRAM(name=source), exit_status=2)
     if cell is not None:
-        loaded = with_values_of_file(loaded, cell, taught=arms.written_for is not None, to=target)
+        taught = None if arms.written_for is None else arms.written_for.name
+        loaded = with_values_of_file(loaded, cell, taught=taught, to=target)
     loaded = without_names(loaded, process)
     program = with_entry(loaded.program, entry)
     program = marked_as_draft(program, loaded.wanting)

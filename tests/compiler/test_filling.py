@@ -302,7 +302,11 @@ def test_a_tool_that_another_task_gives_its_value_is_asked_for(tmp_path: Path) -
 
 DECLARED = """MODULE Home
   CONST jointtarget jHome:=[[0,-10,20,0,80,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  RECORD pair
+    num a;
+  ENDRECORD
   CONST num nHigh:=300;
+  VAR pair two;
   PROC main()
     MoveAbsJ jHome,vFast,fine,tGrip;
     WaitTime nHigh;
@@ -320,6 +324,10 @@ ENDMODULE
         ("[data.nHigh]\nvalue = 1", "`nHigh` itself", "delete the entry"),
         ('[routines.main]\nroutine = "empty"', "`main` itself", "delete the entry"),
         ("[data.tGrip]\nvalue = 1", "uses `tGrip` as tool", "write `[tools.tGrip]`"),
+        ('[records.Pair]\ncomponents = ["num b"]', "type `pair`", "delete the entry, and correct"),
+        ('[records.other]\ncomponents = ["num b"]', "", ""),
+        ('[arms.taught]\narm = "irb120-3-0.58"', "only arm", "write `[arms.taught_on]`"),
+        ('[arms.taught_on]\narm = "irb120-3-0.58"', "", ""),
         ("[speeds.vFast]\nspeed = 20", "", ""),
         ("[positions.pOfAnotherProgram]\nposition = [1, 2, 3]", "", ""),
     ],
@@ -337,6 +345,20 @@ def test_a_value_of_the_cell_file_that_changes_nothing_is_told_of(
     (finding,) = told
     assert entry.splitlines()[0].lower() in finding.message.lower() and said in finding.message
     assert finding.cure.startswith(cure) and finding.path == str(cell)
+
+
+@pytest.mark.parametrize(
+    ("arm", "told"), [("irb120-3-0.58", True), ("same", True), ("irb1200-7-0.7", False)]
+)
+def test_another_arm_in_the_cell_file_than_the_one_that_is_named_is_told_of(
+    tmp_path: Path, arm: str, told: bool
+) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(f'[arms.taught_on]\narm = "{arm}"\n', encoding="utf-8")
+    file = program(tmp_path, DECLARED)
+    done = translate(file, to="melfa-basic-6", cell=cell, from_robot="irb1200-7-0.7")
+    found = [one.message for one in done.whole if one.code == "CO079"]
+    assert len(found) == told and all("`irb1200-7-0.7` is named" in one for one in found)
 
 
 def test_a_cell_file_written_for_a_program_has_no_entry_that_changes_nothing(
