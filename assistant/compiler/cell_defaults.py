@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages
-from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, warning
+from assistant.base.diagnostics import Diagnostic, Refused, error, has_errors, info, warning
 from assistant.base.source_text import SourceText
 from assistant.base.toml_edits import toml_key
 from assistant.compiler.cell_equipment import (
@@ -27,6 +27,7 @@ from assistant.compiler.cell_equipment import (
     with_lines,
     with_signals,
     without_other_numbers,
+    without_restated,
 )
 from assistant.compiler.loader import Loaded, language_of
 from assistant.compiler.retarget import has_joint_angles
@@ -118,6 +119,11 @@ UNPROVEN: Final = warning(
     "what lacks values of its cell is not proven by motion",
     "write them in the cell file, then prove it",
 )
+_STATED_TWICE: Final = info(
+    "CO083",
+    "`{entry}` of the cell file counts instead of what the controller's files state: {other}",
+    "delete the entry if the controller's files are right",
+)
 _MOST_USES: Final = 3
 """Uses of a name that a finding lists."""
 _GROUP_BITS: Final = {"input": 15, "output": 16}
@@ -156,6 +162,9 @@ def with_cell_values(
     origin = loaded.program.origin
     if origin is None:
         return loaded
+    loaded, restated = _with_cell_first(loaded, cell, path)
+    origin = loaded.program.origin
+    assert origin is not None
     language = language_of(origin.language)
     wanted = language.wanted(origin.trees)
     files = _routine_files(language, cell, wanted, path)
@@ -212,12 +221,53 @@ def with_cell_values(
     return replace(
         loaded,
         program=program,
-        findings=(*told_before, *findings),
+        findings=(*told_before, *restated, *findings),
         joint_speed=joint_speed,
         joint_percent=cell.process.joint_percent or loaded.joint_percent,
         wanting=_with_uses((*missing, *unnumbered, *([arm] if stated is None else [])), told),
         arm=str(neutral_value(arm) if stated is None else stated) if joints else loaded.arm,
     )
+
+
+def _with_cell_first(
+    loaded: Loaded, cell: Cell, path: FilePath
+) -> tuple[Loaded, tuple[Diagnostic, ...]]:
+    """A program without the values of its controller's files that a cell file states as well.
+
+    Returns findings on those that differ, too.
+    """
+    origin, found = loaded.program.origin, list[Diagnostic]()
+    assert origin is not None
+    arm = Wanted(TAUGHT_ON, "arm")
+    both = [(one, value) for one, value in loaded.held if cell.value(one) is not None]
+    if loaded.arm is not None and cell.value(arm) is not None:
+        both.append((arm, loaded.arm))
+    if not both:
+        return loaded, ()
+    for one, value in both:
+        if cell.value(one) == value:
+            continue
+        table = TABLE_OF_KIND[one.kind]
+        plain = one.kind in ("data", "arm")
+        other = f"`{data_text(value)}`" if plain else "another value"  # type: ignore[arg-type]
+        entry = f"[{toml_key(table, one.name)}]"
+        found.append(
+            _STATED_TWICE(entry=entry, other=other, place=f"{table}.{one.name}", path=str(path))
+        )
+    left = [pair for pair in loaded.held if cell.value(pair[0]) is None]
+    told = without_restated(
+        loaded.findings, loaded.held, left, None if cell.value(arm) is None else loaded.arm
+    )
+    loaded = replace(loaded, findings=told)
+    if len(left) == len(loaded.held):
+        return loaded, tuple(found)
+    language = language_of(origin.language)
+    trees = list(loaded.bare)
+    if left:
+        trees = list(language.with_supplied(trees, left, STATED_TEXT_NAME))
+    anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
+    program = _with_stated_tables(anew, loaded.program, origin.lifted)
+    return replace(loaded, program=program, held=tuple(left)), tuple(found)
 
 
 def _with_signals_used(cell: Cell, program: Program, wanted: Iterable[Wanted] = ()) -> Cell:
@@ -408,7 +458,11 @@ def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
     origin = loaded.program.origin
     if origin is None:
         return loaded
-    cell, language, program = read_cell(path), language_of(origin.language), loaded.program
+    cell = read_cell(path)
+    loaded, restated = _with_cell_first(loaded, cell, FilePath(path))
+    origin = loaded.program.origin
+    assert origin is not None
+    language, program = language_of(origin.language), loaded.program
     wanted = language.wanted(origin.trees)
     cell = _with_signals_used(cell, program, wanted)
     signals = program.signals | dict(loaded.signals) | dict(cell.process.signals)
@@ -422,7 +476,7 @@ def with_stated_values(loaded: Loaded, path: str | FilePath) -> Loaded:
     wanted = tuple(_of_stated_kind(one, cell, signals) for one in wanted)
     findings += tuple(_entries_unused(cell, wanted, origin.lifted, str(path)))
     told = without_other_numbers(loaded.findings, program, loaded.signals, cell.process.signals)
-    return replace(loaded, program=program, findings=(*told, *findings))
+    return replace(loaded, program=program, findings=(*told, *restated, *findings))
 
 
 def with_values_beside(

@@ -292,11 +292,15 @@ def controller_configuration(
 
 @dataclass(frozen=True, slots=True)
 class ConfiguredProgram:
-    """A program with what the files of its controller state. arm: see `ControllerConfiguration`."""
+    """A program with what the files of its controller state. arm: see `ControllerConfiguration`.
+
+    held: names of the program that they give a value.
+    """
 
     program: Program
     arm: str | None = None
     findings: tuple[Diagnostic, ...] = ()
+    held: Supplied = ()
 
 
 def with_controller_configuration(
@@ -333,7 +337,32 @@ def with_controller_configuration(
         when = given.called.get(procedure.name.lower())
         if when is not None and procedure.name.lower() != entry:
             found.append(_CALLED_BY_CONTROLLER(name=procedure.name, when=when, span=procedure.span))
-    return ConfiguredProgram(program, arm, tuple(found))
+    return ConfiguredProgram(program, arm, tuple(found), tuple(names))
+
+
+def without_restated(
+    findings: Iterable[Diagnostic], held: Supplied, left: Supplied, arm: str | None
+) -> tuple[Diagnostic, ...]:
+    """Findings on what the controller's files state, without what a cell file states as well.
+
+    held: names that those files give a value; left: those that the cell file does not. arm: the
+    robot, if the cell file states one.
+    """
+    before, after = (
+        _CONFIGURATION_TAKEN(what=names_in_words([one.name for one, _ in names])).message
+        for names in (held, left)
+    )
+    found = []
+    for one in findings:
+        if one.code == _CONFIGURATION_TAKEN.code:
+            if arm is not None and one.message.endswith(f"which is `{arm}`"):
+                continue
+            if one.message == before:
+                if not left:
+                    continue
+                one = replace(one, message=after)
+        found.append(one)
+    return tuple(found)
 
 
 def _values_held(

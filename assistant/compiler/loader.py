@@ -34,7 +34,7 @@ from assistant.sources.seen_settings import NO_SEEN_SETTINGS, SeenSettings
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
-    from assistant.program.undeclared_names import Wanted
+    from assistant.program.undeclared_names import Supplied, Wanted
     from assistant.robots import Robot
     from assistant.sources.process import ProgramStyle, SurroundingsByRobot
     from assistant.sources.process.placement import DrawingPlacement
@@ -56,8 +56,9 @@ class Loaded:
     joint_speed, joint_percent, seen: see `Process`. wanting: names that the program uses and
     neither it nor a cell file states; each has a stand-in. arm: name of the arm that joint angles
     were taught on, or SAME_ARM; None if a cell file does not state it. signals: stated by files of
-    its controller. text: of a pseudo-program. form: style of a program that was made from a drawing
-    or table, None for any other.
+    its controller. held: names that these files give a value; bare: the trees without those. text:
+    of a pseudo-program. form: style of a program that was made from a drawing or table, None for
+    any other.
     """
 
     program: Program
@@ -68,6 +69,8 @@ class Loaded:
     wanting: tuple[Wanted, ...] = ()
     arm: str | None = None
     signals: Mapping[str, Signal] = field(default_factory=dict)
+    held: Supplied = ()
+    bare: tuple[Any, ...] = ()
     text: SourceText | None = None
     seen: SeenSettings = NO_SEEN_SETTINGS
     form: ProgramStyle | None = None
@@ -151,8 +154,11 @@ def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -
 
     given, found = controller_configuration(language, file)
     placed = with_controller_configuration(loaded.program, language, given)
+    origin = loaded.program.origin
     return replace(
         loaded,
+        held=placed.held,
+        bare=() if origin is None else tuple(origin.trees),
         program=placed.program,
         findings=(*loaded.findings, *found, *placed.findings),
         arm=placed.arm or loaded.arm,

@@ -111,6 +111,39 @@ def test_a_task_begins_with_its_main_entry_and_runs_beside_the_robot(tmp_path: P
     assert "M_Out(5)=0" in text
 
 
+@pytest.mark.parametrize(
+    ("stated", "codes", "task"),
+    [
+        ("", {"CO046"}, "T_ROB1"),
+        ('[data.controller_task]\ntype = "string"\nvalue = "T_ROB1"\n', set(), "T_ROB1"),
+        ('[data.controller_task]\ntype = "string"\nvalue = "T_X"\n', {"CO083"}, "T_X"),
+        ('[data.controller_task]\ntype = "string"\nvalue = "?"\n', {"CO046"}, "T_ROB1"),
+    ],
+)
+def test_what_a_cell_file_states_of_the_controller_counts_and_is_said_once(
+    tmp_path: Path, stated: str, codes: set[str], task: str
+) -> None:
+    files, cell = backup(tmp_path), tmp_path / "cell.toml"
+    cell.write_text(f'{stated}[arms.taught_on]\narm = "irb1200-5-0.9"\n', encoding="utf-8")
+    loaded = load_task(tasks_of(files)[0])
+    done = translate(loaded, to="melfa-basic-6", robot="rv-7frl", cell=cell)
+    assert done.ok and not done.wanting, [f.message for f in done.findings]
+    assert {f.code for f in done.whole} & {"CO046", "CO079", "CO083"} == codes
+    (text,) = (data.decode() for data in done.files.values())
+    assert f'controller_task$="{task}"' in text.replace('If controller_task$="T_ROB1"', "")
+    assert text.count('controller_task$="') == 2
+
+
+def test_another_arm_than_that_of_the_controllers_files_is_told(tmp_path: Path) -> None:
+    files, cell = backup(tmp_path), tmp_path / "cell.toml"
+    cell.write_text('[arms.taught_on]\narm = "irb1200-7-0.7"\n', encoding="utf-8")
+    loaded = load_task(tasks_of(files)[0])
+    done = translate(loaded, to="melfa-basic-6", robot="rv-7frl", cell=cell)
+    (told,) = (f.message for f in done.whole if f.code == "CO083")
+    assert "irb1200-5-0.9" in told
+    assert not any("irb1200-5-0.9" in f.message for f in done.whole if f.code == "CO046")
+
+
 def test_a_robot_that_does_not_stand_at_the_origin_of_its_world_is_told(tmp_path: Path) -> None:
     (found,) = (f for f in translated(tmp_path, 0, 0.5).whole if f.code == "RA381")
     assert "(0, 0, 500) mm" in found.message

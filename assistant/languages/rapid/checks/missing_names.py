@@ -295,8 +295,9 @@ class _ModuleWalk:
                     self._note(f"{name}{TASK_COUNT_SUFFIX}", "num").usual = 1.0
 
     def _state(self, state: ControllerState) -> None:
-        """Record a controller state as data of the cell."""
-        self._note(state.name, state.type).usual = state.usual
+        """Record a controller state as data of the cell, unless it is declared by now."""
+        if not self.look.task.shared.all(state.name):
+            self._note(state.name, state.type).usual = state.usual
 
     def _base(self, type: str) -> str:
         """Return the type behind an alias: the number type for an alias of a number."""
