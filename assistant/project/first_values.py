@@ -169,7 +169,7 @@ def _roomier(
 
     Many programs name a unit that they do not draw in: inches above numbers that are millimetres.
     """
-    usual = "name a robot with more reach by --robot, or make the work smaller"
+    usual = _more_reach(candidates)
     if extents is None or millimetres <= 1.0:
         return usual
     low, high = ([x / millimetres for x in corner] for corner in (extents.low, extents.high))
@@ -178,6 +178,17 @@ def _roomier(
         return usual
     size = " x ".join(f"{x:.0f}" for x in smaller.size)
     return f"state --unit mm if the drawing is in mm, whatever it names: it is {size} mm then"
+
+
+def _more_reach(candidates: Sequence[tuple[str, Robot]]) -> str:
+    """Return what to do with work that none of the robots reaches as it is drawn."""
+    largest = max((robots.get(name) for name in robots.names()), key=lambda one: one.reach)
+    if max(arm.reach for _, arm in candidates) < largest.reach:
+        return "name a robot with more reach by --robot, or make the work smaller"
+    return (
+        f"no arm of the catalogue reaches farther, {largest.reach:.0f} mm: leave out what is not"
+        " work, work it in parts, or name the file of a larger arm by --robot"
+    )
 
 
 def robot_text(robot: str, folder: FilePath) -> str:

@@ -7,6 +7,7 @@ command says so and writes nothing. Files that are there are never overwritten.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -29,6 +30,7 @@ from assistant.project.project_file import SCHEMA_FILE, project_of, schema_text
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
 from assistant.sources.drawing.drafting import BORDER
+from assistant.sources.drawing.findings import NO_BLOCK
 from assistant.sources.drawing.survey import Extents, Survey, SurveyedLayer, survey
 from assistant.sources.process import NO_PROCESS
 
@@ -136,7 +138,7 @@ def _process_lines(name: str, survey: Survey, values: FirstValues | None) -> Ite
         [*_unit_rows(survey), ("tolerance = 0.05", "for joining ends, fitting curves")]
     )
     yield from _drafting_rows(survey.layers)
-    yield from _commented_rows([_left_out_row(idle, works)])
+    yield from _commented_rows([_left_out_row(idle, works, survey.missing)])
     yield from _commented_rows(TOP_ROWS)
     yield ""
     yield "[motion]"
@@ -210,7 +212,9 @@ def _drafting_rows(layers: Sequence[SurveyedLayer]) -> Iterator[str]:
             yield f'# A border is followed with follow = ["{BORDER}"].'
 
 
-def _left_out_row(idle: Sequence[SurveyedLayer], works: Sequence[SurveyedLayer]) -> _KeyRow:
+def _left_out_row(
+    idle: Sequence[SurveyedLayer], works: Sequence[SurveyedLayer], missing: Sequence[str]
+) -> _KeyRow:
     names: list[str | dict[str, str]] = [_encodable(layer.name) for layer in idle]
     names += [
         {"layer": _encodable(layer.name), part.what.replace(" ", "_"): _encodable(part.name)}
@@ -218,6 +222,7 @@ def _left_out_row(idle: Sequence[SurveyedLayer], works: Sequence[SurveyedLayer])
         for part in layer.parts
         if part.what != BORDER  # known by its shape, so that no entry is needed
     ]
+    names += [{"block": _encodable(name)} for name in missing]
     about = "nothing there is followed" if names else '["*"]: all that have no table here'
     return f"leave_out = {toml_value(names)}", about
 
@@ -296,6 +301,8 @@ _VERSION_MARK: Final = "{{ version }}"
 _NAMES_WIDTH: Final = 22
 """Columns before the comment behind the names."""
 _LONGEST_NAME: Final = 60
+_KINDS_LISTED: Final = 6
+"""Kinds of entities that are listed of a drawing without work."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -394,18 +401,26 @@ def _add_drawing(
     files[process] = process_text(drawing.name, found, values).encode("utf-8", "replace")
     told = [finding for finding in found.findings if finding.severity is not Severity.INFO]
     if not (folder / process).exists():
-        told += _told_drafting(found, process)
+        told = [finding for finding in told if finding.code != NO_BLOCK.code]
+        told += _told_contents(found, process)
     return _AddedDrawing(source, files, tuple(f.within(str(drawing)) for f in told))
 
 
-def _told_drafting(survey: Survey, file: str) -> list[Diagnostic]:
-    """A finding about what a new process file leaves out as drafting."""
+def _told_contents(survey: Survey, file: str) -> Iterator[Diagnostic]:
+    """Findings about what a new process file leaves out, and about a drawing without work."""
+    if survey.missing:
+        names = [f"`{shown(name)}`" for name in survey.missing]
+        yield rules.BLOCKS_MISSING(file=file, names=", ".join(names))
     rows = list(_drafting_names(survey.layers))
-    if not rows:
-        return []
-    works = any(layer.works and not layer.drafting for layer in survey.layers) or survey.locations
-    rule = rules.NOT_WORK if works else rules.NOTHING_ELSE
-    return [rule(file=file, what=", ".join(rows))]
+    if rows:
+        rule = rules.NOT_WORK if survey.has_work else rules.NOTHING_ELSE
+        yield rule(file=file, what=", ".join(rows))
+    elif not survey.has_work:
+        kinds: Counter[str] = Counter()
+        for layer in survey.layers:
+            kinds.update(layer.kinds)
+        held = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common(_KINDS_LISTED))
+        yield rules.NOTHING_DRAWN(held=held or "nothing")
 
 
 def _program_names(sources: Sequence[str]) -> dict[str, str]:

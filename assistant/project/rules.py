@@ -125,6 +125,17 @@ ROBOT_OUTSIDE: Final = error(
     "the robot file `{file}` is outside of the folder of the project",
     "copy it into the folder, and name it there",
 )
+BLOCKS_MISSING: Final = warning(
+    "PR312",
+    "the drawing inserts blocks that its file does not contain: {names}; `{file}` leaves them out",
+    "export the drawing again with these blocks if they are work, and delete their entries from"
+    " leave_out",
+)
+NOTHING_DRAWN: Final = warning(
+    "PR313",
+    "the drawing holds no lines, curves or locations that a robot could follow or visit: {held}",
+    "draw or export the contours of the work as lines, arcs, polylines or splines",
+)
 NOT_STARTED: Final = missing_extra(
     "PR401",
     "the virtual controller `{name}` cannot start: {reason}",

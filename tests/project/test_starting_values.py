@@ -6,6 +6,7 @@ import io
 import tomllib
 from pathlib import Path
 
+import ezdxf
 import pytest
 
 from assistant.cli import main
@@ -123,6 +124,43 @@ def test_work_beyond_all_robots_is_said(home: Home, drawing: Path, capsys) -> No
     assert "PR308" in said
     # Its numbers fit if they are millimetres.
     assert "state --unit mm" in said
+
+
+def test_work_beyond_the_largest_arm_is_said_to_be(home: Home, tmp_path: Path, capsys) -> None:
+    drawing = ezdxf.new(units=4)
+    drawing.modelspace().add_lwpolyline([(0, 0), (30_000, 0), (30_000, 20_000)])
+    drawing.saveas(tmp_path / "hall.dxf")
+    said = run(capsys, str(tmp_path / "hall.dxf"), "--yes")
+    assert "no arm of the catalogue reaches farther" in said
+    assert "--unit" not in said
+
+
+def test_a_drawing_without_lines_is_said_to_hold_none(home: Home, tmp_path: Path, capsys) -> None:
+    drawing = ezdxf.new(units=4)
+    drawing.modelspace().add_text("see the other file")
+    drawing.modelspace().add_3dface([(0, 0), (9, 0), (9, 9)])
+    drawing.saveas(tmp_path / "empty.dxf")
+    said = run(capsys, str(tmp_path / "empty.dxf"), "--yes")
+    assert "PR313" in said
+    assert "1 TEXT" in said
+    assert "1 3DFACE" in said
+
+
+def test_a_block_that_the_file_lacks_is_left_out_and_the_rest_builds(
+    home: Home, drawing: Path, capsys
+) -> None:
+    document = ezdxf.readfile(drawing)
+    document.modelspace().add_blockref("LOGO (2)", (10, 10))
+    document.saveas(drawing)
+    said = run(capsys, str(drawing), "--yes")
+    assert "PR312" in said
+    assert "`LOGO (2)`" in said
+    assert "DX206" not in said
+    assert {"block": "LOGO (2)"} in stated(home)[1]["leave_out"]
+    assert build(project_of(), jobs=1).ok
+    # An existing process file is not changed, so that the error stays.
+    (home.folder / "drawings/part.process.toml").write_text('unit = "mm"\n', "utf-8")
+    assert "DX206" in run(capsys, str(drawing))
 
 
 def test_what_does_not_fit_is_refused(home: Home, drawing: Path, capsys) -> None:

@@ -119,7 +119,7 @@ class SurveyedLocation:
 @dataclass(frozen=True, slots=True)
 class Survey:
     """unit: for people. millimetres: of one unit. stated: who says so. extents: of all that is not
-    drafting.
+    drafting. missing: names of blocks that are inserted, but not in the file.
     """
 
     unit: str
@@ -130,6 +130,14 @@ class Survey:
     blocks: tuple[SurveyedBlock, ...]
     locations: tuple[SurveyedLocation, ...]
     findings: tuple[Diagnostic, ...]
+    missing: tuple[str, ...] = ()
+
+    @property
+    def has_work(self) -> bool:
+        """True if something is drawn that a robot could follow or visit, and is no drafting."""
+        return any(layer.works and not layer.drafting for layer in self.layers) or bool(
+            self.locations
+        )
 
 
 @dataclass(slots=True)
@@ -227,6 +235,7 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
         tuple(_blocks(document, tags)),
         tuple(found),
         findings,
+        tuple(traversal.missing),
     )
 
 

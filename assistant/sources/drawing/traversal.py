@@ -186,6 +186,8 @@ class Traversal:
     findings: list[Diagnostic] = field(default_factory=list)
     annotations: list[Floats] = field(default_factory=list)
     """Where texts are, (3,) mm of the world; not a number for dimensions and leaders."""
+    missing: dict[str, None] = field(default_factory=dict)
+    """Names of blocks that are inserted, but not in the file."""
     states: dict[str, str] = field(default_factory=dict)
     """Layer in lower case → `frozen` or `off`."""
     line_types: dict[str, str] = field(default_factory=dict)
@@ -312,6 +314,7 @@ class Traversal:
         given = shown(name)
         if block is None:
             if needed:  # a location needs no symbol
+                self.missing.setdefault(str(name))
                 self._say(NO_BLOCK, place, block=given, key=toml_value(given))
         elif needed and _is_clipped(insert):
             self._say(CLIPPED, place, block=given)

@@ -253,6 +253,13 @@ CASES: Final = (
         change={"a.process.toml": 'leave_out = [{block = "LOGO"}]\n'},
     ),
     Case(
+        "PR312",
+        "init p a.dxf --yes",
+        {"a.dxf": dxf(with_logo)},
+        change={"a.dxf": dxf(line), "p/drawings/a.process.toml": "leave_out = []\n"},
+        then=("init q a.dxf --yes",),
+    ),
+    Case(
         "PR308",
         "init p a.dxf --robot irb1200-7-0.7",
         {"a.dxf": dxf(long)},
