@@ -92,8 +92,9 @@ BRANCH_CHANGE: Final = error(
 )
 WOUND_UP: Final = error(
     "RB106",
-    "{axis} would have to be wound back during a linear or circular move",
-    "make it a joint move, or turn the tool so that {axis} stays within {low:g} to {high:g}",
+    "{axis} would have to be wound back during a linear or circular move, as its limits are"
+    " {low:g} and {high:g}",
+    "make it a joint move{more}",
 )
 ON_THE_WAY: Final = error(
     "RB113",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -49,9 +50,56 @@ def test_where_the_turns_end_a_linear_path_is_refused_and_a_joint_path_unwound()
     _, _, findings = followed(path_of(positions, turned))
     assert codes(findings) == ["RB106"]
     assert "J6" in findings[0].message
+    # No turn of the tool helps: it turns farther than the axis can.
+    assert "by 1000 degrees in all, and it has 720" in str(findings[0].cure)
     _, joints, findings = followed(path_of(positions, turned, kinds=Kind.JOINT))
     assert not findings
     assert ABB.inside(joints).all()
+
+
+def _degrees(text: str) -> float:
+    found = re.search(r"by (-?\d+) degrees", text)
+    assert found is not None, text
+    return float(found[1])
+
+
+@pytest.mark.parametrize("name", ["irb1200-7-0.7", "rv-4frl", "irb6700-150-3.20"])
+@pytest.mark.parametrize("way", [1, -1])
+def test_mounting_the_tool_as_the_cure_says_keeps_axis_six_inside(name: str, way: int) -> None:
+    robot = robots.get(name)
+    low, high = robot.limits[5].tolist()
+    sweep = way * np.linspace(0.0, 0.9 * (high - low), 400)
+    at = np.tile([0.6 * robot.reach, 0.0, 300.0], (400, 1))
+    tilted = Pose((10.0, 20.0, 80.0), rotations.from_euler(np.array([30.0, 20.0, 10.0]), "ZYX"))
+    # Neither from here nor from half a turn further, which the wrist turned over has.
+    start = rotations.multiply(DOWN, rotations.about((0.0, 0.0, 1.0), way * 120.0))
+    flange = rotations.multiply(start, rotations.about(np.tile([0, 0, 1.0], (400, 1)), sweep))
+    # Poses of a tilted tip, so that the flange only turns about its own axis.
+    positions = at + rotations.rotate(flange, np.array(tilted.position))
+    path = path_of(positions, rotations.multiply(flange, np.array(tilted.quaternion)), tools=["t"])
+    _, _, findings = followed(path, robot, tools={"t": Tool(tilted)})
+    assert codes(findings) == ["RB106"]
+    assert "J6" in findings[0].message
+    assert findings[0].cure is not None
+    turn = rotations.about((0.0, 0.0, 1.0), _degrees(findings[0].cure))
+    _, _, after = followed(path, robot, tools={"t": Tool(Pose.of(np.zeros(3), turn) @ tilted)})
+    assert not after
+
+
+@pytest.mark.parametrize("name", ["rv-4frl", "rv-7frl"])
+def test_turning_the_work_as_the_cure_says_keeps_axis_one_inside(name: str) -> None:
+    robot = robots.get(name)
+    around = np.radians(np.linspace(90.0, 390.0, 400))
+    circle = 0.75 * robot.reach * np.c_[np.cos(around), np.sin(around), 0.2 + 0.0 * around]
+    _, _, findings = followed(path_of(circle), robot)
+    assert codes(findings) == ["RB106"]
+    assert "J1" in findings[0].message
+    assert findings[0].cure is not None
+    turn = rotations.about((0.0, 0.0, 1.0), _degrees(findings[0].cure))
+    turned = path_of(rotations.rotate(turn, circle), rotations.multiply(turn, np.array(DOWN)))
+    _, joints, after = followed(turned, robot)
+    assert not after
+    assert robot.inside(joints).all()
 
 
 def test_a_wrist_in_line_leaves_axis_four_where_it_was() -> None:

@@ -206,11 +206,14 @@ def _traced(pointers: NDArray[np.uint16], at: int) -> tuple[int, Rows]:
 @dataclass(frozen=True, slots=True)
 class TurnedAxis:
     """angles: (n,) deg inside the limits where that can be. broken: rows before which the
-    axis would have to be wound back although the move does not allow it.
+    axis would have to be wound back although the move does not allow it. sweep: least and greatest
+    deg without winding back, from the start to the end of the first chain with such a row; None if
+    rows state their turns.
     """
 
     angles: Floats
     broken: Rows
+    sweep: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,8 +251,11 @@ def add_whole_turns(
         return TurnedAxis(angles + 360.0 * (whole.follow(first) + turns), np.empty(0, np.intp))
     chains = _by_chain(angles, wrapped, turns, starts, limits, stated, way)
     failing = ~chains.possible
-    broken = np.empty(0, np.intp)
+    broken, sweep = np.empty(0, np.intp), None
     if failing.any():
+        if stated is None:
+            least, most = (float(ends[failing.argmax()]) for ends in chains.sweeps)
+            sweep = least, most
         inside = np.repeat(failing, np.diff(np.append(starts, len(wrapped))))
         inside[starts] = True
         chains = _by_chain(angles, wrapped, turns, np.flatnonzero(inside), limits, stated, way)
@@ -259,7 +265,7 @@ def add_whole_turns(
     if failing.any():
         unmet = np.flatnonzero(np.diff(count, prepend=count[0]) != step)
         broken = np.setdiff1d(unmet, starts)
-    return TurnedAxis(out, broken)
+    return TurnedAxis(out, broken, sweep)
 
 
 class OpenTurns(NamedTuple):
@@ -339,7 +345,7 @@ class _AxisChains:
     the starts. least, most: (c,) turns with which every row of the chain is inside, and clear of
     the limits if any turns allow it; the first is greater if no turns fit. clear: whether all of
     them are that. lowest, highest: turns with which an angle of half a turn about the middle can be
-    inside.
+    inside. sweeps: least and greatest deg (c,) of each chain.
     """
 
     starts: Rows
@@ -350,6 +356,7 @@ class _AxisChains:
     clear: bool
     lowest: int
     highest: int
+    sweeps: tuple[Floats, Floats]
 
     @property
     def possible(self) -> Truths:
@@ -433,7 +440,8 @@ def _by_chain(
         least, most = np.where(open_, first, least), np.where(open_, last, most)
         if inside == LIMIT_CLEARANCE:
             clear = bool((first <= last).all())
-    return _AxisChains(starts, of_row, turns[starts], least, most, clear, lowest, highest)
+    sweeps = least_on_way, most_on_way
+    return _AxisChains(starts, of_row, turns[starts], least, most, clear, lowest, highest, sweeps)
 
 
 TurnCounts = NDArray[np.int64]

@@ -6,11 +6,13 @@ then a branch is chosen for each row, and the second computes its joints.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.base import rotations
 from assistant.base.arrays import Floats, Rows, Truths, all_of, any_of
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Severity
@@ -21,6 +23,7 @@ from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.motion.between_targets import MotionBetweenTargets, motion_between_targets
 from assistant.robots.motion.branch_choice import Choice, Choices, chain_starts, choices
 from assistant.robots.motion.branch_sequence import (
+    LIMIT_CLEARANCE,
     TURNS_NOT_STATED,
     add_whole_turns,
     filled_forward,
@@ -42,6 +45,10 @@ from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
 _MOST_ROWS_RETRIED: Final = 20_000
 """Rows of a run up to which other branches are tried, where one fails between the rows or turns
 have to be longer than they could be."""
+
+
+_Sweep = tuple[float, float] | None
+"""Least and greatest deg of an axis along linear moves; None if it is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +100,7 @@ def solve_run(
     if len(done.choice.through):
         through = run.what(done.choice.through)
         report.append(rules.THROUGH_WRIST(about=through, robot=robot.title))
-    for axis, rows in done.wound:
-        if len(rows):
-            low, high = robot.limits[axis]
-            name = robot.axes[axis]
-            report.append(rules.WOUND_UP(about=run.what(rows), axis=name, low=low, high=high))
+    report += [_wound_up(run, robot, *one) for one in done.wound if len(one[1])]
     return RunSolution(joints, configurations, tuple(report))
 
 
@@ -105,14 +108,15 @@ def solve_run(
 class _Attempt:
     """A choice of branches with the results of a closer check.
 
-    joints: (n, a) deg. wound: by axis, the rows before which it would be wound back. off: rows that
+    joints: (n, a) deg. wound: by axis, the rows before which it would be wound back, and its sweep
+    along the moves there. off: rows that
     state a quadrant (or turn) which their axes cannot have. bad: rows that have no path to them in
     the chosen branch. longer: whether a joint move takes longer than in the short direction.
     """
 
     choice: Choice
     joints: Floats
-    wound: list[tuple[int, Rows]]
+    wound: list[tuple[int, Rows, _Sweep]]
     off: Rows
     bad: Rows
     longer: bool
@@ -176,11 +180,11 @@ def _attempt(run: Run, robot: Robot, choice: Choice, given: _RunProblem) -> _Att
         bad, faults = way.faults(run, robot, joints)
         findings += faults
     wound = []
-    for axis, rows in unmet:
+    for axis, rows, sweep in unmet:
         if continued(run) and abs(joints[0, axis] - run.before[axis]) > 180.0:
-            rows = np.append(0, rows)
-        wound.append((axis, np.setdiff1d(rows, choice.broken)))
-    bad = np.unique(np.concatenate([bad, *(rows for _, rows in wound)]))
+            rows, sweep = np.append(0, rows), None
+        wound.append((axis, np.setdiff1d(rows, choice.broken), sweep))
+    bad = np.unique(np.concatenate([bad, *(rows for _, rows, _ in wound)]))
     longer = may_be_quicker(run, robot, joints, chain_starts(run))
     return _Attempt(choice, joints, wound, off, bad, longer, tuple(findings))
 
@@ -219,11 +223,11 @@ def _turned(
     straight: Truths,
     said: NDArray[np.integer],
     way: MotionBetweenTargets | None,
-) -> tuple[Floats, list[tuple[int, Rows]], Rows]:
+) -> tuple[Floats, list[tuple[int, Rows, _Sweep]], Rows]:
     """Joints with their whole turns.
 
-    With them, by axis, the rows before which it would be wound back, and the rows that
-    state a quadrant (or turn) which their axes cannot have.
+    With them, by axis, the rows before which it would be wound back with its sweep, and the rows
+    that state a quadrant (or turn) which their axes cannot have.
     """
     stated = said[:, BACK] != UNSTATED
     out = joints.copy()
@@ -253,9 +257,9 @@ def _turned(
         moving = way.of(axis, len(out)) if way is not None and len(way.rows) else None
         result = add_whole_turns(angles, (low, high), starts, near, turns, moving)
         out[:, axis] = result.angles
-        wound.append((axis, result.broken))
+        wound.append((axis, result.broken, result.sweep))
         options.append((angles, (low, high), starts, turns, moving))
-    if not any(len(rows) for _, rows in wound) and may_be_quicker(run, robot, out, starts):
+    if not any(len(rows) for _, rows, _ in wound) and may_be_quicker(run, robot, out, starts):
         quicker = quickest_turns(run, robot, plain, starts, [open_turns(*each) for each in options])
         out = out if quicker is None else quicker
     return out, wound, off
@@ -282,6 +286,50 @@ def _hold(
         middle = float(robot.limits[axis].mean())
         new[:, axis] -= 360.0 * np.round((new[:, axis] - middle) / 360.0)
     joints[rows[inside]] = new[inside]
+
+
+def _wound_up(run: Run, robot: Robot, axis: int, rows: Rows, sweep: _Sweep) -> Diagnostic:
+    """Return the finding about an axis that would be wound back, with a computed cure."""
+    low, high = robot.limits[axis].tolist()
+    name, more = robot.axes[axis], ""
+    if sweep is not None and sweep[1] - sweep[0] > high - low - 2.0 * LIMIT_CLEARANCE:
+        more = f" where {name} is near a limit: the moves turn it by {sweep[1] - sweep[0]:.0f}"
+        more += f" degrees in all, and it has {high - low:.0f}"
+    elif sweep is not None:
+        more = _turn_cure(run, robot, axis, int(rows[0]), sweep)
+    return rules.WOUND_UP(about=run.what(rows), axis=name, low=low, high=high, more=more)
+
+
+def _turn_cure(run: Run, robot: Robot, axis: int, row: int, sweep: tuple[float, float]) -> str:
+    """Return by how much a turn of the work or of the tool brings an axis inside its limits; empty
+    for an axis that neither turns alone.
+    """
+    tool = run.mounting.tools[run.mounting.tool[row]]
+    frame = run.mounting.frames[run.mounting.frame[row]]
+    if not tool.held or frame.held or frame.mechanism:
+        return ""
+    low, high = robot.limits[axis].tolist()
+    whole = 360.0 * np.arange(-3, 4)
+    least, most = low - sweep[0] + LIMIT_CLEARANCE, high - sweep[1] - LIMIT_CLEARANCE
+    shifts = np.clip(0.0, least + whole, most + whole)
+    shift = float(shifts[np.abs(shifts).argmin()])
+    degrees = math.copysign(math.ceil(abs(shift)), shift)
+    ends = np.zeros((2, len(robot.axes)))
+    ends[1, axis] = 1.0
+    (p, moved), (q, turned) = robot.flange_poses(ends)
+    back = rotations.conjugate(q)
+    in_base, in_flange = rotations.multiply(turned, back), rotations.multiply(back, turned)
+    if _is_about_z(in_base) and np.allclose(rotations.rotate(in_base, p), moved, atol=1e-6):
+        angle = degrees * np.sign(in_base[0] * in_base[3])
+        return f", or turn the work piece by {angle:.0f} degrees about z of the robot's base"
+    if _is_about_z(in_flange) and np.allclose(p, moved, atol=1e-6):
+        angle = -degrees * np.sign(in_flange[0] * in_flange[3])
+        return f", or mount the tool turned by {angle:.0f} degrees about z of the flange"
+    return ""
+
+
+def _is_about_z(quaternion: Floats) -> bool:
+    return bool(np.abs(quaternion[1:3]).max() < 1e-9)
 
 
 def _branch_change(
