@@ -25,7 +25,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
@@ -33,7 +33,8 @@ from assistant.base.arrays import Floats
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
-from assistant.sources.contours.curves import Curve
+from assistant.sources.contours.curves import Arc, Curve
+from assistant.sources.drawing.balloons import find_balloons
 from assistant.sources.drawing.findings import DRAFTING, DRAFTING_FOLLOWED, MAY_BE_SHEET, shown
 from assistant.sources.drawing.sheets import Sheet, find_sheets
 from assistant.sources.drawing.traversal import CONTINUOUS, PlacedEntity
@@ -179,6 +180,13 @@ _ANONYMOUS_BLOCKS: Final[Mapping[str, str]] = {
     "*t": "title block",
 }
 """What CAD systems put into blocks without a name, by the start of what they call these."""
+_NUMBERED_BLOCK: Final = re.compile(r"([A-Za-z]+)-\d+-\d+(?: - \d+)?")
+"""Blocks of systems for steelwork: the kind of an object with the numbers of drawing and object."""
+_NUMBERED_BLOCKS: Final[Mapping[str, str]] = {
+    **dict.fromkeys(("mark", "sectionmark", "detailmark", "levelmark", "weldmark"), "symbol"),
+    **dict.fromkeys(("text", "unknown"), "text"),
+}
+"""What is in them that is not work; `unknown` has titles and tables of the form."""
 
 _WORD: Final = re.compile(r"[^\W\d_]+")
 _CAMEL: Final = re.compile(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])")
@@ -238,7 +246,9 @@ def _kind_in(table: Mapping[str, str], word: str) -> str:
 @cache
 def block_kind(name: str) -> str:
     """What a block of this name is, empty if it may be work."""
-    return _ANONYMOUS_BLOCKS.get(name[:2].lower(), "") or layer_kind(name)
+    numbered = _NUMBERED_BLOCK.fullmatch(name)
+    kind = _NUMBERED_BLOCKS.get(numbered[1].lower(), "") if numbered else ""
+    return kind or _ANONYMOUS_BLOCKS.get(name[:2].lower(), "") or layer_kind(name)
 
 
 @cache
@@ -345,7 +355,7 @@ class Drafting:
     def borders(
         self, curves: Sequence[Curve], aside: Sequence[Curve], texts: Sequence[Floats]
     ) -> dict[int, Reason]:
-        """Curves of borders and title blocks that are known by their shape, by their rows; counted.
+        """Curves of borders, title blocks and balloons, known by their shape, by row; counted.
 
         aside: those that are drafting by their names, which may be a part of a border. texts: where
         annotations of the drawing are. What may be a part as well is a finding.
@@ -374,6 +384,14 @@ class Drafting:
                     self.undecided.append(sheet)
                 continue
             reason = Reason(BORDER, f"{sheet.text} mm", sheet.what)
+            found |= dict.fromkeys(own, reason)
+            self.aside[reason] = self.aside.get(reason, 0) + len(own)
+        for balloons in find_balloons(given, aside, there, back):
+            own = [row for row in (rows[each] for each in balloons) if row not in found]
+            if not own:
+                continue
+            radius = cast("Arc", curves[own[0]]).radius
+            reason = Reason(BORDER, f"⌀{2.0 * radius:.4g} mm", "balloons around texts")
             found |= dict.fromkeys(own, reason)
             self.aside[reason] = self.aside.get(reason, 0) + len(own)
         return found

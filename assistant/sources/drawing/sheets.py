@@ -7,7 +7,9 @@ paper around it, the marks between the two, and everything in the cells of the t
 A rectangle without a title block is a candidate only if it has the size of a sheet, encloses all
 that is drawn, touches none of it, and if the drawing has texts or dimensions. It is the edge of a
 sheet if a border runs along it, or if parts with holes are in it: if it were a part, these would be
-loose in its holes. Otherwise only the user can tell whether it is a plate.
+loose in its holes. Otherwise only the user can tell whether it is a plate. A sheet at another scale
+has no such size; it is known by two frames in the proportion of a sheet with the same margin all
+around, or a wider one for binding.
 """
 
 from __future__ import annotations
@@ -41,6 +43,12 @@ _SIZES: Final = {
 """Sheets of ISO 216 and of ANSI Y14.1: mm of the short and of the long side."""
 _SIZE_PART: Final = 0.005
 """Relative difference between a side and that of a sheet; inches have one decimal."""
+_PROPORTIONS: Final = (2.0**0.5, 11.0 / 8.5, 17.0 / 11.0)
+"""Long by short side of sheets, at any scale."""
+_PROPORTION_PART: Final = 0.015
+"""Relative difference from it: margins of one width change it."""
+_EVEN_PART: Final = 0.02
+"""Relative difference between margins of the same width."""
 _TOUCH: Final = 0.05
 """mm within which lines meet."""
 _SHIFT: Final = 0.0373
@@ -121,10 +129,9 @@ def find_sheets(
     if found or not annotated:
         return found
     # The edge of the paper comes before a border inside it.
-    edges = ((one, _paper(one)) for one in reversed(rectangles))
-    for edge, name in edges:
-        if name and page.holds_all(edge):
-            return list(_bare_sheet(page, edge, name, rectangles, len(curves)))
+    for edge in reversed(rectangles):
+        if (_paper(edge) or _has_proportion(edge)) and page.holds_all(edge):
+            return list(_bare_sheet(page, edge, rectangles, len(curves)))
     return []
 
 
@@ -473,23 +480,40 @@ def _paper(box: _Rectangle) -> str:
     return ""
 
 
-def _bare_sheet(
-    page: _Page, edge: _Rectangle, name: str, rectangles: Sequence[_Rectangle], work: int
-) -> Iterator[Sheet]:
-    """Yield the one sheet without a title block.
+def _has_proportion(box: _Rectangle) -> bool:
+    """True if a rectangle has the proportion of sheets of ISO 216 or of ANSI Y14.1."""
+    short, long = sorted(box.size)
+    return any(abs(long / short - one) <= _PROPORTION_PART * one for one in _PROPORTIONS)
 
-    edge, name: its rectangle and its size in words. work: number of curves that are not drafting by
-    their names; these come first.
+
+def _has_even_margins(edge: _Rectangle, border: _Rectangle) -> bool:
+    """True if a border is as far from each side of an edge, or farther from one for binding."""
+    first, _, third, _ = sorted(edge.margins(border))
+    return third - first <= _EVEN_PART * first
+
+
+def _bare_sheet(
+    page: _Page, edge: _Rectangle, rectangles: Sequence[_Rectangle], work: int
+) -> Iterator[Sheet]:
+    """Yield the one sheet without a title block, if an edge is one.
+
+    work: number of curves that are not drafting by their names; these come first.
     """
     inside = [row for row in range(len(page.curves)) if row not in edge.rows]
+    name = _paper(edge)
     for border in rectangles:
         if edge.is_edge_of(border) and not page.crossing(border):
+            if not name and not _has_even_margins(edge, border):
+                continue
             between = set(np.flatnonzero(page.beyond(border)).tolist()) - edge.rows
             left = set(inside) - between - border.rows
             if left and all(page.is_short(row, np.inf) for row in between - border.rows):
                 rows = edge.rows | border.rows | between
-                yield Sheet(frozenset(rows), edge.size, f"{name} with a border")
+                what = f"{name} with a border" if name else "two frames of a sheet"
+                yield Sheet(frozenset(rows), edge.size, what)
                 return
+    if not name:
+        return
     contours = chain_curves([page.curves[row] for row in inside if row < work], _TOUCH)[0]
     around = holders(contours, _DOWN, _TOUCH)
     nested = any(row != NO_HOLDER for row in around)

@@ -296,7 +296,7 @@ class Traversal:
                 continue
             with np.errstate(all="ignore"):  # what overflows is found not to be finite
                 inner = owner.matrix @ insert_matrix(insert, block.base_point.xyz, cell)
-            blocks = (*owner.blocks, block.name.lower())
+            blocks = (*owner.blocks, block.name)
             # The outermost insert stands for all inside it; a location's symbol stands for nothing.
             inserted = owner.inserted
             if inserted is None and not location:
@@ -318,7 +318,7 @@ class Traversal:
                 self._say(NO_BLOCK, place, block=given, key=toml_value(given))
         elif needed and _is_clipped(insert):
             self._say(CLIPPED, place, block=given)
-        elif block.name.lower() in (*owner.blocks, "*model_space"):
+        elif block.name.lower() in (*map(str.lower, owner.blocks), "*model_space"):
             self._say(RECURSIVE, place, block=given)
         elif len(owner.blocks) >= MOST_NESTED:
             self._say(TOO_DEEP, place, most=MOST_NESTED)

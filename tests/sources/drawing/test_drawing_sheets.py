@@ -267,3 +267,89 @@ def test_an_empty_form_is_refused_with_the_cure(save: Save, drawing: Drawing) ->
     (finding,) = [one for one in refused.value.findings if one.severity == "error"]
     assert finding.code == "DX011"
     assert 'follow = ["border"]' in (finding.cure or "")
+
+
+def framed(space: Space, *, height: float = 222.0, margin: float = 10.0) -> set[str]:
+    """Two frames around a part, at a scale that no paper has."""
+    rectangle(space, (0, 0), (314, height), lines=True)
+    rectangle(space, (margin, 10), (304, height - 10), lines=True)
+    space.add_text("view A", height=3).set_placement((50, 30))
+    return part(space, 60, 80)
+
+
+@pytest.mark.parametrize("margin", [10.0, 20.0])
+def test_two_frames_in_the_proportion_of_a_sheet_are_off(
+    save: Save, drawing: Drawing, margin: float
+) -> None:
+    kept = framed(drawing.modelspace(), margin=margin)
+    contents = read_contents(save(drawing), NO_PROCESS)
+    assert {curve.handle for curve in contents.curves} == kept
+    (finding,) = [one for one in contents.findings if one.code == "DX212"]
+    assert "314 x 222 mm" in finding.message
+    assert "two frames of a sheet" in finding.message
+
+
+@pytest.mark.parametrize("margin", [5.0, 10.0])
+def test_frames_in_another_proportion_stay(save: Save, drawing: Drawing, margin: float) -> None:
+    height = 270.0 if margin == 10.0 else 222.0
+    kept = framed(drawing.modelspace(), height=height, margin=margin)
+    space = drawing.modelspace()
+    if margin == 5.0:  # uneven margins
+        rectangle(space, (12, 12), (300, 205), lines=True)
+    assert len(followed(save(drawing))) > len(kept)
+
+
+def grid(space: Space, *, line_type: str = "CENTER", texts: bool = True) -> set[str]:
+    """A part with two axes of a grid that end in circles with letters."""
+    handles = part(space)
+    for x in (120, 200):
+        space.add_line((x, 60), (x, 230), dxfattribs={"linetype": line_type})
+        space.add_circle((x, 52), 8)
+        if texts:
+            space.add_text("A", height=5).set_placement((x - 2, 50))
+    return handles
+
+
+def test_circles_with_texts_at_the_end_of_centre_lines_are_off(
+    save: Save, drawing: Drawing
+) -> None:
+    drawing.linetypes.add("CENTER", [1.0, 0.5, -0.5])
+    kept = grid(drawing.modelspace())
+    contents = read_contents(save(drawing), NO_PROCESS)
+    assert {curve.handle for curve in contents.curves} == kept
+    (finding,) = [one for one in contents.findings if one.code == "DX212"]
+    assert "⌀16 mm" in finding.message
+    assert len(followed(save(drawing), process('follow = ["border"]'))) == len(kept) + 2
+
+
+@pytest.mark.parametrize("change", [{"line_type": "Continuous"}, {"texts": False}])
+def test_circles_at_the_end_of_other_lines_or_without_texts_stay(
+    save: Save, drawing: Drawing, change: dict[str, Any]
+) -> None:
+    drawing.linetypes.add("CENTER", [1.0, 0.5, -0.5])
+    kept = grid(drawing.modelspace(), **change)
+    assert len(followed(save(drawing)) - kept) >= 2
+
+
+def test_a_hole_with_a_text_in_it_and_a_centre_line_through_it_stays(
+    save: Save, drawing: Drawing
+) -> None:
+    drawing.linetypes.add("CENTER", [1.0, 0.5, -0.5])
+    space = drawing.modelspace()
+    for x in (120, 200):
+        space.add_line((x, 60), (x, 160), dxfattribs={"linetype": "CENTER"})
+        space.add_circle((x, 110), 12)
+        space.add_text("M24", height=5).set_placement((x - 4, 110))
+    assert len(followed(save(drawing))) == 2
+
+
+def test_blocks_of_steelwork_drawings_are_known_by_their_kind(save: Save, drawing: Drawing) -> None:
+    kept = set()
+    names = ("Part-35-47 - 46", "StraightDimension-35-48 - 46", "Mark-35-50 - 46", "Unknown-35-51")
+    for name in (*names, "Text-35-57", "Bolt-35-58 - 46", "Text-35"):
+        block = drawing.blocks.new(name)
+        line = block.add_line((0, 0), (50, 10 * len(block.name)))
+        if name.startswith(("Part", "Bolt")) or name == "Text-35":
+            kept.add(line.dxf.handle)
+        drawing.modelspace().add_blockref(name, (0, 0))
+    assert followed(save(drawing)) == kept
