@@ -1,5 +1,7 @@
 """A picture of contours: as drawn, as the tool follows them, and where findings are.
 
+What is left out of the work is pale and dashed.
+
 Also the lines of a drawing as points (n, 3) mm in the robot's base, for pages that show them.
 """
 
@@ -7,11 +9,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -24,10 +25,12 @@ from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Move
 from assistant.report.figures import new_figure, picture
+from assistant.report.label_positions import label_positions
 from assistant.report.track import Way, ways
 from assistant.sources import process_of
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
     from assistant.sources.process.placement import DrawingPlacement
@@ -40,12 +43,14 @@ _DRAWING_SUFFIX: Final = ".dxf"
 class DrawnLine:
     """A curve of a drawing as points (n, 3) mm in the robot's base. layer: that it is on.
 
-    handle: of its entity, empty if it has none.
+    handle: of its entity, empty if it has none. works: False if it is left out as drafting, or by
+    its layer.
     """
 
     layer: str
     points: Floats
     handle: str = ""
+    works: bool = True
 
 
 def drawn_lines(
@@ -77,12 +82,15 @@ def drawn_lines(
         return []
     found = []
     contents = read_contents(path, chosen)
-    for curve in (*contents.curves, *contents.aside):
-        points = chorded(curve, chosen.tolerance)
-        found.append(DrawnLine(curve.layer, frame.pose.moved(points), curve.handle or ""))
+    for curves, work in ((contents.curves, True), (contents.aside, False)):
+        for curve in curves:
+            points = frame.pose.moved(chorded(curve, chosen.tolerance))
+            works = work and not chosen.leaves_out(curve.layer)
+            found.append(DrawnLine(curve.layer, points, curve.handle or "", works))
     return found
 
 
+_POINTS_PER_INCH: Final = 72.0
 _PICTURE_INCHES: Final = 8.0
 """Inches of the picture of one program."""
 _MOST_NUMBERED: Final = 400
@@ -109,32 +117,77 @@ def contour_plot(drawings: Sequence[Drawing], format: str) -> bytes:
     columns = math.ceil(math.sqrt(len(drawings)))
     rows = math.ceil(len(drawings) / columns)
     sheet = new_figure(_PICTURE_INCHES * columns, _PICTURE_INCHES * rows)
-    for place, drawing in enumerate(drawings, start=1):
-        _draw_program(sheet.add_subplot(rows, columns, place), drawing)
+    parts = [
+        (sheet.add_subplot(rows, columns, place), drawing)
+        for place, drawing in enumerate(drawings, start=1)
+    ]
+    starts = [_draw_program(axes, drawing) for axes, drawing in parts]
+    shown: dict[str, Artist] = {}
+    for axes, _ in parts:
+        handles, labels = axes.get_legend_handles_labels()
+        shown |= dict(zip(labels, handles, strict=True))
+    if shown:
+        sheet.legend(
+            list(shown.values()), list(shown), loc="outside lower center", ncols=4, fontsize=9
+        )
+    # Only now the axes have their size, by which numbers find room.
+    sheet.draw_without_rendering()
+    for (axes, _), each in zip(parts, starts, strict=True):
+        _write_numbers(axes, each)
     return picture(sheet, format)
 
 
-def _draw_program(axes: Axes, drawing: Drawing) -> None:
+_STYLES: Final[Mapping[str, Mapping[str, Any]]] = {
+    "left out": {"color": "0.7", "linestyle": "--", "linewidth": 0.8},
+    "drawn work": {"color": "0.25", "linewidth": 1.4},
+    "travel": {"color": "C1", "linestyle": ":", "linewidth": 0.8},
+    "path of the tool": {"color": "C0", "linewidth": 1.0},
+}
+"""How kinds of lines are drawn, those first that are below others; by their names in the legend."""
+_NUMBER_POINTS: Final = (8.0, 6.0)
+"""Typographic points of the digits of numbers: of few, and of more than `_FEW`."""
+_FEW: Final = 40
+_DIGIT_PART: Final = 0.64
+"""Width of a digit by the size of its type."""
+_NEAR: Final = 12.0
+"""Points up to which a number needs no line to its contour."""
+
+
+@dataclass(slots=True, eq=False)
+class _Start:
+    """Start of contours at one point. path: (n, 3) mm of the first of them. numbers: of all."""
+
+    path: Floats
+    numbers: list[int]
+
+    @property
+    def text(self) -> str:
+        first, last = self.numbers[0], self.numbers[-1]
+        return f"{first}" if first == last else f"{first}–{last}"
+
+
+def _draw_program(axes: Axes, drawing: Drawing) -> list[_Start]:
+    """Draw all but the numbers; return the points where contours start, which have them."""
     name, frame = _common_frame(drawing.program)
     back = frame.inverse()
-    for line in drawing.drawn:
-        axes.plot(*back.moved(line.points).T[:2], color="0.25", linewidth=1.4)
     found = [] if drawing.program is None else list(ways(drawing.program))
-    travel = [back.moved(way.positions) for way in found if way.name is None]
-    for points in travel:
-        axes.plot(*points.T[:2], color="C1", linestyle=":", linewidth=0.8)
     followed = [Way(way.name, back.moved(way.positions)) for way in found if way.name is not None]
-    numbers: dict[tuple[float, float], list[int]] = defaultdict(list)
+    lines = {
+        "left out": [back.moved(line.points) for line in drawing.drawn if not line.works],
+        "drawn work": [back.moved(line.points) for line in drawing.drawn if line.works],
+        "travel": [back.moved(way.positions) for way in found if way.name is None],
+        "path of the tool": [way.positions for way in followed],
+    }
+    for kind, style in _STYLES.items():
+        for row, points in enumerate(lines[kind]):
+            axes.plot(*points.T[:2], label="" if row else kind, **style)
+    starts: dict[tuple[float, ...], _Start] = {}
     for number, way in enumerate(followed, start=1):
-        axes.plot(*way.positions.T[:2], color="C0", linewidth=1.0)
         _draw_arrow(axes, way.positions)
-        x, y = way.positions[0, :2].round(1).tolist()
-        numbers[x, y].append(number)
-    for (x, y), those in numbers.items():
+        key = tuple(way.positions[0, :2].round(1).tolist())
+        starts.setdefault(key, _Start(way.positions, [])).numbers.append(number)
+    for x, y in starts:
         axes.plot(x, y, marker="o", markersize=3, color="C0")
-        if len(followed) <= _MOST_NUMBERED:
-            said = f"{those[0]}" if len(those) == 1 else f"{those[0]}–{those[-1]}"
-            axes.annotate(said, (x, y), (3, 3), textcoords="offset points", color="C0", fontsize=8)
     _mark_findings(axes, drawing, back)
     where = "the robot's base" if name == BASE else name
     axes.set(
@@ -143,6 +196,39 @@ def _draw_program(axes: Axes, drawing: Drawing) -> None:
         xlabel=f"x in {where}, mm",
         ylabel="y, mm",
     )
+    return list(starts.values()) if len(followed) <= _MOST_NUMBERED else []
+
+
+def _write_numbers(axes: Axes, starts: Sequence[_Start]) -> None:
+    """Write numbers near the points where contours start, where they cover no line."""
+    if not starts:
+        return
+    sheet = axes.get_figure(root=True)
+    assert sheet is not None
+    scale = _POINTS_PER_INCH / sheet.dpi
+    to_points = axes.transData
+    homes = [to_points.transform(start.path[:, :2]) * scale for start in starts]
+    anchors = np.array([home[0] for home in homes])
+    digits = _NUMBER_POINTS[len(starts) > _FEW]
+    sizes = np.array([(_DIGIT_PART * digits * len(one.text), 0.8 * digits) for one in starts])
+    lines = [to_points.transform(line.get_xydata()) * scale for line in axes.get_lines()]
+    low, high = np.array(axes.get_window_extent().get_points()) * scale
+    centres = label_positions(anchors, sizes, homes, lines, low, high)
+    for start, off in zip(starts, centres - anchors, strict=True):
+        far = float(np.linalg.norm(off)) > _NEAR
+        pointer = {"arrowstyle": "-", "color": "C0", "linewidth": 0.4, "shrinkA": 0, "shrinkB": 1}
+        written = axes.annotate(
+            start.text,
+            (float(start.path[0, 0]), float(start.path[0, 1])),
+            (float(off[0]), float(off[1])),
+            textcoords="offset points",
+            color="C0",
+            fontsize=digits,
+            ha="center",
+            va="center",
+            arrowprops=pointer if far else None,
+        )
+        written.set_in_layout(False)  # the axes keep the size by which it has its place
 
 
 def _draw_arrow(axes: Axes, points: Floats) -> None:

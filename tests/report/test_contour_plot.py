@@ -60,6 +60,30 @@ def test_contours_are_numbered_in_their_order(
     assert "ring.dxf in rapid" in found
 
 
+def dashed(file: Path) -> int:
+    """Lines with gaps in an .svg, but for dots."""
+    return len(re.findall(r"stroke-dasharray: 2\.96", file.read_text("utf-8")))
+
+
+def test_what_is_left_out_is_dashed_and_the_legend_says_so(
+    capsys: pytest.CaptureFixture[str], drawing: Path, tmp_path: Path
+) -> None:
+    picture = tmp_path / "ring.svg"
+    status, said = run(capsys, "check", drawing, "--plot", picture)
+    assert status == 0, said
+    assert "left out" not in texts(picture)
+    assert {"drawn work", "travel", "path of the tool"} <= set(texts(picture))
+    assert not dashed(picture)
+    doc = ezdxf.readfile(drawing)
+    for layer in ("CENTER", "OTHER"):  # by its name, and by `leave_out = ["*"]`
+        doc.modelspace().add_line((300, 0), (500, 9), dxfattribs={"layer": layer})
+    doc.saveas(drawing)
+    status, said = run(capsys, "check", drawing, "--plot", picture)
+    assert status == 0, said
+    assert "left out" in texts(picture)
+    assert dashed(picture) == 3  # two lines, and the legend
+
+
 def test_findings_stand_beside_what_they_tell_of(
     capsys: pytest.CaptureFixture[str], drawing: Path, tmp_path: Path
 ) -> None:
