@@ -401,7 +401,8 @@ def _add_drawing(
     files[process] = process_text(drawing.name, found, values).encode("utf-8", "replace")
     told = [finding for finding in found.findings if finding.severity is not Severity.INFO]
     if not (folder / process).exists():
-        told = [finding for finding in told if finding.code != NO_BLOCK.code]
+        if found.missing:
+            told = [finding for finding in told if finding.code != NO_BLOCK.code]
         told += _told_contents(found, process)
     return _AddedDrawing(source, files, tuple(f.within(str(drawing)) for f in told))
 

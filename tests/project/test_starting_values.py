@@ -163,6 +163,18 @@ def test_a_block_that_the_file_lacks_is_left_out_and_the_rest_builds(
     assert "DX206" in run(capsys, str(drawing))
 
 
+def test_a_missing_block_whose_name_stands_for_others_stays_an_error(
+    home: Home, drawing: Path, capsys
+) -> None:
+    document = ezdxf.readfile(drawing)
+    document.modelspace().add_blockref("*U7", (10, 10))
+    document.saveas(drawing)
+    said = run(capsys, str(drawing), "--yes")
+    assert "DX206" in said
+    assert "PR312" not in said
+    assert {"block": "*U7"} not in stated(home)[1]["leave_out"]
+
+
 def test_what_does_not_fit_is_refused(home: Home, drawing: Path, capsys) -> None:
     one = ("--robot", "rv-4frl", "--language", "rapid")
     assert "PR309" in run(capsys, str(drawing), *one, status=2)

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from assistant.base.arrays import Floats
 from assistant.program.geometry import Pose
@@ -35,38 +36,48 @@ def find_balloons(
     aside: curves that are drafting by their names. texts: (n, 2) positions of texts, mm in the
     drawing's world. back: from the frame of the curves to that world.
     """
-    circles = [
-        (row, curve) for row, curve in enumerate(curves) if isinstance(curve, Arc) and curve.closed
-    ]
+    rows = [row for row, curve in enumerate(curves) if isinstance(curve, Arc) and curve.closed]
     lines = [curve for curve in aside if isinstance(curve, Line)]
-    if len(circles) < _FEWEST or not len(texts) or not lines:
+    if len(rows) < _FEWEST or not len(texts) or not lines:
         return []
-    ends = back.moved(np.array([(line.start, line.end) for line in lines]).reshape(-1, 3))
-    ends = ends[:, :2].reshape(-1, 2, 2)
-    points = back.moved(sample(curves, (0.0, 0.5, 1.0)).reshape(-1, 3))[:, :2]
-    points = points.reshape(len(curves), -1, 2)
+    circles = [cast("Arc", curves[row]) for row in rows]
+    centres = back.moved(np.array([circle.centre for circle in circles]))[:, :2]
+    radii = np.array([circle.radius for circle in circles])
+    drafted = np.array([(line.start, line.end) for line in lines]).reshape(-1, 3)
+    ends = back.moved(drafted)[:, :2].reshape(-1, 2, 2)
+    drawn = back.moved(sample(curves, (0.0, 0.5, 1.0)).reshape(-1, 3))[:, :2]
+    labelled = np.unique(_near(centres, texts, radii)[0])
+    centres, radii = centres[labelled], radii[labelled]
+    pointed_at = _are_pointed_at(centres, radii, ends)
+    pointed_at[_near(centres, drawn, (1.0 - _TOUCH_PART) * radii)[0]] = False
     sizes: dict[int, set[int]] = defaultdict(set)
-    for row, circle in circles:
-        centre = back.moved(np.array([circle.centre]))[0, :2]
-        radius = circle.radius
-        if not (np.linalg.norm(texts - centre, axis=1) < radius).any():
-            continue
-        inner = np.linalg.norm(points - centre, axis=2) < (1.0 - _TOUCH_PART) * radius
-        if not inner.any() and _is_pointed_at(centre, radius, ends):
-            sizes[round(float(np.log(radius)) / _SIZE_PART)].add(row)
-    return [frozenset(rows) for rows in sizes.values() if len(rows) >= _FEWEST]
+    for at in np.flatnonzero(pointed_at).tolist():
+        sizes[round(float(np.log(radii[at])) / _SIZE_PART)].add(rows[labelled[at]])
+    return [frozenset(each) for each in sizes.values() if len(each) >= _FEWEST]
 
 
-def _is_pointed_at(centre: Floats, radius: float, ends: Floats) -> bool:
-    """True if one of the lines (n, 2, 2) ends on a circle and points at its centre from outside."""
+def _near(centres: Floats, points: Floats, reach: Floats) -> NDArray[np.intp]:
+    """Return the pairs (2, p) of circles and of points (n, 2) that are within a reach (m,)."""
+    import shapely
+
+    finite = np.flatnonzero(np.isfinite(points).all(axis=1))
+    tree = shapely.STRtree(shapely.points(points[finite]))
+    circle, point = tree.query(shapely.points(centres), predicate="dwithin", distance=reach)
+    return np.stack([circle, finite[point]])
+
+
+def _are_pointed_at(centres: Floats, radii: Floats, ends: Floats) -> NDArray[np.bool_]:
+    """Return a flag for each circle: True if one of the lines (n, 2, 2) ends on it and points at
+    its centre from outside.
+    """
+    found = np.zeros(len(centres), dtype=bool)
     for near, far in ((ends[:, 0], ends[:, 1]), (ends[:, 1], ends[:, 0])):
-        out, along = near - centre, far - near
+        circle, line = _near(centres, near, (1.0 + _TOUCH_PART) * radii)
+        radius, out, along = radii[circle], near[line] - centres[circle], far[line] - near[line]
         length = np.linalg.norm(along, axis=1)
-        on = np.abs(np.linalg.norm(out, axis=1) - radius) <= _TOUCH_PART * radius
-        on &= length >= _LEAST_LENGTH_PART * radius
-        out, along = out[on], along[on]
-        beside = np.abs(out[:, 0] * along[:, 1] - out[:, 1] * along[:, 0]) / length[on]
-        outward = (out * along).sum(axis=1) > 0.0
-        if bool((outward & (beside <= _TOUCH_PART * radius)).any()):
-            return True
-    return False
+        beside = np.abs(out[:, 0] * along[:, 1] - out[:, 1] * along[:, 0])
+        pointing = np.abs(np.linalg.norm(out, axis=1) - radius) <= _TOUCH_PART * radius
+        pointing &= length >= _LEAST_LENGTH_PART * radius
+        pointing &= (beside <= _TOUCH_PART * radius * length) & ((out * along).sum(axis=1) > 0.0)
+        found[circle[pointing]] = True
+    return found

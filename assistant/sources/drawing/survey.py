@@ -119,7 +119,8 @@ class SurveyedLocation:
 @dataclass(frozen=True, slots=True)
 class Survey:
     """unit: for people. millimetres: of one unit. stated: who says so. extents: of all that is not
-    drafting. missing: names of blocks that are inserted, but not in the file.
+    drafting. missing: names of blocks that are inserted, but not in the file; none if a `*` in one
+    of them would stand for any letters in `leave_out`.
     """
 
     unit: str
@@ -235,7 +236,7 @@ def survey(path: FilePath, process: Process, stated: str = "as stated") -> Surve
         tuple(_blocks(document, tags)),
         tuple(found),
         findings,
-        tuple(traversal.missing),
+        () if any("*" in one for one in traversal.missing) else tuple(traversal.missing),
     )
 
 
