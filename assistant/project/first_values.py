@@ -144,12 +144,17 @@ def first_values(
         fitting = next((one for one in found if one[1] is not None), None)
         if fitting is not None and fitting[1] is not None:
             (name, arm), place = fitting[0], fitting[1]
+            smaller = _in_millimetres(candidates[:1], extents, tool, millimetres)
+            if extents is not None and name != candidates[0][0] and smaller:
+                size = _size_text(extents)
+                findings.append(rules.LARGE_UNIT(robot=arm.title, size=size, cure=smaller))
         else:
             name, arm = candidates[-1]
             place = _in_front(arm, extents, _DISTANCES[0], _HEIGHTS[0], _TURNS[0])
-            size = "" if extents is None else ", " + " x ".join(f"{x:.0f}" for x in extents.size)
-            cure = _roomier(candidates, extents, tool, millimetres)
-            findings.append(rules.NO_ROOM(robot=arm.title, size=size and f"{size} mm", cure=cure))
+            size = "" if extents is None else f", {_size_text(extents)}"
+            cure = _in_millimetres(candidates, extents, tool, millimetres)
+            cure = cure or _more_reach(candidates)
+            findings.append(rules.NO_ROOM(robot=arm.title, size=size, cure=cure))
         turn = rotations.to_euler(np.array(place.quaternion), "ZYX")
         turned = f" turned by {_rounded(turn[:1])[0]} degrees" if turn.any() else ""
         assumed["position"] = f"`position` {_rounded(place.position)}{turned}"
@@ -159,25 +164,29 @@ def first_values(
     return FirstValues(name, arm, spoken, place, tool, tuple(assumed), tuple(findings))
 
 
-def _roomier(
+def _size_text(extents: Extents) -> str:
+    return " x ".join(f"{length:.0f}" for length in extents.size) + " mm"
+
+
+def _in_millimetres(
     candidates: Sequence[tuple[str, Robot]],
     extents: Extents | None,
     tip: Vector,
     millimetres: float,
 ) -> str:
-    """Return how to bring the work within reach of one of the robots.
+    """Return how to state that the numbers of a drawing are millimetres; empty if they are, or if
+    no robot reaches all of the work even then.
 
     Many programs name a unit that they do not draw in: inches above numbers that are millimetres.
     """
-    usual = _more_reach(candidates)
     if extents is None or millimetres <= 1.0:
-        return usual
+        return ""
     low, high = ([x / millimetres for x in corner] for corner in (extents.low, extents.high))
     smaller = Extents((low[0], low[1], low[2]), (high[0], high[1], high[2]))
     if all(work_place(arm, smaller, tip, turn) is None for turn in _TURNS for _, arm in candidates):
-        return usual
-    size = " x ".join(f"{x:.0f}" for x in smaller.size)
-    return f"state --unit mm if the drawing is in mm, whatever it names: it is {size} mm then"
+        return ""
+    size = _size_text(smaller)
+    return f"state --unit mm if the drawing is in mm, whatever it names: it is {size} then"
 
 
 def _more_reach(candidates: Sequence[tuple[str, Robot]]) -> str:

@@ -136,6 +136,11 @@ NOTHING_DRAWN: Final = warning(
     "the drawing holds no lines, curves or locations that a robot could follow or visit: {held}",
     "draw or export the contours of the work as lines, arcs, polylines or splines",
 )
+LARGE_UNIT: Final = warning(
+    "PR314",
+    "the work is {size} in the unit that the drawing names, for which {robot} was taken",
+    "{cure}",
+)
 NOT_STARTED: Final = missing_extra(
     "PR401",
     "the virtual controller `{name}` cannot start: {reason}",

@@ -116,6 +116,9 @@ def test_a_robot_that_reaches_the_work_is_chosen(home: Home, tmp_path_factory, c
     project, _ = stated(home)
     assert project["controllers"]["cell1"]["robot"] != "irb1200-7-0.7"
     assert "PR308" not in said
+    # It fits the usual arm if its numbers are millimetres.
+    assert "PR314" in said
+    assert "state --unit mm" in said
     assert build(project_of(), jobs=1).ok
 
 

@@ -272,6 +272,13 @@ CASES: Final = (
         then=("init q a.dxf --yes --unit mm",),
     ),
     Case(
+        "PR314",
+        "init p a.dxf --yes",
+        {"a.dxf": dxf(line, 1)},
+        then=("init q a.dxf --yes --unit mm",),
+        slow=True,
+    ),
+    Case(
         "PR310",
         "init p a.dxf --robot rv-4frl",
         {"a.dxf": dxf(line)},
