@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from functools import cache
@@ -42,6 +43,7 @@ from assistant.sources.process import LeftOut, Process, matches_any
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
+    from ezdxf.entities.dxfentity import DXFEntity
 
 _WORDS: Final[Mapping[str, str]] = {
     "border": """
@@ -277,6 +279,35 @@ def line_type_kinds(document: Drawing) -> dict[str, str]:
     return kinds
 
 
+def symbol_blocks(document: Drawing) -> frozenset[str]:
+    """Return the blocks, in small letters, that are symbols with a text, such as the letter of a
+    datum: drafting on a layer for it, but for a bar or two on a layer of thick lines.
+    """
+    found = set()
+    for block in document.blocks:
+        by_kind: dict[str, list[DXFEntity]] = defaultdict(list)
+        for one in block:
+            by_kind[one.dxftype()].append(one)
+        if "ATTDEF" not in by_kind or "INSERT" in by_kind:
+            continue
+        drawn = [one for kind in _CURVE_TYPES for one in by_kind[kind]]
+        bars = [one for one in drawn if not layer_kind(str(one.dxf.layer))]
+        if not 1 <= len(bars) <= _MOST_BARS or len(bars) == len(drawn):
+            continue
+        height = max(float(one.dxf.get("height", 0.0)) for one in by_kind["ATTDEF"])
+        if all(
+            one.dxftype() == "LINE" and one.dxf.start.distance(one.dxf.end) <= _BAR_PART * height
+            for one in bars
+        ):
+            found.add(str(block.name).casefold())
+    return frozenset(found)
+
+
+_CURVE_TYPES: Final = ("LINE", "ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE", "SPLINE", "ELLIPSE")
+_MOST_BARS: Final = 2
+"""Lines of a symbol that are on no layer for drafting, at most."""
+_BAR_PART: Final = 3.0
+"""Length of such a line by the height of the text, at most."""
 BORDER: Final = "border"
 """Name under `follow` and `leave_out` of what is known by its shape."""
 _DASH_LENGTH: Final = 49
@@ -310,13 +341,15 @@ class Drafting:
     aside: dict[Reason, int] = field(default_factory=dict)
     followed: dict[tuple[Reason, str], int] = field(default_factory=dict)
     undecided: list[Sheet] = field(default_factory=list)
+    symbols: frozenset[str] = frozenset()
     _stated: frozenset[str] = frozenset()
 
     @staticmethod
     def of(document: Drawing, process: Process) -> Drafting:
         layers = {str(one.dxf.name).lower(): str(one.dxf.linetype) for one in document.layers}
         stated = frozenset(name.casefold() for name in process.layers)
-        return Drafting(process, line_type_kinds(document), layers, _stated=stated)
+        kinds, symbols = line_type_kinds(document), symbol_blocks(document)
+        return Drafting(process, kinds, layers, symbols=symbols, _stated=stated)
 
     def of_layer(self, layer: str) -> str:
         """What a layer is for, empty if the process file names it or it may be work."""
@@ -401,7 +434,8 @@ class Drafting:
 
     def _reason_beside_layer(self, placed: PlacedEntity) -> Reason | None:
         for block in placed.blocks:
-            if not matches_any(self.process.follow, block) and (kind := block_kind(block)):
+            kind = block_kind(block) or ("symbol" if block.casefold() in self.symbols else "")
+            if kind and not matches_any(self.process.follow, block):
                 return Reason("block", block, kind)
         line_type = placed.line_type
         kind = self.of_line_type(line_type)

@@ -353,3 +353,25 @@ def test_blocks_of_steelwork_drawings_are_known_by_their_kind(save: Save, drawin
             kept.add(line.dxf.handle)
         drawing.modelspace().add_blockref(name, (0, 0))
     assert followed(save(drawing)) == kept
+
+
+@pytest.mark.parametrize(
+    ("length", "layer", "attribute", "kept"),
+    [
+        (8.0, "DIM", True, 0),
+        (80.0, "DIM", True, 1),  # a cut beside a label
+        (8.0, "PART", True, 2),  # nothing in it is drafting
+        (8.0, "DIM", False, 1),  # without a text
+    ],
+)
+def test_the_bar_of_a_datum_symbol_is_drafting(
+    save: Save, drawing: Drawing, length: float, layer: str, attribute: bool, kept: int
+) -> None:
+    block = drawing.blocks.new("BASE4")
+    block.add_line((0, 0), (length, 0), dxfattribs={"layer": "THICK"})
+    block.add_circle((4, 10), 4, dxfattribs={"layer": layer})
+    if attribute:
+        block.add_attdef("A", (2, 8), height=3.5)
+    drawing.modelspace().add_blockref("BASE4", (50, 50))
+    drawing.modelspace().add_line((0, 0), (90, 0))
+    assert len(followed(save(drawing))) == 1 + kept
