@@ -150,7 +150,7 @@ class Init:
         """The unit of the drawings and what the project states first; nothing without a drawing,
         or where a script states nothing. Asks on a terminal if no option is given.
         """
-        from assistant.project.first_values import first_values
+        from assistant.project.first_values import first_values, robot_text
         from assistant.project.new_project import has_project
 
         of_drawings = {"unit": self.unit, "place": self.place, "tip": self.tip}
@@ -165,6 +165,8 @@ class Init:
             from assistant.project import rules
 
             raise Refused(rules.HAS_CONTROLLER(), exit_status=2)
+        if self.robot is not None:
+            robot_text(self.robot, folder)
         robot = _robot_of(folder) if there else self.robot
         if not stated and not self.yes and sys.stdin.isatty():
             return _asked_values(folder, drawings, robot, there)
@@ -173,17 +175,15 @@ class Init:
         given = option_values(self.place, self.tip)
         extents, millimetres = size_of(drawings, self.unit)
         return self.unit, first_values(
-            *(folder, extents, robot, self.language, *given), millimetres=millimetres
+            *(extents, robot, self.language, *given), millimetres=millimetres
         )
 
 
 def _robot_of(folder: Path) -> str | None:
-    """The robot that a project's first controller moves, None if it names none."""
-    from assistant.project import project_of
+    """Return the robot of the first controller of a project that names one, None without any."""
+    from assistant.project.first_values import controller_robots
 
-    return next(
-        (one.controller.robot for one in project_of(folder).places if one.controller.robot), None
-    )
+    return next(iter(controller_robots(folder)), None)
 
 
 def size_of(drawings: Sequence[Path], unit: str | None) -> tuple[Extents | None, float]:
@@ -232,7 +232,7 @@ def _asked_values(
     extents, millimetres = size_of(drawings, unit)
     if extents is not None:
         say(f"  it is {' x '.join(f'{length:.1f}' for length in extents.size)} mm")
-    usual = first_values(folder, extents, robot, millimetres=millimetres)
+    usual = first_values(extents, robot, millimetres=millimetres)
     language = None
     if not there:
         robot = _ask("robot", usual.robot_name, lambda text: robot_text(text, folder))
@@ -253,9 +253,7 @@ def _asked_values(
     stated = None if given_tip == usual.tip else given_tip
     fitting = usual
     if (robot or usual.robot_name, language, stated) != (usual.robot_name, None, None):
-        fitting = first_values(
-            *(folder, extents, robot, language, None, stated), millimetres=millimetres
-        )
+        fitting = first_values(*(extents, robot, language, None, stated), millimetres=millimetres)
     place = _ask(
         "where the drawing's origin stands in the robot's base, mm, and degrees about z, y, x",
         fitting.place_text,
@@ -264,7 +262,7 @@ def _asked_values(
     if place == fitting.place_text:
         return unit, fitting
     placed = option_values(place, None)[0]
-    return unit, first_values(folder, extents, robot, language, placed, stated)
+    return unit, first_values(extents, robot, language, placed, stated)
 
 
 def _ask(question: str, usual: str, read: Callable[[str], object]) -> str:

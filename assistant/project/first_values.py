@@ -25,7 +25,7 @@ from assistant.base.near_names import near_name
 from assistant.compiler.arms import robot_of
 from assistant.controllers.address import VIRTUAL
 from assistant.controllers.controller import LANGUAGES
-from assistant.controllers.named import ROBOT_FILES
+from assistant.controllers.named import ROBOT_FILES, controllers_of
 from assistant.program.geometry import Pose, Vector
 from assistant.program.settings_tables import listed
 from assistant.project import rules
@@ -49,8 +49,8 @@ _GRID: Final = 5
 """Points along each side of the work that are looked at."""
 _ROOMY_WRIST: Final = 20.0
 """Degrees of axis 5 from the singularity of the wrist that are enough."""
-_LEAST_WRIST: Final = (10.0, 0.0)
-"""Least degrees of axis 5 from the singularity: of a first search with all robots, of a second."""
+_WIDE_WRIST: Final = 10.0
+"""Degrees for which another turn or robot is tried before one with fewer is taken."""
 _WRIST_AXIS: Final = 4
 _AXES_WITH_WRIST: Final = 6
 
@@ -68,6 +68,11 @@ class FirstValues:
     tip: Vector
     assumed: tuple[str, ...] = ()
     findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def reached(self) -> bool:
+        """False if no place was found at which the robot reaches all of the work."""
+        return not any(finding.code == rules.NO_ROOM.code for finding in self.findings)
 
     def keys(self, key: str) -> dict[str, list[float]]:
         """Values of a process file that go with `tip` or with `position`."""
@@ -101,6 +106,14 @@ def known_robot(name: str) -> Robot:
     return robot
 
 
+def controller_robots(folder: FilePath) -> list[str]:
+    """Return the robots that the controllers of a folder's project name, in its order.
+
+    Raises Unreadable and Refused.
+    """
+    return [one.robot for one in controllers_of(folder).values() if one.robot is not None]
+
+
 def chosen_language(robot: Robot, given: str | None) -> str:
     """The language of a robot's programs. Raises Refused (exit status 2) for another one."""
     if given is None:
@@ -117,7 +130,6 @@ def chosen_language(robot: Robot, given: str | None) -> str:
 
 
 def first_values(
-    folder: FilePath,
     extents: Extents | None,
     robot: str | None = None,
     language: str | None = None,
@@ -125,25 +137,19 @@ def first_values(
     tip: Vector | None = None,
     millimetres: float = 1.0,
 ) -> FirstValues:
-    """All values of a project in a folder, those that are not given chosen to fit work of that
-    size. millimetres: of the unit that the drawing names. Raises Refused.
+    """All values of a project, those that are not given chosen to fit work of that size.
+
+    millimetres: of the unit that the drawing names. Raises Refused.
     """
     tool = ASSUMED_TIP if tip is None else tip
     assumed = {} if tip is not None else {"tip": f"`tip` {_rounded(tool)}"}
     findings: list[Diagnostic] = []
-    if robot is None:
-        candidates = _usual_robots(language)
-    else:
-        candidates = [(robot_text(robot, folder), known_robot(robot))]
+    candidates = _usual_robots(language) if robot is None else [(robot, known_robot(robot))]
     name, arm = candidates[0]
     if place is None:
-        found = (
-            (one, work_place(one[1], extents, tool, turn, least))
-            for least, turn, one in itertools.product(_LEAST_WRIST, _TURNS, candidates)
-        )
-        fitting = next((one for one in found if one[1] is not None), None)
-        if fitting is not None and fitting[1] is not None:
-            (name, arm), place = fitting[0], fitting[1]
+        fitting = _fitting_place(candidates, extents, tool)
+        if fitting is not None:
+            (name, arm), place = fitting
             smaller = _in_millimetres(candidates[:1], extents, tool, millimetres)
             if extents is not None and name != candidates[0][0] and smaller:
                 size = _size_text(extents)
@@ -183,7 +189,7 @@ def _in_millimetres(
         return ""
     low, high = ([x / millimetres for x in corner] for corner in (extents.low, extents.high))
     smaller = Extents((low[0], low[1], low[2]), (high[0], high[1], high[2]))
-    if all(work_place(arm, smaller, tip, turn) is None for turn in _TURNS for _, arm in candidates):
+    if _fitting_place(candidates, smaller, tip) is None:
         return ""
     size = _size_text(smaller)
     return f"state --unit mm if the drawing is in mm, whatever it names: it is {size} then"
@@ -231,23 +237,40 @@ def _reach(one: tuple[str, Robot]) -> float:
     return one[1].reach
 
 
-def work_place(
-    robot: Robot, extents: Extents | None, tip: Vector, turn: float = 0.0, least: float = 0.0
-) -> Pose | None:
-    """Return a pose of the work's origin at which the tool, pointing down, reaches all of the work.
+def _fitting_place(
+    candidates: Sequence[tuple[str, Robot]], extents: Extents | None, tip: Vector
+) -> tuple[tuple[str, Robot], Pose] | None:
+    """Return a robot and a pose of the work's origin at which the tool, pointing down, reaches all
+    of the work; None if no pose that is tried is one.
+    """
+    narrow: tuple[tuple[str, Robot], Pose] | None = None
+    for turn, one in itertools.product(_TURNS, candidates):
+        found = _best_place(one[1], extents, tip, turn)
+        if found is None:
+            continue
+        margin, place = found
+        if margin >= _WIDE_WRIST:
+            return one, place
+        narrow = narrow or (one, place)
+    return narrow
 
-    None if no pose that is tried is one. turn: of the work about z, degrees. least: distance of the
-    wrist from its singularity, degrees.
+
+def _best_place(
+    robot: Robot, extents: Extents | None, tip: Vector, turn: float
+) -> tuple[float, Pose] | None:
+    """Return the pose of the work with the largest margin, and that margin; see `_margin`.
+
+    turn: of the work about z, degrees.
     """
     best: tuple[float, Pose] | None = None
     for distance, height in itertools.product(_DISTANCES, _HEIGHTS):
         place = _in_front(robot, extents, distance, height, turn)
         margin = _margin(robot, extents, place, tip)
-        if margin is not None and margin >= least and (best is None or margin > best[0]):
+        if margin is not None and (best is None or margin > best[0]):
             best = margin, place
             if margin >= _ROOMY_WRIST:
                 break
-    return None if best is None else best[1]
+    return best
 
 
 def _in_front(

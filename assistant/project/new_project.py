@@ -25,7 +25,7 @@ from assistant.program.program import TakenNames, identifier
 from assistant.program.project_file import read_project
 from assistant.program.settings_tables import shown
 from assistant.project import rules
-from assistant.project.first_values import FirstValues
+from assistant.project.first_values import FirstValues, robot_text
 from assistant.project.project_file import SCHEMA_FILE, project_of, schema_text
 from assistant.resources import resource
 from assistant.sources import PROCESS_SUFFIX
@@ -345,7 +345,7 @@ def start_project(
     elif drawn:
         contents = {
             **of_drawings,
-            PROJECT_FILE: _project_text(_program_text(programs, values), programs, values),
+            PROJECT_FILE: _project_text(folder, _program_text(programs, values), programs, values),
             **contents,
         }
     else:
@@ -435,25 +435,30 @@ def _program_names(sources: Sequence[str]) -> dict[str, str]:
     return names
 
 
-def _project_text(programs: str, names: Iterable[str], values: FirstValues | None) -> bytes:
-    """Return the example's project file, with these programs instead of the example's."""
+def _project_text(
+    folder: FilePath, programs: str, names: Iterable[str], values: FirstValues | None
+) -> bytes:
+    """Return the example's project file, with these programs instead of the example's.
+
+    Raises Refused (exit status 2) for a robot file that is not in the folder.
+    """
     listed = toml_value(list(names))
     text = _template_bytes(PROJECT_FILE).decode().replace(_EXAMPLE_PROGRAM, programs)
     text = text.replace(f"{_EXAMPLE_NAMES:{_NAMES_WIDTH}}", f"{listed:{_NAMES_WIDTH}}")
-    return _with_controller(text, values).encode()
-
-
-def _with_controller(text: str, values: FirstValues | None) -> str:
-    """A project file whose virtual controller moves this robot."""
     if values is None:
-        return text
-    same = f'address = "{values.address}" ' in text
+        return text.encode()
+    return _with_controller(text, values.address, robot_text(values.robot_name, folder)).encode()
+
+
+def _with_controller(text: str, address: str, robot: str) -> str:
+    """Return a project file whose virtual controller moves this robot."""
+    same = f'address = "{address}" ' in text
     lines = []
     for line in ended_lines(text):
         key = line.partition(" ")[0]
         if key in (_OF_EXAMPLE_CONTROLLER if not same else ()):
             continue
-        stated = {"address": values.address, "robot": values.robot_name}
+        stated = {"address": address, "robot": robot}
         if key in stated:
             row, _, about = line.partition(" # ")
             row = f"{key} = {toml_value(stated[key])}"

@@ -18,6 +18,7 @@ from assistant.base.file_access import read_file
 from assistant.base.file_sets import write_all
 from assistant.base.source_text import SourceText, encode, is_file
 from assistant.base.toml_text import KeyPath, toml_content
+from assistant.program import settings_tables
 from assistant.project.new_project import PROJECT_FILE, process_text
 from assistant.sources import PROCESS_SUFFIX, process_of
 from assistant.sources.drawing import read_contents
@@ -73,6 +74,10 @@ _FORM_FIELDS: Final = (
     ("motion", "speed"),
 )
 """Fields of the page other than layers, in its order, by the names of a new process file."""
+_POSITION_FIELD: Final = "frames.work.position"
+_TURN_FIELD: Final = "frames.work.euler_zyx"
+_POSE_FIELDS: Final = (_TURN_FIELD, "placement.position", "placement.euler_zyx")
+_NO_TURNS: Final[tuple[Any, ...]] = (None, [], [0, 0, 0])
 _ROBOT_KEY: Final = "robot"
 """Key of the arm, in a program's entry of the project file, else at the top of a process file."""
 _CHOSEN_ENTRIES: Final = {"tools": "tool", "frames": "frame"}
@@ -150,31 +155,48 @@ def _field_values(content: Mapping[str, Any]) -> list[dict[str, Any]]:
 def _with_proposal(
     fields: list[dict[str, Any]], studio: Studio, seen: Survey
 ) -> list[dict[str, Any]]:
-    """Return the fields of a form; a blank position of the work has a proposal within reach."""
-    from assistant.project.first_values import ASSUMED_TIP, USUAL_ROBOT, known_robot, work_place
+    """Return the fields of a form; a blank position of the work has a proposal, the values of a new
+    project, unless the user has turned the work or placed the drawing in its frame.
+    """
+    from assistant.project.first_values import first_values
 
     known = {one["field"]: one for one in fields}
-    place = known.get("frames.work.position")
-    if place is not None and place["value"] == []:
-        try:
-            robot = known_robot(known[_ROBOT_KEY]["value"] or common_robot(studio) or USUAL_ROBOT)
-            found = work_place(robot, seen.extents, ASSUMED_TIP)
-        except Refused:
-            return fields
-        place["proposed"] = None if found is None else found.position
-        place["robot"] = robot.title
+    given = {name: one["value"] for name, one in known.items()}
+    unturned = all(given.get(name, True) in _NO_TURNS for name in _POSE_FIELDS)
+    if given.get(_POSITION_FIELD) != [] or not unturned:
+        return fields
+    robot = given[_ROBOT_KEY] or next(iter(_controller_robots(studio)), None)
+    try:
+        tip = settings_tables.position(given["tools.tool.tip"]) if given["tools.tool.tip"] else None
+        found = first_values(seen.extents, robot, tip=tip)
+    except (Refused, settings_tables.Wrong):
+        return fields
+    if found.reached:
+        place = known[_POSITION_FIELD]
+        stated = found.keys("position")
+        place["proposed"] = {
+            _POSITION_FIELD: stated["position"],
+            **({_TURN_FIELD: stated["euler_zyx"]} if any(stated["euler_zyx"]) else {}),
+            **({} if robot else {_ROBOT_KEY: found.robot_name}),
+        }
+        place["robot"] = found.robot.title
     return fields
 
 
 def common_robot(studio: Studio) -> str | None:
     """Return the robot that all controllers of a project have, None if they differ."""
-    from assistant.controllers import controllers_of
+    named = _controller_robots(studio)
+    return named[0] if len({*named}) == 1 else None
+
+
+def _controller_robots(studio: Studio) -> list[str]:
+    """Return the robots of a project's controllers; none of a project that is wrong."""
+    from assistant.project.first_values import controller_robots
 
     try:
-        named = {one.robot for one in controllers_of(studio.folder).values()} - {None}
+        return controller_robots(studio.folder)
     except Refused:
-        return None
-    return named.pop() if len(named) == 1 else None
+        return []
 
 
 def _signal_records(content: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import tomllib
+from importlib.resources import files
 from pathlib import Path
 
 import ezdxf
@@ -186,3 +187,14 @@ def test_what_does_not_fit_is_refused(home: Home, drawing: Path, capsys) -> None
     assert "CL052" in run(capsys, "--tip", "0,0,1", status=2)
     run(capsys)
     assert "PR310" in run(capsys, str(drawing), "--robot", "rv-4frl", status=2)
+
+
+def test_a_drawing_joins_a_project_whose_robot_file_lies_elsewhere(
+    home: Home, drawing: Path, capsys
+) -> None:
+    robot = files("assistant.robots").joinpath("catalogue", "irb1200-7-0.7.toml")
+    (home.folder.parent / "own.toml").write_bytes(robot.read_bytes())
+    text = '[controllers.cell1]\naddress = "virtual:irc5"\nrobot = "../own.toml"\n'
+    home.put("assistant.toml", text)
+    run(capsys, str(drawing), "--yes")
+    assert stated(home)[1]["frames"]["work"]["position"]

@@ -14,10 +14,11 @@ import ezdxf
 import pytest
 
 from tests.cli.tables import each
-from tests.cli.test_commands import SAMPLES
+from tests.cli.test_commands import SAMPLES, run
 from tests.studio.browsing import clean, studio_page, until
 from tests.studio.serving import Answer, Page
 
+ARM = "irb1200-7-0.7"
 PLATE = (SAMPLES / "plate.dxf").read_bytes()
 SEAM = b"MODULE seam\n  PROC main()\n    WaitTime 1;\n  ENDPROC\nENDMODULE\n"
 PLACED = {
@@ -216,12 +217,53 @@ def test_a_place_in_reach_is_proposed_while_there_is_none(page: Page) -> None:
         values = page.get("drawing", path=path).value["values"]
         return next(one for one in values if one["field"] == "frames.work.position")
 
-    assert len(place()["proposed"]) == 3 and place()["robot"]
-    placed = {**PLACED, "frames": {"work": {"position": place()["proposed"]}}}
+    proposed = place()["proposed"]["frames.work.position"]
+    assert len(proposed) == 3 and place()["robot"]
+    placed = {**PLACED, "frames": {"work": {"position": proposed}}}
     page.post("drawing/process", path=path, values=placed)
     assert "proposed" not in place()
     shown = page.post("scene/show", path=path).value
     assert shown["moves"] and not {one["severity"] for one in shown["findings"]} & {"error"}
+
+
+@pytest.mark.parametrize(
+    ("size", "robot"), (((700, 200), ARM), ((700, 200), None), ((2000, 1000), None))
+)
+def test_the_proposal_is_that_of_a_new_project(
+    page: Page,
+    folder: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    size: tuple[int, int],
+    robot: str | None,
+) -> None:
+    document = ezdxf.new(units=4)
+    x, y = size
+    document.modelspace().add_lwpolyline([(0, 0), (x, 0), (x, y), (0, y)], close=True)
+    document.saveas(tmp_path / "part.dxf")
+    begun = tmp_path / "begun"
+    named = ("--robot", robot) if robot else ()
+    run(capsys, "init", begun, tmp_path / "part.dxf", "--yes", *named)
+    frame = settings(begun / "drawings" / "part.process.toml")["frames"]["work"]
+    arm = settings(begun / "assistant.toml")["controllers"]["cell1"]["robot"]
+
+    cell = f'[controllers.cell1]\naddress = "virtual:irc5"\nrobot = "{robot}"\n'
+    (folder / "assistant.toml").write_text(cell if robot else "", "utf-8")
+    dropped = page.send("project/drop", (tmp_path / "part.dxf").read_bytes(), name="part.dxf")
+    fields = page.get("drawing", path=dropped.value["path"]).value["values"]
+    proposed = next(one["proposed"] for one in fields if one["field"] == "frames.work.position")
+    assert proposed["frames.work.position"] == frame["position"]
+    assert proposed.get("frames.work.euler_zyx", [0, 0, 0]) == frame["euler_zyx"]
+    assert proposed.get("robot", robot) == arm
+    assert (arm == ARM) == (frame["euler_zyx"] == [90, 0, 0])
+
+
+def test_nothing_is_proposed_for_work_that_the_user_has_turned(page: Page) -> None:
+    path = dropped(page)
+    turned = {"frames": {"work": {"euler_zyx": [0, 30, 0]}}}
+    done = page.post("drawing/process", path=path, values=turned)
+    assert done.status == 200, done.value
+    assert not [one for one in done.value["values"] if "proposed" in one]
 
 
 def test_a_drawing_is_placed_in_its_frame(page: Page, folder: Path) -> None:

@@ -139,15 +139,22 @@ function values(found) {
     input.dataset.was = input.value;
     label.append(said("span", NAMES[name] ?? name), " ", input);
     group.append(label);
-    if (proposed) group.append(proposal(input, proposed, robot));
+    if (proposed) group.append(proposal(proposed, robot));
   }
   return group;
 }
-/** A place in reach of the robot, to be taken by a click. */
-function proposal(input, place, robot) {
-  const one = made("button", `${filled("in_reach", { robot })}: ${place.join(", ")}`, "proposed");
+/** Values of fields with which the robot reaches the work, to be taken by a click. */
+function proposal(fields, robot) {
+  const place = Object.entries(fields).filter(([, value]) => Array.isArray(value)), one = made("button", "", "proposed");
+  one.textContent = `${filled("in_reach", { robot })}: ${place.map(([name, value], i) => (i ? `${word(NAMES[name])} ` : "") + value.join(", ")).join("; ")}`;
   one.type = "button";
-  one.addEventListener("click", () => { input.value = place.join(", "); input.dispatchEvent(new Event("input", { bubbles: true })); });
+  one.addEventListener("click", () => {
+    for (const [name, value] of Object.entries(fields)) {
+      const input = one.form.querySelector(`[data-path="${name}"]`);
+      input.value = Array.isArray(value) ? value.join(", ") : value;
+      input.dispatchEvent(new Event("input", { bubbles: true }));
+    }
+  });
   return one;
 }
 const filledBy = (select, choices, value) => fill(select, choices.map((one) => one || ["", "of_controller"]), value);
