@@ -18,6 +18,11 @@ _NO_UNIT: Final = error(
     "nothing says whether the position is in mm or m, as {title} leave it open",
     "add --unit mm or --unit m",
 )
+_NO_TABLE: Final = error(
+    "CL077",
+    "--{option} is of tables, and `{given}` is read as a pose",
+    "name a table that ends in .csv, .tsv or .txt, or leave --{option} out",
+)
 _TABLE: Final = (".csv", ".tsv", ".txt")
 
 
@@ -71,11 +76,16 @@ class Pose:
 
     def run(self) -> int:
         from assistant.compiler.pose_tables import convert_table
+        from assistant.program.settings_tables import shown
 
         unit: Unit | None = self.unit.value if self.unit else None
         to_unit: Unit | None = self.to_unit.value if self.to_unit else None
         name = self.values[0] if len(self.values) == 1 else ""
         if not name.lower().endswith(_TABLE):
+            for option, value in (("columns", self.columns), ("output", self.output)):
+                if value is not None:
+                    given = shown(" ".join(self.values), 40)
+                    raise Refused(_NO_TABLE(option=option, given=given), exit_status=2)
             return self._one(unit, to_unit)
         from assistant.base.file_sets import write_files
         from assistant.cli.source_input import keep_sources
@@ -88,7 +98,7 @@ class Pose:
             target,
             unit=unit,
             to_unit=to_unit,
-            columns=self.columns.split(",") if self.columns else (),
+            columns=() if self.columns is None else self.columns.split(","),
         )
         if self.output is None:
             say(data.decode().rstrip("\n"))

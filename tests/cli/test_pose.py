@@ -52,6 +52,20 @@ def test_units_are_converted_and_asked_for(run: Run) -> None:
     assert json.loads(out)["poses"]["fanuc"]["x_m"] == 0.001
 
 
+@pytest.mark.parametrize("option", ("--columns", "--output"))
+def test_options_of_tables_are_refused_with_a_pose(run: Run, tmp_path: Path, option: str) -> None:
+    file = tmp_path / "x"
+    status, out, err = run("600", "0", "400", "0", "90", "0", "--from", "kuka", option, str(file))
+    assert (status, out, file.exists()) == (2, "", False)
+    assert "CL077" in err and f"leave {option} out" in err
+
+
+def test_no_column_is_not_all_of_them(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "way.csv"
+    table.write_text("X,Y,Z,A,B,C\n600,0,400,0,90,0\n", encoding="utf-8")
+    assert "TB456" in run(str(table), "--from", "kuka", "--columns", "")[2]
+
+
 def test_the_columns_of_a_table_are_replaced(run: Run, tmp_path: Path) -> None:
     table = tmp_path / "way.csv"
     table.write_text("name,X,Y,Z,A,B,C\np1,600,0,400,0,90,0\n", encoding="utf-8")

@@ -147,6 +147,17 @@ CASES: Final = (
         then=("pose 1 2 3 0 0 0 1 --from xyzw --to rapid --unit m",),
     ),
     Case(
+        "CL077",
+        "pose 1 2 3 0 0 0 --from kuka --to rapid --columns X,Y,Z,A,B,C",
+        {"a.csv": "X,Y,Z,A,B,C\n1,2,3,4,5,6\n"},
+        then=("pose a.csv --from kuka --to rapid --columns X,Y,Z,A,B,C",),
+    ),
+    Case(
+        "CL077",
+        "pose 1 2 3 0 0 0 --from kuka --to rapid --columns X,Y,Z,A,B,C",
+        then=("pose 1 2 3 0 0 0 --from kuka --to rapid",),
+    ),
+    Case(
         "TB422",
         "check a.json",
         {"a.json": "5"},
