@@ -22,12 +22,15 @@ if TYPE_CHECKING:
     from assistant.compiler import Proving, compare, compile, load, translate
     from assistant.controllers import connect
     from assistant.languages import pose_conventions as pose
-    from assistant.program.geometry import Pose
+    from assistant.program.geometry import Frame, Load, Pose, Tool
 
 _LAZY: Final = {
+    "Frame": ("assistant.program.geometry", "Frame"),
+    "Load": ("assistant.program.geometry", "Load"),
     "Pose": ("assistant.program.geometry", "Pose"),
     "Proving": ("assistant.compiler", "Proving"),
     "Refused": ("assistant.base.diagnostics", "Refused"),
+    "Tool": ("assistant.program.geometry", "Tool"),
     "check": ("assistant.api.analysis", "check"),
     "compare": ("assistant.compiler", "compare"),
     "compile": ("assistant.compiler", "compile"),
@@ -47,9 +50,12 @@ _LAZY: Final = {
 """Public names, imported when first used so that the command line starts fast."""
 
 __all__ = [
+    "Frame",
+    "Load",
     "Pose",
     "Proving",
     "Refused",
+    "Tool",
     "__version__",
     "check",
     "compare",

@@ -42,6 +42,9 @@ CLASSES: Final = (
     "assistant.base.diagnostics.Refused",
     "assistant.program.program.Program",
     "assistant.program.geometry.Pose",
+    "assistant.program.geometry.Tool",
+    "assistant.program.geometry.Load",
+    "assistant.program.geometry.Frame",
     "assistant.robots.robot.Robot",
 )
 """What they give."""

@@ -11,12 +11,12 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from assistant.base import rotations
-from assistant.base.arrays import Floats, number_of, reals
+from assistant.base.arrays import Floats, finite_row, number_of, number_within, reals
 from assistant.base.diagnostics import Refused, Severity, error, has_errors
 from assistant.compiler.arms import robot_of
 from assistant.compiler.loader import language_of
 from assistant.program.expressions import JointValue
-from assistant.program.geometry import FLANGE, Frame, JointTarget, Pose, Tool
+from assistant.program.geometry import FLANGE, Frame, JointTarget, Load, Pose, Tool
 from assistant.program.motion import FINE, Blend, Kind, Speed
 from assistant.program.program import Program, identifier
 from assistant.program.se3 import NO_POSES, AnyPose, AnyPoses, Unit, pose_of
@@ -59,7 +59,11 @@ _NO_PLACE = error(
     "give the name of one in the process file, three numbers in mm, a Pose, an SE3 or a matrix "
     "(4, 4) in the unit of the poses, or a {type}",
 )
-
+_NO_LOAD = error(
+    "TB439",
+    "{given} is no part of a tool's load",
+    "write assistant.Load(2.0, (0.0, 0.0, 60.0)): kg, and the centre of gravity in mm",
+)
 _MAY_BE_METRES = error(
     "TB438",
     "the {what} {given} would be less than a millimetre away: three numbers are mm, and the poses "
@@ -247,8 +251,35 @@ def _declared(
     if isinstance(given, str):
         return given
     free = identifier(name, frozenset(table))
-    table[free] = given if isinstance(given, kind) else kind(_pose(given, name, kind, unit))
+    table[free] = _tool_or_frame(given, name, kind, unit)
     return free
+
+
+def _tool_or_frame(
+    given: Any, name: str, kind: type[Tool] | type[Frame], unit: Unit | None
+) -> Tool | Frame:
+    """Return a tool or frame given by value; raise Refused for one that is wrong."""
+    if isinstance(given, Tool) and kind is Tool:
+        return replace(given, tip=_pose(given.tip, name, kind, unit), load=_load(given.load))
+    if isinstance(given, Frame) and kind is Frame:
+        user, within = (_pose(one, name, kind, unit) for one in (given.user, given.object))
+        return replace(given, user=user, object=within)
+    return kind(_pose(given, name, kind, unit))
+
+
+def _load(given: Any) -> Load | None:
+    """Return the load of a tool; raise Refused for one that no tool has."""
+    if given is None:
+        return None
+    if not isinstance(given, Load):
+        raise Refused(_NO_LOAD(place=TOOL, given=shown(str(given))))
+    parts = {"centre": 3, "axes": 4, "inertia": 3}
+    rows = {part: finite_row(getattr(given, part), f"`{part}` of the load") for part in parts}
+    wrong = next((part for part, size in parts.items() if len(rows[part]) != size), None)
+    if wrong is not None:
+        raise Refused(_NO_LOAD(place=TOOL, given=shown(str(getattr(given, wrong)))))
+    mass = number_within(given.mass, "`mass` of the load", above=0.0)
+    return replace(given, mass=mass, **{part: tuple(row.tolist()) for part, row in rows.items()})
 
 
 def _pose(given: Any, name: str, kind: type[Tool] | type[Frame], unit: Unit | None) -> Pose:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -199,6 +200,35 @@ def test_tools_by_value_by_name_and_from_a_process_file(tmp_path):
     assert path.speeds[0].tcp == 40.0 and set(path.blends) == {FINE}
     with pytest.raises(assistant.Refused, match=r"TB301.*did you mean|TB301.*declare"):
         assistant.from_poses(LINE, unit="m", tool="tol")
+
+
+def test_a_tool_by_value_brings_its_load():
+    tool = assistant.Tool(Pose((0, 0, 120)), assistant.Load(1.5, (0, 0, 60)), free_turn=True)
+    program = assistant.from_poses(LINE, unit="m", tool=tool, robot=IRB)
+    text = text_of(program, language="rapid")
+    assert "[TRUE,[[0,0,120],[1,0,0,0]],[1.5,[0,0,60],[1,0,0,0],0,0,0]]" in text
+    assert text_of(program, language="rapid") == text_of(
+        assistant.from_poses(LINE, unit="m", tool=replace(tool, tip=(0, 0, 120)), robot=IRB),
+        language="rapid",
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "code"),
+    [
+        ({"tip": "flange"}, "TB436"),
+        ({"load": 2.0}, "TB439"),
+        ({"load": assistant.Load("2")}, "TB442"),
+        ({"load": assistant.Load(-2.0)}, "TB448"),
+        ({"load": assistant.Load(2.0, (0.0, 60.0))}, "TB439"),
+        ({"load": assistant.Load(2.0, (0.0, float("nan"), 0.0))}, "TB442"),
+    ],
+)
+def test_a_tool_that_is_wrong_is_refused(values, code):
+    tool = replace(assistant.Tool(), **values)
+    with pytest.raises(assistant.Refused) as caught:
+        assistant.from_poses(LINE, unit="m", tool=tool, robot=IRB)
+    assert caught.value.findings[0].code == code
 
 
 def test_what_should_be_looked_at_is_a_warning_of_python():

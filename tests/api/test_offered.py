@@ -23,7 +23,7 @@ NASTY = "</pre><script>alert(1)</script><b a='\x1b[31m\u202e"
 def test_everything_is_on_top_and_listed():
     wanted = {"load", "compile", "translate", "check", "simulate", "deploy", "from_poses"}
     wanted |= {"from_joints", "plan", "read_scene", "connect", "robots", "languages", "Refused"}
-    wanted |= {"Pose", "Proving", "compare", "pose"}
+    wanted |= {"Pose", "Tool", "Load", "Frame", "Proving", "compare", "pose"}
     names = [name for name in dir(assistant) if not name.startswith("_")]
     assert set(names) == wanted == set(assistant.__all__) - {"__version__"}
     for name in names:
