@@ -24,6 +24,7 @@ from assistant.cli.controller_session import (
     confirm,
     connected,
     joints_line,
+    named_by,
     new_client,
     pose_line,
     print_state,
@@ -168,6 +169,8 @@ def moving(text: str, command: str) -> Iterator[Moving]:
         if motion is None or not motion.began or _nothing_began(caught):
             raise
         one = motion.cell.one
+        if one.virtual is not None:  # its arm ends with the command
+            raise
         given_up = _MAY_MOVE(place=str(one.address), why="it was given up")
         if motion.is_given_up(caught):
             print_findings([given_up])
@@ -396,8 +399,10 @@ class Follow:
         """Checks the whole way, asks, and leads the arm along it."""
         from assistant.compiler.commanded_motion import trajectory_of_source
         from assistant.controllers import Controller
+        from assistant.controllers.controller import require_lasting
 
         mode, wishes = self._mode(), self.link.wishes
+        require_lasting(named_by(self.cell))  # no program waits there to be led
         with moving(self.cell, "follow") as motion:
             there = motion.cell
             robot = robot_of_cell(there.one)

@@ -25,6 +25,7 @@ from assistant.cli.controller_session import (
     Session,
     YesOption,
     confirm,
+    named_by,
     print_there,
     robot_of_cell,
 )
@@ -66,12 +67,14 @@ class Servo:
 
     def run(self) -> int:
         """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
+        from assistant.controllers.controller import require_lasting
         from assistant.vision.cameras.camera_file import read_cameras
         from assistant.vision.servoing.servo_loop import ServoStopped, servo
         from assistant.vision.servoing.servo_task import open_eyes, read_servo, set_up_servo
 
         check_recording(self.log)
         mode, wishes = setpoint_mode(self.by), self.link.wishes
+        require_lasting(named_by(self.cell))
         file, rig = read_servo(self.task), read_cameras(self.cameras)
         with moving(self.cell, "servo") as motion:
             there = motion.cell

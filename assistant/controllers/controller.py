@@ -193,6 +193,13 @@ TIMEOUT: Final = 30.0
 """Seconds to wait for an answer where nobody says how long."""
 
 
+def require_lasting(one: Named) -> None:
+    """Raise Refused for a virtual controller of the project, which runs only during a command."""
+    if one.virtual is not None:
+        finding = rules.ONLY_DEPLOYED(place=one.name, name=one.name, kind=one.virtual)
+        raise Refused(finding, exit_status=2)
+
+
 def connect(
     address: str | Address | Named,
     *,
@@ -212,9 +219,7 @@ def connect(
     one = named(address) if isinstance(address, str) else address
     if isinstance(one, Address):
         one = Named(str(one), one)
-    if one.virtual is not None:
-        finding = rules.ONLY_DEPLOYED(place=one.name, name=one.name, kind=one.virtual)
-        raise Refused(finding, exit_status=2)
+    require_lasting(one)
     place, waiting = one.address, timeout or one.timeout or TIMEOUT
     module, name = _CLIENTS[place.scheme]
     client = getattr(importlib.import_module(module), name)

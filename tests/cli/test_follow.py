@@ -177,6 +177,23 @@ def test_what_is_refused_before_anything_moves(capsys, cr, here, tmp_path):
     assert status == 2 and "CL251" in said
 
 
+@pytest.mark.parametrize("by", ("exchange", "data-link", "mxt", "egm"))
+def test_a_virtual_controller_of_the_project_is_not_led(capsys, here, tmp_path, by):
+    """It runs only during a command, so that no program waits there: nothing is read or started."""
+    table = 'address = "virtual:cr"\nrobot = "rv-2aj"\n'
+    (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+    status, _, said = run(capsys, "follow", "cell1", "missing.csv", "--by", by, "--yes")
+    assert (status, "CN113" in said, "CL241" in said) == (2, True, False), said
+    assert not [*tmp_path.rglob(".robot-assistant")]
+
+
+def test_no_emergency_stop_is_asked_for_where_the_arm_has_ended(capsys, here, tmp_path):
+    table = 'address = "virtual:cr"\nrobot = "rv-2aj"\n'
+    (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+    status, _, said = run(capsys, "jog", "cell1", "J1", "1", "--yes")
+    assert (status, "servos are off" in said, "emergency" in said) == (1, True, False), said
+
+
 def test_packets_do_not_go_over_a_serial_line(capsys, here, tmp_path):
     """Nobody is asked to confirm what cannot be."""
     (here / "way.csv").write_text(FIVE, encoding="utf-8")

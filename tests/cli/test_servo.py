@@ -72,6 +72,13 @@ def test_what_is_refused_before_anything_moves(capsys, cell):
         assert (found, code in said) == (status, True), said
 
 
+def test_a_virtual_controller_of_the_project_is_not_led(capsys, cell, tmp_path):
+    table = 'address = "virtual:cr"\nrobot = "rv-2aj"\n'
+    (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+    status, _, said = run(capsys, "servo", "cell1", *TASK, "--by", "mxt", "--yes")
+    assert (status, "CN113" in said) == (2, True), said
+
+
 def test_without_a_robot_nothing_is_led(capsys, cell, tmp_path):
     project = tmp_path / "assistant.toml"
     project.write_text(project.read_text().replace("robot =", "#"))

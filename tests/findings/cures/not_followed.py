@@ -26,7 +26,7 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CL293": "a gateway runs until it is ended: tests/cli/test_gateways.py",
     "CN652": "another way leads the arm: tests/cli/test_exploring_safely.py asks for none",
     "CN653": "a program that runs decides: tests/cli/test_exploring_safely.py asks it",
-    "CN113": _RUN.format("it is asked of Python", "docs/controllers/virtual.md"),
+    "CN113": _LIVE.format("cli/test_follow.py"),
     "CN115": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
     "CN116": "the line has to leave this computer: tests/cli/test_clear_text.py has one made up",
     "CN118": "a deployment starts the controller then: tests/controllers/test_named.py",
