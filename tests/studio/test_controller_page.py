@@ -48,8 +48,15 @@ def _deployed_and_taken_back(page: Any, bench: Any) -> None:
     page.click("#verify")
     page.wait_for_selector("#drift.changed")
     assert page.is_disabled("#deploy")  # its plan is not in sight
+    held: list[Any] = []
+    page.route("**/controller/verify", lambda route: held.append(route))
     page.click("#roll-back")
     page.wait_for_selector("#findings >> text=replace what was changed there")
+    _wait(page, lambda: held)
+    # The list is about to be drawn anew: what is ticked in the old one would be lost.
+    assert page.evaluate("document.getElementById('programs').inert")
+    page.unroute("**/controller/verify")
+    held[0].continue_()
     page.check("#programs input")
     page.click("#roll-back")
     page.wait_for_selector("#programs >> text=put back")

@@ -167,11 +167,22 @@ function showPlan(done) {
   });
   find("programs").replaceChildren(...parts);
 }
+/** Draws the list of programs anew; what is ticked meanwhile would be lost, so nothing can be. */
+async function redrawn(does) {
+  find("programs").inert = true;
+  try {
+    await does();
+  } finally {
+    find("programs").inert = false;
+  }
+}
 async function plan() {
   if (!await saveAll()) return;
-  const done = await doing(() => ask("controller/plan", { replace: replaced() }));
-  showPlan(done);
-  shownPlan(done?.plan ?? "");
+  await redrawn(async () => {
+    const done = await doing(() => ask("controller/plan", { replace: replaced() }));
+    showPlan(done);
+    shownPlan(done?.plan ?? "");
+  });
 }
 /** Only a plan that is in sight is deployed, and as it is there. */
 function shownPlan(name) {
@@ -181,7 +192,7 @@ function shownPlan(name) {
 async function deploy() {
   const { plan } = find("deploy").dataset, replace = replaced();
   shownPlan("");
-  showPlan(await doing(() => ask("controller/deploy", { plan, replace })));
+  await redrawn(async () => showPlan(await doing(() => ask("controller/deploy", { plan, replace }))));
 }
 const SEEN = { "as deployed": "same", changed: "changed", gone: "changed" };
 function showSeen(done) {
@@ -195,14 +206,18 @@ function showSeen(done) {
 }
 async function verify() {
   shownPlan("");
-  const done = await doing(() => ask("controller/verify"));
-  if (done) showSeen(done);
+  await redrawn(async () => {
+    const done = await doing(() => ask("controller/verify"));
+    if (done) showSeen(done);
+  });
 }
 async function rollBack() {
   shownPlan("");
-  const done = await doing(() => ask("controller/rollback", { replace: replaced() }));
-  if (done) find("programs").replaceChildren(table(["program", "state"], done.files.map((file) => row(file.name, file.state))));
-  else showSeen(await ask("controller/verify")); // beside why it was refused
+  await redrawn(async () => {
+    const done = await doing(() => ask("controller/rollback", { replace: replaced() }));
+    if (done) find("programs").replaceChildren(table(["program", "state"], done.files.map((file) => row(file.name, file.state))));
+    else showSeen(await ask("controller/verify")); // beside why it was refused
+  });
 }
 // ------------------------------------------------------------------------------ settings
 function showParameters(found) {
