@@ -55,8 +55,8 @@ def _deployed_and_taken_back(page: Any, bench: Any) -> None:
     _wait(page, lambda: held)
     # The list is about to be drawn anew: what is ticked in the old one would be lost.
     assert page.evaluate("document.getElementById('programs').inert")
-    page.unroute("**/controller/verify")
     held[0].continue_()
+    page.unroute("**/controller/verify")
     page.check("#programs input")
     page.click("#roll-back")
     page.wait_for_selector("#programs >> text=put back")
