@@ -17,6 +17,7 @@ from assistant.base.diagnostics import Declared, Refused
 from assistant.languages.melfa_basic.lift.program import settings_already_set
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, needed_settings
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
+from assistant.languages.melfa_basic.lower.mounts import mounted_once
 from assistant.languages.melfa_basic.lower.names import counted, mark, naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS, write_interrupt_answers
 from assistant.languages.melfa_basic.lower.writer import Writer
@@ -156,6 +157,17 @@ def settings_for_vendor_text(program: Program) -> frozenset[int]:
     return found if read else found - {TOOL, FRAME}
 
 
+def _is_plain(program: Program) -> bool:
+    """True if only the lines of moves and calls depend on tool and base, and none is interrupted.
+
+    False for several units, whose calls may change them.
+    """
+    return all(procedure.unit is None for procedure in program.procedures) and not any(
+        isinstance(node, p.Interrupt) or any(True for _ in _vendor_texts(node))
+        for node in program.statements()
+    )
+
+
 def _vendor_texts(node: p.Statement) -> Iterator[str]:
     """The texts that a statement keeps, as statements."""
     for part in records(head(node)):
@@ -211,6 +223,8 @@ class UnitLines(Writer):
             self.as_functions(first, others)
         else:
             self.as_subroutines(first, others)
+        if first is not None and others and not self.remounts and _is_plain(self.program):
+            self.items = mounted_once(self.program, self.items, self.parts, self.settings)
         return [*heading(self), *self.items]
 
     def tree(self, code: list[s.Item]) -> s.File:

@@ -94,6 +94,10 @@ class Writer:
         """Lines that set what a statement needs, by their identity."""
         self.previous: tuple[s.Expression, str, str] | None = None
         """Position, tool and frame of the move before, if that is known and stays as it is."""
+        self.parts: list[tuple[Procedure, int]] = []
+        """Procedures with the index of their first line."""
+        self.remounts = False
+        """True if a line gives a tool or frame another value."""
         self.answers: list[p.Interrupt] = []
         """Interrupts whose lines follow the end of the program."""
         self.number = names.position
@@ -209,6 +213,7 @@ class Writer:
     def enter(self, procedure: Procedure) -> None:
         """The lines that follow are a procedure's."""
         self.owner = self.expressions.procedure = procedure
+        self.parts.append((procedure, len(self.items)))
         self.forget()
 
     def body(self, statements: tuple[p.Statement, ...]) -> None:
@@ -322,6 +327,7 @@ class Writer:
         if (name := base_variable(place)) in self.names.tools and self._mounts(name):
             # The variable has changed, but not what `Tool` took from it.
             self.state.pop("Tool", None)
+            self.remounts = True
 
     def changed_frame(self, place: e.Expression) -> s.Variable | None:
         """Return the variable for the pose of a frame, which is assigned as the inverse; `Base` is
@@ -332,6 +338,7 @@ class Writer:
         known = None if self.names.products else self.names.frames.get(place.name.lower())
         if known is not None:
             self.state.pop("Base", None)
+            self.remounts = True
         return None if known is None else s.Variable(known)
 
     def _mounts(self, name: str) -> bool:

@@ -1,0 +1,102 @@
+"""`Tool` and `Base` written once, where a procedure and all that it calls have the same ones.
+
+The writer sets them before the first move of each procedure, and again after each call. Here they
+go to the begin of the procedures from which no other value is reached; what these call keeps them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import accumulate
+from typing import Final, TypeGuard
+
+from assistant.languages.melfa_basic.text.printer import line as line_text
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.analysis.dataflow import reachable
+from assistant.program.analysis.uses import along_calls, called
+from assistant.program.program import Procedure, Program
+
+_WORDS: Final = ("Base", "Tool")
+"""The last one is written above the others."""
+
+
+def mounted_once(
+    program: Program,
+    items: Sequence[s.Item],
+    parts: Sequence[tuple[Procedure, int]],
+    settings: set[int],
+) -> list[s.Item]:
+    """Return the lines of a program's procedures with fewer of these settings.
+
+    parts: the procedures with the index of their first line, the entry first. settings: the
+    settings among the lines, by identity; what is written anew is added. No other line of the
+    program may set a tool or base, or depend on it.
+    """
+    found = list(items)
+    begins = [begin for _, begin in parts]
+    for word in _WORDS:
+        pieces = [found[a:b] for a, b in zip(begins, [*begins[1:], len(found)], strict=True)]
+        shorter = _without_repeats(program, [q for q, _ in parts], pieces, settings, word)
+        if sum(map(len, shorter)) < sum(map(len, pieces)):
+            found = [*found[: begins[0]], *(item for piece in shorter for item in piece)]
+            begins = [*accumulate(map(len, shorter[:-1]), initial=begins[0])]
+    return found
+
+
+def _without_repeats(
+    program: Program,
+    procedures: Sequence[Procedure],
+    pieces: Sequence[list[s.Item]],
+    settings: set[int],
+    word: str,
+) -> list[list[s.Item]]:
+    """Return the lines of each procedure with this setting at the begin of some of them."""
+    keys = [procedure.name.lower() for procedure in procedures]
+    written = [
+        {line_text(one): one for one in piece if _is_setting(one, settings, word)}
+        for piece in pieces
+    ]
+    lines = {text: one for found in written for text, one in found.items()}
+    own = {key: frozenset(found) for key, found in zip(keys, written, strict=True)}
+    calls = {one.name.lower(): own.keys() & set(called(one)) for one in procedures}
+    # What procedures that never run leave set is known to no reader.
+    reached = reachable(keys[:1], calls.__getitem__)
+    used = along_calls(program, own)
+    only = {key: next(iter(used[key])) for key in reached if len(used[key]) == 1}
+    callers: dict[str, set[str]] = {key: set() for key in keys}
+    for key, callees in calls.items():
+        for callee in callees:
+            callers[callee].add(key)
+    found = []
+    for key, piece in zip(keys, pieces, strict=True):
+        if key not in only:
+            found.append(piece)
+            continue
+        kept = [item for item in piece if not _is_setting(item, settings, word)]
+        if key == keys[0] or not _is_set_by(callers[key], only, only[key]):
+            made = replace(lines[only[key]])
+            settings.add(id(made))
+            kept.insert(_first_statement(kept), made)
+        found.append(kept)
+    return found
+
+
+def _is_set_by(callers: set[str], only: Mapping[str, str], value: str) -> bool:
+    """True if all callers of a procedure run, and have a value all the time."""
+    return all(only.get(caller) == value for caller in callers)
+
+
+def _is_setting(item: s.Item, settings: set[int], word: str) -> TypeGuard[s.Line]:
+    match item:
+        case s.Line(statement=s.Command(keyword=keyword), label=None, comment=None):
+            return keyword == word and id(item) in settings
+    return False
+
+
+def _first_statement(items: Sequence[s.Item]) -> int:
+    """Return the index of the first line that is no comment."""
+    for index, item in enumerate(items):
+        if not isinstance(item, s.Line) or item.statement is not None or item.label is not None:
+            return index
+    return len(items)
