@@ -18,7 +18,7 @@ import numpy as np
 
 from assistant.base.arrays import Floats
 from assistant.base.data_classes import dataclass
-from assistant.base.diagnostics import Diagnostic, Severity
+from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.length_units import known_unit
 from assistant.base.source_text import visible
 from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
+    from assistant.sources.contours.curves import Curve
+    from assistant.sources.drawing.contents import Contents
+    from assistant.sources.process import Process
     from assistant.sources.process.placement import DrawingPlacement
 
 
@@ -43,14 +46,14 @@ _DRAWING_SUFFIX: Final = ".dxf"
 class DrawnLine:
     """A curve of a drawing as points (n, 3) mm in the robot's base. layer: that it is on.
 
-    handle: of its entity, empty if it has none. works: False if it is left out as drafting, or by
-    its layer.
+    handle: of its entity, empty if it has none. left: True if nothing follows it, as it is drafting
+    or left out.
     """
 
     layer: str
     points: Floats
     handle: str = ""
-    works: bool = True
+    left: bool = False
 
 
 def drawn_lines(
@@ -68,7 +71,6 @@ def drawn_lines(
     path = FilePath(source)
     if path.suffix.lower() != _DRAWING_SUFFIX:
         return []
-    from assistant.sources.contours.curves import chorded
     from assistant.sources.drawing import read_contents
 
     chosen = process_of(path, process)
@@ -80,14 +82,46 @@ def drawn_lines(
     frame = Frame() if name == BASE else chosen.frames.get(name)
     if frame is None or frame.held or frame.mechanism:
         return []
+    return lines_of(read_contents(path, chosen), chosen, frame.pose)
+
+
+def lines_of(contents: Contents, process: Process, pose: Pose = IDENTITY) -> list[DrawnLine]:
+    """Return the curves of a drawing in order, drafting last. pose: of their frame."""
+    from assistant.sources.contours.curves import chorded
+
+    left = _left_contours(contents, process)
     found = []
-    contents = read_contents(path, chosen)
-    for curves, work in ((contents.curves, True), (contents.aside, False)):
-        for curve in curves:
-            points = frame.pose.moved(chorded(curve, chosen.tolerance))
-            works = work and not chosen.leaves_out(curve.layer)
-            found.append(DrawnLine(curve.layer, points, curve.handle or "", works))
+    for number, curve in enumerate((*contents.curves, *contents.aside)):
+        aside = number >= len(contents.curves) or process.leaves_out(curve.layer)
+        out = aside or (bool(left) and _curve_key(curve) in left)
+        points = pose.moved(chorded(curve, process.tolerance))
+        found.append(DrawnLine(curve.layer, points, curve.handle or "", out))
     return found
+
+
+def _left_contours(contents: Contents, process: Process) -> set[_CurveKey]:
+    """Return the curves of the single contours that are left out."""
+    from assistant.sources.contours.layer_program import contour_choice
+
+    if not process.left_out:
+        return set()
+    try:
+        choice = contour_choice(contents.curves, process, contents.marks, contents.texts)
+    except Refused:  # no program is made of them
+        return set()
+    contours = [choice.layers[layer][place] for layer, place in choice.left]
+    return {_curve_key(curve) for contour in contours for curve in contour.curves}
+
+
+_CurveKey = tuple[str, str | None, frozenset[tuple[float, ...]]]
+
+
+def _curve_key(curve: Curve) -> _CurveKey:
+    """Identify a curve of a drawing, whichever way round it is."""
+    from assistant.sources.contours.curves import sample
+
+    ends = sample([curve], (0.0, 1.0))[0].round(3)
+    return curve.layer.casefold(), curve.handle, frozenset(map(tuple, ends.tolist()))
 
 
 _POINTS_PER_INCH: Final = 72.0
@@ -173,8 +207,8 @@ def _draw_program(axes: Axes, drawing: Drawing) -> list[_Start]:
     found = [] if drawing.program is None else list(ways(drawing.program))
     followed = [Way(way.name, back.moved(way.positions)) for way in found if way.name is not None]
     lines = {
-        "left out": [back.moved(line.points) for line in drawing.drawn if not line.works],
-        "drawn work": [back.moved(line.points) for line in drawing.drawn if line.works],
+        "left out": [back.moved(line.points) for line in drawing.drawn if line.left],
+        "drawn work": [back.moved(line.points) for line in drawing.drawn if not line.left],
         "travel": [back.moved(way.positions) for way in found if way.name is None],
         "path of the tool": [way.positions for way in followed],
     }

@@ -381,15 +381,11 @@ def _process_text(drawing: FilePath, file: FilePath) -> SourceText:
 
 def unplaced_lines(drawing: FilePath) -> list[DrawnLine]:
     """Return the lines of a drawing as they are drawn, whatever its process file lacks."""
-    from assistant.report.contour_plot import DrawnLine
-    from assistant.sources.contours.curves import chorded
+    from assistant.report.contour_plot import lines_of
 
     _, process, _ = _process_contents(drawing, drawing.with_suffix(PROCESS_SUFFIX))
-    curves = read_contents(drawing, replace(process, placement=None)).curves
-    return [
-        DrawnLine(curve.layer, chorded(curve, process.tolerance), curve.handle or "")
-        for curve in curves
-    ]
+    unplaced = replace(process, placement=None)
+    return lines_of(read_contents(drawing, unplaced), unplaced)
 
 
 def _table_names(value: Any) -> dict[str, dict[str, Any]]:

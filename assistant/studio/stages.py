@@ -311,7 +311,8 @@ def _drawing_handles(stage: Stage) -> Iterator[Handle]:
     frame, placement = stage.placed
     world = stage.shown.base @ frame
     pose = world @ placement
-    lines = [stage.shown.base.moved(one.points) for one in stage.shown.drawn]
+    drawn = [one for one in stage.shown.drawn if not one.left] or stage.shown.drawn
+    lines = [stage.shown.base.moved(one.points) for one in drawn]
     grip = (0.0, 0.0, 0.0)
     if lines:
         every = np.concatenate(lines)

@@ -370,7 +370,8 @@ def _drawn_record(shown: Shown) -> tuple[list[Record], int]:
         room -= len(line.points)
         if room < 0:
             return found, len(shown.drawn) - number
-        found.append({"layer": visible(line.layer), "points": column_text(base.moved(line.points))})
+        one = {"layer": visible(line.layer), "points": column_text(base.moved(line.points))}
+        found.append(one | ({"left": True} if line.left else {}))
     return found, 0
 
 

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 
@@ -116,6 +117,30 @@ def test_lines_of_a_drawing_lie_under_the_path(tmp_path: Path, capsys: Capture) 
         apart = np.linalg.norm(points[:, None] - places[None], axis=2).min(axis=1)
         assert apart.max() < 3.0  # between samples of the motion, and across corners
     assert data["texts"] == []
+
+
+def test_lines_that_nothing_follows_are_pale(tmp_path: Path, capsys: Capture) -> None:
+    document = ezdxf.new(units=4)
+    space = document.modelspace()
+    for layer, x, y in (("CUT", 300, 0), ("CUT", 330, 0), ("HELP", 300, 30), ("CENTER", 330, 30)):
+        space.add_circle((x, y), 8, dxfattribs={"layer": layer})
+    document.saveas(tmp_path / "part.dxf")
+    (tmp_path / "part.process.toml").write_text(
+        'leave_out = ["HELP", {layer = "CUT", at = [338, 0]}]\n'
+        "[tools.t]\ntip = [0, 0, 100]\n[frames.f]\nposition = [0, 0, 200]\n"
+        '[motion]\ntool = "t"\nframe = "f"\nspeed = 50\n[layers.CUT]\nspeed = 40\n',
+        "utf-8",
+    )
+    out = tmp_path / "part.html"
+    run(capsys, "view", tmp_path / "part.dxf", "-r", "irb1200-7-0.7", "--html", out)
+    drawn = data_of(out.read_text(encoding="utf-8"))["drawn"]
+    first = [round(numbers(one["points"]).reshape(-1, 3)[0, 0]) for one in drawn]
+    assert [
+        (one["layer"], x, one.get("left", False)) for one, x in zip(drawn, first, strict=True)
+    ] == [
+        *(("CUT", 308, False), ("CUT", 338, True)),
+        *(("HELP", 308, True), ("CENTER", 338, True)),
+    ]
 
 
 def test_each_move_of_a_run_has_its_line(tmp_path: Path, capsys: Capture) -> None:

@@ -69,7 +69,8 @@ function beginLook() {
   look.all = boxOf([...carriers.slice(1), path, targets, drawn]);
   if (look.all.isEmpty()) look.all = boxOf([scene]);
   if (look.all.isEmpty()) look.all.set(new THREE.Vector3(-500, -500, 0), new THREE.Vector3(500, 500, 1000));
-  look.work = boxOf(drawn.children.length ? [drawn] : [path, targets]);
+  const work = drawn.children.filter((one) => !one.userData.left);
+  look.work = boxOf(work.length ? work : [path, targets]);
   if (look.work.isEmpty()) look.work = look.all;
   const ball = look.all.getBoundingSphere(new THREE.Sphere());
   const cells = 20, size = Math.pow(10, Math.ceil(Math.log10(ball.radius * 2)));

@@ -86,7 +86,12 @@ const zones = balls(numbers(data.zones), { color: "#7a4fb5", transparent: true, 
 scene.add(zones);
 
 const drawn = new THREE.Group();
-for (const one of data.drawn) drawn.add(ink(numbers(one.points)));
+for (const one of data.drawn) {
+  const curve = ink(numbers(one.points));
+  if (one.left) Object.assign(curve.material, { transparent: true, opacity: 0.25 }); // no work
+  curve.userData.left = one.left;
+  drawn.add(curve);
+}
 scene.add(drawn);
 
 const marks = new THREE.Group();
