@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 TOUCHES: Final = error(
     "CK421",
     "`{one}` {touches} `{other}` after {time:.2f} s of `{procedure}`, at {point} mm, on the way to "
-    "{label}; {deep} mm deep, from which {normal} leads away",
+    "{label}; {deep} mm deep, and the shortest way out for `{one}` is along {out}",
     "go round it, move the target or the body; two that may touch stand under `allowed` of [world]",
 )
 NEAR: Final = warning(
@@ -241,7 +241,7 @@ def _told(solution: SolvedProgram, scene: Scene, one: Closeness, rule: Rule) -> 
             touches="starts in contact with" if one.starts else "touches",
             point=_vector(contact.points[0], 1),
             deep=f"{'up to' if one.exact else 'at least'} {length_text(deep)}",
-            normal=_vector(contact.normal, 2),
+            out=_vector([-part for part in contact.normal], 2),
             **said,
         )
     if rule is _NOT_PROVEN:
@@ -276,5 +276,5 @@ def _span(solution: SolvedProgram, one: Closeness) -> Span | None:
     return statement.row_span(one.row) if isinstance(statement, Follow) else statement.span
 
 
-def _vector(values: tuple[float, float, float], digits: int) -> str:
-    return f"({', '.join(f'{value:.{digits}f}' for value in values)})"
+def _vector(values: Sequence[float], digits: int) -> str:
+    return f"({', '.join(f'{round(value, digits) + 0.0:.{digits}f}' for value in values)})"

@@ -246,7 +246,7 @@ def _contact_record(shown: Shown, motion: Motion, close: Closeness) -> Record:
         "one": visible(contact.one.removesuffix(CORE_SUFFIX)),
         "other": visible(contact.other.removesuffix(CORE_SUFFIX)),
         "points": [list(point) for point in contact.points],
-        "normal": list(contact.normal),
+        "out": [0.0 - part for part in contact.normal],
         "deep": max(0.0, -min(close.least, contact.distance)),
         "joints": motion.robot.chained(at[None])[0].tolist(),
         "time": motion.when(at),

@@ -205,6 +205,32 @@ def test_a_statement_that_starts_in_contact() -> None:
     assert "20 mm deep" in out
 
 
+@pytest.mark.parametrize(
+    ("aside", "out"),
+    [
+        ((-10.0, 0.0, 0.0), "(1.00, 0.00, 0.00)"),
+        ((0.0, 10.0, 0.0), "(0.00, -1.00, 0.00)"),
+        ((0.0, 0.0, -10.0), "(0.00, 0.00, 1.00)"),
+    ],
+)
+def test_the_shortest_way_out_is_that_of_the_first_body(
+    aside: tuple[float, float, float], out: str
+) -> None:
+    robot = robots.get("irb1200-7-0.7")
+    arm = place_robot("arm", robot)
+    pin = Body("pin", (Part(Sphere(5.0)),), Pose((0.0, 0.0, 60.0)), parent="arm.flange")
+    rows = [[0.0, 20.0, 10.0, 0.0, 60.0, 0.0], [1.0, 20.0, 10.0, 0.0, 60.0, 0.0]]
+    p, q = robot.fk(np.array(rows[:1]))
+    tip = p[0] + rotations.rotate(q[0], np.array([0.0, 0.0, 60.0]))
+    place = Pose.of(tip + np.array(aside), (1.0, 0.0, 0.0, 0.0))
+    block = Body("block", (Part(Box((30.0, 30.0, 30.0))),), place)
+    scene = Scene((pin, block), (arm,), allowed=touching_links(arm), margin=10.0)
+    found = [
+        one for one in findings(to_joints(robot, *rows), robot, scene) if "`pin` starts" in one
+    ]
+    assert f"the shortest way out for `pin` is along {out}" in found[0]
+
+
 def test_what_is_not_known_of_a_way_is_no_contact() -> None:
     """Joints that may be off their line, by more than is left of the room."""
     robot = robots.get("irb1200-7-0.7")

@@ -101,7 +101,7 @@ const ball = (place, colour, size) => {
   attribute(shape, "position", new Float32Array(place));
   return new THREE.Points(shape, new THREE.PointsMaterial({ color: colour, size, sizeAttenuation: false, depthTest: false }));
 };
-/** Of a contact both points, and the vector that leads out of it, five times as long as it is deep. */
+/** Of a contact both points, and the vector along which the first body comes out of it, five times as long as it is deep. */
 for (const finding of data.findings) {
   if (finding.at) {
     const dot = ball(finding.at, SEVERITIES[finding.severity], 9);
@@ -111,7 +111,7 @@ for (const finding of data.findings) {
   if (!finding.mark) continue;
   const colour = SEVERITIES[finding.severity], [one, other] = finding.mark.points;
   const long = Math.min(ARROW.most, Math.max(ARROW.least, 5 * finding.mark.deep));
-  const arrow = new THREE.ArrowHelper(new THREE.Vector3(...finding.mark.normal), new THREE.Vector3(...one), long, colour, ARROW.head, ARROW.head / 2);
+  const arrow = new THREE.ArrowHelper(new THREE.Vector3(...finding.mark.out), new THREE.Vector3(...one), long, colour, ARROW.head, ARROW.head / 2);
   arrow.line.material.depthTest = arrow.cone.material.depthTest = false;
   const group = new THREE.Group();
   group.add(ball(one, colour, 9), ball(other, colour, 6), arrow);
