@@ -25,6 +25,7 @@ from assistant.base.diagnostics import Declared, Diagnostic, Severity, error, wa
 from assistant.compiler.unfolding import NotUnfolded, unfolded
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.uses import declared
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.geometry import Target
@@ -639,13 +640,7 @@ def _subjects(program: Program) -> dict[str, str]:
     for one in program.procedures:
         if one.name.lower() not in called:
             continue
-        reached, left = set[str](), [one.name.lower()]
-        while left:
-            name = left.pop()
-            if name not in reached and name in calls:
-                reached.add(name)
-                left += calls[name]
-        for name in reached:
+        for name in reachable([one.name.lower()], lambda key: calls[key] & calls.keys()):
             found[name] = one.name
     return found
 

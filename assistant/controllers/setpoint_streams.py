@@ -40,9 +40,6 @@ from assistant.program.geometry import Pose
 
 __all__ = ["MODES", "Arm", "Carrier", "Mode"]
 
-_USUAL_AXES: Final = 6
-"""Axes of a usual arm, which protocols count with or without them."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arm:
@@ -74,10 +71,9 @@ class Arm:
 
     def numbered(self, values: Floats, missing: float) -> Floats:
         """Values of axes (…, a) with a column for each number; missing: of the others."""
-        width = max(_USUAL_AXES, max(self.places) + 1)
-        found = np.full((*values.shape[:-1], width), missing)
-        found[..., self.places] = values
-        return found
+        from assistant.controllers.cyclic.trajectory import numbered
+
+        return numbered(self.axes, values, missing)
 
     @property
     def part(self) -> float:

@@ -21,7 +21,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity
 from assistant.base.length_units import known_unit
 from assistant.base.source_text import visible
-from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
+from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.program import Program, walk
 from assistant.program.statements import Follow, Move
 from assistant.report.figures import new_figure, picture
@@ -78,11 +78,8 @@ def drawn_lines(
         chosen = replace(chosen, unit=known_unit(unit))
     if placement is not None:
         chosen = replace(chosen, placement=placement.pose)
-    name = chosen.defaults.frame
-    frame = Frame() if name == BASE else chosen.frames.get(name)
-    if frame is None or frame.held or frame.mechanism:
-        return []
-    return lines_of(read_contents(path, chosen), chosen, frame.pose)
+    frame = chosen.standing_frame()
+    return [] if frame is None else lines_of(read_contents(path, chosen), chosen, frame)
 
 
 def lines_of(contents: Contents, process: Process, pose: Pose = IDENTITY) -> list[DrawnLine]:

@@ -36,7 +36,7 @@ from assistant.compiler.retarget import Solved, solve
 from assistant.compiler.source_map import Places
 from assistant.editing.workspace import source_of
 from assistant.program import pseudo
-from assistant.program.geometry import BASE, IDENTITY, Frame, Pose
+from assistant.program.geometry import IDENTITY, Pose
 from assistant.project.source_options import SourceOptions, completed_options
 from assistant.sources import PROCESS_SUFFIX, READERS, process_of
 from assistant.sources.process.file import parse_process
@@ -170,11 +170,8 @@ def _unplaced_stage(
 def _drawing_placement(process: str, text: str) -> tuple[Pose, Pose] | None:
     """The frame of a drawing, and its place there; None where something else carries that."""
     stated = parse_process(source_of(text, process))
-    name = stated.defaults.frame
-    frame = Frame() if name == BASE else stated.frames.get(name)
-    if frame is None or frame.held or frame.mechanism:
-        return None
-    return frame.pose, stated.placement or IDENTITY
+    frame = stated.standing_frame()
+    return None if frame is None else (frame, stated.placement or IDENTITY)
 
 
 def _load_text_of(

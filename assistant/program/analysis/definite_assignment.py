@@ -16,7 +16,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Span
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.dataflow import EXIT, ControlFlowGraph, Dataflow
+from assistant.program.analysis.dataflow import EXIT, ControlFlowGraph, Dataflow, reachable
 from assistant.program.analysis.integer_inference import NumberFacts
 from assistant.program.analysis.uses import (
     base_variable,
@@ -299,7 +299,7 @@ def loops_with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[s
         if not isinstance(statement, p.For):
             continue
         changed = set(_written_variables(program, statement.body))
-        for name in _reached_procedures(set(_called_names(statement.body)), called):
+        for name in reachable(_called_names(statement.body), lambda one: called.get(one, ())):
             changed |= written.get(name, set())
         limits = {
             r.name.lower()
@@ -330,13 +330,3 @@ def _called_names(body: Body) -> Iterator[str]:
         match record:
             case p.Call(name) | e.Apply(name):
                 yield name.lower()
-
-
-def _reached_procedures(names: set[str], called: Mapping[str, set[str]]) -> set[str]:
-    """Procedures that are called, with those that these call."""
-    found: set[str] = set()
-    while names - found:
-        name = (names - found).pop()
-        found.add(name)
-        names = names | called.get(name, set())
-    return found

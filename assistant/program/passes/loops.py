@@ -22,6 +22,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.uses import base_variable, declared, names_in
 from assistant.program.program import (
     Procedure,
@@ -207,15 +208,8 @@ class _Uses:
 
     def reached(self, called: set[str]) -> set[str]:
         """The names called, and those that procedures of these names call."""
-        found, pending = set(called), set(called)
-        while pending:
-            name = pending.pop()
-            for q in self.program.procedures:
-                if q.name.lower() == name:
-                    new = self.of[id(q)].called - found
-                    found |= new
-                    pending |= new
-        return found
+        own = {q.name.lower(): self.of[id(q)].called for q in self.program.procedures}
+        return reachable(called, lambda name: own.get(name, ()))
 
 
 def written_names(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:

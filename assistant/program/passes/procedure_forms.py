@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.base.diagnostics import Declared
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.definite_assignment import AssignmentAnalysis
 from assistant.program.analysis.uses import called, declared, locals_of, recursive_names
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
@@ -313,12 +314,14 @@ def _shared_interrupts(job: Legalisation) -> Iterator[tuple[p.Interrupt, str]]:
     program, can = job.program, job.can.procedures
     if can is None:  # each call has data of its own
         return
-    calls = {q.name.lower(): _direct_calls(q) for q in program.procedures}
-    outside = _reached_procedures({(program.entry or "").lower()}, calls)
+    names = {q.name.lower() for q in program.procedures}
+    calls = {q.name.lower(): _direct_calls(q) & names for q in program.procedures}
+    outside = reachable({(program.entry or "").lower()} & calls.keys(), calls.__getitem__)
     # Timers exist once: a wait with a limit inside another one would restart it.
     waits = any(map(_waits_with_limit, map(program.procedure, outside)))
     for node in interrupts(program):
-        for name in sorted(_reached_procedures({node.call.procedure.lower()}, calls)):
+        first = {node.call.procedure.lower()} & calls.keys()
+        for name in sorted(reachable(first, calls.__getitem__)):
             called = program.procedure(name)
             assert called is not None
             functions = has_functions(program, called.unit, can.functions)
@@ -337,15 +340,6 @@ def _direct_calls(procedure: Procedure) -> set[str]:
         for one in records(procedure.body)
         if isinstance(one, p.Call | e.Apply) and id(one) not in answered
     }
-
-
-def _reached_procedures(names: set[str], calls: dict[str, set[str]]) -> set[str]:
-    """Procedures that are called, with those that these call."""
-    found: set[str] = set()
-    while pending := (names & calls.keys()) - found:
-        found |= pending
-        names = set().union(*(calls[name] for name in pending))
-    return found
 
 
 def _starts_timer(procedure: Procedure) -> bool:

@@ -581,6 +581,14 @@ class Process:
                     return True
         return False
 
+    def standing_frame(self) -> Pose | None:
+        """Return the pose of the frame of the moves; None if that is unknown or something carries
+        it.
+        """
+        name = self.defaults.frame
+        frame = Frame() if name == BASE else self.frames.get(name)
+        return None if frame is None or frame.held or frame.mechanism else frame.pose
+
     def placed(self, direction: Vector) -> Vector:
         """Rotate a direction of the drawing into the default frame by the placement."""
         if self.placement is None:
