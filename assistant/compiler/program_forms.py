@@ -103,11 +103,11 @@ def with_form(program: Program, style: ProgramStyle, language: Language[Any]) ->
     """Return a program with the points and constants of a style."""
     findings: tuple[Diagnostic, ...] = ()
     if style.points == "offsets":
-        program, findings = _Offsets(program).program()
+        program, findings = OffsetForm(program).program()
     elif style.points == "arrays":
-        program, findings = _Arrays(program).program()
+        program, findings = ArrayForm(program).program()
     if style.constants is not False:
-        program = _Constants(program, language, commented=style.commented).program()
+        program = NamedConstants(program, language, commented=style.commented).program()
     return Formed(program, findings)
 
 
@@ -153,7 +153,7 @@ def _with_path_procedures(program: Program, style: ProgramStyle) -> Program:
             continue
         # The path keeps its name, which its rows have; a single path often has the program's.
         own = node.path.name.lower() not in {one.lower() for one in taken}
-        name = node.path.name if own else identifier(f"{_FOLLOWING}{node.path.name}", taken)
+        name = node.path.name if own else identifier(f"{FOLLOWING}{node.path.name}", taken)
         taken.add(name)
         notes = (p.Comment(p.OwnText(_path_text(node.path))),) if style.commented else ()
         made.append(Procedure(name, (*notes, node)))
@@ -209,7 +209,7 @@ class _Points:
 
     def __init__(self, given: Program) -> None:
         self.given = given
-        self.taken = _taken_names(given)
+        self.taken = taken_names(given)
         self.left: dict[tuple[str, str], list[str]] = {}
 
     def keep(self, path: Path, why: str, cure: str) -> None:
@@ -231,7 +231,7 @@ def _in_words(paths: list[str]) -> str:
     return f"`{paths[0]}`" + (f" and {more} more path{'s' * (more != 1)}" if more else "")
 
 
-class _Offsets(_Points):
+class OffsetForm(_Points):
     """Targets of contours as offsets of their starts."""
 
     form = "offsets"
@@ -365,7 +365,7 @@ def _is_shifted(one: Target, other: Target) -> bool:
 # -------------------------------------------------------------------------------- arrays
 
 
-class _Arrays(_Points):
+class ArrayForm(_Points):
     """Long paths as arrays of targets, with loops along rows under the same settings."""
 
     form = "arrays"
@@ -444,7 +444,7 @@ def _same_until(path: Path, row: int) -> int:
 Role = Literal["approach", "retract"]
 
 
-class _Constants:
+class NamedConstants:
     """Names for heights, speeds and blends that are used often.
 
     The procedures that the entry calls are the subjects, such as layers. What they call belongs to
@@ -453,7 +453,7 @@ class _Constants:
 
     def __init__(self, given: Program, language: Language[Any], *, commented: bool) -> None:
         self.given, self.language, self.commented = given, language, commented
-        self.taken = _taken_names(given)
+        self.taken = taken_names(given)
         self.subjects = _subjects(given)
         self.variables: dict[str, Variable] = {}
         self.speeds: dict[str, Speed] = {}
@@ -592,7 +592,7 @@ class _Constants:
         return {value: name}
 
     def new(self, subject: str, word: str) -> str:
-        stem = subject.lower().removeprefix(_FOLLOWING).removesuffix(CONTOURS_SUFFIX)
+        stem = subject.lower().removeprefix(FOLLOWING).removesuffix(CONTOURS_SUFFIX)
         if not stem:
             interface = self.given.interface
             stem = f"{interface.prefix if interface else ''}work"
@@ -603,7 +603,7 @@ class _Constants:
 
 _LONGEST_STEM: Final = 20
 """Letters of a subject that names of its constants begin with."""
-_FOLLOWING: Final = "follow_"
+FOLLOWING: Final = "follow_"
 """Prefix for the procedure of a path whose name is taken by something else."""
 
 
@@ -625,7 +625,7 @@ def _height(node: p.Statement | None) -> float | None:
 
 
 def _subjects(program: Program) -> dict[str, str]:
-    """Return the subject of each procedure by its name in lower case, see `_Constants`.
+    """Return the subject of each procedure by its name in lower case, see `NamedConstants`.
 
     A subject is a procedure that the entry calls; without an entry, one that none calls. Empty for
     the entry.
@@ -645,7 +645,8 @@ def _subjects(program: Program) -> dict[str, str]:
     return found
 
 
-def _taken_names(program: Program) -> TakenNames:
+def taken_names(program: Program) -> TakenNames:
+    """Return the names of a program that no constant or array may have."""
     taken = TakenNames((program.name, *declared(program)))
     taken.update(one.name for one in program.procedures)
     for node in program.statements():
