@@ -312,7 +312,7 @@ def compile_program(
         program, findings = traced("exported", said.program), [*findings, *said.findings]
         findings += (f for f in group_values(program) if f not in findings)  # of questions as well
         unlike = said.findings
-    plain = program
+    as_loaded = program
     # Joint values mean another pose on an arm other than the one that they were taught on.
     taught = teaching_arm(program, arms)
     if taught is not None or not arms.same:
@@ -350,7 +350,7 @@ def compile_program(
             findings.append(_UNIT_ALONE(name=program.name))
         findings += (
             *spoken.assumed(source, target.name),
-            *arithmetic_findings(source, plain, spoken, target),
+            *arithmetic_findings(source, as_loaded, spoken, target),
         )
     if arm is not None:
         program = replace(program, robot=arm.name)
