@@ -297,7 +297,7 @@ SHARED: Final = warning(
     "start that program first, and again only where the value is to begin anew",
 )
 OTHER_VALUE: Final = warning(
-    "RA472",
+    "RA398",
     "`{name}`, which tasks share, begins with `{value}` here and with `{other}` at {there}: a "
     "controller has one of the two for all of them, and nobody knows which",
     "write the value that the controller shows in both places",

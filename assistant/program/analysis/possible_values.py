@@ -186,11 +186,12 @@ class PossibleValues:
                 case p.For(name, e.Number(first), e.Number(last), _, e.Number(step)) if step:
                     place = self._place(name.lower(), owner)
                     self._counted.add(place)
-                    # After the loop its variable is one step past the end.
-                    count = int((last - first) / step) + 2  # the one behind the last, too
-                    if count > MOST_VALUES:
+                    turns = (last - first) / step  # no number if both ends are beyond any
+                    if not turns < MOST_VALUES:
                         self._any.add(place)
-                    for turn in range(max(count, 1)):
+                        continue
+                    # After the loop its variable is one step past the end.
+                    for turn in range(int(max(turns, -1.0)) + 2):
                         self._give(place, owner, e.Number(first + turn * step))
                 case p.For(name):
                     self._any.add(self._place(name.lower(), owner))

@@ -212,7 +212,7 @@ def test_tasks_that_state_different_values_are_told(
         file.parent.mkdir(parents=True)
         file.write_text(f"MODULE m\n{data}\nPROC main()\nWaitTime 1;\nENDPROC\nENDMODULE\n")
         files.append(str(file))
-    found = [f for task in tasks_of(files) for f in load_task(task).findings if f.code == "RA472"]
+    found = [f for task in tasks_of(files) for f in load_task(task).findings if f.code == "RA398"]
     assert len(found) == told
     for one in found:
         assert one.path == files[1] and f"{files[0]}:2" in one.message
@@ -229,5 +229,5 @@ def test_different_targets_of_tasks_are_told_in_long_tables(tmp_path: Path) -> N
             f"MODULE m\n{rows}PROC main()\nMoveL p1,v100,fine,tool0;\nENDPROC\nENDMODULE\n"
         )
         files.append(str(file))
-    found = [f for task in tasks_of(files) for f in load_task(task).findings if f.code == "RA472"]
+    found = [f for task in tasks_of(files) for f in load_task(task).findings if f.code == "RA398"]
     assert ["`p50`" in one.message for one in found] == [True]
