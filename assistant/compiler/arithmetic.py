@@ -6,6 +6,7 @@ Halves that are rounded, remainders below 0, sums of small steps, and angles whe
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator
+from math import isfinite
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -214,7 +215,8 @@ def _is_inexact(step: float) -> bool:
 def _meets_bound(starts: Iterable[float], end: float, step: float) -> bool:
     """True unless each count in steps clearly passes the end between two steps."""
     rounds = ((end - start) / step for start in starts)
-    return any(abs(one - round(one)) < _NEAR_STEP_PART for one in rounds)
+    # A count that is no number never comes to its end.
+    return any(abs(one - round(one)) < _NEAR_STEP_PART for one in rounds if isfinite(one))
 
 
 def _operations_used(program: Program) -> Iterator[tuple[str, Any]]:

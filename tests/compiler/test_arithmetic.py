@@ -80,6 +80,8 @@ def test_a_project_says_how_its_controllers_do_it(tmp_path: Path) -> None:
         ("FOR i FROM 0 TO 1 STEP 0.25 DO b:=b+1;ENDFOR", []),
         ("FOR i FROM 0 TO 1.05 STEP 0.1 DO b:=b+1;ENDFOR", []),
         ("FOR i FROM 1 TO 7 STEP 2 DO b:=b+1;ENDFOR", []),
+        ("FOR i FROM 0 TO 1000000000 STEP 0.1 DO b:=b+1;ENDFOR", ["CO117"]),
+        ("FOR i FROM 0 TO 1E308 STEP 0.1 DO b:=b+1;ENDFOR", []),
         ("WHILE a<1 DO a:=a+0.1;ENDWHILE", ["CO117"]),
         ("WHILE a<1.05 DO a:=a+0.1;ENDWHILE", []),
         ("WHILE 2>=a DO a:=a+0.5;ENDWHILE", []),
