@@ -2,7 +2,8 @@
 
 A circle of the work may have a text in it as well, and centre lines run through it. A balloon
 stands at the end of a line that is drafting by its name or line type and that points at its centre
-from outside, nothing else is in it, and there are several of its size.
+from outside, nothing else is in it, and there are several of its size. Lines from two directions
+are the centre marks of a round plate.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ _TOUCH_PART: Final = 0.05
 """Distance by the radius within which a line ends on the circle and points at its centre."""
 _LEAST_LENGTH_PART: Final = 0.5
 """Length of the line by the radius, at least."""
+_ONE_WAY: Final = 0.9
+"""Least cosine between lines that come from one direction."""
 
 
 def find_balloons(
@@ -68,9 +71,9 @@ def _near(centres: Floats, points: Floats, reach: Floats) -> NDArray[np.intp]:
 
 def _are_pointed_at(centres: Floats, radii: Floats, ends: Floats) -> NDArray[np.bool_]:
     """Return a flag for each circle: True if one of the lines (n, 2, 2) ends on it and points at
-    its centre from outside.
+    its centre from outside, and none does from another direction.
     """
-    found = np.zeros(len(centres), dtype=bool)
+    circles, ways = [], []
     for near, far in ((ends[:, 0], ends[:, 1]), (ends[:, 1], ends[:, 0])):
         circle, line = _near(centres, near, (1.0 + _TOUCH_PART) * radii)
         radius, out, along = radii[circle], near[line] - centres[circle], far[line] - near[line]
@@ -79,5 +82,12 @@ def _are_pointed_at(centres: Floats, radii: Floats, ends: Floats) -> NDArray[np.
         pointing = np.abs(np.linalg.norm(out, axis=1) - radius) <= _TOUCH_PART * radius
         pointing &= length >= _LEAST_LENGTH_PART * radius
         pointing &= (beside <= _TOUCH_PART * radius * length) & ((out * along).sum(axis=1) > 0.0)
-        found[circle[pointing]] = True
+        circles.append(circle[pointing])
+        ways.append(along[pointing] / length[pointing, None])
+    circle, way = np.concatenate(circles), np.concatenate(ways)
+    found = np.zeros(len(centres), dtype=bool)
+    first = np.zeros((len(centres), 2))
+    found[circle], first[circle] = True, way
+    apart = (first[circle] * way).sum(axis=1) < _ONE_WAY
+    found[circle[apart]] = False
     return found

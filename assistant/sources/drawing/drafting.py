@@ -219,13 +219,21 @@ _WITHOUT_SPACES: Final = tuple(word for word in _KINDS if not word.isascii())
 _WORK_WITHOUT_SPACES: Final = tuple(word for word in _WORK if not word.isascii())
 
 
+def names_work(name: str) -> bool:
+    """True if a word of a name means work, such as `cut`."""
+    plain = _plain(_CAMEL.sub(" ", name))
+    return bool(_WORK.intersection(_WORD.findall(plain))) or any(
+        word in plain for word in _WORK_WITHOUT_SPACES
+    )
+
+
 @cache
 def layer_kind(name: str) -> str:
     """What is drawn on a layer or in a block of this name, empty if it may be work."""
+    if names_work(name):
+        return ""
     plain = _plain(_CAMEL.sub(" ", name))
     words = _WORD.findall(plain)
-    if set(words) & _WORK or any(word in plain for word in _WORK_WITHOUT_SPACES):
-        return ""
     # `Title Block`, `center-line`: two words that are one in the table.
     pairs = [a + b for a, b in pairwise(words)]
     for word in (*words, *pairs):
@@ -293,6 +301,8 @@ def symbol_blocks(document: Drawing) -> frozenset[str]:
         drawn = [one for kind in _CURVE_TYPES for one in by_kind[kind]]
         bars = [one for one in drawn if not layer_kind(str(one.dxf.layer))]
         if not 1 <= len(bars) <= _MOST_BARS or len(bars) == len(drawn):
+            continue
+        if any(names_work(str(one.dxf.layer)) for one in bars):
             continue
         height = max(float(one.dxf.get("height", 0.0)) for one in by_kind["ATTDEF"])
         if all(

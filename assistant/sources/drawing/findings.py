@@ -112,8 +112,8 @@ DRAFTING = info(
 )
 MAY_BE_SHEET = error(
     "DX214",
-    "the rectangle of {size} mm around all that is drawn is as large as a sheet of paper ({name}):"
-    " it may be the edge of the sheet, or a part",
+    "the rectangle of {size} mm around all that is drawn has the size or form of a sheet of paper"
+    " ({name}): it may be the edge of the sheet, or a part",
     'write leave_out = ["border"] at the top of the process file if it is the sheet, or'
     ' follow = ["border"] if it is work',
 )

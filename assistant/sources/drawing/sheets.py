@@ -9,7 +9,7 @@ that is drawn, touches none of it, and if the drawing has texts or dimensions. I
 sheet if a border runs along it, or if parts with holes are in it: if it were a part, these would be
 loose in its holes. Otherwise only the user can tell whether it is a plate. A sheet at another scale
 has no such size; it is known by two frames in the proportion of a sheet with the same margin all
-around, or a wider one for binding.
+around, or a wider one for binding, and by marks between them or parts with holes inside.
 """
 
 from __future__ import annotations
@@ -506,16 +506,23 @@ def _bare_sheet(
             if not name and not _has_even_margins(edge, border):
                 continue
             between = set(np.flatnonzero(page.beyond(border)).tolist()) - edge.rows
-            left = set(inside) - between - border.rows
-            if left and all(page.is_short(row, np.inf) for row in between - border.rows):
+            marks = between - border.rows
+            left = [row for row in inside if row not in between and row not in border.rows]
+            if left and all(page.is_short(row, np.inf) for row in marks):
                 rows = edge.rows | border.rows | between
                 what = f"{name} with a border" if name else "two frames of a sheet"
-                yield Sheet(frozenset(rows), edge.size, what)
+                # A plate may have any proportion, and an even rim.
+                sure = bool(name or marks) or _holds_parts(page, left, work)
+                yield Sheet(frozenset(rows), edge.size, what, sure=sure)
                 return
     if not name:
         return
-    contours = chain_curves([page.curves[row] for row in inside if row < work], _TOUCH)[0]
-    around = holders(contours, _DOWN, _TOUCH)
-    nested = any(row != NO_HOLDER for row in around)
+    nested = _holds_parts(page, inside, work)
     what = f"{name} around parts with holes" if nested else name
     yield Sheet(edge.rows, edge.size, what, sure=nested)
+
+
+def _holds_parts(page: _Page, rows: Sequence[int], work: int) -> bool:
+    """True if some contours are parts with holes: they would be loose in a part around them."""
+    contours = chain_curves([page.curves[row] for row in rows if row < work], _TOUCH)[0]
+    return any(row != NO_HOLDER for row in holders(contours, _DOWN, _TOUCH))

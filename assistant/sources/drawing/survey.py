@@ -20,7 +20,7 @@ from assistant.sources.contours.curves import Curve, chorded
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.contents import curves_of, root_of, ucs_of
 from assistant.sources.drawing.document import library_errors, open_drawing, unit_of
-from assistant.sources.drawing.drafting import Drafting
+from assistant.sources.drawing.drafting import BORDER, Drafting
 from assistant.sources.drawing.findings import NO_UNITS, Tally, shown
 from assistant.sources.drawing.locations import Location, LocationReader
 from assistant.sources.drawing.traversal import Traversal
@@ -141,6 +141,10 @@ class Survey:
         )
 
 
+_MOST_REASONS: Final = 3
+"""Meanings of a layer that are named."""
+
+
 @dataclass(slots=True)
 class _Layer:
     name: str
@@ -162,8 +166,13 @@ class _Layer:
         """What the layer is for, if nothing on it is work."""
         if self.aside or not self.reasons:
             return ""
-        (what, name, kind), _ = self.reasons.most_common(1)[0]
-        return kind if what == "layer" else f"{what} {shown(name)}: {kind}"
+        # What is known by its shape alone comes first: it may be work that nobody expects there.
+        said = sorted(self.reasons.most_common(), key=lambda one: one[0][0] != BORDER)
+        words = [
+            kind if what == "layer" else f"{what} {shown(name)}: {kind}"
+            for (what, name, kind), _ in said[:_MOST_REASONS]
+        ]
+        return ", ".join([*words, *(["..."] if len(said) > _MOST_REASONS else [])])
 
 
 def survey(path: FilePath, process: Process, stated: str = "as stated") -> Survey:

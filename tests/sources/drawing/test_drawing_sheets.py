@@ -299,6 +299,24 @@ def test_frames_in_another_proportion_stay(save: Save, drawing: Drawing, margin:
     assert len(followed(save(drawing))) > len(kept)
 
 
+@pytest.mark.parametrize("marks", [False, True])
+def test_a_plate_with_an_even_rim_is_the_users_choice(
+    save: Save, drawing: Drawing, marks: bool
+) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), (280, 200))
+    rectangle(space, (20, 20), (260, 180))
+    hole = space.add_circle((100, 100), 20).dxf.handle
+    space.add_text("pocket", height=5).set_placement((150, 100))
+    if marks:  # of the middle of paper
+        space.add_line((140, 0), (140, 20))
+    path = save(drawing)
+    assert ("DX214" in codes(path)) is not marks
+    assert len(followed(path)) == (1 if marks else 3)
+    assert followed(path, process('leave_out = ["border"]')) == {hole}
+    assert not {"DX212", "DX214"} & set(codes(path, process('follow = ["border"]')))
+
+
 def grid(space: Space, *, line_type: str = "CENTER", texts: bool = True) -> set[str]:
     """A part with two axes of a grid that end in circles with letters."""
     handles = part(space)
@@ -343,6 +361,29 @@ def test_a_hole_with_a_text_in_it_and_a_centre_line_through_it_stays(
     assert len(followed(save(drawing))) == 2
 
 
+def test_a_survey_says_that_a_layer_has_balloons_beside_lines(save: Save, drawing: Drawing) -> None:
+    drawing.linetypes.add("CENTER", [1.0, 0.5, -0.5])
+    space = drawing.modelspace()
+    for x in (0, 100):
+        space.add_line((x, 8), (x, 60), dxfattribs={"linetype": "CENTER"})
+        space.add_line((x, 60), (x, 90), dxfattribs={"linetype": "CENTER"})
+        space.add_circle((x, 0), 8)
+        space.add_text("A", height=5).set_placement((x - 2, 0))
+    (layer,) = [one for one in survey(save(drawing), NO_PROCESS).layers if one.name == "0"]
+    assert "balloons around texts" in layer.drafting and "CENTER" in layer.drafting
+
+
+def test_round_plates_with_texts_and_centre_marks_stay(save: Save, drawing: Drawing) -> None:
+    drawing.linetypes.add("CENTER", [1.0, 0.5, -0.5])
+    space = drawing.modelspace()
+    for x in (0, 100, 200):
+        space.add_circle((x, 0), 40)
+        space.add_text("P1", height=8).set_placement((x - 5, 0))
+        for low, high in ((40, 65), (-40, -65)):
+            space.add_line((x, low), (x, high), dxfattribs={"linetype": "CENTER"})
+    assert len(followed(save(drawing))) == 3
+
+
 def test_blocks_of_steelwork_drawings_are_known_by_their_kind(save: Save, drawing: Drawing) -> None:
     kept = set()
     names = ("Part-35-47 - 46", "StraightDimension-35-48 - 46", "Mark-35-50 - 46", "Unknown-35-51")
@@ -356,19 +397,20 @@ def test_blocks_of_steelwork_drawings_are_known_by_their_kind(save: Save, drawin
 
 
 @pytest.mark.parametrize(
-    ("length", "layer", "attribute", "kept"),
+    ("length", "layer", "attribute", "bar", "kept"),
     [
-        (8.0, "DIM", True, 0),
-        (80.0, "DIM", True, 1),  # a cut beside a label
-        (8.0, "PART", True, 2),  # nothing in it is drafting
-        (8.0, "DIM", False, 1),  # without a text
+        (8.0, "DIM", True, "THICK", 0),
+        (80.0, "DIM", True, "THICK", 1),  # a cut beside a label
+        (8.0, "PART", True, "THICK", 2),  # nothing in it is drafting
+        (8.0, "DIM", False, "THICK", 1),  # without a text
+        (8.0, "DIM", True, "CUT", 1),  # a slit of the work
     ],
 )
 def test_the_bar_of_a_datum_symbol_is_drafting(
-    save: Save, drawing: Drawing, length: float, layer: str, attribute: bool, kept: int
+    save: Save, drawing: Drawing, length: float, layer: str, attribute: bool, bar: str, kept: int
 ) -> None:
     block = drawing.blocks.new("BASE4")
-    block.add_line((0, 0), (length, 0), dxfattribs={"layer": "THICK"})
+    block.add_line((0, 0), (length, 0), dxfattribs={"layer": bar})
     block.add_circle((4, 10), 4, dxfattribs={"layer": layer})
     if attribute:
         block.add_attdef("A", (2, 8), height=3.5)
