@@ -164,6 +164,8 @@ def test_converted_angles_at_an_edge_are_reported(
     ("lines", "codes"),
     [
         ("b:=Trunc(ATan(1));", ["CO127"]),
+        ("a:=ATan(1);b:=a DIV 45;", ["CO127"]),
+        ("a:=ATan(1);b:=a MOD 45;", ["CO127"]),
         ("a:=ATan(1);IF a=45 b:=2;", ["CO127"]),
         ("a:=EulerZYX(\\Z,q.rot);TEST a CASE 180: b:=4;DEFAULT: b:=5;ENDTEST", ["CO127"]),
         ("a:=Sin(b);WaitUntil a=1;", ["CO127"]),

@@ -138,6 +138,9 @@ class _HangingOnAngles:
                 return "="
             case e.Apply(function, (value, *_)) if function in _WHOLE:
                 return "whole" if self.of(value, owner) == 2 else None
+            case e.Binary("div" | "mod", left, right):
+                kinds = self.of(left, owner), self.of(right, owner)
+                return "whole" if 2 in kinds else None
             case p.Switch(subject, cases):
                 values = itertools.chain.from_iterable(case.values for case in cases)
                 if any(self._apart(subject, value, owner) for value in values):
