@@ -64,6 +64,8 @@ _NO_LOAD = error(
     "{given} is no part of a tool's load",
     "write assistant.Load(2.0, (0.0, 0.0, 60.0)): kg, and the centre of gravity in mm",
 )
+_UNIT_LENGTH: Final = 1e-3
+"""Deviation of the length of a unit quaternion, at most."""
 _MAY_BE_METRES = error(
     "TB438",
     "the {what} {given} would be less than a millimetre away: three numbers are mm, and the poses "
@@ -276,9 +278,13 @@ def _load(given: Any) -> Load | None:
     parts = {"centre": 3, "axes": 4, "inertia": 3}
     rows = {part: finite_row(getattr(given, part), f"`{part}` of the load") for part in parts}
     wrong = next((part for part, size in parts.items() if len(rows[part]) != size), None)
+    if wrong is None and abs(np.linalg.norm(rows["axes"]) - 1.0) > _UNIT_LENGTH:
+        wrong = "axes"
     if wrong is not None:
         raise Refused(_NO_LOAD(place=TOOL, given=shown(str(getattr(given, wrong)))))
     mass = number_within(given.mass, "`mass` of the load", above=0.0)
+    for value in rows["inertia"]:
+        number_within(value, "`inertia` of the load", least=0.0)
     return replace(given, mass=mass, **{part: tuple(row.tolist()) for part, row in rows.items()})
 
 

@@ -222,6 +222,8 @@ def test_a_tool_by_value_brings_its_load():
         ({"load": assistant.Load(-2.0)}, "TB448"),
         ({"load": assistant.Load(2.0, (0.0, 60.0))}, "TB439"),
         ({"load": assistant.Load(2.0, (0.0, float("nan"), 0.0))}, "TB442"),
+        ({"load": assistant.Load(2.0, (0, 0, 60), (0, 0, 0, 0))}, "TB439"),
+        ({"load": assistant.Load(2.0, (0, 0, 60), inertia=(0, -0.1, 0))}, "TB448"),
     ],
 )
 def test_a_tool_that_is_wrong_is_refused(values, code):
