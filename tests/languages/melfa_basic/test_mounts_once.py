@@ -137,3 +137,12 @@ def test_procedures_that_nothing_calls_set_what_they_call() -> None:
     found = lines(code_of(dead, "melfa-basic-5"))
     # In `main`, in `other`, and in `seam`, which is called by it.
     assert len([line for line in found if line.startswith("Tool ")]) == 3
+
+
+def test_procedures_set_what_they_need_after_a_stop_of_a_draft() -> None:
+    text = ONE_TOOL.replace("procedure weld\n", "procedure weld\n  stop\n", 1)
+    found = lines(code_of(text, "melfa-basic-5"))
+    seam = found[found.index("*SEAM") :]
+    assert [line.split()[0] for line in seam if line.startswith(("Tool ", "Base "))].count(
+        "Tool"
+    ) == 2

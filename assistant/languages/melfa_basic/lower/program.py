@@ -160,10 +160,11 @@ def settings_for_vendor_text(program: Program) -> frozenset[int]:
 def _is_plain(program: Program) -> bool:
     """True if only the lines of moves and calls depend on tool and base, and none is interrupted.
 
-    False for several units, whose calls may change them.
+    False for several units, whose calls may change them, and with stops: somebody may set another
+    tool there, or write lines in place of what a draft lacks.
     """
     return all(procedure.unit is None for procedure in program.procedures) and not any(
-        isinstance(node, p.Interrupt) or any(True for _ in _vendor_texts(node))
+        isinstance(node, p.Interrupt | p.Stop) or any(True for _ in _vendor_texts(node))
         for node in program.statements()
     )
 
