@@ -26,7 +26,7 @@ from assistant.base.data_classes import dataclass
 from assistant.program.geometry import Pose
 from assistant.sources.contours.chains import chain_curves
 from assistant.sources.contours.contour_order import NO_HOLDER, holders
-from assistant.sources.contours.curves import Curve, Line, sample
+from assistant.sources.contours.curves import Arc, Curve, Line, sample
 
 _SIZES: Final = {
     "A4": (210.0, 297.0),
@@ -512,7 +512,7 @@ def _bare_sheet(
                 rows = edge.rows | border.rows | between
                 what = f"{name} with a border" if name else "two frames of a sheet"
                 # A plate may have any proportion, and an even rim.
-                sure = bool(name or marks) or _holds_parts(page, left, work)
+                sure = bool(name or marks) or _holds_parts(page, left, work, bored=True)
                 yield Sheet(frozenset(rows), edge.size, what, sure=sure)
                 return
     if not name:
@@ -522,7 +522,15 @@ def _bare_sheet(
     yield Sheet(edge.rows, edge.size, what, sure=nested)
 
 
-def _holds_parts(page: _Page, rows: Sequence[int], work: int) -> bool:
-    """True if some contours are parts with holes: they would be loose in a part around them."""
+def _holds_parts(page: _Page, rows: Sequence[int], work: int, *, bored: bool = False) -> bool:
+    """True if some contours are parts with holes: they would be loose in a part around them.
+
+    bored: a circle around others may be a counterbore instead.
+    """
     contours = chain_curves([page.curves[row] for row in rows if row < work], _TOUCH)[0]
-    return any(row != NO_HOLDER for row in holders(contours, _DOWN, _TOUCH))
+    around = (contours[row] for row in holders(contours, _DOWN, _TOUCH) if row != NO_HOLDER)
+    return any(not bored or not _is_circle(one.curves) for one in around)
+
+
+def _is_circle(curves: Sequence[Curve]) -> bool:
+    return len(curves) == 1 and isinstance(curves[0], Arc)

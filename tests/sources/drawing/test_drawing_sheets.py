@@ -306,14 +306,14 @@ def test_a_plate_with_an_even_rim_is_the_users_choice(
     space = drawing.modelspace()
     rectangle(space, (0, 0), (280, 200))
     rectangle(space, (20, 20), (260, 180))
-    hole = space.add_circle((100, 100), 20).dxf.handle
+    bores = {space.add_circle((100, 100), radius).dxf.handle for radius in (6, 10)}
     space.add_text("pocket", height=5).set_placement((150, 100))
     if marks:  # of the middle of paper
         space.add_line((140, 0), (140, 20))
     path = save(drawing)
     assert ("DX214" in codes(path)) is not marks
-    assert len(followed(path)) == (1 if marks else 3)
-    assert followed(path, process('leave_out = ["border"]')) == {hole}
+    assert len(followed(path)) == (2 if marks else 4)
+    assert followed(path, process('leave_out = ["border"]')) == bores
     assert not {"DX212", "DX214"} & set(codes(path, process('follow = ["border"]')))
 
 
