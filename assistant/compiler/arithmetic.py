@@ -175,8 +175,12 @@ def _steps_finding(name: str, step: float, end: float | None, statement: p.State
 
 
 def _counted(place: e.Expression) -> str | None:
-    """Return what may be counted on, a variable or a component of one, as it is known here."""
+    """Return what may be counted on, as it is known here: a variable, a component or an element."""
     match place:
+        case e.Index(e.Name(name), indices):
+            numbers = [one for one in indices if isinstance(one, e.Number)]
+            if len(numbers) == len(indices):
+                return f"{name.lower()}[{', '.join(f'{one.value:g}' for one in numbers)}]"
         case e.Name(name):
             return name.lower()
         case e.Member(e.Name(name), component):

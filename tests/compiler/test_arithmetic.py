@@ -86,6 +86,8 @@ def test_a_project_says_how_its_controllers_do_it(tmp_path: Path) -> None:
         ("WHILE a<1.05 DO a:=a+0.1;ENDWHILE", []),
         ("WHILE 2>=a DO a:=a+0.5;ENDWHILE", []),
         ("a:=a-0.2;IF a=-1 b:=3;", ["CO117"]),
+        ("c{2}:=c{2}+0.1;IF c{2}=1 b:=3;", ["CO117"]),
+        ("c{2}:=c{2}+0.1;IF c{1}=1 b:=3;", []),
         ("b:=0.1;WHILE a<1 DO a:=a+b;ENDWHILE", ["CO117"]),
         ("b:=0.1;WHILE a<1.05 DO a:=a+b;ENDWHILE", []),
         ("b:=0.5;WHILE a<1 DO a:=a+b;ENDWHILE", []),
@@ -104,7 +106,8 @@ def test_a_project_says_how_its_controllers_do_it(tmp_path: Path) -> None:
 def test_a_bound_that_inexact_steps_meet_is_reported(
     tmp_path: Path, lines: str, codes: list[str]
 ) -> None:
-    assert said(tmp_path, "m.mod", RAPID.format(lines), "melfa-basic-5")[1] == codes
+    text = RAPID.format(lines).replace("PROC main", "VAR num c{2};\nPROC main")
+    assert said(tmp_path, "m.mod", text, "melfa-basic-5")[1] == codes
 
 
 @pytest.mark.parametrize(
