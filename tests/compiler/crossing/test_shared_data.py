@@ -197,6 +197,8 @@ def test_a_constant_in_a_value_is_that_of_the_task_that_states_it(
         ("PERS num a:=3;", "CONST num k:=3;\nPERS num A:=k;", False),
         ("PERS num a:=3;", "CONST num k:=4;\nPERS num a:=k;", True),
         ("PERS num a:=3;", "PERS num a;", False),
+        ("PERS num a:=2+3;", "PERS num a:=2+4;", True),
+        ("PERS num a:=2+3;", "PERS num a:=2 + 3;", False),
         ("PERS num a:=3;", "TASK PERS num a:=5;", False),
         ("PERS num a{2}:=[1,2];", "PERS num a{2}:=[1,3];", True),
         ("PERS bool a:=TRUE;", "PERS bool a:=FALSE;", True),

@@ -472,10 +472,10 @@ def _unlike_values(tasks: Sequence[tuple[str, TaskFiles]]) -> list[list[Diagnost
                 if _names_any(plain):
                     continue
                 key = name, data.type.lower(), len(data.dimensions)
-                values, value, there = first.setdefault(
-                    key, (literal_values(plain), data.value, text)
-                )
-                if literal_values(plain) != values and value.span is not None:
+                values = literal_values(plain)
+                compared = plain if _is_worked_out(values) else values
+                other, value, there = first.setdefault(key, (compared, data.value, text))
+                if compared != other and value.span is not None:
                     line, _ = there.line_column(value.span.start)
                     told.append(
                         text.finding(
@@ -488,6 +488,13 @@ def _unlike_values(tasks: Sequence[tuple[str, TaskFiles]]) -> list[list[Diagnost
                         )
                     )
     return found
+
+
+def _is_worked_out(values: Any) -> bool:
+    """True if a value is no literal, or an item of it is none."""
+    if isinstance(values, list):
+        return any(map(_is_worked_out, values))
+    return values is None
 
 
 def _shown_value(value: s.Expression, text: SourceText) -> str:
