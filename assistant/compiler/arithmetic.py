@@ -125,26 +125,22 @@ def _angles_at_edges(
 def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
     """Findings on loops and comparisons that end where a sum of inexact steps meets a bound."""
     possible: PossibleValues | None = None
-    steps: dict[str, set[float]] = {}
-    starts: dict[str, set[float]] = {
-        name.lower(): {variable.initial.value}
-        for name, variable in program.variables.items()
-        if isinstance(variable.initial, e.Number)
-    }
-    bounds: list[tuple[str, set[float], Any]] = []
+    steps: dict[str, list[_Stated]] = {}
+    starts: dict[str, list[_Stated]] = {}
+    bounds: list[tuple[str, _Stated, p.Statement]] = []
 
-    def numbers(value: e.Expression, procedure: Procedure) -> set[float]:
-        """Return the numbers that a value may be, none if they are not known."""
+    def numbers(stated: Iterable[_Stated]) -> set[float]:
+        """Return the numbers that values may be, none for those that are not known."""
         nonlocal possible
         possible = possible or PossibleValues(program)
-        return set(possible.of(value, procedure) or ())
+        return {one for value, owner in stated for one in possible.of(value, owner) or ()}
 
     for procedure in program.procedures:
         for statement, parts in statements_with(procedure, p.For, p.Assign, e.Binary):
             match statement:
                 case p.For(variable, first, last, step=each) if each is not None:
-                    for step in sorted(filter(_is_inexact, numbers(each, procedure))):
-                        begun, ends = numbers(first, procedure), numbers(last, procedure)
+                    for step in sorted(filter(_is_inexact, numbers([(each, procedure)]))):
+                        begun, ends = numbers([(first, procedure)]), numbers([(last, procedure)])
                         met = [end for end in ends if _meets_bound(begun or {0.0}, end, step)]
                         if met or not begun or not ends:
                             yield _steps_finding(variable, step, min(met, default=None), statement)
@@ -152,21 +148,36 @@ def _inexact_steps(program: Program) -> Iterator[Diagnostic]:
                 case p.Assign(target, value) if (name := _counted(target)) is not None:
                     added = _step_of(name, value)
                     known = starts if added is None else steps
-                    found = numbers(value if added is None else added, procedure)
-                    known.setdefault(name, set()).update(found)
+                    stated = value if added is None else added
+                    known.setdefault(name, []).append((stated, procedure))
             for part in parts:
                 match part:
                     case e.Binary(relation, one, other) if relation in e.RELATIONS:
                         for asked, value in ((one, other), (other, one)):
                             counted, bound = _in_own_unit(asked, value)
                             if (name := _counted(counted)) is not None:
-                                bounds.append((name, numbers(bound, procedure), statement))
-    for name, ends, statement in bounds:
-        for step in sorted(filter(_is_inexact, steps.get(name, ()))):
-            met = [end for end in ends if _meets_bound(starts.get(name) or {0.0}, end, step)]
+                                bounds.append((name, (bound, procedure), statement))
+    begins = {
+        name.lower(): variable.initial.value
+        for name, variable in program.variables.items()
+        if isinstance(variable.initial, e.Number)
+    }
+    inexact = {
+        name: sorted(filter(_is_inexact, numbers(steps[name])))
+        for name in dict.fromkeys(name for name, _, _ in bounds)
+        if name in steps
+    }
+    for name, limit, statement in bounds:
+        for step in inexact.get(name, ()):
+            begun = numbers(starts.get(name, ())) | ({begins[name]} if name in begins else set())
+            met = [end for end in numbers([limit]) if _meets_bound(begun or {0.0}, end, step)]
             if met:
                 yield _steps_finding(name, step, min(met), statement)
                 break
+
+
+_Stated = tuple[e.Expression, Procedure]
+"""A value with the procedure that states it."""
 
 
 def _steps_finding(name: str, step: float, end: float | None, statement: p.Statement) -> Diagnostic:
