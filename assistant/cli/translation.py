@@ -63,7 +63,7 @@ _REPORT_TO_OUTPUT: Final = error(
     "name a folder with --output",
 )
 _STANDARD_INPUT: Final = "standard input"
-"""What answers call the program that comes over standard input."""
+"""Name of a program from standard input in answers."""
 _LEVEL_STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
 
 
@@ -337,7 +337,7 @@ def _next_commands(done: Sequence[Translated], options: Translate) -> list[str]:
 def _fed(command: str) -> str:
     """Return a command that reads a program from standard input, with the file to feed it from.
 
-    What came over a pipe is gone: typed again, the command would wait for it at the keyboard.
+    Without one, the command would wait for the program at the keyboard.
     """
     return f"{command} < FILE" if command else ""
 

@@ -101,10 +101,10 @@ _DELETE_DECLARATION: Final = (
 )
 _DEDICATED: Final = warning(
     "CO081",
-    "`{name}` has the number {number}: as it leaves the factory, a controller {use} by this "
-    "{direction}",
-    "write another `number` in the cell file or process file; none is needed where parameters of "
-    "the controller give that use another signal",
+    "`{name}` has the number {number}, and a controller as it leaves the factory {use} by this "
+    "{direction}, as far as is known",
+    "write another `number` in the cell file or process file, unless the controller's parameters "
+    "give that use another signal",
 )
 _NOTHING_GIVEN: Final = warning(
     "CO082",
@@ -371,17 +371,11 @@ def _entries_unused(
             continue
         if table == TABLE_OF_KIND["record"]:
             # A type that declarations name, and that nobody is asked for, is there already.
-            if low in types:
-                reason = f"the type `{low}` is the program's or its controller's own"
-                yield _ENTRY_UNUSED(
-                    entry=f"[{toml_key(table, low)}]",
-                    reason=reason,
-                    cure=_DELETE_TYPE,
-                    place=f"{table}.{low}",
-                    path=path,
-                )
-            continue
-        if low in kinds:
+            if low not in types:
+                continue
+            name, cure = low, _DELETE_TYPE
+            reason = f"the type `{low}` is the program's or its controller's own"
+        elif low in kinds:
             one = kinds[low]
             name, reason = one.name, f"the program uses `{one.name}` as {kind_in_words(one)}"
             cure = f"write `[{toml_key(TABLE_OF_KIND[one.kind], one.name)}]` with its value instead"

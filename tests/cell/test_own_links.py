@@ -189,16 +189,28 @@ def test_capsules_that_hardly_overlap_are_a_warning() -> None:
 # ------------------------------------------------------------------------------ in a cell
 
 
-def test_a_statement_that_starts_in_contact() -> None:
+def pin_in_block(
+    row: list[float], turned: float, aside: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> list[str]:
+    """Return the findings of an arm that turns its first axis by some degrees, with a pin on its
+    flange in a cube of 30 mm. aside: of the middle of the cube from that of the pin, mm.
+    """
     robot = robots.get("irb1200-7-0.7")
     arm = place_robot("arm", robot)
     pin = Body("pin", (Part(Sphere(5.0)),), Pose((0.0, 0.0, 60.0)), parent="arm.flange")
-    rows = [[0.0, 20.0, 10.0, 0.0, 60.0, 0.0], [20.0, 20.0, 10.0, 0.0, 60.0, 0.0]]
-    p, q = robot.fk(np.array(rows[:1]))
-    tip = p[0] + rotations.rotate(q[0], np.array([0.0, 0.0, 60.0]))
+    p, q = robot.fk(np.array([row]))
+    tip = p[0] + rotations.rotate(q[0], np.array([0.0, 0.0, 60.0])) + np.array(aside)
     block = Body("block", (Part(Box((30.0, 30.0, 30.0))),), Pose.of(tip, (1.0, 0.0, 0.0, 0.0)))
     scene = Scene((pin, block), (arm,), allowed=touching_links(arm), margin=10.0)
-    into, out = [one for one in findings(to_joints(robot, *rows), robot, scene) if "`pin`" in one]
+    return findings(to_joints(robot, row, [row[0] + turned, *row[1:]]), robot, scene)
+
+
+def test_a_statement_that_starts_in_contact() -> None:
+    into, out = [
+        one
+        for one in pin_in_block([0.0, 20.0, 10.0, 0.0, 60.0, 0.0], turned=20.0)
+        if "`pin`" in one
+    ]
     assert into.startswith("CK421 error `pin` touches `block`")
     assert out.startswith("CK421 error `pin` starts in contact with `block`")
     assert "20 mm deep" in into
@@ -216,17 +228,10 @@ def test_a_statement_that_starts_in_contact() -> None:
 def test_the_shortest_way_out_is_that_of_the_first_body(
     aside: tuple[float, float, float], out: str
 ) -> None:
-    robot = robots.get("irb1200-7-0.7")
-    arm = place_robot("arm", robot)
-    pin = Body("pin", (Part(Sphere(5.0)),), Pose((0.0, 0.0, 60.0)), parent="arm.flange")
-    rows = [[0.0, 20.0, 10.0, 0.0, 60.0, 0.0], [1.0, 20.0, 10.0, 0.0, 60.0, 0.0]]
-    p, q = robot.fk(np.array(rows[:1]))
-    tip = p[0] + rotations.rotate(q[0], np.array([0.0, 0.0, 60.0]))
-    place = Pose.of(tip + np.array(aside), (1.0, 0.0, 0.0, 0.0))
-    block = Body("block", (Part(Box((30.0, 30.0, 30.0))),), place)
-    scene = Scene((pin, block), (arm,), allowed=touching_links(arm), margin=10.0)
     found = [
-        one for one in findings(to_joints(robot, *rows), robot, scene) if "`pin` starts" in one
+        one
+        for one in pin_in_block([0.0, 20.0, 10.0, 0.0, 60.0, 0.0], turned=1.0, aside=aside)
+        if "`pin` starts" in one
     ]
     assert f"the shortest way out for `pin` is along {out}" in found[0]
 

@@ -25,8 +25,8 @@ from assistant.languages.language_types import (
 )
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
-from assistant.languages.melfa_basic.tables.dedicated_signals import DEDICATED_SIGNALS
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tables.variables import DEDICATED_SIGNALS
 from assistant.lazy import offered
 from assistant.program.expressions import Effect, VendorTextKind
 from assistant.program.program import Program

@@ -1,4 +1,5 @@
-"""Variables: types, names and reserved words; numbers of timers, interrupts and files.
+"""Variables: types, names and reserved words; numbers of timers, interrupts, files
+and signals.
 
 The first letter of a name states the type. A second character `_` marks variables that all
 programs of a controller share (CR1D 4.3.7).
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from assistant.base.data_classes import dataclass
@@ -171,6 +173,31 @@ ETHERNET_LINES: Final = (3, 4, 5, 6, 7, 8, 2)
 LONGEST_FILE_NAME: Final = 16
 """Characters of the name of a file (COSIROP: OPEN)."""
 CONNECTION_STATUS: Final = "M_Open"
+
+
+_HANDS: Final = range(900, 908)
+"""Signals of the hands: valves, and the switches that check them."""
+DEDICATED_SIGNALS: Final = MappingProxyType({
+    "input": MappingProxyType({
+        0: "stops all programs (STOP)",
+        1: "switches the motors off (SRVOFF)",
+        2: "resets errors (ERRRESET)",
+        3: "starts the programs (START)",
+        4: "switches the motors on (SRVON)",
+        5: "gives the right of operation (IOENA)",
+        **dict.fromkeys(_HANDS, "checks a hand"),
+    }),
+    "output": MappingProxyType({
+        0: "tells that a program runs (START)",
+        1: "tells that the motors are on (SRVON)",
+        2: "tells of an error (ERRRESET)",
+        3: "tells of the right of operation (IOENA)",
+        **dict.fromkeys(_HANDS, "drives a hand"),
+    }),
+})  # fmt: skip
+"""What a new controller does by each number, with the parameter that changes it. Unconfirmed: the
+numbers are those that users of CR1, CR750 and CR800 know, and no manual at hand states them.
+"""
 
 
 def line_name(number: int) -> str:
