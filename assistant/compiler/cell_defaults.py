@@ -728,7 +728,7 @@ def _with_input_signals(program: Program, wanted: Sequence[Wanted]) -> Program:
 def _dedicated_signals(
     to: Language[Any] | None, source: Language[Any]
 ) -> Mapping[str, Mapping[int, str]]:
-    """Return the numbers that a controller of the language has uses of its own for.
+    """Return the numbers that a controller of the language uses itself.
 
     to: None for any language but that of the source, whose program states numbers by itself.
     """
@@ -744,7 +744,7 @@ def _dedicated_signals(
 def _numbers_of_controller(
     program: Program, dedicated: Mapping[str, Mapping[int, str]], cell: Cell, path: str
 ) -> Iterator[Diagnostic]:
-    """Yield a finding for each signal whose number the controller has a use of its own for.
+    """Yield a finding for each signal whose number the controller uses itself.
 
     path: of the cell file; a number may be from a process file, or from files of the controller.
     """
@@ -769,7 +769,7 @@ def _with_signal_numbers(
 ) -> tuple[Program, list[Wanted]]:
     """With numbers for signals that have none, from 1 on, and those signals.
 
-    dedicated: numbers that the controller has uses of its own for, by direction.
+    dedicated: numbers that the controller uses itself, by direction.
     """
     uses = {one.name.lower(): one for one in wanted if one.kind == "signal"}
     signals = dict(program.signals)
