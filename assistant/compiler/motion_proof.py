@@ -471,7 +471,7 @@ class MotionProof:
 
 
 _MOST_OF_PART: Final = 99
-"""Percent of branches that are told where one was not taken."""
+"""Highest share of branches, in percent, that the first line states unless all were taken."""
 
 
 def _count_text(count: int, word: str, several: str = "s") -> str:
