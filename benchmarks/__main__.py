@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import resource
-import statistics
 import subprocess
 import sys
 import time
@@ -22,6 +21,7 @@ from benchmarks import (
     planning,
     real_time,
     scenes,
+    starting,
     tasks,
 )
 from benchmarks.arms import ROBOTS
@@ -46,9 +46,6 @@ TABLES = {
 MEASURED = (cases for tables in TABLES.values() for cases in tables.values())
 EVERY = CASES | {name: one.case for cases in MEASURED for name, one in cases.items()}
 
-HELP_LIMIT = 0.3
-"""Seconds in which `robot-assistant --help` has to answer."""
-
 
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
@@ -68,6 +65,7 @@ def main() -> None:
             "real-time",
             "models",
             "scenes",
+            "starting",
             "growth",
             "tasks",
             "proofs",
@@ -122,7 +120,8 @@ def main() -> None:
         models.report(chosen.seconds or 30.0)
     if chosen.only in (None, "scenes"):
         scenes.report()
-    _startup()
+    if chosen.only in (None, "starting"):
+        starting.report()
 
 
 def _emission(points: int, runs: int) -> None:
@@ -170,26 +169,6 @@ def _in_process(case: str, points: int) -> dict[str, float]:
     command = [sys.executable, "-m", "benchmarks", "--case", case, "--points", str(points)]
     answer = subprocess.run(command, check=True, capture_output=True, text=True)
     return json.loads(answer.stdout)
-
-
-def _startup() -> None:
-    """`--help` as users start it, beside a bare interpreter."""
-    helped = _seconds([sys.executable, "-m", "assistant", "--help"])
-    bare = _seconds([sys.executable, "-c", "pass"])
-    verdict = "within" if helped <= HELP_LIMIT else "OVER"
-    print(
-        f"\nrobot-assistant --help: {helped:.3f} s ({verdict} the limit of {HELP_LIMIT} s;"
-        f" a bare interpreter takes {bare:.3f} s)"
-    )
-
-
-def _seconds(command: list[str]) -> float:
-    times = []
-    for _ in range(7):
-        start = time.perf_counter()
-        subprocess.run(command, check=True, capture_output=True)
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Speed beside a plain Python loop, in CPU time of one process: what `make speed` asks.
+"""Speed beside a plain Python loop, and starts of commands beside those of Python: `make speed`.
 
     python -m benchmarks.ratios
 
@@ -21,6 +21,7 @@ from assistant import sources
 from benchmarks.code import code
 from benchmarks.emission import adapted, csv, emit, emitted, poses, prove_all, python_rapid
 from benchmarks.growth.sources import curve, far_beside
+from benchmarks.starting import starts
 
 POINTS: Final = 50_000
 LINES: Final = 1_000
@@ -77,11 +78,19 @@ TASKS: Final[dict[str, Task]] = {
     "RAPID to MELFA-BASIC VI": Task(_program("rapid", "mod"), _translated("melfa-basic-6"), 0.17),
     "MELFA-BASIC V to RAPID": Task(_program("melfa-basic-5", "mb5"), _translated("rapid"), 0.09),
 }
+STARTS: Final = {
+    "--help": 12.0,
+    "explain a finding": 20.0,
+    "check a RAPID module": 22.0,
+    "translate a RAPID module": 42.0,
+}
+"""Command → the most starts of a bare interpreter that its CPU time may be."""
 
 
 def main() -> None:
     """Print a line a task, and end with status 1 if one is too slow twice."""
     slow = [name for name, task in TASKS.items() if not _is_quick(name, task)]
+    slow += [name for name, most in STARTS.items() if not _starts_quickly(name, most)]
     if slow:
         sys.exit(f"more than twice as slow as measured before: {', '.join(slow)}")
 
@@ -94,6 +103,16 @@ def _is_quick(name: str, task: Task) -> bool:
         verdict = "" if quick else ", below it: again" if attempt == 1 else ", below it"
         print(f"{name:<28}{ratio:>8.2f} of the plain loop's speed (least {task.least}){verdict}")
         if quick:
+            return True
+    return False
+
+
+def _starts_quickly(name: str, most: float) -> bool:
+    for attempt in (1, 2):
+        ratio = starts(name)
+        verdict = "" if ratio <= most else ", above it: again" if attempt == 1 else ", above it"
+        print(f"{name:<28}{ratio:>8.1f} starts of Python (at most {most}){verdict}")
+        if ratio <= most:
             return True
     return False
 

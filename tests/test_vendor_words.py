@@ -53,6 +53,8 @@ EXCEPTIONS: Final = {
     ("cli/demo.py", "j_curr"): "what the second program on its virtual controller sends",
     ("cli/controller_state.py", "reset"): "the name of our own command",
     ("cli/options.py", "melfa"): "help: whose frames the option is about",
+    ("cli/warm_server.py", "rapid"): "the samples that load what commands use",
+    ("cli/warm_server.py", "melfa"): "the samples that load what commands use",
     ("editing/answers.py", "function"): "a sort of word",
     ("editing/answers.py", "readonly"): "what editors call it",
     ("editing/code_assist.py", "function"): "a sort of word",

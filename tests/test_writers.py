@@ -20,6 +20,7 @@ KNOWN = {
     "blocks/display.py": "into memory",
     "blocks/fmu/co_simulation.py": "for a compiler, in a folder for the moment",
     "cli/controller_state.py": "a log, which grows by a row at a time",
+    "cli/warm_server.py": "a lock and what samples become, in folders for the moment",
     "controllers/abb/ftp.py": "a part that later runs go on with",
     "controllers/abb/sftp.py": "on the controller",
     "controllers/recording.py": "into memory",
