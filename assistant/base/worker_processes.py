@@ -18,6 +18,8 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Final, TypeVar
 
+from assistant.base.diagnostics import error
+
 A = TypeVar("A")
 B = TypeVar("B")
 
@@ -38,6 +40,11 @@ def without_passwords(environment: Mapping[str, str] = os.environ) -> dict[str, 
     }
 
 
+DIED: Final = error(
+    "LM008",
+    "the process that worked on it ended without an answer, twice: {reason}",
+    "look whether there is memory enough, or use `--jobs 1`",
+)
 _LAST_WAIT: Final = 1.0
 """Seconds that a process without an answer has to end, so that its exit status is known."""
 
@@ -119,30 +126,50 @@ def _end_of(process: subprocess.Popen[bytes] | None) -> str:
     return ""
 
 
+MANY: Final = 20
+"""Items above which all processors are used without being asked: processes take time to start."""
+
+
+def process_count(items: int, jobs: int | None) -> int:
+    """Return how many processes carry out so many items. jobs: that the user asked for, if any."""
+    if jobs is None:
+        jobs = (os.cpu_count() or 1) if items > MANY else 1
+    return max(1, min(items, jobs))
+
+
 def at_once(
     function: Callable[[A], B], arguments: Sequence[A], count: int, lost: Callable[[A, str], B]
 ) -> list[B]:
     """Return the results of a module's function in order, computed by `count` processes.
 
-    lost: answers in place of a process that died, given how; only its current argument is lost.
+    An argument at which a process dies is tried once more when all others are done, alone: perhaps
+    there was no memory for several. lost: answers in place of a process that died again, given how.
     """
     workers = [Worker() for _ in range(count)]
     idle = queue.SimpleQueue[Worker]()
     for one in workers:
         idle.put(one)
 
-    def answer(argument: A) -> B:
+    def answer(argument: A) -> B | WorkerDied:
         worker = idle.get()
         try:
             return worker.answer(function, argument)
         except WorkerDied as died:
-            return lost(argument, str(died))
+            return died
         finally:
             idle.put(worker)
 
+    def answer_alone(argument: A) -> B:
+        found = answer(argument)
+        return lost(argument, str(found)) if isinstance(found, WorkerDied) else found
+
     with ThreadPoolExecutor(count) as threads:
         try:
-            return list(threads.map(answer, arguments))
+            first = list(threads.map(answer, arguments))
+            return [
+                answer_alone(argument) if isinstance(found, WorkerDied) else found
+                for argument, found in zip(arguments, first, strict=True)
+            ]
         finally:  # after Ctrl-C, threads still wait for answers
             threads.shutdown(wait=False, cancel_futures=True)
             for one in workers:

@@ -16,6 +16,7 @@ from assistant.cli.options import (
     FindingFormatOption,
     FramesOption,
     GrammarOption,
+    JobsOption,
     PlottedPageOptions,
     ProofOptions,
     RobotOption,
@@ -92,6 +93,7 @@ class Compile:
     proof: ProofOptions
     edits: EditOptions
     page: PlottedPageOptions
+    jobs: JobsOption
     format: FindingFormatOption
 
     def run(self) -> int:
@@ -118,14 +120,15 @@ class Compile:
             robot_of(one.written.from_robot)
         stands = replace(open_cell(cell, robot), seeing=self.sight.seeing)
         answers = Outcomes()
-        done: list[tuple[str, Compiled]] = []
         apart = dict.fromkeys(self.sources)
         if self.called is not None and self.together is None and len(apart) > 1:
             raise Refused(_ONE_NAME(name=self.called), exit_status=2)
+        given = []
         for source in apart if self.together is None else (self.together,):
             one = replace(wanted.get(source, self), language=language, robot=robot)
-            with answers.of(source), working(f"compiling {source}"):
-                done.append((source, one._compiled(source, stands)))
+            given.append((source, (one, source, stands)))
+        jobs = 1 if STANDARD in apart else self.jobs
+        done = answers.of_each(_compiled_source, given, jobs, "compiling")
         findings = [*stands.findings, *answers.refusals]
         files: dict[str, dict[str, bytes]] = {}
         for source, compiled in done:
@@ -218,6 +221,11 @@ class Compile:
             main=False if self.no_main else None,
             proving=self.proof.proving,
         )
+
+
+def _compiled_source(given: tuple[Compile, str, InCell]) -> Compiled:
+    options, source, stands = given
+    return options._compiled(source, stands)
 
 
 def _unlike(

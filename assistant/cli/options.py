@@ -105,6 +105,14 @@ GrammarOption = Annotated[
         default=GrammarAs.SAMPLES,
     ),
 ]
+JobsOption = Annotated[
+    int | None,
+    Option(
+        "Processes that share the work; default one for each processor if there are more than 20 "
+        "files, else one.",
+        min=1,
+    ),
+]
 FindingFormatOption = Annotated[
     FindingFormat,
     Option(

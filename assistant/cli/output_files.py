@@ -8,21 +8,24 @@ was written is merged, kept or replaced as the user asked; see `compiler.keeping
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, info
 from assistant.base.file_sets import file_in_folder, write_all
+from assistant.base.worker_processes import DIED, at_once, process_count
+from assistant.cli.presentation import working
 
 if TYPE_CHECKING:
     from assistant.compiler.merge_edits import Keeper
 
-
+A = TypeVar("A")
+B = TypeVar("B")
 _SAME_FILE: Final = info(
     "CL001",
     "both `{first}` and `{second}` write `{name}`: each goes to a folder of its own",
@@ -52,6 +55,69 @@ class Outcomes:
                 raise
             self.refusals.append(internal_error(error).within(program))
             self.status = 2
+
+    def of_each(
+        self,
+        function: Callable[[A], B],
+        arguments: Sequence[tuple[str, A]],
+        jobs: int | None,
+        what: str,
+    ) -> list[tuple[str, B]]:
+        """Return programs and results, without those that have none; see `results_of`."""
+        found: list[tuple[str, B]] = []
+        for program, results, answers in results_of(function, arguments, jobs, what):
+            found += [(program, result) for result in results]
+            self.refusals += answers.refusals
+            self.status = max(self.status, answers.status)
+        return found
+
+
+def results_of(
+    function: Callable[[A], B], arguments: Sequence[tuple[str, A]], jobs: int | None, what: str
+) -> Iterator[tuple[str, list[B], Outcomes]]:
+    """Yield each program with the result of a module's function, or none, and its refusals.
+
+    arguments: programs, with what the function is given for each. jobs: processes that share the
+    work, None for the number that is usual. what: is said of a program on the terminal, such as
+    `compiling`. Raises OSError where a file cannot be used.
+    """
+    count = process_count(len(arguments), jobs)
+    given = [(function, program, argument) for program, argument in arguments]
+    if count == 1:
+        for one in given:
+            with working(f"{what} {one[1]}"):
+                answer = _answer_of(one)
+            yield _or_raise(answer)
+        return
+    with working(f"{what} {len(given)} programs"):
+        answers = at_once(_answer_of, given, count, _lost)
+    yield from map(_or_raise, answers)
+
+
+Answer = tuple[str, list[B], Outcomes]
+
+
+def _answer_of(given: tuple[Callable[[A], B], str, A]) -> Answer[B] | OSError:
+    """The result for a program, if there is one, and its refusals; also in a worker process."""
+    function, program, argument = given
+    answers, found = Outcomes(), list[B]()
+    try:
+        with answers.of(program):
+            found.append(function(argument))
+    except OSError as refused:
+        return refused
+    return program, found, answers
+
+
+def _or_raise(answer: Answer[B] | OSError) -> Answer[B]:
+    if isinstance(answer, OSError):
+        raise answer
+    return answer
+
+
+def _lost(given: tuple[Callable[[A], B], str, A], reason: str) -> Answer[B] | OSError:
+    program = given[1]
+    return program, [], Outcomes([DIED(path=program, reason=reason)], 2)
 
 
 Files = Mapping[str, bytes]

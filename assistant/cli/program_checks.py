@@ -22,6 +22,7 @@ from assistant.cli.options import (
     FindingFormatOption,
     FormatOption,
     FromLanguage,
+    JobsOption,
     PageOptions,
     PlottedPageOptions,
     RobotOption,
@@ -67,6 +68,7 @@ class Check:
     from_language: FromLanguage
     sight: SightOptions
     page: PlottedPageOptions
+    jobs: JobsOption
     format: FindingFormatOption
     fail_on: FailOn = option(
         "What exit status 1 is for; never: it stays 0.", default=FailOn.WARNING
@@ -172,7 +174,7 @@ def _check_alike(sources: Sequence[str], options: Check, keep: bool) -> Checked:
     files = [source for source in sources if source != STANDARD]
     given["placement"] = options.reader.placement
     given["values"] = lambda source: options.cell or cell_of(source)
-    more = check_files(files, language=options.from_language, **given)
+    more = check_files(files, language=options.from_language, jobs=options.jobs, **given)
     return Checked(
         [*cell.findings, *checked.findings, *more.findings],
         checked.files + more.files,

@@ -13,7 +13,6 @@ from difflib import unified_diff
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.diagnostics import Refused, error, fold, has_errors
 from assistant.base.source_text import ended_lines, read_input, visible
 from assistant.cli.command import argument, command, option
@@ -21,17 +20,19 @@ from assistant.cli.options import (
     DrawingOptions,
     EntryOption,
     FromLanguage,
+    JobsOption,
     RobotOption,
     Source,
     complete_language,
     with_project_defaults,
 )
-from assistant.cli.presentation import print_findings, say, working
+from assistant.cli.output_files import results_of
+from assistant.cli.presentation import print_findings, say
 from assistant.cli.source_input import NO_FILE_NAME, SIDE_TABLES_ABOVE, STANDARD, TWICE, load_given
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
-    from assistant.compiler.formatter import Formatted
+    from assistant.compiler.formatter import Formatted, StepNumbering
     from assistant.program.program import Program
     from assistant.program.pseudo.printer import Printed
 
@@ -137,46 +138,27 @@ class Fmt:
     diff: bool = option("Write nothing; print what would change.")
     renumber: str | None = option("Number the steps anew, jumps to them too.", metavar="FIRST,STEP")
     from_language: FromLanguage
+    jobs: JobsOption
 
     def run(self) -> int:
         """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
-        from assistant.compiler.formatter import format_bytes, format_file, rewrite_file
-
         if self.files.count(STANDARD) > 1:
             raise Refused(TWICE(), exit_status=2)
         numbering = None if self.renumber is None else _numbering(self.renumber)
         status = files = changed = 0
-        for path in dict.fromkeys(self.files):
-            for name in _files_to_format(path, self.from_language):
-                try:
-                    if isinstance(name, Refused):
-                        raise name
-                    with working(f"formatting {name}"):
-                        if name == STANDARD:
-                            done = format_bytes(
-                                read_input(sys.stdin.buffer),
-                                "standard input",
-                                self.from_language,
-                                numbering,
-                            )
-                        else:
-                            done = format_file(name, self.from_language, numbering)
-                    if name == STANDARD and not (self.check or self.diff):
-                        sys.stdout.buffer.write(done.encoded())
-                    elif done.changed and not (self.check or self.diff):
-                        rewrite_file(done)
-                except Refused as refused:
-                    print_findings(f.within(str(path)) for f in refused.findings)
-                    status = max(status, refused.exit_status)
-                    continue
-                except OSError:
-                    raise
-                except Exception as error:
-                    if traceback_wanted():
-                        raise
-                    print_findings([internal_error(error).within(str(name))])
-                    status = 2
-                    continue
+        wanted = [
+            (str(name) if isinstance(name, str) else path, (name, self.from_language, numbering))
+            for path in dict.fromkeys(self.files)
+            for name in _files_to_format(path, self.from_language)
+        ]
+        jobs = 1 if STANDARD in self.files else self.jobs
+        for name, results, answers in results_of(_formatted, wanted, jobs, "formatting"):
+            for done in results:
+                with answers.of(name):
+                    self._write(done, name)
+            print_findings(answers.refusals)
+            status = max(status, answers.status)
+            for done in results if not answers.refusals else ():
                 files, changed = files + 1, changed + done.changed
                 print_findings(f.within(name) for f in done.findings)
                 if has_errors(done.findings) or (self.check and done.changed):
@@ -189,6 +171,28 @@ class Fmt:
             does = "would change" if self.check else "changed"
             say(f"{files} file{'s' * (files != 1)}, {changed} {does}")
         return status
+
+    def _write(self, done: Formatted, name: str) -> None:
+        from assistant.compiler.formatter import rewrite_file
+
+        if self.check or self.diff:
+            return
+        if name == STANDARD:
+            sys.stdout.buffer.write(done.encoded())
+        elif done.changed:
+            rewrite_file(done)
+
+
+def _formatted(given: tuple[str | Refused, str | None, StepNumbering | None]) -> Formatted:
+    """A file in the layout of its language; raises what stands in place of a file."""
+    from assistant.compiler.formatter import format_bytes, format_file
+
+    name, language, numbering = given
+    if isinstance(name, Refused):
+        raise name
+    if name == STANDARD:
+        return format_bytes(read_input(sys.stdin.buffer), "standard input", language, numbering)
+    return format_file(name, language, numbering)
 
 
 def _numbering(text: str) -> tuple[int, int]:

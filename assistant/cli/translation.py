@@ -25,6 +25,7 @@ from assistant.cli.options import (
     FromLanguage,
     FromRobot,
     GrammarOption,
+    JobsOption,
     PageOptions,
     ProofOptions,
     RobotOption,
@@ -113,6 +114,7 @@ class Translate:
     entry: EntryOption
     sight: SightOptions
     proof: ProofOptions
+    jobs: JobsOption
     format: TranslationFormat = option(
         "For people, programs, code scanning or pull requests; markdown is a comment of one.",
         default=TranslationFormat.TEXT,
@@ -257,12 +259,13 @@ def _translation_tasks(options: Translate, answers: Outcomes) -> tuple[Task, ...
     return tasks_of(list(found), language)
 
 
-def _translate_task(task: Task, options: Translate) -> Translated:
+def _translate_task(given: tuple[Task, Translate]) -> Translated:
     from assistant.compiler import translate
     from assistant.compiler.arms import robot_of
     from assistant.compiler.program_files import load, load_task
     from assistant.report.translation import Translated
 
+    task, options = given
     name = task.name
     if name != STANDARD:
         options = with_project_defaults(name if len(task.files) != 1 else task.files[0], options)
@@ -360,11 +363,10 @@ def _write_report_file(path: Path, data: bytes) -> list[str]:
 def _translate_all(
     tasks: Sequence[Task], options: Translate, answers: Outcomes
 ) -> list[Translated]:
-    done = []
-    for task in tasks:
-        with answers.of(task.name), working(f"translating {task.name}"):
-            done.append(_translate_task(task, options))
-    return done
+    given = [(task.name, (task, options)) for task in tasks]
+    jobs = 1 if STANDARD in options.programs else options.jobs
+    done = answers.of_each(_translate_task, given, jobs, "translating")
+    return [translated for _, translated in done]
 
 
 def _without_draft(one: Translated) -> Translated:

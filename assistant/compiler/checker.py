@@ -18,6 +18,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
 from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, is_folder, read_bytes
+from assistant.base.worker_processes import DIED, at_once, process_count
 from assistant.compiler.arms import InCell, known_robot, open_cell, teaching_arm, with_robot_of_cell
 from assistant.compiler.cell_defaults import with_values_beside
 from assistant.compiler.cell_equipment import STATED_TEXT_NAME
@@ -124,6 +125,7 @@ def check_files(
     cell: str | FilePath | InCell | None = None,
     values: CellFinder | None = None,
     keep: bool = False,
+    jobs: int | None = None,
 ) -> Checked:
     """Check files and the contents of folders: robot programs, pseudo-programs and drawings.
 
@@ -133,8 +135,9 @@ def check_files(
     drawings. placement: of the drawings. cell: file of the cell that they run in, so that contacts
     with its bodies are checked; or the cell read from it, whose findings the caller reports.
     values: returns the cell file of a program with values of undeclared names, None for none.
-    keep: store the programs in `looked`. Raises Refused for an unknown robot or language, or for
-    an invalid cell file.
+    keep: store the programs in `looked`; then one process checks all. jobs: processes that share
+    the work, None for one for each processor if there are more than 20 programs, else one. Raises
+    Refused for an unknown robot or language, or for an invalid cell file.
     """
     named = None if language is None else language_of(language)
     stands = _opened_cell(cell, robot)
@@ -154,24 +157,75 @@ def check_files(
                 spoken = _language_of_file(file, named)
                 part = spoken.program_of(part) if spoken else part
                 programs.setdefault((spoken, part), []).append(file)
+    given: list[_ProgramToCheck] = []
     for (spoken, _), files in programs.items():
-        where = files[0] if len(files) == 1 else _folder_of(files)
+        one = _ProgramToCheck(files, stands, process, unit, placement, keep)
+        with _collecting(checked, one.where):
+            if spoken is not None:
+                stated = None if values is None else values(files[0])
+                one = replace(one, language=spoken.name, values=stated)
+            given.append(one)
+    count = 1 if keep else process_count(len(given), jobs)
+    for answer in at_once(_checked, given, count, _lost) if count > 1 else map(_checked, given):
+        if isinstance(answer, OSError):
+            raise answer
+        checked.findings += answer.findings
+        checked.texts |= answer.texts
+        checked.unreadable |= answer.unreadable
+        if checked.looked is not None:
+            checked.looked += answer.looked or ()
+    # a file that others call is looked at with each of them
+    checked.findings = list(dict.fromkeys(checked.findings))
+    return checked
+
+
+@dataclass(frozen=True, slots=True)
+class _ProgramToCheck:
+    """A program, and what it is checked with; the fields are parameters of `check_files`.
+
+    language: name, None for a drawing, a table or a pseudo-program. values: its cell file.
+    """
+
+    files: Sequence[str]
+    stands: InCell
+    process: str | FilePath | None
+    unit: str | None
+    placement: DrawingPlacement | None
+    keep: bool
+    language: str | None = None
+    values: FilePath | None = None
+
+    @property
+    def where(self) -> str:
+        return self.files[0] if len(self.files) == 1 else _folder_of(self.files)
+
+
+def _checked(given: _ProgramToCheck) -> Checked | OSError:
+    """The findings and texts of one program."""
+    checked, files, where = Checked(looked=[] if given.keep else None), given.files, given.where
+    try:
         with _collecting(checked, where):
-            if placement is not None:
+            if given.placement is not None:
                 from assistant.sources.process.placement import check_drawn
 
                 check_drawn(FilePath(files[0]))
-            if spoken is not None:
-                stated = None if values is None else values(files[0])
-                found = _check_program(spoken, files, stands, process, checked, stated)
+            process, stands, unit = given.process, given.stands, given.unit
+            if given.language is not None:
+                spoken = language_of(given.language)
+                found = _check_program(spoken, files, stands, process, checked, given.values)
             else:
+                placement = given.placement
                 found = _check_source(files[0], process, unit, placement, stands, checked)
             if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
                 found.append(unit_stated(where, unit))
             checked.findings += [f.within(where) for f in found]
-    # a file that others call is looked at with each of them
-    checked.findings = list(dict.fromkeys(checked.findings))
+    except OSError as refused:
+        return refused
     return checked
+
+
+def _lost(given: _ProgramToCheck, reason: str) -> Checked:
+    return Checked([DIED(path=given.where, reason=reason)], unreadable=True)
 
 
 def check_text(

@@ -498,7 +498,10 @@ def _report(
     shown = [part for part in parts.values() if part.found or part.at or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)
-    level = _levels(_advice_test(compiled))
+    origin = compiled.source.origin
+    spoken = {compiled.language} if origin is None else {compiled.language, origin.language}
+    # A `partial` of a module's function can go to another process.
+    level = partial(_level, [(one.family, one.fixed) for one in map(language_of, sorted(spoken))])
     # Values from a cell file have no line in the source: only lost ones are shown.
     shown = [
         part for part in shown if not _is_stated(places.of(part.span)) or level(part.found) == "not"
@@ -645,30 +648,22 @@ def _name_of_finding(about: Subject | str | None) -> tuple[_Name, ...]:
     return ()
 
 
-def _advice_test(compiled: Compiled) -> Callable[[Diagnostic], bool]:
-    """Return a test for remarks of a rule on the program, not on its translation."""
-    origin = compiled.source.origin
-    names = {compiled.language} if origin is None else {compiled.language, origin.language}
-    languages = [language_of(name) for name in names]
+def _level(advising: Sequence[tuple[str, tuple[str, ...]]], found: Sequence[Diagnostic]) -> Level:
+    """The level of what some findings are about.
+
+    advising: beginnings of the codes of languages, and of those that count all the same. Their
+    notes are remarks of a rule on the program, not on its translation.
+    """
 
     def is_advice(finding: Diagnostic) -> bool:
         return finding.severity is Severity.INFO and any(
-            finding.code.startswith(one.family) and not finding.code.startswith(one.fixed)
-            for one in languages
+            finding.code.startswith(family) and not finding.code.startswith(fixed)
+            for family, fixed in advising
         )
 
-    return is_advice
-
-
-def _levels(is_advice: Callable[[Diagnostic], bool]) -> Callable[[Sequence[Diagnostic]], Level]:
-    """The level of what some findings are about."""
-
-    def level(found: Sequence[Diagnostic]) -> Level:
-        if all(map(is_advice, found)):
-            return "supported"
-        return "not" if any(f.severity is Severity.ERROR for f in found) else "partial"
-
-    return level
+    if all(map(is_advice, found)):
+        return "supported"
+    return "not" if any(f.severity is Severity.ERROR for f in found) else "partial"
 
 
 def _report_row(

@@ -39,6 +39,12 @@ def test_only_what_a_dead_process_was_at_is_lost():
     assert answers == [1, "exit status 9", 3]
 
 
+@slow
+def test_an_argument_at_which_a_process_dies_once_is_tried_again(tmp_path):
+    marks = [tmp_path / name for name in "abc"]
+    assert at_once(_die_first, marks, 2, lambda argument, why: why) == ["a", "b", "c"]
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_it_is_said_how_a_process_died():
     worker = Worker()
@@ -58,8 +64,13 @@ def test_a_process_that_does_not_end_loses_no_answer_and_is_not_waited_for():
 
 
 @slow
-def test_a_process_that_cannot_be_started_loses_only_what_it_was_to_answer(monkeypatch):
-    tries = iter((OSError("no memory"), None, None))
+@pytest.mark.parametrize(
+    ("failures", "arguments", "answers"), [(1, [1, 2, 3], [1, 2, 3]), (2, [1], ["no memory"])]
+)
+def test_what_a_process_that_cannot_be_started_was_to_answer_is_asked_again(
+    monkeypatch, failures, arguments, answers
+):
+    tries = iter([OSError("no memory")] * failures + [None] * 2)
     start = subprocess.Popen
 
     def sometimes(*words, **how):
@@ -68,7 +79,7 @@ def test_a_process_that_cannot_be_started_loses_only_what_it_was_to_answer(monke
         return start(*words, **how)
 
     monkeypatch.setattr(worker_processes.subprocess, "Popen", sometimes)
-    assert at_once(_or_die, [1, 2, 3], 1, lambda argument, why: why) == ["no memory", 2, 3]
+    assert at_once(_or_die, arguments, 1, lambda argument, why: why) == answers
 
 
 def test_a_worker_that_is_closed_while_its_process_starts_leaves_none(monkeypatch):
@@ -122,6 +133,14 @@ def test_a_script_without_a_guard_builds(tmp_path):
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
     assert (done.stdout, done.stderr) == ("['1', '2']\n", "")
+
+
+def _die_first(mark: Path) -> str:
+    """Ends the process at the first call with a file that is not there yet."""
+    if not mark.exists():
+        mark.touch()
+        os._exit(9)
+    return mark.name
 
 
 def _lost(argument: object, why: str) -> object:
