@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from assistant import Proving, Refused, compare, translate
 from assistant.base.source_text import SourceText
 from assistant.compiler.comparison import Comparison, counterparts
 from assistant.compiler.loader import load_text
+from assistant.virtual.proving import search
 
 HEAD = """MODULE Cell
 PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
@@ -174,12 +176,14 @@ def written(folder: Path, name: str, text: str) -> Path:
     return path
 
 
-def compared(folder: Path, rapid: str, melfa: str, runs: int = 200) -> Comparison:
+def compared(
+    folder: Path, rapid: str, melfa: str, runs: int = 200, seconds: float = 10.0
+) -> Comparison:
     """A program in RAPID, and what somebody wrote for it in MELFA-BASIC V."""
     first = written(folder, "cell.mod", HEAD + rapid)
     second = written(folder, "CELL.prg", melfa + POSITIONS)
     process = written(folder, "cell.process.toml", CELL)
-    proving = Proving(runs=runs)
+    proving = Proving(runs=runs, seconds=seconds)
     return compare(first, second, process=process, language="melfa-basic-5", proving=proving)
 
 
@@ -536,6 +540,18 @@ def test_a_fault_of_an_interrupt_is_found(tmp_path: Path, typed: str, instead: s
     assert equal.answer == "equal" and "other moments of interrupts, stops" in equal.line()
     assert WATCHED.count(typed) == 1
     done = compared(tmp_path, WATCHING, WATCHED.replace(typed, instead))
+    assert done.answer == "different"
+
+
+def test_a_run_without_end_is_compared_also_where_the_time_of_the_search_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = itertools.count()
+    # A millisecond for each look at the clock: the search is over in the middle of its second run.
+    monkeypatch.setattr(search.time, "thread_time", lambda: next(clock) / 1000)
+    monkeypatch.setattr(search, "QUIET_STATEMENTS", 3000)
+    interrupted_for_ever = WATCHED.replace("*CAME\nMSEEN=M_In(4)\n", "*CAME\n")
+    done = compared(tmp_path, WATCHING, interrupted_for_ever, seconds=0.05)
     assert done.answer == "different"
 
 

@@ -427,9 +427,7 @@ class _Search:
             return False, ours.played
         two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, one)
         if two.ended == OVER:
-            if self.found.runs:
-                self.late = True
-                return False, ours.played
+            self.late = bool(self.found.runs)
             if one.ended == "steps" and self._as_much(one, two):
                 two = replace(two, ended="steps")
         if two.ended == OVER or (two.ended == "unknown" and one.ended != "error"):
@@ -539,8 +537,9 @@ class _Search:
         kernel.peers = sent_words(self.found.runs, self.messages, self.texts)
         side.begin(kernel)
         left = self.until - time.thread_time()
-        # The first run has to come to an end to be of any use.
-        if not self.found.runs:
+        # The first run has to come to an end to be of any use. A later one of the written program
+        # may be one without end, which is a difference: the end of the search does not cut it off.
+        if not (self.found.runs and answered):
             left = first_run_seconds(self.budget.seconds, answered)
         ample = math.inf if after is None else self._ample(after)
         limit_run(kernel, left, after, self.most if answered else math.inf, ample)
