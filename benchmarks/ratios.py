@@ -81,7 +81,7 @@ TASKS: Final[dict[str, Task]] = {
 STARTS: Final = {
     "--help": 12.0,
     "explain a finding": 20.0,
-    "check a RAPID module": 22.0,
+    "check a RAPID module": 24.0,
     "translate a RAPID module": 42.0,
 }
 """Command → the most starts of a bare interpreter that its CPU time may be."""

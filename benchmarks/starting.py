@@ -56,15 +56,17 @@ def starts(name: str) -> float:
     """The CPU time of a command without a server, divided by that of a bare interpreter."""
     words = [sys.executable, "-m", "assistant", *COMMANDS[name]]
     environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
-    cpu, _ = timed(words, environment)
-    bare, _ = timed([sys.executable, "-c", "pass"], environment)
+    cpu, _ = timed(words, environment, 3)
+    bare, _ = timed([sys.executable, "-c", "pass"], environment, 3)
     return cpu / bare
 
 
-def timed(command: list[str], environment: Mapping[str, str]) -> tuple[float, float]:
+def timed(
+    command: list[str], environment: Mapping[str, str], runs: int = _RUNS
+) -> tuple[float, float]:
     """CPU seconds and seconds of a command in an empty folder, the median of some runs."""
     times = []
-    for _ in range(_RUNS):
+    for _ in range(runs):
         with tempfile.TemporaryDirectory() as folder:
             before, start = _children(), time.perf_counter()
             subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)

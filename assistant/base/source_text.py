@@ -26,7 +26,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field, replace
 from functools import cache, cached_property
-from itertools import islice
+from itertools import accumulate, islice
 from pathlib import Path as FilePath
 from typing import Any, BinaryIO, Final, NoReturn
 
@@ -283,11 +283,8 @@ class SourceText:
 
     @cached_property
     def _starts(self) -> list[int]:
-        starts, at = [0], self.text.find(self._line_end)
-        while at >= 0:
-            starts.append(at + 1)
-            at = self.text.find(self._line_end, at + 1)
-        return starts
+        lines = self.text.split(self._line_end)
+        return list(accumulate((len(line) + 1 for line in lines[:-1]), initial=0))
 
     def line_column(self, offset: int) -> tuple[int, int]:
         """Line and column, counted from 1, of a character offset."""
@@ -297,7 +294,13 @@ class SourceText:
     @property
     def line_count(self) -> int:
         """The number of lines; text after the last line end counts as one, even if it is empty."""
-        return len(self._starts)
+        return self.text.count(self._line_end) + 1
+
+    @property
+    def ended_line_count(self) -> int:
+        """The number of lines; nothing after the last line end is not one."""
+        rest = self.text[self.text.rfind(self._line_end) + 1 :]
+        return self.line_count - (not rest.rstrip("\r"))
 
     def line_text(self, line: int) -> str:
         """The line with that number, without its line end."""

@@ -17,7 +17,7 @@ from assistant.base.arrays import Rows
 from assistant.base.budgets import READING, within, without_gc
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, Span
-from assistant.base.source_text import SourceText, with_line_feeds
+from assistant.base.source_text import with_line_feeds
 from assistant.languages.language_types import Sampling
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def parse(
     if parser is None:
         return None
     given = list(trees)
-    lines = total = sum(_line_count(tree.source) for tree in given)
+    lines = total = sum(tree.source.ended_line_count for tree in given)
     in_samples = sampling == "samples" and total > WHOLE
     sources = [(tree.source, list(language.runs(tree)) if in_samples else []) for tree in given]
     refused: list[Diagnostic] = []
@@ -84,12 +84,6 @@ def parse(
             span = Span(min(at, end), end)
             refused.append(source.finding(refusal, span, language=language.title, reason=reason))
     return Parsed(lines, total, tuple(refused))
-
-
-def _line_count(source: SourceText) -> int:
-    """Lines of a text; nothing after the last line end is not one."""
-    last = source.line_count
-    return last - (not source.line_text(last))
 
 
 @dataclass(frozen=True, slots=True)

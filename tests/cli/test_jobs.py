@@ -15,13 +15,19 @@ import pytest
 from tests.forks import PROJECT
 
 SAMPLES = PROJECT / "samples"
+slow = pytest.mark.slow
 COMMANDS = (
-    ("check", "."),
-    ("check", ".", "--format", "sarif"),
-    ("compile", "a.dxf", "no.dxf", "b.dxf", "-l", "rapid", "-r", "irb1200-7-0.7", "-o", "out"),
-    ("translate", "one", "two", "--to", "rapid", "-o", "out"),
-    ("fmt", "."),
-    ("fmt", "--diff", ".", "no.mod"),
+    "check .",
+    "translate one two --to rapid -o out",
+    "fmt .",
+    *(
+        pytest.param(words, marks=slow)
+        for words in (
+            "check . --format sarif",
+            "compile a.dxf no.dxf b.dxf -l rapid -r irb1200-7-0.7 -o out",
+            "fmt --diff . no.mod",
+        )
+    ),
 )
 
 
@@ -41,11 +47,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def answer(forks, folder: Path, words: tuple[str, ...]) -> tuple[object, ...]:
+def answer(forks, folder: Path, words: str) -> tuple[object, ...]:
     """Status, output and files of a command, which works in a copy of the folder."""
     copy = folder.parent / "copy"
     shutil.copytree(folder, copy)
-    done = forks.python("-m", "assistant", *words, cwd=copy)
+    done = forks.python("-m", "assistant", *words.split(), cwd=copy)
     files = {
         path.relative_to(copy): path.read_bytes() for path in copy.rglob("*.*") if path.is_file()
     }
@@ -53,14 +59,15 @@ def answer(forks, folder: Path, words: tuple[str, ...]) -> tuple[object, ...]:
     return done.returncode, done.stdout, done.stderr, files
 
 
-@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+@pytest.mark.parametrize("words", COMMANDS)
 def test_two_processes_answer_as_one_does(forks, folder, words):
-    alone = answer(forks, folder, (*words, "--jobs", "1"))
-    assert answer(forks, folder, (*words, "--jobs", "2")) == tuple(
+    alone = answer(forks, folder, f"{words} --jobs 1")
+    assert answer(forks, folder, f"{words} --jobs 2") == tuple(
         part.replace("--jobs 1", "--jobs 2") if isinstance(part, str) else part for part in alone
     )
 
 
+@slow
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks for processes as Linux lists them")
 def test_a_worker_that_is_killed_costs_nothing(tmp_path):
     for number in range(6):

@@ -21,6 +21,7 @@ from tests.forks import PROJECT
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="servers are for Linux")
 SCRIPT = "from assistant.cli import main\nmain()\n"
 SERVE = "import sys; from assistant.cli.warm_server import serve; serve(sys.argv[1], 0.4)"
+slow = pytest.mark.slow
 WAIT = 30.0
 """Seconds until what must come has come."""
 
@@ -125,29 +126,38 @@ def fresh() -> Iterator[Place]:
         place.close()
 
 
-COMMANDS = (
-    ("check", "samples/rapid/drilling.mod", "samples/melfa/LOADER.prg"),
-    ("check", "samples/ring.dxf", "--robot", "rv-2aj"),
-    ("check", "samples/ring.dxf", "--robot", "rv-2aj", "--format", "sarif"),
-    ("check", "no.mod"),
-    ("check",),
-    ("check", "--help"),
-    ("compile", "samples/ring.dxf", "-l", "melfa-basic-5", "-r", "rv-2aj", "-o", "{out}"),
-    ("translate", "samples/rapid/gluing.mod", "--to", "melfa-basic-6", "-o", "{out}"),
-    ("show", "samples/plate.dxf"),
-    ("simulate", "samples/plate.dxf", "-r", "irb1200-7-0.7"),
-    ("explain", "CT206"),
-    ("--help",),
+QUICK = (
+    "check samples/rapid/drilling.mod samples/melfa/LOADER.prg",
+    "check no.mod",
+    "check --help",
+    "compile samples/plate.dxf -l melfa-basic-5 -r rv-4fr -o {out}",
+    "explain CT206",
 )
+SLOW = (
+    "--help",
+    "check",
+    "check samples/ring.dxf --robot rv-2aj",
+    "check samples/ring.dxf --robot rv-2aj --format sarif",
+    "translate samples/rapid/gluing.mod --to melfa-basic-6 -o {out}",
+    "show samples/plate.dxf",
+    "simulate samples/plate.dxf -r irb1200-7-0.7",
+    "compare samples/rapid/drilling.mod samples/rapid/drilling.mod",
+    "fmt --diff samples/rapid",
+    "info samples/plate.dxf",
+    "pose 100 200 300 0 0 0 --from kuka --to rapid",
+    "robots show rv-2aj",
+    "coverage samples/melfa/PALLET.prg --to rapid",
+)
+COMMANDS = (*QUICK, *(pytest.param(words, marks=slow) for words in SLOW))
 
 
-@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+@pytest.mark.parametrize("words", COMMANDS)
 def test_status_output_and_files_are_those_of_a_command_without_it(warm, tmp_path, words):
     answers = []
     for run in (warm.cold, warm.run):
         # The same name both times, since messages name it.
         out = tmp_path / "out"
-        done = run(*(word.format(out=out) for word in words))
+        done = run(*words.format(out=out).split())
         files = {path.name: path.read_bytes() for path in out.rglob("*") if path.is_file()}
         answers.append((done.returncode, done.stdout, done.stderr, files))
         shutil.rmtree(out, ignore_errors=True)
@@ -261,6 +271,7 @@ def test_a_server_ends_when_nobody_asks(fresh):
     assert not place.exists()
 
 
+@slow
 def test_a_program_that_has_changed_is_not_served(fresh):
     package = fresh.folder / "copy"
     for name in ("assistant", "grammars", "templates", "samples"):
