@@ -5,6 +5,7 @@ numpy goes along a row of few numbers several times slower than down as many col
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sized
 from typing import Final
 
@@ -158,8 +159,10 @@ _WHOLE: Final = 2.0**53
 
 def _reals(values: ArrayLike) -> Floats:
     """Return values as float64, not copied if possible; raise ValueError unless all are real."""
+    # Values can be masked only where the module for it is loaded, which takes a while.
+    masking = sys.modules.get("numpy.ma")
     try:
-        if np.ma.is_masked(values):
+        if masking is not None and masking.is_masked(values):
             raise ValueError("it holds masked values")
         given = np.asarray(values)
         if given.dtype.kind in _OTHER_KINDS:

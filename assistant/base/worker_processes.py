@@ -15,7 +15,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Final, TypeVar
 
 from assistant.base.diagnostics import error
@@ -145,6 +144,8 @@ def at_once(
     An argument at which a process dies is tried once more when all others are done, alone: perhaps
     there was no memory for several. lost: answers in place of a process that died again, given how.
     """
+    from concurrent.futures import ThreadPoolExecutor
+
     workers = [Worker() for _ in range(count)]
     idle = queue.SimpleQueue[Worker]()
     for one in workers:
