@@ -69,21 +69,24 @@ class Servo:
         """Sets it up, asks, and leads the arm; what was recorded is written however it ends."""
         from assistant.controllers.controller import require_lasting
         from assistant.vision.cameras.camera_file import read_cameras
+        from assistant.vision.servoing.live_cameras import require_sources
         from assistant.vision.servoing.servo_loop import ServoStopped, servo
         from assistant.vision.servoing.servo_task import open_eyes, read_servo, set_up_servo
 
         check_recording(self.log)
         mode, wishes = setpoint_mode(self.by), self.link.wishes
-        require_lasting(named_by(self.cell))
         file, rig = read_servo(self.task), read_cameras(self.cameras)
+        named = named_by(self.cell)
+        robot = robot_of_cell(named)
+        if robot is None:
+            raise Refused(_SERVO_WITHOUT_ROBOT(name=named.name), exit_status=2)
+        setting = set_up_servo(file, rig, robot)
+        require_sources(setting.cameras, rig.sources)
+        require_lasting(named)
         with moving(self.cell, "servo") as motion:
             there = motion.cell
-            robot = robot_of_cell(there.one)
-            if robot is None:
-                raise Refused(_SERVO_WITHOUT_ROBOT(name=there.one.name), exit_status=2)
             session: Programs = there.controller if mode.operates else there.session
             mode.check(session, wishes)
-            setting = set_up_servo(file, rig, robot)
             begin = joints_nearby(session, robot)
             carrier = mode.make(session, setting.guard.arm(), wishes, begin)
             with ExitStack() as open_:

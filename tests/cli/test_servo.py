@@ -43,7 +43,8 @@ def test_an_arm_comes_to_its_goal_and_the_log_is_written(capsys, cell, here):
     with (here / "run.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == told["pictures"] and float(rows[-1]["pixels"]) < 0.5
-    assert all(row["seen"] == "1.0" for row in rows)
+    # On a busy machine a picture may be older than it may be used (`stale` of the task).
+    assert all(row["seen"] == "1.0" for row in rows if float(row["age"]) < 1.5)
 
 
 def test_what_is_not_seen_moves_nothing(capsys, cell, here):

@@ -28,6 +28,13 @@ class SoughtTargets:
     mark: VisualTarget | None = None
 
 
+def require_sources(cameras: Sequence[Camera], sources: Mapping[str, str]) -> None:
+    """Raise Refused for a camera of which no source of pictures is known."""
+    for camera in cameras:
+        if not sources.get(camera.name):
+            raise Refused(rules.NO_SERVO_SOURCE(camera=camera.name), exit_status=2)
+
+
 class LiveEyes:
     """A context manager. sources: where the pictures of each camera come from, see `open_frames`.
 
@@ -43,9 +50,7 @@ class LiveEyes:
     ) -> None:
         self.cameras = tuple(cameras)
         self._looked = looked
-        for camera in cameras:
-            if not sources.get(camera.name):
-                raise Refused(rules.NO_SERVO_SOURCE(camera=camera.name), exit_status=2)
+        require_sources(cameras, sources)
         self._readers = [CameraReader(camera, sources[camera.name], folder) for camera in cameras]
         self._open = ExitStack()
         self._number = -1

@@ -48,6 +48,6 @@ CASES: Final = (
         SERVO,
         FILES,
         change={"c.toml": FILES["c.toml"] + 'source = "pictures"\n'},
-        others=("VS020",),
+        others=("CN113",),
     ),
 )
