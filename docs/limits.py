@@ -41,7 +41,8 @@ units of its input. Reading, checking, lifting and laying out have 5 to 10 times
 samples of 1,000 to 1,000,000 units; what follows in the table has more, as its need differs more.
 Time counts in the thread that works, so that a busy machine changes nothing. Memory is what the
 process has more than before the stage; on macOS what it ever had more.
-No stage may take more than {part:.0%} of the memory of the machine.
+No stage may take more than {part:.0%} of the memory of the machine. A `travel to` that is planned
+counts as 5,000 points of compiling.
 Calculating in one step of a library, such as numpy, ends before either is looked at; one that would
 take all memory at once is refused on Linux, by the limit of a process's data.
 """

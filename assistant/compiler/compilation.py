@@ -88,7 +88,7 @@ from assistant.program.expressions import Verbatim
 from assistant.program.passes.legalisation import traced
 from assistant.program.program import Origin, Program
 from assistant.program.statement_index import statements_with
-from assistant.program.statements import Opaque
+from assistant.program.statements import Opaque, Travel
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
@@ -287,7 +287,17 @@ def proven_by_motion(
     return replace(compiled, motion=motion, files=files, found=found)
 
 
-@staged(COMPILING, lambda source, *_, **__: source.size())
+_TRAVEL_POINTS: Final = 5_000
+"""Points that a planned travel counts as: its search alone may take half a minute."""
+
+
+def _points(program: Program) -> int:
+    """The size of a program, in the unit of the budget for compiling."""
+    travels = sum(isinstance(statement, Travel) for statement in program.statements())
+    return program.size() + _TRAVEL_POINTS * travels
+
+
+@staged(COMPILING, lambda source, *_, **__: _points(source))
 def compile_program(
     source: Program,
     places: Places,

@@ -98,6 +98,14 @@ def test_the_program_goes_around_the_bodies(robot: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_the_budget_for_compiling_grows_with_the_travels(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("ompl")
+    # A tenth of the fixed part is less than the ways of this drawing take to plan.
+    monkeypatch.setenv("ROBOT_ASSISTANT_BUDGET", "0.1")
+    assert made("irb1200-7-0.7").ok
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", LANGUAGES)
 def test_the_same_drawing_gives_the_same_bytes(robot: str) -> None:
     pytest.importorskip("ompl")
