@@ -79,10 +79,10 @@ TASKS: Final[dict[str, Task]] = {
     "MELFA-BASIC V to RAPID": Task(_program("melfa-basic-5", "mb5"), _translated("rapid"), 0.09),
 }
 STARTS: Final = {
-    "--help": 12.0,
-    "explain a finding": 20.0,
-    "check a RAPID module": 24.0,
-    "translate a RAPID module": 42.0,
+    "--help": 14.0,
+    "explain a finding": 22.0,
+    "check a RAPID module": 28.0,
+    "translate a RAPID module": 46.0,
 }
 """Command → the most starts of a bare interpreter that its CPU time may be."""
 

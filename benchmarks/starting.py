@@ -69,7 +69,9 @@ def timed(
     for _ in range(runs):
         with tempfile.TemporaryDirectory() as folder:
             before, start = _children(), time.perf_counter()
-            subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
+            done = subprocess.run(command, cwd=folder, env=environment, capture_output=True)
+            if done.returncode > 1:  # 1 is for findings, and for a draft
+                sys.exit(done.stderr.decode())
             times.append((_children() - before, time.perf_counter() - start))
     cpu, seconds = zip(*times, strict=True)
     return statistics.median(cpu), statistics.median(seconds)
