@@ -93,7 +93,7 @@ Files = dict[str, tuple[float, int]]
 
 
 def _files_of_package() -> Files:
-    """The files and folders of this program, those that are read later too."""
+    """The files of this program, those that are read later too."""
     package = Path(__file__).parent.parent
     folders = [package, *(package.parent / name for name in ("grammars", "templates", "samples"))]
     return dict(found for folder in folders for found in _files_below(str(folder)))
@@ -104,10 +104,11 @@ def _files_below(folder: str) -> Iterator[tuple[str, tuple[float, int]]]:
         for entry in entries:
             if entry.name == "__pycache__":
                 continue
-            found = entry.stat()
-            yield entry.path, (found.st_mtime_ns, found.st_size)
             if entry.is_dir():
                 yield from _files_below(entry.path)
+            else:
+                found = entry.stat()
+                yield entry.path, (found.st_mtime_ns, found.st_size)
 
 
 def _files_of_modules() -> Files:
@@ -160,7 +161,10 @@ class _Server:
 
     def _accept(self) -> None:
         connection, _ = self._listening.accept()
-        if any(_state_of(path) != state for path, state in self._files.items()):
+        package = _files_of_package()  # with those that are new
+        others = {path: _state_of(path) for path in self._files if path not in package}
+        now = {**package, **others}
+        if now != self._files:
             # Who asked runs the program as it is now, and starts another server.
             connection.close()
             self._polled.unregister(self._listening)

@@ -285,6 +285,7 @@ _LITERALS: Final[Mapping[str, str]] = {
     "COM3": "what a line of `gateway` may be",
     "M_TIMER | P_CURR | J_FBC": "what `follow` may be asked for",
     "rtprio": "a setting of the system",
+    "auto": "a value of the variable ROBOT_ASSISTANT_SERVER",
     "ignore": "the word of a comment that ignores findings",
     "assistant: ignore RA204, RA205": "a comment that ignores findings",
     "here(tool0, base)": "an expression of the pseudo-program",
