@@ -211,7 +211,8 @@ def reads_a_pipe(number: int) -> bool:
 def test_signals_end_a_fork_and_are_reported(warm, name):
     process = waiting(warm)
     process.send_signal(getattr(signal, name))
-    _, said = process.communicate(timeout=WAIT)
+    process.wait(WAIT)  # before its input ends, which the fork could meet first
+    _, said = process.communicate()
     assert process.returncode == 128 + getattr(signal, name)
     assert said == f"ended by {name}\n"
 
@@ -221,7 +222,8 @@ def test_a_fork_that_is_killed_ends_the_command_in_the_same_way(warm):
     process = waiting(warm)
     (fork,) = set(warm.servers()) - before
     os.kill(fork, signal.SIGKILL)
-    process.communicate(timeout=WAIT)
+    process.wait(WAIT)
+    process.communicate()
     assert process.returncode == -signal.SIGKILL
 
 
@@ -256,7 +258,8 @@ def test_a_server_that_ends_is_reported_and_another_starts(fresh):
     process = waiting(fresh)
     for number in server:
         os.kill(number, signal.SIGKILL)
-    _, said = process.communicate(timeout=WAIT)
+    process.wait(WAIT)
+    _, said = process.communicate()
     assert process.returncode == 2 and "run it again" in said
     wait_for(lambda: not fresh.servers())
     assert fresh.run("check", "samples/rapid/drilling.mod").returncode == 0  # by itself
