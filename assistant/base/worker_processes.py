@@ -17,6 +17,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, TypeVar
 
+from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import error
 
 A = TypeVar("A")
@@ -52,6 +53,13 @@ class WorkerDied(Exception):
     """The process died at a request, or cannot be started; its text says how."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Failed:
+    """The answer of a function that raised an error."""
+
+    error: OSError
+
+
 class Worker:
     """A process that starts with the first request, and anew after it died.
 
@@ -64,7 +72,8 @@ class Worker:
         self._process: subprocess.Popen[bytes] | None = None
 
     def answer(self, function: Callable[[A], B], argument: A) -> B:
-        """Return the result of a module's function; raise WorkerDied if the process dies at it.
+        """Return the result of a module's function; raise WorkerDied if the process dies at it, and
+        an OSError that the function raised.
 
         One request at a time.
         """
@@ -76,11 +85,13 @@ class Worker:
             assert process.stdout is not None
             process.stdin.write(request)
             process.stdin.flush()
-            result: B = pickle.load(process.stdout)  # noqa: S301 (of a process of ours)
+            result: B | _Failed = pickle.load(process.stdout)  # noqa: S301 (of a process of ours)
         except (OSError, EOFError, ValueError, pickle.UnpicklingError) as error:
             why = _end_of(self._process) or str(error) or "it was closed"
             self._end()
             raise WorkerDied(why) from error
+        if isinstance(result, _Failed):
+            raise result.error
         return result
 
     def close(self) -> None:
@@ -143,6 +154,7 @@ def at_once(
 
     An argument at which a process dies is tried once more when all others are done, alone: perhaps
     there was no memory for several. lost: answers in place of a process that died again, given how.
+    Raises the first OSError of the function.
     """
     from concurrent.futures import ThreadPoolExecutor
 
@@ -187,7 +199,11 @@ def serve() -> None:
             function, argument = pickle.load(requests)  # noqa: S301 (of who started this one)
         except (EOFError, OSError):
             return  # who asked has ended
-        answer = pickle.dumps(function(argument))
+        try:
+            result = function(argument)
+        except OSError as error:
+            result = _Failed(error)
+        answer = pickle.dumps(result)
         with contextlib.suppress(OSError):  # the next reading ends the loop
             answers.write(answer)
             answers.flush()

@@ -87,35 +87,26 @@ def results_of(
         for one in given:
             with working(f"{what} {one[1]}"):
                 answer = _answer_of(one)
-            yield _or_raise(answer)
+            yield answer
         return
     with working(f"{what} {len(given)} programs"):
         answers = at_once(_answer_of, given, count, _lost)
-    yield from map(_or_raise, answers)
+    yield from answers
 
 
 Answer = tuple[str, list[B], Outcomes]
 
 
-def _answer_of(given: tuple[Callable[[A], B], str, A]) -> Answer[B] | OSError:
+def _answer_of(given: tuple[Callable[[A], B], str, A]) -> Answer[B]:
     """The result for a program, if there is one, and its refusals; also in a worker process."""
     function, program, argument = given
     answers, found = Outcomes(), list[B]()
-    try:
-        with answers.of(program):
-            found.append(function(argument))
-    except OSError as refused:
-        return refused
+    with answers.of(program):
+        found.append(function(argument))
     return program, found, answers
 
 
-def _or_raise(answer: Answer[B] | OSError) -> Answer[B]:
-    if isinstance(answer, OSError):
-        raise answer
-    return answer
-
-
-def _lost(given: tuple[Callable[[A], B], str, A], reason: str) -> Answer[B] | OSError:
+def _lost(given: tuple[Callable[[A], B], str, A], reason: str) -> Answer[B]:
     program = given[1]
     return program, [], Outcomes([DIED(path=program, reason=reason)], 2)
 

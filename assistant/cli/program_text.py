@@ -184,7 +184,7 @@ class Fmt:
 
 
 def _formatted(given: tuple[str | Refused, str | None, StepNumbering | None]) -> Formatted:
-    """A file in the layout of its language; raises what stands in place of a file."""
+    """Return a file in the layout of its language; raise the refusal that is given for one."""
     from assistant.compiler.formatter import format_bytes, format_file
 
     name, language, numbering = given

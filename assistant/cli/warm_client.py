@@ -1,13 +1,13 @@
 """Hand a command over to a warm server, a process that has loaded this program already.
 
-Where `ROBOT_ASSISTANT_SERVER` is `auto`, the first command starts a server in the background, and
-a fork of it carries out each later one, with the arguments, environment, working folder and
-standard streams of the process that was started for it. That process passes signals on and ends as
-the fork does. Without a server, a command runs as always.
+If `ROBOT_ASSISTANT_SERVER` is `auto`, the first command starts a server in the background. A fork
+of the server runs each later command with the arguments, environment, working folder and standard
+streams of its client, the process that the user started. The client passes signals on and ends as
+the fork does. Without a server, the client runs the command.
 
-Everything that a fork cannot take over from another process is part of the name of the server's
-socket: the version, the interpreter, its search path, limits of the system. Other circumstances
-have another server. This module is imported by each command, and imports little.
+The socket's name depends on everything that a fork cannot take over from its client: the version,
+the interpreter, its search path, limits of the system. Other circumstances have another server.
+Each command imports this module, so it imports little.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ SERVED: Final = frozenset(
         *("simulate", "info", "reach", "robots", "pose", "build", "-h", "--help", "--version"),
     }
 )
-"""First arguments that are handed over: commands that ask nothing and reach no controller."""
+"""First arguments of commands that a server may run: they ask nothing and reach no controller."""
+_ASKING: Final = "--ask"
+"""The option by which such a command asks all the same."""
 _READ_AT_IMPORT: Final = (
     *("PYTHON", "LC_", "LANG", "LD_", "HOME", "TZ", "TMPDIR"),
     *("XDG_CONFIG", "XDG_DATA", "XDG_CACHE", "EZDXF", "OPENBLAS", "OMP_", "NPY"),
@@ -62,7 +64,7 @@ def hand_over() -> None:
 
 
 def _is_wanted() -> bool:
-    """Whether a server may carry out this command; never in CI, where none would stay."""
+    """Return True if a server may run this command; never in CI, where no server would stay."""
     if os.environ.get(SERVER_VARIABLE) != "auto" or os.environ.get("CI"):
         return False
     # `python -m assistant` imports from the working folder as well, and a server starts without
@@ -71,6 +73,7 @@ def _is_wanted() -> bool:
         sys.platform == "linux"
         and len(sys.argv) > 1
         and sys.argv[1] in SERVED
+        and _ASKING not in sys.argv
         and sys.orig_argv[1:2] == sys.argv[:1]
         and None not in (sys.stdin, sys.stdout, sys.stderr)
         and not os.path.exists("ezdxf.ini")  # noqa: PTH110
@@ -130,7 +133,7 @@ def _connected(place: str) -> socket | None:
 
 
 def _start(place: str) -> None:
-    """Start a server for the commands that follow; it ends by itself if there is one already."""
+    """Start a server for later commands; it ends at once if another one has the socket."""
     import subprocess
     from contextlib import suppress
 
@@ -153,8 +156,9 @@ def _start(place: str) -> None:
 
 
 def _ask(connection: socket) -> None:
-    """Hand the command over and end as it ends; return if the server took no part in it."""
+    """Hand the command over and end as its fork does; return if the server forked nothing."""
     import socket
+    from contextlib import suppress
 
     connection.settimeout(_ANSWER_WITHIN)
     try:
@@ -171,9 +175,11 @@ def _ask(connection: socket) -> None:
         return
     connection.settimeout(None)
     _pass_signals(child)
-    connection.sendall(_request(folder))
-    connection.shutdown(socket.SHUT_WR)
-    status = _received(connection)
+    status = None
+    with suppress(OSError):  # the server is gone
+        connection.sendall(_request(folder))
+        connection.shutdown(socket.SHUT_WR)
+        status = _received(connection)
     if status is None:
         _stop(child)
     elif status >= 0:
@@ -195,13 +201,10 @@ def _request(folder: str) -> bytes:
 
 
 def _received(connection: socket) -> int | None:
-    """A number of the server: that of the fork, then its exit status; None where it is gone."""
+    """Return a number that the server sent, a fork's process or exit status; None if it is gone."""
     data = b""
     while len(data) < STATUS_BYTES:
-        try:
-            more = connection.recv(STATUS_BYTES - len(data))
-        except ConnectionError:
-            return None
+        more = connection.recv(STATUS_BYTES - len(data))
         if not more:
             return None
         data += more
@@ -209,7 +212,7 @@ def _received(connection: socket) -> int | None:
 
 
 def _pass_signals(child: int) -> None:
-    """From here on, signals that end or halt this process reach the fork."""
+    """Pass signals that end or halt this process on to the fork from now on."""
     import signal
     from contextlib import suppress
 
@@ -241,7 +244,7 @@ def _end_by(number: int) -> None:
 
 
 def _stop(child: int) -> None:
-    """The server is gone and nobody knows how the fork ends: end it, and say so."""
+    """End a fork whose exit status cannot be known any more, as the server is gone."""
     import signal
     from contextlib import suppress
 

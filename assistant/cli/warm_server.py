@@ -1,8 +1,8 @@
-"""A warm server: it loads this program once, and a fork of it carries out each command.
+"""A warm server: it loads this program once, and a fork of it runs each command.
 
-It listens at a socket in a folder of its user, and ends when nobody asked for a while, when a file
-of the program has changed, or when its socket is gone. It runs no command itself, so that a fork
-starts as a new process does, and reads every file of the user afresh.
+The server listens on a socket in its user's folder. It ends after some time without commands, when
+a file of the program changes, or when its socket is removed. It runs no command of a user itself,
+so that each fork starts like a new process and reads the user's files anew.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ _SAMPLES: Final = (
 
 
 def serve(place: str, idle: float = _IDLE) -> None:
-    """Answer at a socket until nobody asks; in a fork, carry out a command and end.
+    """Serve on a socket until no command comes for a time; return at once if another server does.
 
-    Returns at once if another process serves there.
+    place: path of the socket. idle: seconds.
     """
     began = time.time()
     with ExitStack() as held:
@@ -74,7 +74,7 @@ def serve(place: str, idle: float = _IDLE) -> None:
 
 
 def _load() -> None:
-    """Load what commands use, by carrying some out on samples."""
+    """Load what commands use by running some of them on samples."""
     with tempfile.TemporaryDirectory() as folder, chdir(folder):  # where no project is
         for name, *words in _SAMPLES:
             given = [word.format(folder=folder) for word in words]
@@ -131,7 +131,7 @@ def _state_of(path: str) -> tuple[float, int] | None:
 
 
 class _Server:
-    """Forks for each connection, and sends how each fork ended.
+    """Forks for each connection, and sends the exit status of each fork to its client.
 
     place: path of the socket. files: as they were when they were loaded.
     """
@@ -141,10 +141,10 @@ class _Server:
         self._serves = True
         self._polled = select.poll()
         self._forks: dict[int, tuple[int, int, socket.socket]] = {}
-        """Descriptor of a fork, and of the connection → process number, descriptor, connection."""
+        """Descriptor of a fork, or of its connection → process number, descriptor, connection."""
 
     def answer(self) -> None:
-        """Answer until nobody asked for a while, and every fork has ended."""
+        """Serve until no command came for a time and every fork has ended."""
         self._polled.register(self._listening, select.POLLIN)
         asked = time.monotonic()
         while self._serves or self._forks:
@@ -165,7 +165,7 @@ class _Server:
         others = {path: _state_of(path) for path in self._files if path not in package}
         now = {**package, **others}
         if now != self._files:
-            # Who asked runs the program as it is now, and starts another server.
+            # The client runs the command with the new program, and starts another server.
             connection.close()
             self._polled.unregister(self._listening)
             self._listening.close()
@@ -189,10 +189,10 @@ class _Server:
         _send(connection, child)
 
     def _attend(self, number: int) -> None:
-        """A fork has ended, or who asked for it."""
+        """Report a fork that has ended, or end a fork whose client has ended."""
         child, running, connection = self._forks[number]
         if number != running:
-            # As a terminal that is closed; its descriptor tells when it has ended.
+            # The descriptor of the fork becomes readable when it has ended.
             os.kill(child, signal.SIGTERM)
             self._polled.unregister(number)
             return
@@ -207,16 +207,16 @@ class _Server:
 
 
 def _send(connection: socket.socket, number: int) -> None:
-    with suppress(OSError):  # who asked is gone
+    with suppress(OSError):  # the client is gone
         connection.sendall(number.to_bytes(STATUS_BYTES, "little", signed=True))
 
 
 def _carry_out(connection: socket.socket) -> Never:
-    """In a fork: become the process that was started for the command, run it, and end."""
+    """Run the command of a client in a fork, with its streams, folder and environment, and end."""
     with connection, connection.makefile("rb") as file:
         _, streams, _, _ = socket.recv_fds(connection, 1, 3)
         request = file.read().decode("utf-8", "surrogateescape")
-    if not request.endswith(COMPLETE):  # who asked is gone, or runs the command itself
+    if not request.endswith(COMPLETE):  # the client is gone, or runs the command
         os._exit(0)
     for stream, number in zip(streams, (0, 1, 2), strict=True):
         os.dup2(stream, number)

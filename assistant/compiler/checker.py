@@ -167,8 +167,6 @@ def check_files(
             given.append(one)
     count = 1 if keep else process_count(len(given), jobs)
     for answer in at_once(_checked, given, count, _lost) if count > 1 else map(_checked, given):
-        if isinstance(answer, OSError):
-            raise answer
         checked.findings += answer.findings
         checked.texts |= answer.texts
         checked.unreadable |= answer.unreadable
@@ -200,27 +198,23 @@ class _ProgramToCheck:
         return self.files[0] if len(self.files) == 1 else _folder_of(self.files)
 
 
-def _checked(given: _ProgramToCheck) -> Checked | OSError:
+def _checked(given: _ProgramToCheck) -> Checked:
     """The findings and texts of one program."""
     checked, files, where = Checked(looked=[] if given.keep else None), given.files, given.where
-    try:
-        with _collecting(checked, where):
-            if given.placement is not None:
-                from assistant.sources.process.placement import check_drawn
+    with _collecting(checked, where):
+        if given.placement is not None:
+            from assistant.sources.process.placement import check_drawn
 
-                check_drawn(FilePath(files[0]))
-            process, stands, unit = given.process, given.stands, given.unit
-            if given.language is not None:
-                spoken = language_of(given.language)
-                found = _check_program(spoken, files, stands, process, checked, given.values)
-            else:
-                placement = given.placement
-                found = _check_source(files[0], process, unit, placement, stands, checked)
-            if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
-                found.append(unit_stated(where, unit))
-            checked.findings += [f.within(where) for f in found]
-    except OSError as refused:
-        return refused
+            check_drawn(FilePath(files[0]))
+        process, stands, unit = given.process, given.stands, given.unit
+        if given.language is not None:
+            spoken = language_of(given.language)
+            found = _check_program(spoken, files, stands, process, checked, given.values)
+        else:
+            found = _check_source(files[0], process, unit, given.placement, stands, checked)
+        if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
+            found.append(unit_stated(where, unit))
+        checked.findings += [f.within(where) for f in found]
     return checked
 
 

@@ -289,7 +289,9 @@ def test_a_program_that_has_changed_is_not_served(fresh):
     wait_for(lambda: not set(server) & set(place.servers()))
 
 
-@pytest.mark.parametrize("change", ["ci", "open folder", "python -m", "ezdxf.ini", "a longer path"])
+@pytest.mark.parametrize(
+    "change", ["ci", "open folder", "python -m", "ezdxf.ini", "a longer path", "a question"]
+)
 def test_where_no_server_may_be_used_none_is_started(fresh, tmp_path, change):
     environment, command = dict(fresh.environment), fresh.command("--version")
     if change == "ci":
@@ -298,12 +300,14 @@ def test_where_no_server_may_be_used_none_is_started(fresh, tmp_path, change):
         (fresh.folder / f"robot-assistant-{os.getuid()}").mkdir(mode=0o755)
     elif change == "python -m":
         command = [sys.executable, "-m", "assistant", "--version"]
+    elif change == "a question":
+        command = fresh.command("translate", "no.mod", "--to", "rapid", "--ask")
     elif change == "ezdxf.ini":
         (tmp_path / "ezdxf.ini").touch()
     else:
         environment["XDG_RUNTIME_DIR"] = str(fresh.folder / ("x" * 100))
     done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True)
-    assert done.stdout == "robot-assistant 0.1.0\n"
+    assert done.stdout == ("" if change == "a question" else "robot-assistant 0.1.0\n")
     assert not fresh.servers()
 
 

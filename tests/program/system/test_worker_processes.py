@@ -40,6 +40,12 @@ def test_only_what_a_dead_process_was_at_is_lost():
 
 
 @slow
+def test_an_error_of_the_system_is_raised_where_the_answers_are_wanted(tmp_path):
+    with pytest.raises(FileNotFoundError, match="gone"):
+        at_once(os.listdir, [str(tmp_path), str(tmp_path / "gone")], 2, _lost)
+
+
+@slow
 def test_an_argument_at_which_a_process_dies_once_is_tried_again(tmp_path):
     marks = [tmp_path / name for name in "abc"]
     assert at_once(_die_first, marks, 2, lambda argument, why: why) == ["a", "b", "c"]

@@ -188,10 +188,10 @@ DEDICATED_SIGNALS: Final = MappingProxyType({
         **dict.fromkeys(_HANDS, "checks a hand"),
     }),
     "output": MappingProxyType({
-        0: "tells that a program runs (START)",
-        1: "tells that the motors are on (SRVON)",
-        2: "tells of an error (ERRRESET)",
-        3: "tells of the right of operation (IOENA)",
+        0: "reports that a program runs (START)",
+        1: "reports that the motors are on (SRVON)",
+        2: "reports an error (ERRRESET)",
+        3: "reports the right of operation (IOENA)",
         **dict.fromkeys(_HANDS, "drives a hand"),
     }),
 })  # fmt: skip
