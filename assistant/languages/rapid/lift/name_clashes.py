@@ -28,8 +28,9 @@ from assistant.program.rewriting import rewrite
 def with_unique_data_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     """Return the modules with a different name for everything that is named twice.
 
-    Local data get another name where another module declares the same name, and functions where
-    RAPID or the pseudo-program has a function of that name: a declaration hides it.
+    Local data get another name where another module declares the same name, and so do data of a
+    module that cannot be in one task with an earlier one: each module means its own. Functions get
+    one where RAPID or the pseudo-program has a function of that name: a declaration hides it.
     """
     modules = _without_hiding_functions(modules)
     if len(modules) < 2 or not _has_duplicates(modules):
@@ -41,8 +42,8 @@ def with_unique_data_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
         names: dict[str, str] = {}
         for key, (name, is_local) in own.items():
             others = [k for k, found in enumerate(declared) if k != at and key in found]
-            # of several local ones the first keeps its name
-            if is_local and any(k < at or not declared[k][key][1] for k in others):
+            # Of several local ones, and of several others, the first keeps its name.
+            if any(k < at if declared[k][key][1] == is_local else is_local for k in others):
                 names[key] = identifier(f"{module.name}_{name}", taken)
                 taken.add(names[key])
         changed = (renamed(item, names) for item in module.items)

@@ -187,11 +187,12 @@ class _Lift:
         for at, (module, own) in enumerate(zip(self.modules, self.headers, strict=True)):
             if at != self.main:
                 self.comments += _declaration_comments(module, (*self.outside[at], *own.comments))
-        for module, start, own in zip(self.modules, self.starts, self.headers, strict=True):
+        each = zip(self.modules, self.starts, self.headers, strict=True)
+        for at, (module, start, own) in enumerate(each):
             # Spans count from the start of all files together.
             self.data.start = start
             procedures, declarations = self.module(module, own)
-            hidden = self._hidden(module)
+            hidden = self._hidden(at)
             self.procedures += [
                 with_names_replaced(with_spans_from(q, start), hidden) for q in procedures
             ]
@@ -247,12 +248,15 @@ class _Lift:
         inner = inner_names(i for i in items if isinstance(i, s.Routine))
         return frozenset(name.lower() for name in chain(data, inner))
 
-    def _hidden(self, module: s.Module) -> dict[str, str]:
-        """New names for local routines of a module that have the name of one in another."""
-        others = [m for m in self.modules if m is not module]
-        elsewhere = {name for m in others for name in _routines_by_name(m)}
-        own = _routines_by_name(module)
-        hidden = [r for key, r in own.items() if r.local and key in elsewhere]
+    def _hidden(self, at: int) -> dict[str, str]:
+        """New names for routines of a module that have the name of one in another: for local ones,
+        and for those of which an earlier module has one, as two programs in one folder have.
+        """
+        module, routines = self.modules[at], [_routines_by_name(one) for one in self.modules]
+        own, before, behind = routines[at], routines[:at], routines[at + 1 :]
+        elsewhere = set(chain(*before, *behind))
+        earlier = {name for found in before for name, r in found.items() if not r.local}
+        hidden = [r for key, r in own.items() if key in (elsewhere if r.local else earlier)]
         taken = TakenNames((*elsewhere, *own, *(name.lower() for name in self.data.variables)))
         return {r.name.lower(): identifier(f"{module.name}_{r.name}", taken) for r in hidden}
 
