@@ -154,3 +154,10 @@ MOVED_FRAME: Final = info(
     "frame `{name}` is moved by `{mechanism}`, so reach and limits are not checked",
     "state the configurations, or use a frame that stands still",
 )
+NOT_KNOWN: Final = info(
+    "RB128",
+    "{moves} to targets that are known only as the program runs: their reach, limits and arm "
+    "branch are not checked",
+    "try them at low speed; a target is checked if its declaration states its value and nothing "
+    "changes it",
+)

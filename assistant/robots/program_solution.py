@@ -20,7 +20,7 @@ from assistant.base.arrays import Floats
 from assistant.base.budgets import SOLVING, staged
 from assistant.base.diagnostics import Declared, Diagnostic, Goal, NumberedMove, fold
 from assistant.program.analysis.uses import called
-from assistant.program.expressions import Expression, JointValue, Name
+from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.motion import FINE, MAXIMUM_SPEED, UNSTATED, Kind, Path, configuration_of
 from assistant.program.program import Procedure, Program, bodies, walk
@@ -83,6 +83,7 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
         survey.procedure(procedure)
     survey.joint_targets()
     survey.unused()
+    survey.unknown_targets()
     done = survey.done
 
     def visit(value: Any) -> Any:
@@ -142,7 +143,9 @@ class _ProgramSolver:
 
     done: id of a target → its configuration row. paths: id of a path → the configured one.
     aimed: name of a target → tool and frame of the first move to a place that is computed from
-    it as the program runs. origins: name of a variable → names that its value comes from.
+    it as the program runs. origins: name of a variable → names that its value comes from. open:
+    moves whose targets only running the program tells, each with its label. all_moves: their
+    number with all others, without the rows of paths.
     """
 
     def __init__(self, program: Program, robot: Robot) -> None:
@@ -156,6 +159,8 @@ class _ProgramSolver:
         self.used: set[tuple[str, str]] = set()
         self.aimed: dict[str, tuple[str, str]] = {}
         self.origins: dict[str, set[str]] = {}
+        self.open: list[tuple[Statement, Goal]] = []
+        self.all_moves = 0
         self.moves: list[SingleMove] = []
         self.parts: list[RunPart] = []
         self.before, self.joined = robot.home, False
@@ -254,8 +259,13 @@ class _ProgramSolver:
 
     def moving(self, statement: Move | MoveCircular, *targets: tuple[Kind, Expression]) -> None:
         start, flushes = self.rows, self.flushes
-        for kind, target in targets:
-            self.move(kind, target, statement.motion)
+        self.all_moves += 1
+        unknown = [
+            label
+            for kind, target in targets
+            if (label := self.move(kind, target, statement.motion)) is not None
+        ]
+        self.open += [(statement, label) for label in unknown[:1]]
         if self.rows == start + len(targets) and self.flushes == flushes:
             self.pending.append((self.where, statement, start, self.rows))
         else:
@@ -264,7 +274,8 @@ class _ProgramSolver:
     def unsolved(self, statement: Moving) -> Leg:
         return Leg(statement, None, slice(0), np.empty((0, len(self.robot.axes))), None)
 
-    def move(self, kind: Kind, target: Expression, motion: Motion) -> None:
+    def move(self, kind: Kind, target: Expression, motion: Motion) -> Goal | None:
+        """Take a target into the run; return its label if only running the program tells it."""
         label = self.label(target)
         tool, frame = self.tool(motion.tool, label), self.frame(motion.frame, label)
         self.used.add((motion.tool, motion.frame))
@@ -274,9 +285,10 @@ class _ProgramSolver:
                 self.aimed.setdefault(name, (motion.tool, motion.frame))
             self.flush()
             self.joined = False
-            return
+            return label if place is None and tool is not None and frame is not None else None
         self.moves.append(SingleMove(kind, place, tool, frame, motion, label))
         self.rows += 1
+        return None
 
     def label(self, target: Expression) -> Goal:
         """Return the label of the next move in a finding."""
@@ -377,14 +389,16 @@ class _ProgramSolver:
         if self.names.frame(statement.motion.frame) is None:
             self.frame(statement.motion.frame, label)
         self.joined = False
+        self.all_moves += 1
         if target is None:
+            self.open.append((statement, label))
             return None
         if _is_of_other_axes(target):
             self.findings.append(rules.NO_JOINTS(about=label, robot=self.robot.title))
             return None
         # A declared one is reported once, by its own name.
-        literal = isinstance(statement.target, JointValue)
-        joints = self.joints(target, label if literal else None)
+        declared = any(target is one for one in self.program.joint_targets.values())
+        joints = self.joints(target, None if declared else label)
         if joints is not None:
             self.before, self.joined = joints, True
         return joints
@@ -422,6 +436,13 @@ class _ProgramSolver:
         for name, target in self.program.joint_targets.items():
             if not _is_of_other_axes(target):
                 self.joints(target, Declared(name, "joint_targets"))
+
+    def unknown_targets(self) -> None:
+        """Reports once the moves whose targets only running the program tells."""
+        if self.open:
+            (first, label), count = self.open[0], len(self.open)
+            moves = f"{count} of {self.all_moves} moves lead{'s' if count == 1 else ''}"
+            self.findings.append(rules.NOT_KNOWN(about=label, span=first.span, moves=moves))
 
     def unused(self) -> None:
         """Configures what no move names, in silence: nobody says how it will be used."""

@@ -7,11 +7,12 @@ conditions with the variables that are known where the program has come to.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any, Final, TypeVar
 
 from assistant.base import rotations
 from assistant.base.data_classes import dataclass
+from assistant.program.analysis.uses import changed_locals, changed_variables
 from assistant.program.expressions import (
     Aggregate,
     Apply,
@@ -33,6 +34,8 @@ from assistant.program.statements import Assign, Comment, Follow, If, Opaque, Re
 from assistant.program.vendor_statements import effect_of
 
 V = TypeVar("V")
+ValueOf = Callable[[str], Expression | None]
+"""Looks a name in lower case up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,26 +48,33 @@ class Place:
 
 
 class Names:
-    """The names of a program; without regard to case, a procedure's own ones first."""
+    """The names of a program; without regard to case, a procedure's own ones first.
+
+    A variable that nothing in the program changes counts as a constant with its first value. So
+    does persistent data where it is, or is part of, a place: that is its best known value. A
+    condition is not decided by it, as an operator or another task may set it between two runs.
+    """
 
     def __init__(self, program: Program) -> None:
+        self._program = program
         self.tools = {FLANGE: Tool()} | _lowered(program.tools)
         self.frames = {BASE: Frame()} | _lowered(program.frames)
         self.shared_targets = _lowered(program.targets)
         self.shared_joints = _lowered(program.joint_targets)
+        lasting = dict(_lasting_values(program.variables, lambda: changed_variables(program)))
+        self.shared_values = {name: value for name, (value, _) in lasting.items()}
         self.shared_constants = {
-            name.lower(): variable.initial
-            for name, variable in program.variables.items()
-            if variable.storage == "constant" and variable.initial is not None
+            name: value for name, (value, storage) in lasting.items() if storage != "persistent"
         }
         self.own: dict[str, Expression | None] = {}
 
     def enter(self, procedure: Procedure) -> None:
         """Takes over the variables and parameters of a procedure."""
-        self.own = {parameter.name.lower(): None for parameter in procedure.parameters}
-        for name, variable in procedure.variables.items():
-            constant = variable.storage == "constant"
-            self.own[name.lower()] = variable.initial if constant else None
+        names = (one.name for one in procedure.parameters)
+        self.own = {name.lower(): None for name in (*names, *procedure.variables)}
+        program = self._program
+        found = _lasting_values(procedure.variables, lambda: changed_locals(program, procedure))
+        self.own |= {name: value for name, (value, _) in found}
 
     def tool(self, name: str) -> Tool | None:
         return self.tools.get(name.lower())
@@ -82,11 +92,14 @@ class Names:
                 if key not in self.own and key in self.shared_targets:
                     target = self.shared_targets[key]
                     return Place(target, target.pose)
-                value = self.constant(key)
+                value = self.lasting(key)
+                return self.place(value, depth - 1) if value is not None and depth else None
+            case Index():
+                value = self.element(expression, self.lasting)
                 return self.place(value, depth - 1) if value is not None and depth else None
             case Apply(function=name, arguments=(first, *rest)) if name in SHIFTS and depth:
                 place = self.place(first, depth - 1)
-                numbers = [self.number(argument) for argument in rest]
+                numbers = [self.number(one, value_of=self.lasting) for one in rest]
                 shift = SHIFTS[name](*[n for n in numbers if n is not None])
                 if place is None or None in numbers or shift is None:
                     return None
@@ -105,29 +118,53 @@ class Names:
                 key = expression.name.lower()
                 if key not in self.own and key in self.shared_joints:
                     return self.shared_joints[key]
-                value = self.constant(key)
+                value = self.lasting(key)
+                return value.target if isinstance(value, JointValue) else None
+            case Index():
+                value = self.element(expression, self.lasting)
                 return value.target if isinstance(value, JointValue) else None
         return None
+
+    def element(self, place: Index, value_of: ValueOf | None = None) -> Expression | None:
+        """Return an element of an array; None if only running the program tells which or what."""
+        found: Expression | None = place.value
+        if isinstance(found, Name):
+            found = (value_of or self.constant)(found.name.lower())
+        for index in place.indices:
+            number = self.number(index, value_of=value_of)
+            if number is None or not isinstance(found, Aggregate):
+                return None
+            if number != int(number) or not 1 <= number <= len(found.items):
+                return None
+            found = found.items[int(number) - 1]
+        return found
 
     def constant(self, key: str) -> Expression | None:
         return self.own[key] if key in self.own else self.shared_constants.get(key)
 
-    def number(self, expression: Expression, depth: int = 8) -> float | None:
-        """The value of a number that the text tells."""
+    def lasting(self, key: str) -> Expression | None:
+        """The value of a constant, or of persistent data that the program does not change."""
+        return self.own[key] if key in self.own else self.shared_values.get(key)
+
+    def number(
+        self, expression: Expression, depth: int = 8, value_of: ValueOf | None = None
+    ) -> float | None:
+        """The value of a number that the text tells; value_of: `constant` unless stated."""
         match expression:
             case Number(value=value):
                 return float(value)
             case Unary(operator="-", operand=operand):
-                inner = self.number(operand, depth)
+                inner = self.number(operand, depth, value_of)
                 return None if inner is None else -inner
             case Binary(operator="+" | "-" | "*" as operator, left=left, right=right):
-                a, b = self.number(left, depth), self.number(right, depth)
+                a = self.number(left, depth, value_of)
+                b = self.number(right, depth, value_of)
                 if a is None or b is None:
                     return None
                 return a + b if operator == "+" else a - b if operator == "-" else a * b
             case Name(name=name) if depth:
-                meant = self.constant(name.lower())
-                return None if meant is None else self.number(meant, depth - 1)
+                meant = (value_of or self.constant)(name.lower())
+                return None if meant is None else self.number(meant, depth - 1, value_of)
         return None
 
 
@@ -152,6 +189,22 @@ def _relative(
 
 
 SHIFTS: Final = {"offset": _offset, "relative": _relative}
+
+
+def _lasting_values(
+    variables: Mapping[str, Variable], changed: Callable[[], Collection[str]]
+) -> Iterator[tuple[str, tuple[Expression, str]]]:
+    """Variables, in lower case, that nothing gives another value: it, and how it is stored.
+
+    changed: returns the names of those that may change.
+    """
+    valued = {n.lower(): one for n, one in variables.items() if one.initial is not None}
+    # Most programs have only constants, which nothing needs to be searched for.
+    variable = any(one.storage != "constant" for one in valued.values())
+    others = changed() if variable else ()
+    for name, one in valued.items():
+        if one.initial is not None and (one.storage == "constant" or name not in others):
+            yield name, (one.initial, one.storage)
 
 
 def _lowered(table: Mapping[str, V]) -> dict[str, V]:
@@ -218,27 +271,14 @@ class Values:
     def _settled(self, part: Expression) -> Expression:
         found: Expression | None = None
         match part:
-            case Index(value=value, indices=indices):
-                found = self._element(value, indices)
+            case Index():
+                found = self.names.element(part)
             case Member(value=value, field="x" | "y" | "z" as axis):
                 place = self.names.place(value)
                 found = None if place is None else Number(place.pose.position["xyz".index(axis)])
             case Apply(function=name, arguments=arguments) if name.lower() in self.functions:
                 found = self._result(self.functions[name.lower()], arguments)
         return part if found is None else found
-
-    def _element(self, array: Expression, indices: Sequence[Expression]) -> Expression | None:
-        found: Expression | None = array
-        if isinstance(array, Name):
-            found = self.names.constant(array.name.lower())
-        for index in indices:
-            number = self.names.number(index)
-            if number is None or not isinstance(found, Aggregate):
-                return None
-            if number != int(number) or not 1 <= number <= len(found.items):
-                return None
-            found = found.items[int(number) - 1]
-        return found
 
     def _result(self, function: Procedure, arguments: Sequence[Expression]) -> Expression | None:
         """Return the result of a function, if it only computes."""

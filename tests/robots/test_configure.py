@@ -322,14 +322,14 @@ def test_unknown_tools_and_moved_frames_are_not_checked() -> None:
     assert robots.configure(program(MoveJoints(joints, motion), frames=frames), ABB)[1] == ()
 
 
-def test_what_only_running_tells_is_left_alone() -> None:
+def test_what_only_running_tells_is_left_alone_and_reported() -> None:
     procedure = Procedure(
         "main",
         (Move("joint", Name("somewhere"), MOTION), Move("linear", down(400, 0, 300), MOTION)),
         variables={"somewhere": Variable("position")},
     )
     out, findings = robots.configure(Program("p", (procedure,)), ABB)
-    assert not findings
+    assert [one.code for one in findings] == ["RB128"] and "1 of 2 moves" in findings[0].message
     assert out.procedures[0].body[1].target.target.configuration == Configuration()
 
 

@@ -67,6 +67,26 @@ def changed_by_others(program: Program) -> frozenset[str]:
     return frozenset(name.lower() for name in (*program.signals, *shared))
 
 
+@once_per_program
+def changed_variables(program: Program) -> frozenset[str]:
+    """Names in lower case of the program's variables that anything in it may change.
+
+    A call of a routine that the program lacks may change every variable that it is given.
+    """
+    procedures = {q.name.lower(): q for q in program.procedures}
+    own = {key: _may_change(q, procedures) for key, q in procedures.items()}
+    found = frozenset().union(*_of_program(program, own).values())
+    for declaration in program.declarations:
+        found |= effect_of(declaration).writes
+    return found
+
+
+def changed_locals(program: Program, procedure: Procedure) -> frozenset[str]:
+    """Names in lower case of a procedure's own variables that its body may change."""
+    procedures = {q.name.lower(): q for q in program.procedures}
+    return _may_change(procedure, procedures) & locals_of(procedure)
+
+
 def names_in(node: Any) -> Iterator[str]:
     """Every name in an expression or statement; of text that is kept in lower case, once each."""
     for part in records(node):
@@ -300,6 +320,27 @@ def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> froze
                 names |= {base_variable(place) for place in handed_over(callee, arguments)}
             case p.Opaque():
                 names.update(effect_of(record).names)
+    return frozenset(names)
+
+
+def _may_change(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
+    """Names that a body may change, its own ones too; of vendor text those alone that it writes."""
+    names = set()
+    kinds = p.Assign, p.For, p.Call, e.Apply, p.Opaque, e.Verbatim
+    for record in records_in_body(procedure, *kinds):
+        match record:
+            case p.Assign(target):
+                names.add(base_variable(target))
+            case p.For(variable):
+                names.add(variable.lower())
+            case p.Call(name, arguments) | e.Apply(name, arguments):
+                callee = procedures.get(name.lower())
+                if callee is not None:
+                    names |= {base_variable(place) for place in handed_over(callee, arguments)}
+                elif isinstance(record, p.Call) or name not in e.FUNCTIONS:
+                    names |= set(map(base_variable, arguments))
+            case p.Opaque() | e.Verbatim():
+                names |= effect_of(record).writes
     return frozenset(names)
 
 

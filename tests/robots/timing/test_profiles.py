@@ -262,12 +262,12 @@ def test_an_arc_within_reach_is_gone_along_by_the_arm_too() -> None:
 def test_a_computed_way_out_of_reach_is_told_of_and_spoils_no_other() -> None:
     arrays = (
         "constant places position[2] = [target [-400, 30, 300] [0, 0, 1, 0], "
-        "target [-400, 30, 400] [0, 0, 1, 0]]\n\nprocedure main\n"
+        "target [-400, 30, 400] [0, 0, 1, 0]]\nvariable at number = 1\n\nprocedure main\n"
     )
     text = HEAD.replace("target o [400, 0, 400]", "target o [400, 30, 300]")
     text = text.replace("procedure main\n", arrays) + (
         "  move joint o speed maximum blend fine\n"
-        "  move linear places[1] speed 100 mm/s blend fine\n"
+        "  at = 1\n  move linear places[at] speed 100 mm/s blend fine\n"
         "  move linear places[2] speed 100 mm/s blend fine\nend\n"
     )
     done = simulate(robots.solve_program(parse(text), ARM))
