@@ -151,6 +151,7 @@ class _ProgramSolver:
     def __init__(self, program: Program, robot: Robot) -> None:
         self.program, self.robot = program, robot
         self.names = Names(program)
+        self.declared_joints = set(map(id, program.joint_targets.values()))
         self.findings: list[Diagnostic] = []
         self.cures = NearestPoseCures(robot)
         self.done: dict[int, NDArray[np.int8]] = {}
@@ -397,8 +398,7 @@ class _ProgramSolver:
             self.findings.append(rules.NO_JOINTS(about=label, robot=self.robot.title))
             return None
         # A declared one is reported once, by its own name.
-        declared = any(target is one for one in self.program.joint_targets.values())
-        joints = self.joints(target, None if declared else label)
+        joints = self.joints(target, None if id(target) in self.declared_joints else label)
         if joints is not None:
             self.before, self.joined = joints, True
         return joints
