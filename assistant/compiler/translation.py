@@ -66,6 +66,7 @@ from assistant.program import statements as p
 from assistant.program.analysis.uses import along_calls
 from assistant.program.program import Program, bodies, walk
 from assistant.program.rewriting import head, records
+from assistant.robots.findings import NOT_KNOWN
 from assistant.sources.cell_values import wanted_in_words
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
@@ -482,7 +483,8 @@ def _report(
     for finding in compiled.found:
         proven = finding in compiled.proof.findings  # what it is about is in another tree
         one, line = about.part(finding, back.source(finding), named=not proven)
-        if one is None:
+        # What is not checked is said of the program: the translation of no statement is worse.
+        if one is None or finding.code == NOT_KNOWN.code:
             whole.append(places.finding(finding))
         else:
             one.note(finding, line)

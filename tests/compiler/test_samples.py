@@ -10,7 +10,7 @@ import pytest
 from assistant import languages
 from assistant.base import rotations
 from assistant.compiler import Translation, load, translate
-from assistant.compiler.checker import check_files
+from assistant.compiler.checker import Checked, check_files
 from assistant.compiler.formatter import format_file
 from assistant.program.program import Program
 
@@ -20,20 +20,26 @@ MELFA_CELL = SAMPLES / "melfa" / "cell.process.toml"
 MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 MOTION = ("palletising", "pick_and_place", "gluing", "drilling")
 IRB, MITSUBISHI = "irb1200-7-0.7", "rv-4frl"
+NOT_CHECKED = {"RB128"}
+"""What is said of moves to places that a parameter or a counter tells."""
 POSITION, ANGLE = 0.0051, 0.01
 """Half of the second decimal that MELFA-BASIC prints, and of three angles together."""
+
+
+def codes(checked: Checked) -> set[str]:
+    return {finding.code for finding in checked.findings}
 
 
 @pytest.mark.parametrize("name", [*MOTION, "pose_exchange"])
 def test_a_sample_is_clean_and_laid_out(name: str) -> None:
     file = SAMPLES / "rapid" / f"{name}.mod"
-    assert check_files([str(file)], robot=IRB).findings == []
+    assert codes(check_files([str(file)], robot=IRB)) <= NOT_CHECKED
     assert not format_file(str(file), None).changed
 
 
 def test_the_modules_of_a_sample_are_clean() -> None:
     folder = SAMPLES / "rapid" / "station"
-    assert check_files([str(folder)], robot=IRB).findings == []
+    assert codes(check_files([str(folder)], robot=IRB)) <= NOT_CHECKED
 
 
 @pytest.mark.parametrize("language", MELFA)
@@ -105,7 +111,7 @@ def test_a_pallet_in_melfa_basic_in_rapid(tmp_path: Path) -> None:
     for line in ("FOR MRow FROM 0 TO 2 DO", "TEST MCount MOD 5", "WaitDI di_8,1;", "PICK;"):
         assert line in data.decode()
     (tmp_path / "PALLET.mod").write_bytes(data)
-    assert check_files([str(tmp_path / "PALLET.mod")]).findings == []
+    assert codes(check_files([str(tmp_path / "PALLET.mod")])) <= NOT_CHECKED
 
 
 @pytest.mark.parametrize(

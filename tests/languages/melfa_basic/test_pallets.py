@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -161,7 +162,8 @@ def test_to_rapid_and_back(level: int) -> None:
 
 def test_a_translated_file_is_proven(tmp_path) -> None:  # type: ignore[no-untyped-def]
     source = tmp_path / "JOB.prg"
-    source.write_text("1 Def Plt 1,PS,PA,PB,,4,3,2\n2 Mov (Plt 1,5)\n3 End\n" + CORNERS)
+    corners = re.sub(r"=\((\d+)", lambda x: f"=({int(x[1]) + 300}", CORNERS)
+    source.write_text("1 Def Plt 1,PS,PA,PB,,4,3,2\n2 Mov (Plt 1,5)\n3 End\n" + corners)
     made = translate(source, to="rapid", robot="irb1200-7-0.7", language="melfa-basic-5")
     assert made.ok
     assert made.totals["not"] == 0
