@@ -97,11 +97,18 @@ def polars_table(given: tuple[np.ndarray, np.ndarray]) -> None:
     polars.DataFrame(columns).write_csv(float_precision=9)
 
 
+def polars_read(path: FilePath) -> None:
+    import polars
+
+    polars.read_csv(path)
+
+
 Case = tuple[Callable[[int], Any], Callable[[Any], object]]
 
 CASES: dict[str, Case] = {
     "read .npy": (npy, sources.read),
     "read .csv": (csv, sources.read),
+    "polars read_csv, the same .csv": (csv, polars_read),
     "emit RAPID": (adapted("rapid"), emit),
     "prove RAPID (parse, lift, compare)": (emitted("rapid"), prove_all),
     "emit MELFA-BASIC VI": (adapted("melfa-basic-6"), emit),

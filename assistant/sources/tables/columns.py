@@ -180,8 +180,14 @@ def table_of(cells: Cells, columns: list[Column], process: Process) -> ColumnTab
 
 def _number_columns(cells: Cells, columns: list[Column]) -> tuple[Floats, list[Diagnostic]]:
     """All numbers (n, k) in mm, degrees and mm/s; NaN for empty cells and columns of text."""
-    values = np.full(cells.starts.shape, np.nan)
     wanted = [i for i, c in enumerate(columns) if c.group not in _TEXT_GROUPS]
+    if (
+        cells.plain is not None
+        and len(wanted) == len(columns)
+        and all(column.factor == 1.0 for column in columns)
+    ):
+        return cells.plain, []
+    values = np.full(cells.shape, np.nan)
     blend = _first_column(columns, "blend")
     findings: list[Diagnostic] = []
     # Only a blend column with the word `fine` is read as text.

@@ -14,12 +14,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.base.arrays import Rows
+from assistant.base.arrays import Floats, Rows
 from assistant.base.columns import read_numbers
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, Span, Unreadable, error, info
 from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, decode
 from assistant.sources.tables.headers import shown
+from assistant.sources.tables.plain_tables import plain_numbers
 
 ERROR: Final = Severity.ERROR
 _COMMA_DECIMAL = error(
@@ -60,21 +61,44 @@ Offsets = NDArray[np.int32] | NDArray[np.int64]
 class Cells:
     """n rows of k cells.
 
-    data: the whole text as UTF-8 with line feeds. starts, ends: (n, k) offsets into it of
-    the cells without outer blanks and quotes. header: names of the k columns.
+    data: the whole text as UTF-8 with line feeds. header: names of the k columns. edges: (n, k)
+    offsets into the text of the starts and ends of the cells, without outer blanks and quotes.
+    plain: the numbers (n, k), if every cell holds one; the edges are then found when they are
+    needed, from the offset `begin` of the first row on.
     """
 
     data: bytes
     path: str
     header: tuple[str, ...]
     comments: tuple[str, ...]
-    starts: Offsets
-    ends: Offsets
     header_line: int
+    edges: tuple[Offsets, Offsets] | None
+    plain: Floats | None = None
+    begin: int = 0
+    delimiter: int = 0
     findings: tuple[Diagnostic, ...] = field(default=())
 
     def __len__(self) -> int:
-        return len(self.starts)
+        return len(self.starts if self.plain is None else self.plain)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self), len(self.header)
+
+    @cached_property
+    def _cut(self) -> tuple[Offsets, Offsets]:
+        if self.edges is not None:
+            return self.edges
+        starts, ends, _ = _split_cells(self.data, self.begin, self.delimiter, self.path)
+        return starts.reshape(self.shape), ends.reshape(self.shape)
+
+    @property
+    def starts(self) -> Offsets:
+        return self._cut[0]
+
+    @property
+    def ends(self) -> Offsets:
+        return self._cut[1]
 
     @cached_property
     def octets(self) -> NDArray[np.uint8]:
@@ -83,6 +107,8 @@ class Cells:
     @property
     def empty(self) -> NDArray[np.bool_]:
         """(n, k) whether a cell holds nothing."""
+        if self.plain is not None:
+            return np.broadcast_to(np.False_, self.shape)
         return np.asarray(self.starts == self.ends)
 
     def text(self, row: int, column: int) -> str:
@@ -106,6 +132,8 @@ class Cells:
         """
         # Numbers are read in the file's order, in which the offsets ascend.
         columns = sorted(columns)
+        if self.plain is not None:
+            return self.plain[:, columns]
         values = np.full((len(self), len(columns)), np.nan)
         for start in range(0, len(self), _ROWS_AT_ONCE):
             rows = slice(start, start + _ROWS_AT_ONCE)
@@ -264,12 +292,20 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
             break
         at = end + 1
     delimiter = _delimiter(text[at:end])
+    header_line = text.count(b"\n", 0, at) + 1
+    begin = end + 1
+    if text.count(b'"', at, begin) % 2 == 0:
+        starts, ends, counts = _split_cells(text[:begin], at, delimiter, path)
+        numbers = plain_numbers(text[begin:], delimiter, int(counts[0]))
+        if numbers is not None:
+            header = _header_names(text, starts, ends)
+            check(header, {"path": path, "line": header_line})
+            return Cells(
+                text, path, header, tuple(comments), header_line, None, numbers, begin, delimiter
+            )
     starts, ends, counts = _split_cells(text, at, delimiter, path)
     width = int(counts[0])
-    header = tuple(
-        _unescaped_cell(text[a:b]) for a, b in zip(starts[:width], ends[:width], strict=True)
-    )
-    header_line = text.count(b"\n", 0, at) + 1
+    header = _header_names(text, starts[:width], ends[:width])
     check(header, {"path": path, "line": header_line})
     starts, ends = _without_blank_lines(starts[width:], ends[width:], counts[1:], width, text, path)
     starts, ends = starts.reshape(-1, width), ends.reshape(-1, width)
@@ -284,7 +320,13 @@ def read_cells(data: bytes, path: str, check: HeaderCheck) -> Cells:
         starts, ends = starts[filled], ends[filled]
     if not len(starts):
         raise Refused(_NO_ROWS(path=path, line=header_line))
-    return Cells(text, path, header, tuple(comments), starts, ends, header_line, findings)
+    return Cells(
+        text, path, header, tuple(comments), header_line, (starts, ends), findings=findings
+    )
+
+
+def _header_names(text: bytes, starts: Offsets, ends: Offsets) -> tuple[str, ...]:
+    return tuple(_unescaped_cell(text[a:b]) for a, b in zip(starts, ends, strict=True))
 
 
 def _as_text(data: bytes, path: str) -> bytes:
@@ -304,7 +346,7 @@ def _check_returns(data: bytes, path: str) -> None:
     """Raise Refused for a lone carriage return that some readers do not take as the end of a
     row.
     """
-    if b"\n" not in data or data.count(b"\r") == data.count(b"\r\n"):
+    if b"\r" not in data or b"\n" not in data or data.count(b"\r") == data.count(b"\r\n"):
         return
     quoted = False
     # Line ends inside quotes belong to the cell.
