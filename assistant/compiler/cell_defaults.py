@@ -206,7 +206,8 @@ def with_cell_values(
         and (has_joint_angles(program) or has_joint_angles(told))
     )
     stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
-    joint_speed = cell.process.joint_speed or _joint_speed(cell) or loaded.joint_speed
+    joint_speed, unused = _joint_speed(cell, loaded.joint_speed, str(path))
+    findings += unused
     if to is None or to.family != language.family:
         open_ends = _lines_opened(told)  # without those whose other end the program states itself
         numbers = [number for number in _lines_opened(program) if number in open_ends]
@@ -519,9 +520,30 @@ def values_stated(
     return found
 
 
-def _joint_speed(cell: Cell) -> float | None:
-    value = cell.value(Wanted(JOINT_SPEED, "speed"))
-    return value.tcp if isinstance(value, Speed) else None
+def _joint_speed(
+    cell: Cell, process: float | None, path: str
+) -> tuple[float | None, tuple[Diagnostic, ...]]:
+    """Return the mm/s of joint moves with a percentage: the lowest that is stated, as the safest.
+
+    process: of the process file. path: of the cell file. Returns findings on higher ones, too.
+    """
+    table = cell.value(Wanted(JOINT_SPEED, "speed"))
+    stated = {
+        JOINT_SPEED: cell.process.joint_speed,
+        f"{TABLE_OF_KIND['speed']}.{JOINT_SPEED}": table.tcp if isinstance(table, Speed) else None,
+    }
+    least = min((tcp for tcp in (process, *stated.values()) if tcp is not None), default=None)
+    return least, tuple(
+        _ENTRY_UNUSED(
+            entry=place,
+            reason=f"a lower joint speed, {least:g} mm/s, is stated as well",
+            cure="delete the one that is wrong",
+            place=place,
+            path=path,
+        )
+        for place, tcp in stated.items()
+        if tcp not in (None, least)
+    )
 
 
 def _lines_opened(program: Program) -> list[int]:

@@ -371,7 +371,7 @@ def compile_program(
         solution = robots.solve_program(program, arm)
         traced("with-configurations", solution.program)
         program, changed = with_converted_joint_speeds(
-            solution, before, taught, target.joint_percent
+            solution, before, taught, target.joint_percent, arms.joint_speed
         )
         traced("at-the-pace", program)
         solved = (*solution.findings, *with_robot(solution, scene=arms.scene))

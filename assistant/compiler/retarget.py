@@ -388,10 +388,15 @@ _PERCENT_FROM_SPEED = warning(
 )
 _SPEED_OF_PROCESS = warning(
     "CO509",
-    "a joint speed of {percent} % is written as the {tcp:g} mm/s of the process file",
+    "a joint speed of {percent} % is written as the {tcp:g} mm/s of `joint_speed`",
     "see that the arm is not faster there than it was",
 )
-
+_SPEED_LIMITED = warning(
+    "CO512",
+    "a joint move at {percent:g} % is written with {tcp:g} mm/s, as `joint_speed` says; "
+    "{by_arms:g} mm/s would take as long as before",
+    "if it may be faster, state a higher `joint_speed`",
+)
 _PERCENT_OF_PROCESS = info(
     "CO511",
     "joint moves that state mm/s get the {percent:g} % of the process file, `joint_percent`",
@@ -399,12 +404,17 @@ _PERCENT_OF_PROCESS = info(
 
 
 def with_converted_joint_speeds(
-    solution: SolvedProgram, source: Program, taught: Robot | None, percent: bool
+    solution: SolvedProgram,
+    source: Program,
+    taught: Robot | None,
+    percent: bool,
+    stated: float | None,
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program that was solved for the arm that will run it, its joint moves not faster there.
 
     source: the program before. taught: the arm that it was written for, None if nobody knows.
-    percent: whether they are to be percents.
+    percent: whether they are to be percents. stated: mm/s of joint moves with a percentage, which
+    no such move exceeds; None if nobody states them.
     """
     from assistant import robots
     from assistant.robots.retargeting import convert_joint_speeds
@@ -413,27 +423,37 @@ def with_converted_joint_speeds(
     # The times on the taught arm set the speeds: it is solved there if that is another arm.
     if before is None and taught is not None:
         before = robots.solve_program(replace(source, robot=taught.name), taught)
-    program, changes = convert_joint_speeds(solution.program, solution, before, percent=percent)
+    most = math.inf if stated is None else stated
+    program, changes = convert_joint_speeds(
+        solution.program, solution, before, percent=percent, most=most
+    )
     return program, tuple(
         _speed_findings(changes, _PERCENT_FROM_SPEED if percent else _SPEED_FROM_PERCENT)
     )
 
 
 def _speed_findings(changes: tuple[SpeedChange, ...], rule: Rule) -> Iterator[Diagnostic]:
-    """A finding for the first change of each statement."""
-    seen: set[int] = set()
+    """A finding for each statement: on its first change that a stated speed limits, else its first.
+
+    rule: for changes without a limit.
+    """
+    told: dict[int, SpeedChange] = {}
     for change in changes:
-        if id(change.statement) not in seen:
-            seen.add(id(change.statement))
-            physical = change.before if rule is _PERCENT_FROM_SPEED else change.after
-            stated = change.after if rule is _PERCENT_FROM_SPEED else change.before
-            yield rule(
-                percent=stated.joint,
-                seconds=change.seconds,
-                tcp=physical.tcp,
-                rotation=physical.rotation,
-                span=change.statement.span,
-            )
+        first = told.setdefault(id(change.statement), change)
+        if change.limited and not first.limited:
+            told[id(change.statement)] = change
+    for change in told.values():
+        to_percent = change.after.joint is not None
+        physical = change.before if to_percent else change.after
+        stated = change.after if to_percent else change.before
+        yield (_SPEED_LIMITED if change.limited else rule)(
+            percent=stated.joint,
+            seconds=change.seconds,
+            tcp=physical.tcp,
+            rotation=physical.rotation,
+            by_arms=change.by_arms,
+            span=change.statement.span,
+        )
 
 
 def with_joint_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic, ...]]:

@@ -42,33 +42,47 @@ _LEAST_SPEED: Final = 1.0
 
 @dataclass(frozen=True, slots=True)
 class SpeedChange:
-    """A speed that was changed, of a statement; seconds that the move takes at least."""
+    """A speed that was changed, of a statement; seconds that the move takes at least.
+
+    by_arms: the mm/s that the arms give, which are more than `after` if a limit was stated.
+    """
 
     statement: Moving
     before: Speed
     after: Speed
     seconds: float
+    by_arms: float
+
+    @property
+    def limited(self) -> bool:
+        return self.by_arms > self.after.tcp
 
 
 def convert_joint_speeds(
-    program: Program, solution: SolvedProgram, source: SolvedProgram | None, *, percent: bool
+    program: Program,
+    solution: SolvedProgram,
+    source: SolvedProgram | None,
+    *,
+    percent: bool,
+    most: float = math.inf,
 ) -> tuple[Program, tuple[SpeedChange, ...]]:
     """A program whose joint moves state percents (`percent`) or mm/s, where their start is known.
 
     solution: of the program on the arm that will run it. source: of the same statements on the
     arm that it was written for, None if that is not known: then only mm/s become percents.
-    A move whose time is not known keeps its speed.
+    A move whose time is not known keeps its speed. most: mm/s that no percent exceeds as mm/s.
     """
     changes: list[SpeedChange] = []
     speeds = {name.lower(): speed for name, speed in program.speeds.items()}
     names = Names(program)
+    arm = source.robot if source else None
     procedures = []
     for procedure in program.procedures:
         legs = solution.legs[procedure.name]
         others = (None,) * len(legs) if source is None else source.legs[procedure.name]
         names.enter(procedure)
         made = [
-            _JointMoves(leg, other, solution.robot, source.robot if source else None, names, speeds)
+            _JointMoves(leg, other, solution.robot, arm, names, speeds, most)
             .statement(percent, changes)
             for leg, other in zip(legs, others, strict=True)
         ]  # fmt: skip
@@ -110,6 +124,7 @@ class _JointMoves:
     source: Robot | None
     names: Names
     speeds: dict[str, Speed]
+    most: float
 
     def statement(self, percent: bool, changes: list[SpeedChange]) -> Moving:
         """The statement of the leg, with its speeds changed; each is taken down."""
@@ -158,8 +173,12 @@ class _JointMoves:
         )
         if made is None:
             return None
-        changes.append(SpeedChange(self.leg.statement, speed, *made))
-        return made[0]
+        new, seconds = made
+        by_arms = new.tcp
+        if not percent and by_arms > self.most:
+            new = replace(new, tcp=self.most)
+        changes.append(SpeedChange(self.leg.statement, speed, new, seconds, by_arms))
+        return new
 
     def _physical(
         self, speed: Speed, way: _ToolPath, theirs: _JointMoveEnds | None

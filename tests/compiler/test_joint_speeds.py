@@ -108,6 +108,39 @@ def test_the_override_is_a_factor_on_both_sides(tmp_path: Path) -> None:
         assert all(new >= old - 1e-6 for old, new in zip(*took, strict=True))
 
 
+@pytest.mark.parametrize("stated", [20, 60, 150])
+def test_no_move_with_a_percentage_exceeds_the_speed_that_is_stated(
+    stated: int, tmp_path: Path
+) -> None:
+    """And none the speed that the arms give."""
+    source, cell = written(tmp_path, "JOvrd 10"), tmp_path / "cell.toml"
+    by_arms = np.array(speeds(kept(rapid(source), tmp_path))[1:])
+    cell.write_text(f"[speeds.joint_speed]\nspeed = {stated}\n", encoding="ascii")
+    found = rapid(source, cell=cell)
+    limited = np.array(speeds(kept(found, tmp_path))[1:])
+    assert (limited[:, 0] <= stated).all() and (limited <= by_arms + 1e-9).all()
+    lower = by_arms[:, 0] > stated
+    assert np.allclose(limited[~lower], by_arms[~lower])
+    told = [one for row in found.rows for one in row.reasons if one.code == "CO512"]
+    assert len(told) == lower.sum() and all("joint_speed" in one.cure for one in told)
+
+
+@pytest.mark.parametrize(
+    ("top", "table", "process", "least", "told"),
+    [(80, 40, None, 40, 1), (40, 80, None, 40, 1), (None, 50, 30, 30, 1), (None, 30, 50, 30, 0)],
+)
+def test_the_lowest_of_several_stated_speeds_counts(
+    tmp_path: Path, top: int | None, table: int, process: int | None, least: int, told: int
+) -> None:
+    cell, other = tmp_path / "cell.toml", tmp_path / "other.toml"
+    head = f"joint_speed = {top}\n" if top else ""
+    cell.write_text(f"{head}[speeds.joint_speed]\nspeed = {table}\n", encoding="ascii")
+    other.write_text(f"joint_speed = {process or 90}\n", encoding="ascii")
+    found = rapid(written(tmp_path, "JOvrd 100"), cell=cell, process=other)
+    assert max(tcp for tcp, _ in speeds(kept(found, tmp_path))) == least
+    assert sum(one.code == "CO079" for one in found.whole) == told
+
+
 def test_there_and_back_stays_near(tmp_path: Path) -> None:
     file = kept(rapid(written(tmp_path, "JOvrd 30")), tmp_path)
     back = translate(file, to="melfa-basic-6", robot=MITSUBISHI, from_robot=ABB)

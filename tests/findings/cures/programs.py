@@ -57,6 +57,13 @@ end
 """
 
 
+TWO_PLACES: Final = """\
+1 Mov P1
+2 Mov P2
+3 End
+P1=(400,0,300,180,0,180)(7,0)
+P2=(400,100,300,180,0,180)(7,0)
+"""
 SETTING: Final = rapid("SetDO ready,1;")
 SETTING_TWO: Final = rapid("SetDO fetched,1;", "SetDO placed,1;")
 READY: Final = '[signals.ready]\nkind = "digital"\ndirection = "input"\nnumber = 3\n'
@@ -143,6 +150,12 @@ CASES: Final = (
             "--robot rv-4frl --from-robot irb1200-7-0.7",
         ),
         change={"p.toml": "joint_speed = 100\n"},
+    ),
+    Case(
+        "CO512",
+        "translate a.prg --to rapid -r irb1200-5-0.9 --from-robot rv-6sl -p p.toml",
+        {"a.prg": TWO_PLACES, "p.toml": "joint_speed = 50\n"},
+        change={"p.toml": "joint_speed = 5000\n"},
     ),
     Case(
         "CO302",
