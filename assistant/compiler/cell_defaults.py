@@ -21,6 +21,7 @@ from assistant.compiler.cell_equipment import (
     STATED_TEXT_NAME,
     check_signals,
     controller_configuration,
+    hand_outputs,
     names_in_words,
     with_cell_equipment,
     with_directions,
@@ -34,6 +35,7 @@ from assistant.compiler.retarget import has_joint_angles
 from assistant.compiler.source_map import Places
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.io_use import with_used_signals
 from assistant.program.analysis.uses import called, texts_in
 from assistant.program.motion import ComputedSpeed, Kind, Speed
 from assistant.program.program import Program, Signal
@@ -185,10 +187,18 @@ def with_cell_values(
         anew = with_signals(language.lift(trees, origin.robot), loaded.signals)
         program = _with_stated_tables(anew, program, origin.lifted)
         cell = _with_signals_used(cell, program)
+    to_other = to is None or to.family != language.family
+    hands = hand_outputs(program, to or _other_language(language)) if to_other else {}
+    outputs = ((name, Signal("digital", "output")) for name in hands.values())
+    program = replace(program, signals=with_used_signals(program.signals, outputs))
     check_signals(program, cell.process, str(path))
     program = _with_input_signals(program, wanted)
     told = _lowered_for_export(program, language)
-    program = replace(program, signals=told.signals | program.signals)
+    signals = told.signals | program.signals
+    if to_other:
+        own = set(hand_outputs(program, language).values())
+        signals = {n: x for n, x in signals.items() if n.lower() not in own or n in told.signals}
+    program = replace(program, signals=signals)
     program, findings = with_cell_equipment(program, cell.process, str(path), sharing=True)
     findings += tuple(_entries_unused(cell, wanted, origin.lifted, str(path)))
     findings += tuple(_values_not_given(cell, wanted, str(path)))
@@ -208,7 +218,7 @@ def with_cell_values(
     stated = (cell.value(arm) or loaded.arm) if joints else SAME_ARM
     joint_speed, unused = _joint_speed(cell, loaded.joint_speed, str(path))
     findings += unused
-    if to is None or to.family != language.family:
+    if to_other:
         open_ends = _lines_opened(told)  # without those whose other end the program states itself
         numbers = [number for number in _lines_opened(program) if number in open_ends]
         missing += [Wanted(LINE_NAME.format(number), "line") for number in numbers]
@@ -225,7 +235,9 @@ def with_cell_values(
         findings=(*told_before, *restated, *findings),
         joint_speed=joint_speed,
         joint_percent=cell.process.joint_percent or loaded.joint_percent,
-        wanting=_with_uses((*missing, *unnumbered, *([arm] if stated is None else [])), told),
+        wanting=_with_uses(
+            (*missing, *unnumbered, *([arm] if stated is None else [])), told, hands
+        ),
         arm=str(neutral_value(arm) if stated is None else stated) if joints else loaded.arm,
     )
 
@@ -277,10 +289,12 @@ def _with_signals_used(cell: Cell, program: Program, wanted: Iterable[Wanted] = 
     return replace(cell, process=with_directions(cell.process, {**read, **program.signals}))
 
 
-def _with_uses(missing: Iterable[Wanted], program: Program) -> tuple[Wanted, ...]:
+def _with_uses(
+    missing: Iterable[Wanted], program: Program, hands: Mapping[int, str]
+) -> tuple[Wanted, ...]:
     """Return missing values; those that no statement names get the statements that need them.
 
-    program: lowered for a language of another family.
+    program: lowered for a language of another family. hands: their outputs there.
     """
     missing = tuple(missing)
     if all(one.uses for one in missing):
@@ -290,7 +304,7 @@ def _with_uses(missing: Iterable[Wanted], program: Program) -> tuple[Wanted, ...
         (place, needed)
         for statement in program.statements()
         if statement.span is not None and (place := places.of(statement.span)) is not None
-        for needed in (_needs(head(statement), program),)
+        for needed in (_needs(head(statement), program, hands),)
     ]
 
     def uses(one: Wanted) -> tuple[str, ...]:
@@ -301,7 +315,9 @@ def _with_uses(missing: Iterable[Wanted], program: Program) -> tuple[Wanted, ...
     return tuple(one if one.uses else replace(one, uses=uses(one)) for one in missing)
 
 
-def _needs(statement: p.Statement, program: Program) -> set[tuple[WantedKind, str]]:
+def _needs(
+    statement: p.Statement, program: Program, hands: Mapping[int, str]
+) -> set[tuple[WantedKind, str]]:
     """Return what a statement needs of the cell, by kind and name in lower case."""
     texts = texts_in(statement)
     kinds: tuple[WantedKind, ...] = ("signal", "data")
@@ -313,6 +329,8 @@ def _needs(statement: p.Statement, program: Program) -> set[tuple[WantedKind, st
             found.add(("arm", TAUGHT_ON))
         if _moves_joints(record):
             found.add(("speed", JOINT_SPEED))
+        if isinstance(record, p.Gripper) and record.hand in hands:
+            found.add(("signal", hands[record.hand].lower()))
         if isinstance(record, p.Attach) and record.kind == "line":
             number = e.plain_number(record.place[0]) if record.place else None
             if number is not None:
@@ -593,9 +611,12 @@ def _with_stated_tables(program: Program, before: Program, lifted: Program) -> P
 
 def _lowered_for_export(program: Program, language: Language[Any]) -> Program:
     """Lower the program for a language of another family, which may ask for more signals."""
+    return language.exported(program, _other_language(language), None).program
+
+
+def _other_language(language: Language[Any]) -> Language[Any]:
     others = map(language_of, languages.names())
-    other = next(one for one in others if one.family != language.family)
-    return language.exported(program, other, None).program
+    return next(one for one in others if one.family != language.family)
 
 
 def neutral_cell(loaded: Loaded) -> str:

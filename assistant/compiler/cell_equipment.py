@@ -12,12 +12,14 @@ from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
+from assistant import languages
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, info, warning
 from assistant.base.source_text import decode, read_bytes
 from assistant.languages.language_types import ControllerConfiguration
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.io_use import hands_used
 from assistant.program.passes.operator_texts import is_operators
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records, rewrite
@@ -179,11 +181,17 @@ def with_lines(program: Program, lines: Mapping[int, ChannelLine]) -> Program:
     return rewrite(program, stated) if lines else program
 
 
+def hand_outputs(program: Program, to: Language[Any]) -> dict[int, str]:
+    """Return the outputs of the hands that a program uses; none if the language has hands."""
+    outputs = {hand: to.hand_output(hand) for hand in hands_used(program)}
+    return {hand: name for hand, name in outputs.items() if name}
+
+
 def _with_signals_read(program: Program, stated: Mapping[str, Signal]) -> Program:
     """With the signals that expressions read: only the cell knows that those are no data.
 
-    So are names in what is kept as their text, which another language may read, and
-    what a person answers by.
+    So are names in what is kept as their text, which another language may read, what a person
+    answers by, and the outputs of hands, for which some languages have words.
     """
     known = {name.lower() for name in (*program.signals, *program.variables)}
     given = {name.lower(): signal for name, signal in stated.items()}
@@ -194,6 +202,9 @@ def _with_signals_read(program: Program, stated: Mapping[str, Signal]) -> Progra
     for text in texts:
         read += re.findall(r"\w+", text)
     read += filter(is_operators, stated)
+    if hands_used(program):
+        for language in map(languages.get, languages.names()):
+            read += hand_outputs(program, language).values()
     for name in read:
         if name.lower() in given and name.lower() not in known:
             known.add(name.lower())

@@ -305,7 +305,8 @@ def _output_numbers(pair: ProgramPair, families: Sequence[str]) -> Bits:
         for name, signal in pair.signals.items()
         if signal.direction == "output" and signal.number is not None
     }
-    return {**hands, **given}
+    # A number that a cell file states for the output of a hand is one in the other language alone.
+    return {**given, **hands}
 
 
 def _other_names(signals: Mapping[str, Signal], family: str) -> dict[str, str]:

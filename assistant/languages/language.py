@@ -344,6 +344,10 @@ class Language(abc.ABC, Generic[T]):
         """Return the items that the trees of one program use and none declares, in order of use."""
         return ()
 
+    def hand_output(self, hand: int) -> str:  # noqa: ARG002
+        """The output that opens a hand; empty if the language has a statement for that."""
+        return ""
+
     def wanted_of(
         self, trees: Sequence[T], values: Container[tuple[WantedKind, str]]
     ) -> Iterator[Wanted]:

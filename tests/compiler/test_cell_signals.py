@@ -9,6 +9,7 @@ import pytest
 from assistant.base.diagnostics import Refused
 from assistant.compiler import load, translate
 from assistant.compiler.cell_defaults import with_values_of_file
+from assistant.compiler.motion_proof import Proving
 
 RAPID = """MODULE M
 CONST robtarget p1:=[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -171,3 +172,48 @@ def test_numbers_of_a_program_in_the_language_of_the_controller_are_its_own(tmp_
     cell = written(tmp_path, "cell.toml", "# none\n")
     found = translate(program, to="melfa-basic-6", cell=cell, language="melfa-basic-5").whole
     assert "CO081" not in [f.code for f in found]
+
+
+HAND = MELFA.replace("M_Out(4)=1", "HOpen 1\nHClose 1")
+OUTPUT = "[signals.hand1_open]\nnumber = 5\n"
+
+
+def test_the_output_of_a_hand_is_asked_for_like_any_other_signal(tmp_path: Path) -> None:
+    program, cell = written(tmp_path, "M.prg", HAND), tmp_path / "cell.toml"
+    done = translate(program, to="rapid", language="melfa-basic-5", cell=cell)
+    (one,) = done.wanting
+    assert (one.name, one.kind, one.uses) == ("hand1_open", "signal", ("M.prg:3", "M.prg:4"))
+    assert [f.place for f in done.whole if f.code == "CO071"] == ["hand1_open"]
+    # A language with hands has no question.
+    assert not translate(program, to="melfa-basic-6", language="melfa-basic-5", cell=cell).wanting
+
+
+@pytest.mark.parametrize("table", ["process", "cell"])
+def test_a_stated_output_of_a_hand_is_in_the_heading(tmp_path: Path, table: str) -> None:
+    program = written(tmp_path, "M.prg", HAND)
+    files = {"cell": tmp_path / "cell.toml"}
+    files[table] = written(tmp_path, "stated.toml", OUTPUT)
+    done = translate(
+        program, to="rapid", language="melfa-basic-5", proving=Proving(),
+        process=files.get("process"), cell=files["cell"],
+    )  # fmt: skip
+    assert done.ok and done.motion is not None and done.motion.holds
+    (data,) = done.files.values()
+    assert b"! signal: hand1_open digital output 5\r\n" in data
+
+
+@pytest.mark.parametrize("stated", ["", "! signal: hand1_open digital output 1\n"])
+def test_a_hand_that_only_opens_and_closes_needs_no_signal_of_its_own(
+    tmp_path: Path, stated: str
+) -> None:
+    text = RAPID.format(statement="SetDO hand1_open,1;")
+    head = f"MODULE M\n! program: M\n{stated or '! signal: hand1_open digital output'}\n"
+    program = written(tmp_path, "m.mod", text.replace("MODULE M\n", head, 1))
+    done = translate(program, to="melfa-basic-5", cell=tmp_path / "cell.toml")
+    (data,) = done.files.values()
+    assert done.ok and b"HOpen 1" in data and b"hand1_open" not in data
+    read = RAPID.format(statement="SetDO hand1_open,1;\n  IF DOutput(hand1_open)=1 Stop;")
+    again = translate(
+        written(tmp_path, "n.mod", read), to="melfa-basic-5", cell=tmp_path / "cell.toml"
+    )
+    assert [one.name for one in again.wanting] == ["hand1_open"]

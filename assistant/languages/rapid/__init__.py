@@ -133,6 +133,11 @@ class Rapid(Language["File"]):
 
         return wanted(with_controller_data(trees))
 
+    def hand_output(self, hand: int) -> str:
+        from assistant.languages.rapid.tables.signals import hand_signal
+
+        return hand_signal(hand)
+
     def supplied(self, given: Supplied, trees: Sequence[File]) -> str:
         from assistant.languages.rapid.lower.cell_module import cell_module_text
 

@@ -19,6 +19,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, Signal, walk
 from assistant.program.rewriting import Body, head, records
+from assistant.program.statement_index import records_in_procedures
 from assistant.program.undeclared_names import channel_named, channels
 
 
@@ -93,6 +94,11 @@ def with_used_signals(
             known.add(name.lower())
             found[name] = signal
     return found
+
+
+def hands_used(program: Program) -> list[int]:
+    """Return the numbers of the hands that a program opens or closes, in rising order."""
+    return sorted({one.hand for one in records_in_procedures(program, p.Gripper)})
 
 
 def signal_uses(statements: Iterable[p.Statement]) -> Iterator[tuple[str, Signal]]:

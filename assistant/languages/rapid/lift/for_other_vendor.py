@@ -86,14 +86,14 @@ from assistant.languages.rapid.tables.constants import PORTABLE_CONSTANTS, VALUE
 from assistant.languages.rapid.tables.constants import STATE_BY_NAME as STATE_OF
 from assistant.languages.rapid.tables.predefined import FUNCTIONS, error_numbers
 from assistant.languages.rapid.tables.predefined import data as predefined
-from assistant.languages.rapid.tables.signals import PROCESS_DATA_TYPES, SIGNAL_TYPES
+from assistant.languages.rapid.tables.signals import PROCESS_DATA_TYPES, SIGNAL_TYPES, hand_signal
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.literals import literal_number, literal_values
 from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.io_use import with_used_signals
+from assistant.program.analysis.io_use import hands_used, used_signal_names, with_used_signals
 from assistant.program.analysis.uses import locals_of, names_in
 from assistant.program.geometry import Frame, Tool
 from assistant.program.passes.implicit_motion_state import stopped, with_open_lines, with_stops
@@ -397,7 +397,17 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
     findings += _quaternion_findings(program)
     findings += _cell_state_findings(program)
     findings += _test_and_set_findings(program)
-    return Adapted(program, tuple(findings))
+    return Adapted(_without_hand_outputs(program), tuple(findings))
+
+
+def _without_hand_outputs(program: Program) -> Program:
+    """Drop the outputs that only open and close hands, for which other languages have words."""
+    hands = {hand_signal(hand) for hand in hands_used(program)}
+    if hands:
+        hands -= used_signal_names(program)
+        kept = {name: one for name, one in program.signals.items() if name.lower() not in hands}
+        return replace(program, signals=kept)
+    return program
 
 
 def _quaternion_findings(program: Program) -> Iterator[Diagnostic]:

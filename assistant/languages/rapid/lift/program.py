@@ -31,6 +31,7 @@ from assistant.languages.rapid.lift.vendor_effects import signals_in, with_place
 from assistant.languages.rapid.tables.constants import PREDEFINED_VALUES, VALUE_OF_TYPE
 from assistant.languages.rapid.tables.equivalents import BLENDS, SPEEDS
 from assistant.languages.rapid.tables.predefined import FUNCTIONS
+from assistant.languages.rapid.tables.signals import hand_of
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.text.header import Header, module_header
 from assistant.languages.rapid.tree import syntax as s
@@ -224,7 +225,12 @@ class _Lift:
         program, set_on_way = with_triggers(
             program, triggers.told, FUNCTIONS.__contains__, TRIGGER_REASONS
         )
-        declared = {n: v for h in self.headers for n, v in h.signals.items()}
+        declared = {
+            name: signal
+            for header in self.headers
+            for name, signal in header.signals.items()
+            if signal.number is not None or hand_of(name) is None
+        }
         stated = signals_in(program.statements(), lambda name: name in self.declared)
         used = chain(
             set_on_way,

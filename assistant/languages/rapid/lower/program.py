@@ -62,6 +62,7 @@ from assistant.languages.scoped_names import Naming, spelt
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.declared_types import is_value, known_types
+from assistant.program.analysis.io_use import hands_used, with_used_signals
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.loops import ascends
 from assistant.program.passes.operator_texts import message_parts
@@ -483,7 +484,10 @@ def build(program: Program, unit: str | None = None) -> s.File:
         if unit is None
         else ()
     )
-    head = header_lines(program, unit, names.changed, resident=unit in held, there=there)
+    # The controller's configuration must have the outputs of hands, so the heading lists them, too.
+    hands = [(hand_signal(hand), Signal("digital", "output")) for hand in hands_used(program)]
+    listed = replace(program, signals=with_used_signals(program.signals, hands))
+    head = header_lines(listed, unit, names.changed, resident=unit in held, there=there)
     items: list[Any] = [s.CommentLine(x) for x in head]
     # A module has types first, then data, then routines, or the controller refuses to load it.
     declared = _declared_items(program) if unit is None else []
