@@ -68,6 +68,7 @@ from assistant.compiler.retarget import (
     with_converted_joint_speeds,
     with_joint_percent,
     with_joint_speed,
+    with_other_arm_named,
     without_unused_joint_targets,
 )
 from assistant.compiler.seen_frames import with_located_frames
@@ -375,6 +376,8 @@ def compile_program(
         )
         traced("at-the-pace", program)
         solved = (*solution.findings, *with_robot(solution, scene=arms.scene))
+        if taught is None:
+            solved = tuple(with_other_arm_named(solved, program, arm))
         told = fold_unplaced_work(program, arm, at_moves(solved, solution.program, places))
         findings += (*told, *changed)
     if arms.joint_speed is not None and not target.joint_percent:

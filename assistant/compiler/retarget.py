@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
@@ -372,6 +372,30 @@ def _without_branch(part: Any) -> Any:
         unstated = np.broadcast_to(np.array(configuration_row(None), np.int8), (len(part), 6))
         return replace(part, configurations=unstated)
     return part
+
+
+_NAME_OTHER_ARM: Final = "name the arm that the program was written for, `--from-robot`; or "
+"""Begins the cure where a stated configuration may be one of another arm."""
+
+
+def with_other_arm_named(
+    findings: Iterable[Diagnostic], program: Program, arm: Robot
+) -> Iterator[Diagnostic]:
+    """Findings whose cures tell what to do if configurations were taught on the source's arm.
+
+    arm: that will run the program, where no arm that it was written for is named. One that runs
+    programs of the source's language may well be the one that they were taught on.
+    """
+    from assistant.compiler.loader import language_of
+    from assistant.robots.findings import NOT_AS_STATED, OTHER_QUADRANT
+
+    origin = program.origin
+    other = origin is not None and language_of(origin.language).family not in {
+        language_of(name).family for name in arm.languages
+    }
+    codes = (NOT_AS_STATED.code, OTHER_QUADRANT.code) if other else ()
+    for one in findings:
+        yield replace(one, cure=_NAME_OTHER_ARM + one.cure) if one.code in codes else one
 
 
 _SPEED_FROM_PERCENT = warning(

@@ -158,6 +158,12 @@ CASES: Final = (
         change={"p.toml": "joint_speed = 5000\n"},
     ),
     Case(
+        "RB108",
+        "translate a.prg --to rapid -r irb1200-5-0.9",
+        {"a.prg": TWO_PLACES.replace("400,0,", "400,-180,")},
+        ("translate a.prg --to rapid -r irb1200-5-0.9 --from-robot rv-6sl",),
+    ),
+    Case(
         "CO302",
         "check .",
         {"a.mod": MOVING, "b.prg": "P1=P2\n"},
