@@ -10,13 +10,14 @@ import csv
 import io
 import json
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import field
 from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.base.data_classes import dataclass
-from assistant.base.diagnostics import TABLE_NOUNS, Diagnostic, Span
+from assistant.base.diagnostics import TABLE_NOUNS, Diagnostic, Severity, Span
 from assistant.compiler.loader import language_of
 from assistant.compiler.retarget import JOINTS_OF_OTHER_MAKER
 from assistant.compiler.source_map import Place, Places
@@ -70,15 +71,28 @@ def costs(rows: Iterable[ReportRow], most: int = _MOST_COSTS) -> list[Cost]:
             found.setdefault((row.level, first.code, _common_message(first.message)), []).append(
                 row
             )
-    every = (_cost_record(level, alike) for (level, _, _), alike in found.items())
+    every = (_cost_record(alike, alike[0].reasons[0]) for alike in found.values())
     ordered = sorted(every, key=lambda c: (c.level != "not", -c.count, c.code))
     return ordered[:most]
 
 
-def _cost_record(level: Level, alike: Sequence[ReportRow]) -> Cost:
+def _costs_by_code(rows: Iterable[ReportRow]) -> list[Cost]:
+    """Return a reason for each code, those of the most statements first.
+
+    A statement counts for each of its codes; notes count where nothing else is said of it.
+    """
+    found: dict[str, tuple[Diagnostic, list[ReportRow]]] = {}
+    for row in rows:
+        main = [one for one in row.reasons if one.severity is not Severity.INFO] or row.reasons
+        for reason in {one.code: one for one in reversed(main)}.values():
+            found.setdefault(reason.code, (reason, []))[1].append(row)
+    every = (_cost_record(alike, first) for first, alike in found.values())
+    return sorted(every, key=lambda c: (-c.count, c.code))
+
+
+def _cost_record(alike: Sequence[ReportRow], first: Diagnostic) -> Cost:
     row, count = alike[0], sum(one.count for one in alike)
-    first = row.reasons[0]
-    return Cost(first.code, level, count, first.message, first.cure, row.place, tuple(alike))
+    return Cost(first.code, row.level, count, first.message, first.cure, row.place, tuple(alike))
 
 
 _QUOTED_NAME: Final = re.compile(r"`([A-Za-z_]\w*)[^`\w][^`]*`")
@@ -208,11 +222,13 @@ def _written_in_words(translation: Translation) -> str:
 
 
 def summary(one: Translated) -> Iterator[str]:
-    """Yield the untranslated and the changed statements by reason, with first positions."""
-    translation = one.translation
-    for level in ("not", "partial"):
-        rows = [row for row in translation.rows.noted if row.level == level]
-        every = costs(rows, len(rows))
+    """Yield the untranslated statements by reason and the changed ones by code, with first
+    positions.
+    """
+    noted = list(one.translation.rows.noted)
+    lost = costs((row for row in noted if row.level == "not"), len(noted))
+    changed = _costs_by_code(row for row in noted if row.level == "partial")
+    for level, every in (("not", lost), ("partial", changed)):
         for cost in every[:_MOST_COSTS]:
             cure = f"; {cost.cure}" if cost.cure else ""
             yield f"  {cost.count:,} {_LEVEL_WORDS[level]}: {cost.code} {cost.message}{cure}"
@@ -223,11 +239,12 @@ def summary(one: Translated) -> Iterator[str]:
             )
             if len(shown) < len(cost.rows):
                 yield f"    and {len(cost.rows) - len(shown):,} more"
-        if len(every) > _MOST_COSTS:
-            rest = sum(cost.count for cost in every[_MOST_COSTS:])
-            more = len(every) - _MOST_COSTS
-            reasons = "1 other reason" if more == 1 else f"{more:,} other reasons"
-            yield f"  {rest:,} {_LEVEL_WORDS[level]} for {reasons}"
+        rest = Counter[str]()
+        for cost in every[_MOST_COSTS:]:
+            rest[cost.code] += cost.count
+        if rest:
+            codes = ", ".join(f"{name} ({count:,})" for name, count in rest.most_common())
+            yield f"  {_LEVEL_WORDS[level]} for other reasons: {codes}"
 
 
 def reason_lines(one: Translated) -> Iterator[str]:

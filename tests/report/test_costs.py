@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import pytest
-
 from assistant.compiler import translate
 from assistant.report.translation import Translated, costs, report_markdown, report_record, summary
 
@@ -60,10 +58,21 @@ def test_a_program_that_is_whole_costs_nothing(tmp_path: Path) -> None:
     assert "reason" not in report_markdown([one])
 
 
-@pytest.mark.parametrize(
-    ("count", "said"), [(11, "for 1 other reason"), (12, "for 2 other reasons")]
-)
-def test_the_rest_of_many_reasons_is_counted(tmp_path: Path, count: int, said: str) -> None:
-    shown = "".join(f'TPWrite "{word}";\n' for word in "abcdefghijkl"[:count])
-    one = translated(tmp_path, f"MODULE m\nPROC main()\n{shown}ENDPROC\nENDMODULE\n")
-    assert [line for line in summary(one) if line.endswith(said)]
+def test_changed_statements_are_counted_by_code(tmp_path: Path) -> None:
+    shown = "".join(f'TPWrite "{word}";\n' for word in "abcdefghijkl")
+    stops = "TPErase;\n" * 2
+    one = translated(tmp_path, f"MODULE m\nPROC main()\n{shown}{stops}ENDPROC\nENDMODULE\n")
+    rows = [row for row in one.translation.rows if row.level == "partial"]
+    told = [line.split()[:6:5] for line in summary(one) if line.startswith("  ") and line[2] != " "]
+    assert told == [["12", "MB211"], ["2", "RA311"]]
+    assert len(rows) == 14
+
+
+def test_no_code_of_many_reasons_vanishes(tmp_path: Path) -> None:
+    words = ["Rewind f", *(f"SearchL\\Stop,d,p{n},q,v100,t" for n in range(15))]
+    lines = "".join(f"{word};\n" for word in words)
+    one = translated(tmp_path, f"MODULE m\nPROC main()\n{lines}ENDPROC\nENDMODULE\n")
+    lost = {row.reasons[0].code for row in one.translation.rows if row.level == "not"}
+    told = "\n".join(summary(one))
+    assert all(code in told for code in lost)
+    assert len(told.splitlines()) < 80
