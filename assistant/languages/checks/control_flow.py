@@ -118,6 +118,18 @@ class Subroutines:
             at for at in (*sorted(self.graph.called), *self.handlers) if at not in self.leaving
         )
 
+    def within(self, sub: int) -> set[int]:
+        """Places that a subroutine comes to, in those that it calls as well; empty if the program
+        may end there, or call the subroutine again.
+        """
+        found = self.graph.reached((sub,), through_calls=True)
+        after = self.graph.after
+        ends = (
+            at for at in found if (not after[at] or EXIT in after[at]) and not [*self.returns(at)]
+        )
+        calls = (at for at in found if sub in self.graph.calls.get(at, ()))
+        return set() if any(True for _ in (*ends, *calls)) else found
+
     def entered(self) -> tuple[dict[int, int], list[int]]:
         """Those that control comes to without a call, each with the place that leads there; and
         ways back that it comes to outside of them.

@@ -103,6 +103,20 @@ WAYS: dict[str, Row] = {
     ),
     "Return alone": ("Dly 1\nReturn", ["MB137 2:1"]),
     "no Return": ("GoSub *S\nEnd\n*S\nDly 1\nEnd", ["MB138 3:1"]),
+    "a stop for good": ("GoSub *S\nEnd\n*S\nDly 1\nWhile 1\nHlt\nWEnd\nReturn", []),
+    "a stop for good in a subroutine of a subroutine": (
+        "GoSub *S\nEnd\n*S\nGoSub *T\nDly 1\nReturn\n*T\n*U\nHlt\nGoTo *U",
+        [],
+    ),
+    "a loop that is no stop": (
+        "GoSub *S\nEnd\n*S\nWhile 1\nDly 1\nWEnd\nReturn",
+        ["MB138 3:1"],
+    ),
+    "a stop, and then the caller once more": (
+        "*M\nGoSub *S\nEnd\n*S\nHlt\nGoTo *M",
+        ["MB138 4:1"],
+    ),
+    "a stop, and then the end": ("GoSub *S\nEnd\n*S\nHlt\nEnd", ["MB138 3:1"]),
     "a Return on one way": ("GoSub *S\nEnd\n*S\nIf M_In(1)=1 Then Return\nGoTo *S", []),
     "an interrupt with a plain Return": (
         "Def Act 1,M_In(1)=1 GoSub *S\nAct 1=1\nDly 9\nEnd\n*S\nDly 1\nReturn",

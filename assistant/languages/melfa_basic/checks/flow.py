@@ -337,11 +337,18 @@ def subroutines(look: Look) -> Found:
         for at in alone:
             yield look.at(_RETURN_ALONE, look.code[at], "Return")
         for at in subs.endless():
-            if isinstance(look.code[at], s.Line):
+            # A stop for good, `Hlt` in a loop, calls nothing again, so the stack stays as it is.
+            stopped = any(_halts(look.code[place]) for place in subs.within(at))
+            if isinstance(look.code[at], s.Line) and not stopped:
                 yield _found_at_callee(look, _NO_RETURN, at)
         for at, sub, numbered in subs.of_wrong_kind():
             rule = _NUMBERED_RETURN if numbered else _HANDLER_RETURN
             yield look.at(rule, look.code[at], "Return", name=_line_name(look, sub))
+
+
+def _halts(item: s.Item) -> bool:
+    statement = item.statement if isinstance(item, s.Line) else None
+    return isinstance(statement, s.Command) and statement.keyword == "Hlt"
 
 
 def _line_name(look: Look, at: int) -> str:
