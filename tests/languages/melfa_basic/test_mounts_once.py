@@ -146,3 +146,86 @@ def test_procedures_set_what_they_need_after_a_stop_of_a_draft() -> None:
     assert [line.split()[0] for line in seam if line.startswith(("Tool ", "Base "))].count(
         "Tool"
     ) == 2
+
+
+BETWEEN = """program job
+
+tool torch tip [0, 0, 120]
+tool cutter tip [10, 0, 60]
+
+signal go digital input 3
+signal clamp digital output 4
+
+variable count number
+
+target a [300, 0, 300] [0, 1, 0, 0]
+target b [300, 50, 300] [0, 1, 0, 0]
+
+procedure main
+  move linear a speed 50 mm/s blend fine tool torch
+  {between}
+  move linear b speed 50 mm/s blend fine tool torch
+  stop
+  call other
+end
+
+procedure other
+  move linear a speed 50 mm/s blend fine tool cutter
+  call close
+  move linear b speed 50 mm/s blend fine tool cutter
+end
+
+procedure close
+  {inside}
+  wait for go = 1
+end
+
+procedure cut
+  move linear a speed 50 mm/s blend fine tool cutter
+end
+"""
+KEPT = {
+    "a call": "call close",
+    "two calls": "call close\n  call close",
+    "a branch": "if go = 1\n    set clamp = 1\n  else\n    call close\n  end",
+    "a loop": "while go = 1\n    call close\n    count = count + 1\n  end",
+    "a wait": "wait for go = 1 or clamp = 1",
+}
+SET_AGAIN = {
+    "a call of another tool": "call cut",
+    "a branch with another tool": "if go = 1\n    call cut\n  end",
+    "a stop in a branch": "if go = 1\n    stop\n  end",
+    "a label": "if go = 1\n    goto again\n  end\n  label again",
+}
+
+
+def tools_of_main(between: str, inside: str = "set clamp = 1") -> list[str]:
+    """The tools that the text sets before its first stop."""
+    found = lines(code_of(BETWEEN.format(between=between, inside=inside), "melfa-basic-5"))
+    main = found[: found.index("GoSub *OTHER")]
+    return [line.split()[1] for line in main if line.startswith("Tool ")]
+
+
+@pytest.mark.parametrize("between", KEPT.values(), ids=list(KEPT))
+def test_what_sets_no_tool_between_two_moves_leaves_it(between: str) -> None:
+    assert tools_of_main(between) == ["PTORCH"]
+
+
+@pytest.mark.parametrize("between", SET_AGAIN.values(), ids=list(SET_AGAIN))
+def test_the_tool_is_set_again_where_it_may_be_another(between: str) -> None:
+    assert tools_of_main(between) == ["PTORCH", "PTORCH"]
+
+
+@pytest.mark.parametrize("inside", ["stop", "call cut"])
+def test_so_it_is_after_a_call_that_may_change_it(inside: str) -> None:
+    assert tools_of_main("call close", inside) == ["PTORCH", "PTORCH"]
+
+
+def test_nothing_is_certain_in_a_program_with_interrupts() -> None:
+    text = BETWEEN.format(between="call close", inside="set clamp = 1")
+    begin = "procedure main\n"
+    interrupt = "  interrupt late when go = 1 calls note\n"
+    text = text.replace(begin, begin + interrupt, 1) + "\nprocedure note\n  set clamp = 1\nend\n"
+    found = lines(code_of(text, "melfa-basic-5"))
+    main = found[: found.index("GoSub *OTHER")]
+    assert [line for line in main if line.startswith("Tool ")] == ["Tool PTORCH"] * 2

@@ -1,24 +1,84 @@
 """`Tool` and `Base` written once, where a procedure and all that it calls have the same ones.
 
-The writer sets them before the first move of each procedure, and again after each call. Here they
-go to the begin of the procedures from which no other value is reached; what these call keeps them.
+The writer sets them before the first move of each procedure, and again after each statement that
+may change them (`mount_keeper`). Here they go to the begin of the procedures from which no other
+value is reached; what these call keeps them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import replace
 from itertools import accumulate
 from typing import Final, TypeGuard
 
+from assistant.languages.melfa_basic.tables.equivalents import ARM_FUNCTIONS
 from assistant.languages.melfa_basic.text.printer import line as line_text
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
-from assistant.program.analysis.uses import along_calls, called
-from assistant.program.program import Procedure, Program
+from assistant.program.analysis.uses import along_calls, base_variable, called
+from assistant.program.program import Procedure, Program, walk
+from assistant.program.rewriting import head, records
 
-_WORDS: Final = ("Base", "Tool")
+MOUNT_WORDS: Final = ("Base", "Tool")
 """The last one is written above the others."""
+
+
+_KEEPING: Final = (
+    p.Wait, p.WaitSignal, p.WaitUntil, p.StartTimer, p.SetSignal, p.Gripper, p.Assign,
+    p.If, p.While, p.For, p.Switch, p.Call, p.Return, p.Comment, p.Message,
+)  # fmt: skip
+"""Statements that set no tool or base, but perhaps in what they hold, call or read."""
+
+
+def mount_keeper(program: Program) -> Callable[[p.Statement], bool]:
+    """Return a test of statements: True if `Tool` and `Base` surely are the same after one.
+
+    Not after a stop, where somebody may set another tool, nor where labels let control in. Never in
+    a program with interrupts or vendor text, which may set them, nor in one of several units.
+    """
+    several = any(one.unit is not None for one in program.procedures)
+    if several or any(isinstance(one, p.Interrupt | p.Opaque) for one in program.statements()):
+        return lambda _: False
+    mounts = {name.lower() for name in (*program.tools, *program.frames)}
+    procedures = {one.name.lower(): one for one in program.procedures}
+    own = {
+        name: frozenset({name} if not all(_keeps(x, mounts) for x in walk(one.body)) else ())
+        for name, one in procedures.items()
+    }
+    changing = along_calls(program, own)
+
+    def keeps(statement: p.Statement) -> bool:
+        for one in walk((statement,)):
+            if not _keeps(one, mounts):
+                return False
+            for part in records(head(one)):
+                match part:
+                    case p.Call(name) if changing.get(name.lower(), one):
+                        return False
+                    case e.Apply(name) if changing.get(name.lower()):
+                        return False
+        return True
+
+    return keeps
+
+
+def _keeps(statement: p.Statement, mounts: Set[str]) -> bool:
+    """True if a statement itself sets no tool or base. mounts: names of tools and frames."""
+    if not isinstance(statement, _KEEPING):
+        return False
+    for part in records(head(statement)):
+        match part:
+            # Each is read with the tool and base that it names.
+            case e.Here() | e.Verbatim():
+                return False
+            case e.Apply(function) if function.lower() in ARM_FUNCTIONS:
+                return False
+            case p.Assign(target) if base_variable(target) in mounts:
+                return False
+    return True
 
 
 def mounted_once(
@@ -35,7 +95,7 @@ def mounted_once(
     """
     found = list(items)
     begins = [begin for _, begin in parts]
-    for word in _WORDS:
+    for word in MOUNT_WORDS:
         pieces = [found[a:b] for a, b in zip(begins, [*begins[1:], len(found)], strict=True)]
         shorter = _without_repeats(program, [q for q, _ in parts], pieces, settings, word)
         if sum(map(len, shorter)) < sum(map(len, pieces)):

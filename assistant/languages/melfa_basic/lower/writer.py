@@ -17,6 +17,7 @@ from assistant.languages.melfa_basic.lower.expressions import (
     Unsayable,
     signed_number,
 )
+from assistant.languages.melfa_basic.lower.mounts import MOUNT_WORDS, mount_keeper
 from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.tables.equivalents import ARM_FUNCTIONS
@@ -119,6 +120,7 @@ class Writer:
         """Words of declarations that were refused already: what they declare is no news."""
         self.mounts = {name.lower() for name in (*program.tools, *program.frames)}
         """Tools and frames, which are no values here."""
+        self.keeps_mounts = mount_keeper(program)
 
     def _used(self) -> tuple[set[str], list[str]]:
         """Names that the unit refers to: targets, tools and frames; shared constants."""
@@ -287,7 +289,13 @@ class Writer:
             self.stand(head(statement))
         if (write := self.write.get(type(statement))) is None:
             raise Unsayable(f"a {type(statement).__name__} statement", "say it in other statements")
+        mounts: dict[str, object] = {
+            word: self.state[word] for word in MOUNT_WORDS if word in self.state
+        }
         write(self, statement)
+        # The lines of a statement may be a call or have labels, after which nothing is known.
+        if mounts and self.keeps_mounts(statement):
+            self.state.update(mounts)
         # A function of the program may change the settings and the position.
         if any(map(self._is_call, records(head(statement)))):
             self.forget()
