@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from os import fspath
 from pathlib import Path as FilePath
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, FailOn, Refused, fold, has_errors
@@ -25,6 +25,9 @@ from assistant.report.figures import new_figure, picture
 from assistant.robots import Robot
 from assistant.robots.timing import Simulation
 from assistant.robots.timing import simulate as timed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Source = str | FilePath | Program | Loaded | Compiled
 
@@ -128,7 +131,17 @@ class Simulated:
 
     def _repr_png_(self) -> bytes | None:
         """Joints and speed of the tool over time; None without matplotlib."""
-        return _motion_png(self.simulation)
+        try:
+            return picture(self.plot())
+        except Refused:
+            return None
+
+    def plot(self) -> Figure:
+        """Return a figure of matplotlib with joints and speed of the tool over time.
+
+        Raises Refused, naming the extra, without matplotlib.
+        """
+        return _motion_figure(self.simulation)
 
 
 def simulate(
@@ -185,12 +198,8 @@ _MOST_PICTURE_ROWS: Final = 4000
 """Most samples drawn; of more, only every second, third … is drawn."""
 
 
-def _motion_png(simulation: Simulation) -> bytes | None:
-    """None without matplotlib, which the extra `plot` brings."""
-    try:
-        drawn = new_figure(7.0, 3.5)
-    except Refused:
-        return None
+def _motion_figure(simulation: Simulation) -> Figure:
+    drawn = new_figure(7.0, 3.5)
     samples, robot = simulation.samples, simulation.robot
     every = slice(None, None, max(1, len(samples) // _MOST_PICTURE_ROWS))
     upper, lower = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
@@ -202,4 +211,4 @@ def _motion_png(simulation: Simulation) -> bytes | None:
     upper.legend(fontsize=7, ncols=3)
     for axes in (upper, lower):
         axes.grid(alpha=0.3)
-    return picture(drawn)
+    return drawn

@@ -104,12 +104,12 @@ def from_poses(
     roboticstoolbox uses metres; a `Pose` is in mm whatever the unit. speed: mm/s of the tool, 100
     if nothing else states it; percent: of the joints' greatest speed, for the joint move to the
     first pose in languages that state joint moves so; without it `joint_percent` of the process
-    file. blend: mm at which a corner may be rounded, "fine" to stop at each pose; without one,
-    corners are rounded within the tolerance. tool: name of a tool in the process file, or a value:
-    its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix in `unit`, or a
-    complete `Tool`. frame: the frame of the poses, in the same forms, in the robot's base. robot:
-    the arm that runs the program. process: file with tools, frames, signals and all that is not
-    stated here.
+    file. blend: mm at which a corner may be rounded, the last pose is a stop; "fine" to stop at
+    each; without one, corners are rounded within the tolerance. tool: name of a tool in the process
+    file, or a value: its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix
+    in `unit`, or a complete `Tool`. frame: the frame of the poses, in the same forms, in the
+    robot's base. robot: the arm that runs the program. process: file with tools, frames, signals
+    and all that is not stated here.
 
     Warnings are issued as Python warnings; errors raise Refused.
     """

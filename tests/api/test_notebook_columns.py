@@ -83,6 +83,7 @@ def test_paths_samples_and_recordings_are_columns():
 def test_a_simulation_is_a_picture_where_matplotlib_is(monkeypatch):
     done = assistant.simulate(PLATE, robot=IRB)
     assert size_of(done._repr_png_()) == (770, 385)
+    assert done.plot()._repr_png_() == done._repr_png_()
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     assert done._repr_png_() is None
 

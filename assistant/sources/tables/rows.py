@@ -23,7 +23,14 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
-from assistant.program.statements import Follow, Motion, Move, Statement
+from assistant.program.statements import (
+    Follow,
+    Motion,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    Statement,
+)
 from assistant.sources.contours.path_tolerance import (
     ROUNDING_RADII,
     THINNING_PART,
@@ -430,7 +437,7 @@ def program_of(
     """A program with one procedure `main` and the process file's robot, tools, frames, signals."""
     return Program(
         name,
-        (Procedure("main", tuple(body)),),
+        (Procedure("main", _stopping(body, process.defaults.blend)),),
         robot=process.robot,
         comments=comments,
         tools=dict(process.tools),
@@ -439,6 +446,26 @@ def program_of(
         targets=dict(targets or {}),
         joint_targets=dict(joint_targets or {}),
     )
+
+
+def _stopping(body: Sequence[Statement], default: Blend | Name | None) -> tuple[Statement, ...]:
+    """Make the last move a stop if it has the default blend: no corner follows that it rounds."""
+    last = next((i for i in reversed(range(len(body))) if isinstance(body[i], _MOVES)), None)
+    if last is None or default in (None, FINE):
+        return tuple(body)
+    move = body[last]
+    if isinstance(move, Follow):
+        path = move.path
+        if path.blends[path.blend[-1]] == default:
+            index = np.append(path.blend[:-1], np.int32(len(path.blends)))
+            move = Follow(replace(path, blend=index, blends=(*path.blends, FINE)))
+    elif isinstance(move, _SINGLE_MOVES) and move.motion.blend == default:
+        move = replace(move, motion=replace(move.motion, blend=FINE))
+    return (*body[:last], move, *body[last + 1 :])
+
+
+_SINGLE_MOVES: Final = (Move, MoveCircular, MoveJoints)
+_MOVES: Final = (*_SINGLE_MOVES, Follow)
 
 
 def more_rows(rows: Truths) -> str:

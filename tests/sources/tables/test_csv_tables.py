@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -152,7 +153,7 @@ def test_signals_waits_and_comments_of_named_rows() -> None:
     )
     assert body == (
         Comment('now glue; "x"'),
-        Move("joint", Name("p"), CELL.defaults.motion),
+        Move("joint", Name("p"), replace(CELL.defaults.motion, blend=FINE)),
         SetSignal("glue", Number(1)),
         Wait(Number(0.5)),
     )

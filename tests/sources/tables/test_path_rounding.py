@@ -100,7 +100,7 @@ SQUARE = "".join(f"{x},{y},0,1,0,0,0\n" for x, y in ((0, 0), (50, 0), (50, 50), 
         ("", [None, 0.05, 0.05, None]),
         ("tolerance = 1", [None, 1.0, 1.0, None]),
         ('[motion]\nblend = "fine"', [None] * 4),
-        ("[motion]\nblend = 7", [7.0] * 4),
+        ("[motion]\nblend = 7", [7.0, 7.0, 7.0, None]),
     ],
 )
 def test_what_the_process_file_says_holds(process, wanted):

@@ -98,7 +98,7 @@ def test_targets_moves_and_what_stands_around_them() -> None:
         Move("joint", Name("above"), Motion(Speed(250.0), FINE, "gripper", "table")),
         SetSignal("glue", Number(1)),
         Wait(Number(0.5)),
-        Move("linear", Name("on"), Motion(Speed(70.0), Blend(3.0), "Torch")),
+        Move("linear", Name("on"), Motion(Speed(70.0), FINE, "Torch")),
     )
 
 

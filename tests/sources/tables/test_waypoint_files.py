@@ -19,7 +19,7 @@ from assistant.base import rotations
 from assistant.base.diagnostics import Refused, Severity
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose, Target, Tool
-from assistant.program.motion import Blend, Kind, Path, Speed
+from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import Program
 from assistant.program.statements import Follow, Move
 from assistant.sources.process import NO_PROCESS, Defaults, Process
@@ -143,9 +143,20 @@ def test_motion_comes_from_the_process() -> None:
     (path,) = paths_of(program)
     assert program.tools == dict(process.tools)
     assert (path.kinds == Kind.JOINT).all()
-    assert (path.speeds, path.blends, path.tools) == (
-        (Speed(150.0),), (Blend(100.0),), ("GRIPPER",)
-    )  # fmt: skip
+    assert (path.speeds, path.tools) == ((Speed(150.0),), ("GRIPPER",))
+    *before, last = (path.blends[index] for index in path.blend)
+    assert set(before) == {Blend(100.0)} and last == FINE
+
+
+def test_the_last_of_several_paths_ends_in_a_stop(read: Any) -> None:
+    process = Process(defaults=Defaults(blend=Blend(3.0)))
+    away = np.add(SEVENS, [500, 0, 0, 0, 0, 0, 0])
+    first, second = paths_of(read("all.npz", npz(one=SEVENS, two=away), process).program)
+    assert {first.blends[index] for index in first.blend} == {Blend(3.0)}
+    assert [second.blends[index] for index in second.blend[-2:]] == [Blend(3.0), FINE]
+    single = read("p.json", json.dumps(SEVENS[:1].tolist()), process).program
+    (move,) = single.statements()
+    assert move.motion.blend == FINE
 
 
 def test_one_pose_is_a_move() -> None:
