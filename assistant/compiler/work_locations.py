@@ -228,9 +228,18 @@ def fold_unplaced_work(
     if not has_errors(told) or program.origin is not None or not _is_at_base(program, arm):
         return found
     return (
-        _unplaced_finding(arm, told, _FRAME_CURE),
+        _unplaced_finding(arm, told, _cure_at_base(program)),
         *(other for other in found if other not in told),
     )
+
+
+def _cure_at_base(program: Program) -> str:
+    """Return what to do about work at the robot's base, which may be metres taken as mm."""
+    from assistant.sources.tables.rows import LIKE_METRES, METRES_CURE
+
+    if np.abs(_positions(program)).max() > LIKE_METRES:
+        return _FRAME_CURE
+    return f"if the positions are metres, {METRES_CURE}; else {_FRAME_CURE}"
 
 
 def _unplaced_finding(arm: Robot, told: Sequence[Diagnostic], cure: str) -> Diagnostic:
@@ -249,19 +258,20 @@ def _is_in_base(program: Program) -> bool:
 
 def _is_at_base(program: Program, arm: Robot) -> bool:
     """True if all of it is in the robot's base and close to the arm's axis 1."""
-    points = [target.pose.position for target in program.targets.values()]
-    rows: list[Floats] = [np.reshape(points, (-1, 3))]
-    for procedure in program.procedures:
-        for statement in walk(procedure.body):
-            if set(_frames_of(statement)) - {BASE}:
-                return False
-            if isinstance(statement, Follow):
-                rows.append(statement.path.positions)
-    way = np.concatenate(rows)[:, :2]
+    if any(set(_frames_of(one)) - {BASE} for one in program.statements()):
+        return False
+    way = _positions(program)[:, :2]
     if not len(way):
         return False
     off = np.maximum(np.maximum(way.min(axis=0), -way.max(axis=0)), 0.0)
     return bool(np.hypot(*off) < _NEAR_AXIS_PART * arm.reach)
+
+
+def _positions(program: Program) -> Floats:
+    """Return the positions (n, 3) of all targets and paths."""
+    points = [target.pose.position for target in program.targets.values()]
+    paths = [one.path.positions for one in program.statements() if isinstance(one, Follow)]
+    return np.concatenate([np.reshape(points, (-1, 3)), *paths])
 
 
 def _frames_of(statement: object) -> Iterator[str]:

@@ -126,6 +126,12 @@ JOINT_OUTSIDE: Final = error(
     "{axis} at {value:g} {unit} is outside its limits {low:g} to {high:g}",
     "move the joint target inside the limits",
 )
+MANY_JOINTS_OUTSIDE: Final = error(
+    "RB129",
+    "{count} joint targets are outside the limits of {robot}; the worst has {axis} at {value:g} "
+    "{unit}, whose limits are {low:g} and {high:g}",
+    "{cure}",
+)
 NO_JOINTS: Final = error(
     "RB126",
     "the joint target states no angle of {robot}, so a joint move of the arm goes nowhere",

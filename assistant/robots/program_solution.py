@@ -82,6 +82,7 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     for procedure in program.procedures:
         survey.procedure(procedure)
     survey.joint_targets()
+    survey.rows_outside()
     survey.unused()
     survey.unknown_targets()
     done = survey.done
@@ -134,6 +135,12 @@ def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
     return Leg(statement, solved_run, rows, joints[rows], start if known else None)
 
 
+_MOST_ROWS: Final = 5
+"""Rows of joints beyond the limits that are reported one by one."""
+_IN_DEGREES: Final = (
+    'if these were degrees and not radians, say so: unit="deg" of `from_joints`, columns such as '
+    "`j1_deg`; else move the joint targets inside the limits"
+)
 _UNUSED_AXIS: Final = 9e9
 """Value for an axis of the arm that a target does not state."""
 
@@ -153,6 +160,8 @@ class _ProgramSolver:
         self.names = Names(program)
         self.declared_joints = set(map(id, program.joint_targets.values()))
         self.findings: list[Diagnostic] = []
+        self.outside: list[tuple[Goal, Floats]] = []
+        """Joints beyond the limits of moves that no text has a line for."""
         self.cures = NearestPoseCures(robot)
         self.done: dict[int, NDArray[np.int8]] = {}
         self.paths: dict[int, Path] = {}
@@ -398,13 +407,19 @@ class _ProgramSolver:
             self.findings.append(rules.NO_JOINTS(about=label, robot=self.robot.title))
             return None
         # A declared one is reported once, by its own name.
-        joints = self.joints(target, None if id(target) in self.declared_joints else label)
+        declared = id(target) in self.declared_joints
+        joints = self.joints(target, None if declared else label, lineless=statement.span is None)
         if joints is not None:
             self.before, self.joined = joints, True
         return joints
 
-    def joints(self, target: JointTarget, label: Goal | None) -> Floats | None:
-        """The angles of the robot's axes; findings, if it has a label, for what is wrong."""
+    def joints(
+        self, target: JointTarget, label: Goal | None, *, lineless: bool = False
+    ) -> Floats | None:
+        """The angles of the robot's axes; findings, if it has a label, for what is wrong.
+
+        lineless: the move is a row of a table or an array, of which there may be thousands.
+        """
         robot = self.robot
         given = np.array(robot.own_joints(target.joints), dtype=np.float64)
         if len(given) != len(robot.axes) or not np.isfinite(given).all():
@@ -418,8 +433,19 @@ class _ProgramSolver:
                     )
                 )
             return None
+        inside = bool(robot.inside(given))
+        if label is not None and not inside:
+            if lineless:
+                self.outside.append((label, given))
+            else:
+                self.joints_outside(label, given)
+        return given if inside else None
+
+    def joints_outside(self, label: Goal, given: Floats) -> None:
+        """Report each axis beyond its limits."""
+        robot = self.robot
         low, high = robot.limits.T
-        for axis in np.flatnonzero((given < low) | (given > high)) if label is not None else ():
+        for axis in np.flatnonzero((given < low) | (given > high)):
             self.findings.append(
                 rules.JOINT_OUTSIDE(
                     about=label,
@@ -430,7 +456,33 @@ class _ProgramSolver:
                     high=high[axis],
                 )
             )
-        return given if robot.inside(given) else None
+
+    def rows_outside(self) -> None:
+        """Report rows of joints beyond the limits: each of a few, the worst of many."""
+        if len(self.outside) <= _MOST_ROWS:
+            for label, given in self.outside:
+                self.joints_outside(label, given)
+            return
+        robot, rows = self.robot, np.array([given for _, given in self.outside])
+        low, high = robot.limits.T
+        beyond = np.maximum(low - rows, rows - high)
+        row, axis = np.unravel_index(int(beyond.argmax()), beyond.shape)
+        turning = np.array(robot.units) == "degrees"
+        meant = np.where(turning, np.radians(rows), rows)
+        likely = turning.any() and bool(((low <= meant) & (meant <= high)).all())
+        self.findings.append(
+            rules.MANY_JOINTS_OUTSIDE(
+                about=self.outside[row][0],
+                count=len(rows),
+                robot=robot.title,
+                axis=robot.axes[axis],
+                unit=robot.units[axis],
+                value=rows[row, axis],
+                low=low[axis],
+                high=high[axis],
+                cure=_IN_DEGREES if likely else rules.JOINT_OUTSIDE.cure,
+            )
+        )
 
     def joint_targets(self) -> None:
         for name, target in self.program.joint_targets.items():

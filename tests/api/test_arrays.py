@@ -131,6 +131,31 @@ def test_joints_beyond_their_limits_are_not_written(tmp_path):
     assert not (tmp_path / "out").exists() and not compiled.ok
 
 
+def test_degrees_taken_as_radians_are_one_finding_that_names_the_unit():
+    program = assistant.from_joints(np.degrees(WAY.q), unit="rad", robot=IRB)
+    (finding,) = [f for f in assistant.check(program).findings if f.code.startswith("RB1")]
+    assert finding.code == "RB129" and "40 joint targets" in finding.message
+    assert "J5 at 3437.75 degrees" in finding.message and 'unit="deg"' in finding.cure
+    beyond = np.vstack([np.degrees(WAY.q), np.full((9, 6), 40000.0)])
+    program = assistant.from_joints(beyond, unit="deg", robot=IRB)
+    (finding,) = [f for f in assistant.check(program).findings if f.code.startswith("RB1")]
+    assert finding.code == "RB129" and "unit" not in finding.cure
+
+
+def test_few_joints_beyond_their_limits_are_reported_one_by_one():
+    rows = [[0, 0, 0, 0, 30, 0], [0, 0, 0, 0, 500, 500], [0, 0, 0, 0, -500, 0]]
+    found = assistant.check(assistant.from_joints(rows, unit="deg", robot=IRB)).findings
+    assert [f.code for f in found].count("RB109") == 3
+
+
+def test_metres_taken_as_millimetres_are_named_as_a_cause():
+    near = [[0.4, y, 0.5, 0, 1, 0, 0] for y in (-0.1, 0.1)]
+    for poses, named in ((near, True), (np.multiply(near, [100.0] * 3 + [1.0] * 4), False)):
+        found = assistant.check(assistant.from_poses(poses, unit="mm", robot=IRB)).findings
+        (finding,) = [f for f in found if f.code == "CO340"]
+        assert ("if the positions are metres" in finding.cure) is named
+
+
 LINE = [SE3(0.3, y, 0.3) * SE3.Rx(180, "deg") for y in (-0.1, 0.0, 0.1)]
 
 

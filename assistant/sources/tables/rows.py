@@ -504,11 +504,14 @@ _LAST_ROW = error(
     "the last row of the matrix is {row}, not 0 0 0 1{more}",
     "give homogeneous matrices with the position in the last column",
 )
+METRES_CURE: Final = (
+    'give millimetres, or say `unit = "m"` in the call, the file or its process file; columns of '
+    "metres are called `x_m`, `y_m` and `z_m`"
+)
 _LIKELY_METRES = warning(
     "TB208",
     "all {count} positions lie within {most:g} mm of the frame; are they metres?",
-    'give millimetres, or say `unit = "m"` in the file or its process file; columns of metres are '
-    "called `x_m`, `y_m` and `z_m`",
+    METRES_CURE,
 )
 
 LARGEST_POSITION: Final = 1e6
@@ -519,7 +522,7 @@ _SILENT_DEVIATION: Final = 1e-6
 """Deviation from unit length that counts as rounding in the last decimal."""
 _REPAIRABLE_DEVIATION: Final = 1e-3
 """Deviation from unit length up to which it is repaired with a warning."""
-_LIKE_METRES: Final = 3.0
+LIKE_METRES: Final = 3.0
 """mm; a path that stays this near to the origin of its frame is likely in metres."""
 
 LocateRow = Callable[[int], Mapping[str, Any]]
@@ -622,8 +625,8 @@ def metres_finding(positions: Floats, place: Mapping[str, Any]) -> list[Diagnost
     """A warning if positions look like metres."""
     # Points in one place are no path whose size could tell.
     apart = len(positions) > 1 and np.ptp(positions, axis=0).max() > 0.0
-    if apart and 0 < np.abs(positions).max() <= _LIKE_METRES:
-        return [_LIKELY_METRES(**place, count=len(positions), most=_LIKE_METRES)]
+    if apart and 0 < np.abs(positions).max() <= LIKE_METRES:
+        return [_LIKELY_METRES(**place, count=len(positions), most=LIKE_METRES)]
     return []
 
 

@@ -69,6 +69,7 @@ CASES: Final = (
         change=_process("position = [450, -40, 300]\n"),
     ),
     Case("CO340", f"check a.dxf {SMALL}", AT_BASE, (f"check a.dxf {SMALL} --place 450,-40,300",)),
+    Case("CO340", f"check a.csv {SMALL}", {"a.csv": METRES}, change={"a.csv": IN_METRES}),
     Case("TB208", "check a.csv", {"a.csv": METRES}, change={"a.csv": IN_METRES}),
     Case("CL050", "info a.csv", {"a.csv": ROWS}, ("show a.csv",)),
     Case("CT360", "check a.dxf", DRAWN | _process(WIDE), change=_process(WIDE + "misfit = 2\n")),

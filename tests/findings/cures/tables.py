@@ -36,6 +36,11 @@ METRES: Final = (
     '{"poses": [[[1,0,0,0.4],[0,-1,0,0],[0,0,-1,0.4],[0,0,0,1]],'
     "[[1,0,0,0.5],[0,-1,0,0],[0,0,-1,0.4],[0,0,0,1]]]}"
 )
+TURNS: Final = (
+    ",".join(f"j{n}_rad" for n in range(1, 7))
+    + "\n"
+    + "".join(f"{k},0,0,0,{40 + k},0\n" for k in range(8))
+)
 NAMED: Final = "name," + MIXED.replace("\n500", "\na,500").replace("\n,", "\nb,,")
 
 
@@ -127,6 +132,12 @@ CASES: Final = (
         "check a.json",
         {"a.json": METRES},
         change={"a.json": METRES.replace("}", ', "unit": "m"}')},
+    ),
+    Case(
+        "RB129",
+        "check a.csv -r irb1200-7-0.7",
+        {"a.csv": TURNS},
+        change={"a.csv": TURNS.replace("_rad", "_deg")},
     ),
     Case("TB208", "check a.json", {"a.json": METRES}, change={"a.process.toml": 'unit = "m"\n'}),
     Case(
