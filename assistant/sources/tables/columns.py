@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, has
 from assistant.program.motion import UNSTATED, Kind
 from assistant.sources.process import Process
 from assistant.sources.tables import rows
-from assistant.sources.tables.delimited_text import EMPTY_CELL, NOT_A_NUMBER, Cells
+from assistant.sources.tables.delimited_text import EMPTY_CELL, NOT_A_NUMBER, Cells, UnreadCells
 from assistant.sources.tables.headers import MOST_JOINTS, ORIENTATIONS, Column, shown
 from assistant.sources.tables.rows import (
     LARGEST_ANGLE,
@@ -133,14 +133,20 @@ def _first_column(columns: list[Column], group: str) -> int | None:
 
 def table_of(cells: Cells, columns: list[Column], process: Process) -> ColumnTable:
     """Every column read and checked; raises Refused with all that is wrong."""
-    values, findings = _number_columns(cells, columns)
+    try:
+        values, findings = _number_columns(cells, columns)
+    except UnreadCells as unread:
+        # The other rows are checked as well, so that one run reports all.
+        others = _findings_of(cells.those(~unread.rows), columns, process)
+        raise Refused(*unread.findings, *others) from None
     groups = {c.group for c in columns}
     of_joints, wrong = _row_kinds(cells, columns)
     findings += wrong
     orientation = next((o for o in ORIENTATIONS if o in groups), None)
-    n, poses = len(cells), ~of_joints
+    at_pose = [i for i, c in enumerate(columns) if c.group in ("position", orientation)]
+    n, poses = len(cells), ~of_joints & ~np.isnan(values[:, at_pose]).any(axis=1)
     positions, quaternions = np.zeros((n, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
-    if orientation and not wrong:
+    if orientation:
         at = np.flatnonzero(poses)
         given = _group_columns(columns, values, "position", 3)[at]
         findings += position_findings(given, _locate(cells, columns, "position", at))
@@ -178,6 +184,16 @@ def table_of(cells: Cells, columns: list[Column], process: Process) -> ColumnTab
     )  # fmt: skip
 
 
+def _findings_of(cells: Cells, columns: list[Column], process: Process) -> list[Diagnostic]:
+    """Return the faults of some rows, but for those of arcs, which may lack a row."""
+    if not len(cells):
+        return []
+    try:
+        return table_of(cells, columns, process).findings
+    except Refused as refused:
+        return [one for one in refused.findings if one.code != rows.BROKEN_ARC.code]
+
+
 def _number_columns(cells: Cells, columns: list[Column]) -> tuple[Floats, list[Diagnostic]]:
     """All numbers (n, k) in mm, degrees and mm/s; NaN for empty cells and columns of text."""
     wanted = [i for i, c in enumerate(columns) if c.group not in _TEXT_GROUPS]
@@ -213,8 +229,10 @@ def _blend_words(cells: Cells, column: int) -> tuple[Floats, list[Diagnostic]]:
             radii.append(float(word))
         else:
             radii.append(np.nan)
-            row = int(np.argmax(index == code))
-            findings.append(NOT_A_NUMBER(**cells.place(row, column), cell=shown(text), more=""))
+            wrong = index == code
+            place = cells.place(int(np.argmax(wrong)), column)
+            more = rows.more_rows(wrong, cells.place)
+            findings.append(NOT_A_NUMBER(**place, cell=shown(text), more=more))
     return np.array(radii)[index], findings
 
 
@@ -251,13 +269,17 @@ def _row_kinds(cells: Cells, columns: list[Column]) -> tuple[Truths, list[Diagno
             rows_with = np.asarray(holes.any(axis=1))
             row = int(np.argmax(rows_with))
             column = group[int(np.argmax(holes[row]))]
-            findings.append(EMPTY_CELL(**cells.place(row, column), more=rows.more_rows(rows_with)))
+            findings.append(
+                EMPTY_CELL(**cells.place(row, column), more=rows.more_rows(rows_with, cells.place))
+            )
     for rule, wrong in (
         (_NO_TARGET, ~some_pose & ~some_joint),
         (_BOTH_TARGETS, some_pose & some_joint),
     ):
         if wrong.any():
-            findings.append(rule(**cells.place(int(np.argmax(wrong))), more=rows.more_rows(wrong)))
+            findings.append(
+                rule(**cells.place(int(np.argmax(wrong))), more=rows.more_rows(wrong, cells.place))
+            )
     return some_joint, findings
 
 
@@ -299,7 +321,7 @@ def _move_kinds(
         rows.UNKNOWN_KIND(
             **cells.place(int(np.argmax(index == code)), column),
             name=shown(text),
-            more=rows.more_rows(index == code),
+            more=rows.more_rows(index == code, cells.place),
         )
         for code, text in enumerate(table[:_MOST_CODES])
         if text.strip().lower() not in words
@@ -334,7 +356,7 @@ def _configurations(
     )
     if wrong.any():
         place = cells.place(int(np.argmax(wrong)), column)
-        return None, [_NO_CONFIGURATION(**place, more=rows.more_rows(wrong))]
+        return None, [_NO_CONFIGURATION(**place, more=rows.more_rows(wrong, cells.place))]
     configurations = whole.astype(np.int8)
     configurations[none] = (UNSTATED, 0, 0, 0, 0, 0)
     return configurations, []
@@ -365,7 +387,7 @@ def _row_motions(
                     **cells.place(row, column),
                     what=shown(cells.header[column]),
                     value=float(values[row, column]),
-                    more=rows.more_rows(low),
+                    more=rows.more_rows(low, cells.place),
                 )
             )
         known = values[:, [column]]
@@ -422,7 +444,7 @@ def _name_indices(
                 rule(
                     **cells.place(int(np.argmax(where)), column),
                     name=shown(wanted),
-                    more=rows.more_rows(where),
+                    more=rows.more_rows(where, cells.place),
                     cure=rows.cure_for(group, wanted, table),
                 )
             )

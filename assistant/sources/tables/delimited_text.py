@@ -6,21 +6,31 @@ Cells are found, counted and read without a Python object for each row.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.base.arrays import Floats, Rows
+from assistant.base.arrays import Floats, Rows, Truths
 from assistant.base.columns import read_numbers
 from assistant.base.data_classes import dataclass
-from assistant.base.diagnostics import Diagnostic, Refused, Severity, Span, Unreadable, error, info
+from assistant.base.diagnostics import (
+    Diagnostic,
+    Refused,
+    Rule,
+    Severity,
+    Span,
+    Unreadable,
+    error,
+    info,
+)
 from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, decode
 from assistant.sources.tables.headers import shown
 from assistant.sources.tables.plain_tables import plain_numbers
+from assistant.sources.tables.rows import more_rows
 
 ERROR: Final = Severity.ERROR
 _COMMA_DECIMAL = error(
@@ -44,6 +54,9 @@ _BLANKS: Final = b" \t"
 _ROWS_AT_ONCE: Final = 1 << 14
 """Rows read at a time, so that what is made of them stays in the processor's cache."""
 _WIDEST: Final = 256
+_FEW_CELLS: Final = 16
+"""Cells that are looked at one by one where one of them is no number."""
+_PLAIN_NUMBER: Final = re.compile(rb"[+-]?[0-9.]+([eE][+-]?[0-9]+)?")
 _NUMERIC_BYTES: Final = b"0123456789+-.eE "
 _NUMBER_HINTS: Final = (
     (re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?|[+-]?\d{1,3}(\.\d{3})+,\d+"), _COMMA_DECIMAL),
@@ -125,10 +138,14 @@ class Cells:
         label = f"column {column + 1}"
         return {"path": self.path, "place": label, "line": self.header_line}
 
+    def those(self, rows: Truths) -> Cells:
+        """Some of the rows."""
+        return replace(self, starts=self.starts[rows], ends=self.ends[rows])
+
     def numbers(self, columns: list[int]) -> NDArray[np.float64]:
         """Return the numbers (n, c) of some columns in the file's order, NaN for empty cells.
 
-        Raises Refused with the first cell of each column that is not a number.
+        Raises UnreadCells if one is not a number.
         """
         # Numbers are read in the file's order, in which the offsets ascend.
         columns = sorted(columns)
@@ -141,7 +158,7 @@ class Cells:
             present = starts < ends
             found = self._parsed(starts[present], ends[present])
             if found is None:
-                raise Refused(*self._not_numbers(columns))
+                raise self._unread(columns)
             values[rows][present] = found
         return values
 
@@ -194,30 +211,56 @@ class Cells:
         # a cell holds at least one number, so as many numbers as cells is one in each
         return found if len(found) == len(starts) else None
 
-    def _not_numbers(self, columns: list[int]) -> list[Diagnostic]:
-        return [finding for column in columns for finding in self._not_numbers_in(column)]
+    def _unread(self, columns: list[int]) -> UnreadCells:
+        """The cells of some columns that are not numbers, each fault of a column once."""
+        rows, findings = np.zeros(len(self), dtype=np.bool_), []
+        for column in columns:
+            wrong = self._not_numbers_in(column)
+            rows[wrong] = True
+            alike: dict[Rule, list[int]] = {}
+            for row in wrong.tolist():
+                cell = self.text(row, column)[:200]
+                hints = (rule for hint, rule in _NUMBER_HINTS if hint.fullmatch(cell))
+                alike.setdefault(next(hints, NOT_A_NUMBER), []).append(row)
+            for rule, those in alike.items():
+                cell, place = shown(self.text(those[0], column)), self.place(those[0], column)
+                findings.append(
+                    rule(**place, cell=cell, more=more_rows(np.array(those), self.place))
+                )
+        return UnreadCells(rows, sorted(findings, key=lambda one: one.line or 0))
 
-    def _not_numbers_in(self, column: int) -> list[Diagnostic]:
+    def _not_numbers_in(self, column: int) -> Rows:
+        """The rows of a column whose cells are not numbers."""
         rows = np.flatnonzero(self.starts[:, column] < self.ends[:, column])
-        starts, ends = self.starts[rows, column], self.ends[rows, column]
-        if self._parsed(starts, ends) is not None:
-            return []
-        # Bisection: parsing in columns tells only that some cell is wrong.
-        low, high = 0, len(rows)  # the first bad cell lies in rows[low:high]
-        while high - low > 1:
-            middle = (low + high) // 2
-            if self._parsed(starts[low:middle], ends[low:middle]) is None:
-                high = middle
-            else:
-                low = middle
-        rest = self._parsed(starts[high:], ends[high:]) is None
-        row = int(rows[low])
-        cell = self.text(row, column)
-        rule = next(
-            (rule for hint, rule in _NUMBER_HINTS if hint.fullmatch(cell[:200])), NOT_A_NUMBER
-        )
-        more = ", and so are others below it" if rest else ""
-        return [rule(**self.place(row, column), cell=shown(cell), more=more)]
+        wrong = []
+        # Parsing in columns tells only that some cell is wrong.
+        parts = [rows]
+        while parts:
+            part = parts.pop()
+            if self._parsed(self.starts[part, column], self.ends[part, column]) is not None:
+                continue
+            if len(part) <= _FEW_CELLS:
+                wrong += [row for row in part.tolist() if not self._is_number(row, column)]
+                continue
+            middle = len(part) // 2
+            parts += [part[middle:], part[:middle]]
+        return np.array(wrong, dtype=np.intp)
+
+    def _is_number(self, row: int, column: int) -> bool:
+        """True if a cell is a number alone."""
+        start, end = self.starts[row, column], self.ends[row, column]
+        if _PLAIN_NUMBER.fullmatch(self.data, start, end) is None:
+            return False
+        one = np.array([row])
+        return self._parsed(self.starts[one, column], self.ends[one, column]) is not None
+
+
+class UnreadCells(Refused):
+    """Cells are not numbers. rows: which of all (n,) have one."""
+
+    def __init__(self, rows: Truths, findings: Sequence[Diagnostic]) -> None:
+        super().__init__(*findings)
+        self.rows = rows
 
 
 def _unescaped_cell(cell: bytes) -> str:
@@ -489,7 +532,7 @@ def _without_blank_lines(
         cells = [text[a:b] for a, b in zip(starts[of_row], ends[of_row], strict=True)]
         # All cells are digits: the commas are likely decimal ones.
         commas = counts[row] > width and all(re.fullmatch(rb"[+-]?\d+([eE]\d+)?", c) for c in cells)
-        more = f" ({len(wrong)} such rows)" if len(wrong) > 1 else ""
+        more = more_rows(wrong, lambda row: _line_at(text, int(starts[first[row]])))
         raise Refused(
             (_COMMA_ROW if commas else _RAGGED)(
                 path=path,

@@ -468,9 +468,26 @@ _SINGLE_MOVES: Final = (Move, MoveCircular, MoveJoints)
 _MOVES: Final = (*_SINGLE_MOVES, Follow)
 
 
-def more_rows(rows: Truths) -> str:
-    count = int(np.count_nonzero(rows))
-    return f" ({count} such rows)" if count > 1 else ""
+def more_rows(rows: Truths | Rows, locate: RowPlace) -> str:
+    """Return how many rows have a fault that is reported at the first one, and which they are.
+
+    rows: which of all (n,), or their numbers.
+    """
+    at = np.flatnonzero(rows) if rows.dtype == np.bool_ else rows
+    if len(at) < 2:
+        return ""
+    places = [locate(int(row)) for row in at[:_MOST_NAMED_ROWS]]
+    lines = "line" in places[0]
+    named = ", ".join(str(place["line" if lines else "place"]) for place in places)
+    rest = len(at) - len(places)
+    return (
+        f" ({len(at)} such rows: {'lines ' if lines else ''}{named}"
+        f"{f' and {rest} more' if rest else ''})"
+    )
+
+
+_MOST_NAMED_ROWS: Final = 20
+"""Rows with the same fault that are named."""
 
 
 NOT_FINITE = error("TB201", "{what} {value} is not finite{more}", "mend or remove the row")
@@ -548,7 +565,9 @@ def position_findings(
         rows = np.flatnonzero(~finite.all(axis=1))
         value = values[rows[0]][~finite[rows[0]]][0]
         findings.append(
-            NOT_FINITE(**locate(int(rows[0])), what=what, value=float(value), more=_rows_more(rows))
+            NOT_FINITE(
+                **locate(int(rows[0])), what=what, value=float(value), more=more_rows(rows, locate)
+            )
         )
     large = np.abs(np.where(finite, values, 0.0)) > most
     if large.any():
@@ -560,7 +579,7 @@ def position_findings(
                 what=what,
                 value=float(value),
                 most=most,
-                more=_rows_more(rows),
+                more=more_rows(rows, locate),
             )
         )
     return findings
@@ -581,7 +600,9 @@ def unit_quaternions(quaternions: Floats, locate: LocateRow) -> tuple[Floats, li
     bad = np.flatnonzero(~(miss <= _REPAIRABLE_DEVIATION))
     if len(bad):
         row = int(bad[0])
-        return quaternions, [_NOT_UNIT(**locate(row), length=lengths[row], more=_rows_more(bad))]
+        return quaternions, [
+            _NOT_UNIT(**locate(row), length=lengths[row], more=more_rows(bad, locate))
+        ]
     if len(off := np.flatnonzero(miss > _SILENT_DEVIATION)):
         worst = int(np.argmax(miss))
         findings.append(_NORMALISED(**locate(worst), count=len(off), length=lengths[worst]))
@@ -601,7 +622,7 @@ def poses_of_matrices(
     last = np.flatnonzero((np.abs(matrices[:, 3] - [0, 0, 0, 1]) > 1e-9).any(axis=1))
     if len(last):
         row = " ".join(f"{v:g}" for v in matrices[last[0], 3])
-        findings.append(_LAST_ROW(**locate(int(last[0])), row=row, more=_rows_more(last)))
+        findings.append(_LAST_ROW(**locate(int(last[0])), row=row, more=more_rows(last, locate)))
     turn = matrices[:, :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):
         # A rotation's transpose is its inverse.
@@ -612,7 +633,7 @@ def poses_of_matrices(
     bad = np.flatnonzero(~(miss <= _REPAIRABLE_DEVIATION))
     if len(bad):
         first = int(bad[0])
-        findings.append(_NOT_RIGID(**locate(first), miss=miss[first], more=_rows_more(bad)))
+        findings.append(_NOT_RIGID(**locate(first), miss=miss[first], more=more_rows(bad, locate)))
     if findings:
         return positions, np.empty((0, 4)), findings
     if len(off := np.flatnonzero(miss > _SILENT_DEVIATION)):
@@ -628,7 +649,3 @@ def metres_finding(positions: Floats, place: Mapping[str, Any]) -> list[Diagnost
     if apart and 0 < np.abs(positions).max() <= LIKE_METRES:
         return [_LIKELY_METRES(**place, count=len(positions), most=LIKE_METRES)]
     return []
-
-
-def _rows_more(rows: Rows) -> str:
-    return f" ({len(rows)} such rows)" if len(rows) > 1 else ""

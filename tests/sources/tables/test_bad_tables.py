@@ -237,3 +237,41 @@ def test_a_value_that_is_no_number_is_told_of_at_its_own_signal() -> None:
         read(text, cell)
     (found,) = refused.value.findings
     assert found.place == "column `set_flow`"
+
+
+def found_in(text: str) -> list[tuple[str, int | None, str]]:
+    with pytest.raises(Refused) as caught:
+        read(text)
+    return [(one.code, one.line, one.message) for one in caught.value.findings]
+
+
+def test_all_rows_that_are_wrong_are_reported_at_once() -> None:
+    lines = [
+        POSE + ",blend_mm",
+        "1,a,3,1,0,0,0,5",
+        "1,b,3,1,0,0,0,5",
+        '1,"1,5",3,1,0,0,0,x',
+        "1,2,3,1,0,0,0.4,5",
+        "1e9,2,3,1,0,0,0,-4",
+        "1,,3,1,0,0,0,5",
+    ]
+    found = found_in("\n".join(lines) + "\n")
+    assert [(code, line) for code, line, _ in found] == [
+        ("TB125", 2), ("TB121", 4), ("TB125", 4), ("TB126", 7), ("TB202", 6), ("TB203", 5),
+        ("TB306", 6),
+    ]  # fmt: skip
+    assert found[0][2].endswith("(2 such rows: lines 2, 3)")
+
+
+def test_of_many_rows_that_are_wrong_the_first_are_named() -> None:
+    ((code, line, message),) = found_in(POSE + "\n1,2,3,1,0,0,0\n" + "1,2,z,1,0,0,0\n" * 300)
+    assert (code, line) == ("TB125", 3)
+    assert "(300 such rows: lines 3, 4, " in message and message.endswith("22 and 280 more)")
+    ((code, line, message),) = found_in(POSE + "\n" + "1,2,3\n1,2,3,1,0,0,0\n" * 2)
+    assert (code, line) == ("TB114", 2) and message.endswith("(2 such rows: lines 2, 4)")
+
+
+def test_a_row_that_cannot_be_read_breaks_no_arc() -> None:
+    rows = "".join(f"{x},2,3,1,0,0,0,{kind}\n" for x, kind in ((1, "linear"), ("a", "via")))
+    ((code, _, _),) = found_in(f"{POSE},motion\n{rows}5,2,3,1,0,0,0,end\n")
+    assert code == "TB125"
