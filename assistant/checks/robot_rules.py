@@ -296,10 +296,11 @@ _IRC5_CYCLE: Final = 0.004
 _LEAST_IN_A_ROW: Final = 10
 """So many such moves must follow each other: a few among longer ones are planned ahead."""
 
-_TOO_DENSE: Final = info(
+_TOO_DENSE: Final = warning(
     "CK323",
     "targets {way} mm apart are passed every {passed} ms, which is less than the "
-    "{cycle} ms in which the controller commands a place{worst}",
+    "{cycle} ms in which the controller commands a place: the arm may slow down or stop on the way"
+    "{worst}",
     "leave targets out, or state a lower speed",
 )
 

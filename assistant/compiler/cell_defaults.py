@@ -208,6 +208,8 @@ def with_cell_values(
     dedicated = _dedicated_signals(to, language)
     findings += tuple(_numbers_of_controller(program, dedicated, cell, str(path)))
     program, unnumbered = _with_signal_numbers(program, wanted, dedicated)
+    if to is not None:
+        unnumbered = [_with_hint(one, to) for one in unnumbered]
     findings += tuple(_arms_unused(cell, taught, program.robot, str(path)))
     arm = Wanted(TAUGHT_ON, "arm")
     joints = (
@@ -839,6 +841,13 @@ def _with_signal_numbers(
         known = uses.get(name.lower(), Wanted(name, "signal"))
         missing.append(replace(known, name=name, signal=signals[name]))
     return (replace(program, signals=signals) if missing else program), missing
+
+
+def _with_hint(one: Wanted, to: Language[Any]) -> Wanted:
+    """Return a signal with the numbers that controllers of a language have for it."""
+    if one.signal is None or one.signal.kind == "analog":
+        return one
+    return replace(one, numbers=to.signal_numbers)
 
 
 def _numbers_taken(taken: dict[tuple[str, bool], set[int]], signal: Signal) -> set[int]:

@@ -147,6 +147,8 @@ class Language(abc.ABC, Generic[T]):
     """True if joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
     dedicated_signals: Mapping[str, Mapping[int, str]] = MappingProxyType({})
     """By `input` and `output`: numbers that its controllers use themselves when they are new."""
+    signal_numbers: str = ""
+    """The numbers that its controllers have for signals that are not analog, for a cell file."""
     called_by_file: bool = False
     """True if other programs call this one by its file name, and see nothing else of it."""
     steps: bool = False

@@ -167,6 +167,7 @@ class Wanted:
     plainest value, None if its type has no values. perhaps: another kind that the uses allow as
     well, `type` if they show no type of data, None if they show the kind; what the cell states
     counts. sets: data of the program that a routine gives values to, if that is known of it.
+    numbers: of a signal, the numbers that its controller has for such.
     """
 
     name: str
@@ -180,6 +181,7 @@ class Wanted:
     nothing: Plain | None = None
     perhaps: Literal["signal", "data", "type"] | None = None
     sets: tuple[str, ...] = ()
+    numbers: str = ""
 
 
 Supplied: TypeAlias = Sequence[tuple[Wanted, SuppliedValue | None]]

@@ -401,7 +401,7 @@ def _keys(wanted: Wanted, value: SuppliedValue | None) -> Iterator[tuple[str, An
             signal = wanted.signal or Signal("digital", "input")
             yield "kind", signal.kind, ""
             yield "direction", signal.direction, ""
-            yield "number", signal.number, ""
+            yield "number", signal.number, "" if signal.number is not None else wanted.numbers
             if signal.kind == "group":
                 yield "bits", signal.bits if signal.number is not None else None, ""
         case "data":

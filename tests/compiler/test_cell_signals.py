@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from assistant import languages
 from assistant.base.diagnostics import Refused
 from assistant.compiler import load, translate
-from assistant.compiler.cell_defaults import with_values_of_file
+from assistant.compiler.cell_defaults import cell_text, with_values_of_file
 from assistant.compiler.motion_proof import Proving
+from assistant.sources.cell_values import NO_CELL, with_entries
 
 RAPID = """MODULE M
 CONST robtarget p1:=[[400,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
@@ -165,6 +167,17 @@ def test_free_numbers_are_none_that_a_new_controller_uses_itself(tmp_path: Path)
     inputs = {one.number for one in signals if one.direction == "input"}
     assert len(signals) == 27 and inputs == set(range(6, 15))
     assert min(one.number or 0 for one in signals if one.direction == "output") == 4
+
+
+def test_a_cell_file_has_the_numbers_that_the_controller_knows(tmp_path: Path) -> None:
+    program = written(tmp_path, "m.mod", RAPID.format(statement="SetDO part,1;"))
+    loaded = with_values_of_file(
+        load(program), tmp_path / "cell.toml", to=languages.get("melfa-basic-5")
+    )
+    text = cell_text(NO_CELL, loaded.wanting)
+    assert 'number = "?"  # as wired: 0 to 255 parallel' in text
+    stated = with_entries("", [(one, None) for one in loaded.wanting])
+    assert "as wired" not in stated
 
 
 def test_numbers_of_a_program_in_the_language_of_the_controller_are_its_own(tmp_path: Path) -> None:

@@ -177,6 +177,12 @@ CONNECTION_STATUS: Final = "M_Open"
 
 _HANDS: Final = range(900, 908)
 """Signals of the hands: valves, and the switches that check them."""
+SIGNAL_NUMBERS: Final = (
+    "as wired: 0 to 255 parallel, 900 to 907 hand, from 2000 PROFIBUS or EtherNet/IP, "
+    "from 6000 CC-Link"
+)
+"""For the person who fills in a cell file. As the samples of the manuals and public programs have
+them; which of the networks are there depends on the cards in the controller."""
 DEDICATED_SIGNALS: Final = MappingProxyType({
     "input": MappingProxyType({
         0: "stops all programs (STOP)",

@@ -175,6 +175,10 @@ _PERCENT_CURE: Final = (
     "name both arms, or state `joint_speed` (mm/s) in the process file or the cell file (--cell)"
 )
 """Speed in mm/s that corresponds to one percent."""
+_SPEED_CURE: Final = "state a speed in mm/s"
+_JOINT_SPEED_CURE: Final = (
+    "state `joint_speed` (mm/s) in the process file or the cell file if that is too fast"
+)
 
 
 class _MotionAdapter:
@@ -233,7 +237,8 @@ class _MotionAdapter:
             cure = _PERCENT_CURE
             self._job.cannot(f"a joint speed of {speed.joint:g} % alone", cure, about)
         elif changed:
-            self._job.changed(changed, speed_name(said), "state a speed in mm/s", about)
+            asks = _JOINT_SPEED_CURE if math.isinf(speed.tcp) and speed.joint else _SPEED_CURE
+            self._job.changed(changed, speed_name(said), asks, about)
         # Written as a negation, so that NaN is refused too.
         if not all(v > 0 for v in (said.tcp, said.rotation)) or said.tcp != said.tcp:
             self._job.cannot(f"a speed of {said.tcp} mm/s", "state a speed above 0", about)
