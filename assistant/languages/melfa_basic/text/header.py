@@ -41,6 +41,9 @@ THERE: Final = "elsewhere: "
 _PRODUCTS: Final = "frames: product"
 """Says that frames are no `Base`, but what targets are multiplied by."""
 
+_INVERSE: Final = "note: frames are inverse, as Base takes them: the robot seen from the frame"
+"""For the person who compares their values with those of another robot."""
+
 _AS_IS: Final = ("robot",)
 """Items whose values are not names of the program."""
 
@@ -103,6 +106,8 @@ def header_lines(header: Header, dialect: str) -> Iterator[str]:
     yield from (THERE + text for text in header.there)
     for kind in NAME_KINDS:
         yield from packed(kind, starmap(_name_entry, header.names[kind].items()))
+        if kind == "frame" and header.names[kind] and not header.products and not header.there:
+            yield _INVERSE
     yield from packed("path", (f"P{a}-P{b} = {in_ascii(n)}" for a, b, n in header.paths))
     yield from packed("inline", header.inline)
     for name, signal in header.signals.items():
