@@ -418,7 +418,7 @@ class _ProgramSolver:
     ) -> Floats | None:
         """The angles of the robot's axes; findings, if it has a label, for what is wrong.
 
-        lineless: the move is a row of a table or an array, of which there may be thousands.
+        lineless: it is a row of a table or an array, of which there may be thousands.
         """
         robot = self.robot
         given = np.array(robot.own_joints(target.joints), dtype=np.float64)
@@ -485,9 +485,10 @@ class _ProgramSolver:
         )
 
     def joint_targets(self) -> None:
+        lineless = all(one.span is None for one in self.program.statements())
         for name, target in self.program.joint_targets.items():
             if not _is_of_other_axes(target):
-                self.joints(target, Declared(name, "joint_targets"))
+                self.joints(target, Declared(name, "joint_targets"), lineless=lineless)
 
     def unknown_targets(self) -> None:
         """Reports once the moves whose targets only running the program tells."""

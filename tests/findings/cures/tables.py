@@ -41,6 +41,9 @@ TURNS: Final = (
     + "\n"
     + "".join(f"{k},0,0,0,{40 + k},0\n" for k in range(8))
 )
+NAMED_TURNS: Final = "name," + "".join(
+    line if not k else f"p{k},{line}" for k, line in enumerate(TURNS.splitlines(keepends=True))
+)
 NAMED: Final = "name," + MIXED.replace("\n500", "\na,500").replace("\n,", "\nb,,")
 
 
@@ -138,6 +141,12 @@ CASES: Final = (
         "check a.csv -r irb1200-7-0.7",
         {"a.csv": TURNS},
         change={"a.csv": TURNS.replace("_rad", "_deg")},
+    ),
+    Case(
+        "RB128",
+        "check a.csv -r irb1200-7-0.7",
+        {"a.csv": NAMED_TURNS},
+        change={"a.csv": NAMED_TURNS.replace("_rad", "_deg")},
     ),
     Case("TB208", "check a.json", {"a.json": METRES}, change={"a.process.toml": 'unit = "m"\n'}),
     Case(

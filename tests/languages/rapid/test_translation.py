@@ -493,3 +493,10 @@ def test_modules_are_not_loaded_while_the_arm_moves() -> None:
     program = packed(9, 16, blend=Blend(5.0))
     # Nothing stops between the contours, so that each path has a module as before.
     assert all("part" in q.name for q in program.procedures if q.unit)
+
+
+def test_joint_moves_at_full_speed_name_the_key_that_slows_them_down() -> None:
+    fastest = p.Motion(replace(MAXIMUM_SPEED, tcp=math.inf, joint=100.0), FINE)
+    program = main(p.Move("joint", e.Name("a"), fastest), targets={"a": Target(Pose())})
+    (found,) = [one for one in RAPID.adapt(program).findings if one.code == "RA306"]
+    assert "vmax" in found.message and "`joint_speed`" in found.cure
