@@ -165,7 +165,7 @@ class Contour:
 
     starts: (curve, part of it) where a closed one may start, its own start first; none: at any
     joint. Such curves are lines and arcs. fixed: an open one that is not to be run backwards.
-    number: to know it by.
+    backwards: an open one that is run against the way in which it is drawn. number: to know it by.
     """
 
     curves: tuple[Curve, ...]
@@ -173,6 +173,7 @@ class Contour:
     layer: str = ""
     starts: tuple[tuple[int, float], ...] = ()
     fixed: bool = False
+    backwards: bool = False
     number: int = 0
 
     @property
@@ -215,7 +216,8 @@ class Contour:
         return replace(self, curves=self.curves[vertex:] + self.curves[:vertex])
 
     def reversed(self) -> Contour:
-        return replace(self, curves=tuple(c.reversed() for c in reversed(self.curves)))
+        curves = tuple(c.reversed() for c in reversed(self.curves))
+        return replace(self, curves=curves, backwards=not self.backwards)
 
 
 def chain_curves(

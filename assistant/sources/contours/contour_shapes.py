@@ -1,9 +1,10 @@
 """Shape of a contour in words: what it is for the people who read the program.
 
 A closed contour inside an odd number of others is a hole (round), a slot or an opening; any other
-one is an outline, or a circle if it is round and holds nothing. Open contours have no shape: the
-name of their layer says what they are. Sizes and positions are mm in the axes of the drawing,
-so that a reader finds the contour there.
+one is an outline, or a circle if it is round and holds nothing. The size of a round one is its
+diameter. Open contours have no shape: the name of their layer says what they are, and their
+ends are in the order in which they are given. Sizes and positions are mm in the axes of the
+drawing, so that a reader finds the contour there.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ def _shape(
         centre, radius = circle
         kind = "hole" if nesting.inside else "outline" if nesting.holds else "circle"
         return ContourShape(
-            kind, f"{kind} {number_text(2.0 * radius)} at {_place(centre, back, tolerance)}"
+            kind, f"{kind} dia. {number_text(2.0 * radius)} at {_place(centre, back, tolerance)}"
         )
     if (slot := _slot(contour, tolerance)) is not None:
         return ContourShape(

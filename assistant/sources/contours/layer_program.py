@@ -354,7 +354,6 @@ def _layer_procedure(
     if not contours:
         return [], {}, findings, []
     around = _remaining_holders(nesting.holders if layer.inside_first else [], shaped)
-    shapes = contour_shapes(drawn, nesting, layer.direction, process.placement, process.tolerance)
     if layer.order == "travel":
         standing = FramedSurroundings.of(process, layer.motion)
         measure = travel_measure(layer, placed, standing) if process.defaults.travels else None
@@ -363,6 +362,10 @@ def _layer_procedure(
         left = [one for one, became in zip(drawn, shaped, strict=True) if became is not None]
         order, said = stated_order(contours, left, around, layer.order, texts)
         findings += said
+    # An open contour is described as it is run: that may be against the way it is drawn.
+    back = {one.number for one in order.contours if one.backwards}
+    run = [one.reversed() if k in back else one for k, one in enumerate(drawn)]
+    shapes = contour_shapes(run, nesting, layer.direction, process.placement, process.tolerance)
     if len(contours) > 1 and layer.order == "travel":
         inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
         findings.append(
@@ -478,7 +481,9 @@ def _procedures(
 
 def _described(shape: ContourShape, layer: str) -> Iterator[Statement]:
     """The comment that says what a contour is."""
-    yield Comment(_printable_line(shape.text if shape.kind else f"{layer}, {shape.text}"))
+    # A bare number would read as one of the sizes: `0, 44.4 mm`.
+    named = layer if any(c.isalpha() for c in layer) else f"layer {layer}"
+    yield Comment(_printable_line(shape.text if shape.kind else f"{named}, {shape.text}"))
 
 
 def _pass_text(at: int, ways: Sequence[ToolPath]) -> str:

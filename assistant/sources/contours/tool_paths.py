@@ -288,6 +288,11 @@ class _ContourOffsets:
         return self.sided or self.shaping.way_round == "drawn"
 
     @property
+    def on_left(self) -> bool:
+        """True if the tool is on the left of an open contour, as it is drawn."""
+        return self.shaping.side == "left"
+
+    @property
     def anticlockwise(self) -> bool:
         return _anticlockwise(self.pieces, self.tolerance)
 
@@ -334,7 +339,7 @@ class _ContourOffsets:
 
     def _rings(self, offset: float, level: float) -> list[OffsetRing]:
         """The ways at an offset, each as it comes."""
-        closed, left = self.contour.closed, self.shaping.side == "left"
+        closed, left = self.contour.closed, self.on_left
         if not offset:
             # Without an offset the contour is its own path.
             places = corner_joints(self.pieces, closed=closed)
@@ -681,6 +686,7 @@ class PathShaper:
                 contour.layer,
                 main.starts if main.closed else (),
                 not main.closed and one.fixed,
+                not main.closed and main.left != one.on_left,
                 k,
             )
             found = (given.deviation, given.fitted, given.dropped)

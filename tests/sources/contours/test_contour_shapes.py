@@ -1,5 +1,6 @@
 """What contours are called and said to be, and the procedures that a style makes of them."""
 
+import math
 import re
 
 import ezdxf
@@ -59,11 +60,11 @@ def test_each_contour_is_a_procedure_that_says_what_it_is(tmp_path):
     program = load(drawn(tmp_path, sheet)).program
     assert comments(program) == {
         "PLATE": ["layer PLATE"],
-        "hole_1": ["hole 6.6 at 125, 110"],
+        "hole_1": ["hole dia. 6.6 at 125, 110"],
         "slot_1": ["slot 40 x 10 at 95, 65"],
         "opening_1": ["opening 20 x 15 at 40, 67.5"],
         "outline_1": ["outline 200 x 150"],
-        "plate_1": ["PLATE, 50 mm, from 150, 70 to 180, 110"],
+        "plate_1": ["PLATE, 50 mm, from 180, 110 to 150, 70"],
     }
     assert [s.procedure for s in bodies(program)["main"]] == ["PLATE"]
     called = [s.procedure for s in bodies(program)["PLATE"] if isinstance(s, Call)]
@@ -83,7 +84,7 @@ def test_sizes_are_those_of_the_drawing_wherever_it_is_placed(tmp_path):
 
     placed = PROCESS + "[placement]\nposition = [10, 20, 30]\neuler_zyx = [90, 0, 0]\n"
     program = load(drawn(tmp_path, draw, placed, units=1)).program
-    assert comments(program)["hole_1"] == ["hole 12.7 at 25.4, 25.4"]
+    assert comments(program)["hole_1"] == ["hole dia. 12.7 at 25.4, 25.4"]
     assert comments(program)["outline_1"] == ["outline 101.6 x 50.8"]
 
 
@@ -97,13 +98,11 @@ def test_a_part_in_the_hole_of_another_one_has_an_outline(tmp_path):
     said = comments(program)
     assert said["opening_1"] == ["opening 60 x 60 at 0, 0"]
     assert [said[f"outline_{n}"] for n in (1, 2)] == [["outline 40 x 40"], ["outline 100 x 100"]]
-    assert said["hole_1"] == ["hole 20 at 0, 0"]
+    assert said["hole_1"] == ["hole dia. 20 at 0, 0"]
 
 
 @pytest.mark.parametrize(("sides", "kind"), [(8, "outline"), (64, "circle")])
 def test_a_circle_of_chords_is_a_circle_and_an_octagon_none(tmp_path, sides, kind):
-    import math
-
     def draw(model):
         corners = [
             (50 + 20 * math.cos(2 * math.pi * k / sides), 20 * math.sin(2 * math.pi * k / sides))
@@ -148,6 +147,84 @@ def test_every_form_is_proven_and_moves_alike(tmp_path, procedures, language):
     assert names == {name.lower() for name in STYLES[procedures]}
 
 
+LINES = """\
+[layers.0]
+[layers.RAISED]
+approach = 5
+retract = 80
+[layers.DEEP]
+depth = 4
+passes = 2
+[layers.DRAWN]
+order = "drawing"
+[layers.BESIDE]
+side = "left"
+offset = 3
+way_round = "conventional"
+[layers.LED]
+side = "right"
+lead_in = {tangent = 2}
+lead_out = {arc = 2, angle = 90}
+way_round = "climb"
+"""
+MOVED = re.compile(r"(?:MoveL|MoveC|Mvs|Mvr) (.*)")
+PLACED = re.compile(r"(\w+):?=\[?[\[(]([-+\d.]+),([-+\d.]+),")
+RUN = re.compile(r"[!'] (.*), 40 mm, from (\S+), (\S+) to (\S+), (\S+)")
+
+
+def run_lines(text):
+    """For each comment on an open contour: its layer, its two points, and the points of the moves
+    that are not above the work.
+    """
+    targets = {name: (float(x), float(y)) for name, x, y in PLACED.findall(text)}
+    found = []
+    for line in text.splitlines():
+        if said := RUN.search(line):
+            layer, *points = said.groups()
+            ends = [*map(float, points)]
+            found.append((layer, tuple(ends[:2]), tuple(ends[2:]), []))
+        elif (moved := MOVED.search(line)) and ",-" not in line:
+            found[-1][3].append(
+                [targets[w] for w in re.findall(r"\w+", moved[1]) if w in targets][-1]
+            )
+    return found
+
+
+@pytest.mark.parametrize("language", ["rapid", "melfa-basic-5"])
+@pytest.mark.parametrize("procedures", [*STYLES])
+def test_ends_of_an_open_contour_are_in_the_order_in_which_it_is_run(
+    tmp_path, procedures, language
+):
+    layers = [line[8:-1] for line in LINES.splitlines() if line.startswith("[layers.")]
+
+    def draw(model):
+        for row, layer in enumerate(layers):
+            for x in range(20 * row, 20 * row + 20, 10):
+                model.add_line((x, 0), (x, 40), dxfattribs={"layer": layer})
+
+    process = PROCESS.replace("[layers.PLATE]\n", LINES) + f'[style]\nprocedures = "{procedures}"\n'
+    robot = {"rapid": "irb1200-7-0.7", "melfa-basic-5": "rv-7frl"}[language]
+    made = assistant.compile(drawn(tmp_path, draw, process), language=language, robot=robot)
+    assert made.ok, made.findings
+    (text,) = (raw.decode() for raw in made.files.values())
+    ways = {}
+    for layer, start, end, points in run_lines(text):
+        ways.setdefault(layer, []).append(end[1] - start[1])
+        if layer in ("BESIDE", "LED"):
+            assert math.dist(points[0], start) < 7 and math.dist(points[-1], end) < 7
+        else:
+            assert points == [start, end] * (2 if layer == "DEEP" else 1)
+    # Each second one against the way it is drawn, unless that is fixed.
+    assert ways == {
+        "layer 0": [40, -40],
+        "RAISED": [40, -40],
+        "DEEP": [40, -40],
+        "DRAWN": [40, 40],
+        "BESIDE": [-40, -40],
+        "LED": [-40, -40],
+    }
+
+
 def test_position_numbers_have_the_name_of_their_contour_beside_them(tmp_path):
     path = drawn(tmp_path, sheet)
     for language in ("melfa-basic-5", "melfa-basic-6"):
@@ -189,6 +266,6 @@ def test_passes_of_a_contour_are_in_its_procedure(tmp_path):
     keys = "depth = 4\npasses = 2\n"
     program = load(drawn(tmp_path, sheet, PROCESS + keys)).program
     assert comments(program)["hole_1"] == [
-        "hole 6.6 at 125, 110", "pass 1 of 2, 2 mm deep", "pass 2 of 2, 4 mm deep",
+        "hole dia. 6.6 at 125, 110", "pass 1 of 2, 2 mm deep", "pass 2 of 2, 4 mm deep",
     ]  # fmt: skip
     assert {"hole_1_pass_1_start", "hole_1_pass_2_start"} <= program.targets.keys()
