@@ -648,10 +648,15 @@ _SIGNS: Final = {
     "、": ", ", "。": ". ", "・": " ", "「": '"', "」": '"', "『": '"', "』": '"',
     "【": "[", "】": "]", "〜": "-", "～": "-", "—": "-", "–": "-", "―": "-",
     "‘": "'", "’": "'", "“": '"', "”": '"',
-    "→": "->", "←": "<-", "⇒": "=>", "°": " deg", "×": "x", "μ": "u", "µ": "u", "φ": "dia. ",
-    "Φ": "dia. ", "Ø": "dia. ", "★": "*", "☆": "*", "■": "#", "□": "#", "●": "*", "○": "o",
+    "→": "->", "←": "<-", "⇒": "=>", "°": " deg", "×": "x", "μ": "u", "µ": "u", "★": "*",
+    "☆": "*", "■": "#", "□": "#", "●": "*", "○": "o",
     "※": "*", "±": "+/-", "≦": "<=", "≧": ">=", "≤": "<=", "≥": ">=", "≠": "<>", "…": "...",
 }  # fmt: skip
+_DIAMETER: Final = re.compile(
+    r"([⌀∅]|%%[cC](?=\s*[.,]?[0-9])|((?<![^\W\d_])|(?<=[0-9][xX×]))[ØøΦφϕ](?![^\W\d_]))(\s*(?=[0-9]))?"
+)
+"""Sign of a diameter, with spaces before its number. Letters count as one where they are in no
+word: in `4xØ6`, but not in `HØJDE`."""
 _HIRAGANA: Final = {chr(code): chr(code + 0x60) for code in range(0x3041, 0x3097)}
 _KANA: Final = re.compile(r"[ァ-ヴー]+")
 
@@ -668,6 +673,7 @@ def in_ascii(text: str) -> str:
     """
     if text.isascii():
         return text
+    text = _DIAMETER.sub("dia. ", text)
     # Signs are replaced twice: NFKC dissolves some of them, and makes others from half-width forms.
     text = unicodedata.normalize("NFKC", "".join(_SIGNS.get(c, c) for c in text))
     spelled = _spelled(_kana("".join(_SIGNS.get(c, c) for c in text)), kept=_HAN)
@@ -677,9 +683,13 @@ def in_ascii(text: str) -> str:
 def plain_letters(text: str) -> str:
     """The text of a name: letters of LETTERS spelled out, others without accents or in Latin ones.
 
-    Characters of Chinese and Japanese are read as in Mandarin: `外形` is `WaiXing`. What is no
-    letter anywhere stays.
+    Characters of Chinese and Japanese are read as in Mandarin: `外形` is `WaiXing`. A sign of a
+    diameter, `%%c` of drawings included, is a D: `Ø6.6` is `D6.6`. What is no letter anywhere
+    stays.
     """
+    if "%%" not in text and text.isascii():
+        return text
+    text = _DIAMETER.sub("D", text)
     return text if text.isascii() else _spelled(_kana(unicodedata.normalize("NFC", text)))
 
 

@@ -44,7 +44,7 @@ from tests.tables import every_row
         ("Внешний контур", "Vneshniy_kontur"),
         ("КОНТУР Ж", "KONTUR_ZH"),
         ("Εξωτερικό", "Exoteriko"),
-        ("Ø 12 × 3", "OE_12_3"),
+        ("Ø 12 × 3", "D12_3"),
         ("\u200b", "unnamed"),
         ("___", "unnamed"),
         ("_a_", "a"),

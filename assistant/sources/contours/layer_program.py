@@ -6,6 +6,7 @@ From curves to contours, the tool's paths beside them, their order, and the stat
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
@@ -105,6 +106,8 @@ _LONGEST_NAME_STEM: Final = 20
 """Letters of a layer's name that go into the names of its paths."""
 _LONGEST_LAYER_PART: Final = 12
 """Letters of it that stand before the word for a shape."""
+_NUMBER_IN_NAME: Final = re.compile(r"(?:(?<![A-Za-z])[A-Za-z]{1,2})?[0-9]+(?:_[0-9]+)*")
+"""A number with up to two letters before it: `D6_6`, `M8`."""
 CONTOURS_SUFFIX: Final = "_contours"
 """End of the name of the procedure of a layer that something else is named like."""
 _NAMELESS_PATH: Final = "path"
@@ -156,7 +159,7 @@ class _ContourNames:
             return named or _NAMELESS_PATH
         if not (self.several and named):
             return shape.kind
-        return f"{named[:_LONGEST_LAYER_PART].rstrip('_')}_{shape.kind}"
+        return f"{_shortened(named, _LONGEST_LAYER_PART)}_{shape.kind}"
 
 
 def contour_program(
@@ -515,18 +518,32 @@ def _is_reached_by_lines(before: Layer, layer: Layer) -> bool:
     return layer.above.kind == "linear" or not (raised and layer.approach > 0.0)
 
 
+def _shortened(name: str, longest: int) -> str:
+    """The start of a name, with the last number in it: that may be all that tells layers apart.
+
+    A number that takes more than half the room is left out.
+    """
+    start = name[:longest].rstrip("_")
+    *_, number = [None, *_NUMBER_IN_NAME.finditer(name)]
+    if number is None or number.end() <= longest or len(number[0]) > longest // 2:
+        return start
+    return f"{name[: longest - len(number[0]) - 1].rstrip('_')}_{number[0]}"
+
+
 def _path_name_stem(layer: str, taken: TakenNames) -> str:
     """Start of the layer's path names, so that no path or row has the name of another thing.
 
     Row k of path n is called stem_n_k, so `glue` and `glue_1` must not both be stems.
     """
-    base = identifier(layer.lower())[:_LONGEST_NAME_STEM].rstrip("_")
+    base = _shortened(identifier(layer).lower(), _LONGEST_NAME_STEM)
     candidate, counted = base, ("stem", base)
     if candidate in taken.stems:
         # From the last number on, as many layers may share a stem.
         count = taken.counts.get(counted, 2)
-        # Without underscores: `glue_2` could be a row of `glue`.
-        while (candidate := f"{base.replace('_', '')}{count}") in taken.stems:
+        # Without underscores: `glue_2` could be a row of `glue`. Digits of the name stay apart.
+        compact = base.replace("_", "")
+        compact += "n" if compact[-1].isdigit() else ""
+        while (candidate := f"{compact}{count}") in taken.stems:
             count += 1
         taken.counts[counted] = count
     return candidate

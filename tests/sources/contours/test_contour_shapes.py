@@ -128,6 +128,30 @@ def test_names_of_several_layers_and_of_what_is_there_already(tmp_path):
     assert {"plate_outline_1_start", "path_1_start"} <= program.targets.keys()
 
 
+def test_names_keep_the_number_that_tells_layers_apart(tmp_path):
+    layers = [
+        "Bohrungen Ø12",
+        "Bohrungen Ø6.6",
+        "Durchgangsbohrungen M8 Ø9",
+        "Kleberaupe Nr. 120034",
+    ]
+
+    def draw(model):
+        for x, layer in enumerate(layers):
+            on = {"layer": layer}
+            model.add_circle((30 * x, 0), 5, dxfattribs=on)
+            model.add_line((30 * x, 10), (30 * x, 20), dxfattribs=on)
+
+    tables = "".join(f'[layers."{layer}"]\n' for layer in layers)
+    program = load(drawn(tmp_path, draw, PROCESS.replace("[layers.PLATE]\n", tables))).program
+    assert [name for name in bodies(program) if name[-2:] == "_1"] == [
+        "bohrunge_d12_circle_1", "bohrungen_d12_1",
+        "bohrung_d6_6_circle_1", "bohrungen_d6_6_1",
+        "durchgang_d9_circle_1", "durchgangsbohrung_d9_1",
+        "klebe_120034_circle_1", "kleberaupe_nr_120034_1",
+    ]  # fmt: skip
+
+
 STYLES = {
     "contour": ["main", "PLATE", "hole_1", "slot_1", "opening_1", "outline_1", "plate_1"],
     "layer": ["main", "PLATE"],
