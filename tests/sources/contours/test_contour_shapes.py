@@ -114,6 +114,40 @@ def test_a_circle_of_chords_is_a_circle_and_an_octagon_none(tmp_path, sides, kin
     assert texts[1].startswith(kind)
 
 
+FIRST = ((0, 0), (50, 0))
+RED, HIDDEN = {"color": 1}, {"linetype": "HIDDEN"}
+
+
+@pytest.mark.parametrize(
+    ("others", "lengths"),
+    [
+        ([((50, 0), (50, 50), {})], ["100"]),
+        ([((50, 50), (50, 0), {})], ["100"]),
+        ([((0, 50), (0, 0), {})], ["100"]),
+        ([((50, 0), (100, 0), {})], ["100"]),
+        ([((100, 0), (50.04, 0), {})], ["99.96"]),
+        ([((50, 0), (20, 6), {})], ["80.59"]),
+        ([((50, 0), (50, 50), RED)], ["100"]),
+        ([((50, 50), (50, 0), HIDDEN)], ["100"]),
+        ([((50, 50), (0, 50), RED), ((50, 50), (50, 0), {})], ["150"]),
+        ([((50.06, 0), (50.06, 50), {})], ["50", "50"]),
+        ([((50, 0, 1), (50, 50, 1), {})], ["50", "50"]),
+        ([((50, 0), (100, 0), {}), ((50, 0), (50, 50), {})], ["50", "50", "50"]),
+        ([((50, 0), (100, 0), {}), ((50, 0), (50, 50), {"layer": "BRANCH"})], ["100"]),
+        ([((25, 0), (25, 50), {})], ["50", "50"]),
+    ],
+)
+def test_lines_of_a_layer_are_one_contour_where_two_ends_meet(tmp_path, others, lengths):
+    def draw(model):
+        model.doc.linetypes.add("HIDDEN", [9.5, 6.3, -3.2])
+        for start, end, said in [(*FIRST, {}), *others]:
+            model.add_line(start, end, dxfattribs={"layer": "PLATE", **said})
+
+    program = load(drawn(tmp_path, draw)).program
+    texts = [text for texts in comments(program).values() for text in texts]
+    assert re.findall(r"PLATE, (\S+) mm, from", " ".join(texts)) == lengths
+
+
 def test_names_of_several_layers_and_of_what_is_there_already(tmp_path):
     def draw(model):
         square(model, (0, 0), (100, 100))
