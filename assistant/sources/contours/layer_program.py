@@ -17,6 +17,7 @@ import numpy as np
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.base.near_names import near_name
+from assistant.base.source_text import plain_letters
 from assistant.program.geometry import Target, Vector
 from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
 from assistant.program.settings_tables import shown
@@ -108,6 +109,7 @@ _LONGEST_LAYER_PART: Final = 12
 """Letters of it that stand before the word for a shape."""
 _NUMBER_IN_NAME: Final = re.compile(r"(?:(?<![A-Za-z])[A-Za-z]{1,2})?[0-9]+(?:_[0-9]+)*")
 """A number with up to two letters before it: `D6_6`, `M8`."""
+_WORD: Final = re.compile(r"[^\W\d_]{2}")
 CONTOURS_SUFFIX: Final = "_contours"
 """End of the name of the procedure of a layer that something else is named like."""
 _NAMELESS_PATH: Final = "path"
@@ -154,7 +156,7 @@ class _ContourNames:
                 return name
 
     def _text(self, layer: str, shape: ContourShape) -> str:
-        named = identifier(layer) if any(c.isalpha() for c in layer) else ""
+        named = identifier(layer) if any(c.isalpha() for c in plain_letters(layer)) else ""
         if not shape.kind:
             return named or _NAMELESS_PATH
         if not (self.several and named):
@@ -484,8 +486,8 @@ def _procedures(
 
 def _described(shape: ContourShape, layer: str) -> Iterator[Statement]:
     """The comment that says what a contour is."""
-    # A bare number would read as one of the sizes: `0, 44.4 mm`.
-    named = layer if any(c.isalpha() for c in layer) else f"layer {layer}"
+    # Without a word the name would read as one of the sizes: `0, 44.4 mm`, `Ø6.6, 44.4 mm`.
+    named = layer if _WORD.search(layer) else f"layer {layer}"
     yield Comment(_printable_line(shape.text if shape.kind else f"{named}, {shape.text}"))
 
 

@@ -162,6 +162,28 @@ def test_names_of_several_layers_and_of_what_is_there_already(tmp_path):
     assert {"plate_outline_1_start", "path_1_start"} <= program.targets.keys()
 
 
+@pytest.mark.parametrize(
+    ("layer", "said", "name"),
+    [
+        ("0", "layer 0", "path_1"),
+        ("3.5", "layer 3.5", "path_1"),
+        ("Ø6.6", "layer Ø6.6", "d6_6_1"),
+        ("⌀6.6", "layer ⌀6.6", "d6_6_1"),
+        ("%%c12", "layer %%c12", "d12_1"),
+        ("Kleber 2", "Kleber 2", "kleber_2_1"),
+    ],
+)
+def test_a_layer_that_is_named_by_a_number_is_called_a_layer(tmp_path, layer, said, name):
+    def draw(model):
+        model.add_line((0, 0), (0, 20), dxfattribs={"layer": layer})
+
+    table = f'[layers."{layer}"]\n'
+    program = load(drawn(tmp_path, draw, PROCESS.replace("[layers.PLATE]\n", table))).program
+    ((_, text),) = comments(program).values()
+    assert text == f"{said}, 20 mm, from 0, 0 to 0, 20"
+    assert f"{name}_start" in program.targets
+
+
 def test_names_keep_the_number_that_tells_layers_apart(tmp_path):
     layers = [
         "Bohrungen Ø12",
