@@ -140,7 +140,7 @@ class Cells:
 
     def those(self, rows: Truths) -> Cells:
         """Some of the rows."""
-        return replace(self, starts=self.starts[rows], ends=self.ends[rows])
+        return replace(self, edges=(self.starts[rows], self.ends[rows]), plain=None)
 
     def numbers(self, columns: list[int]) -> NDArray[np.float64]:
         """Return the numbers (n, c) of some columns in the file's order, NaN for empty cells.
