@@ -27,7 +27,7 @@ $ robot-assistant compare samples/rapid/gluing.mod cr/GLUING.prg -r rv-4frl --fr
 
 ```
 samples/rapid/gluing.mod:29: WaitTime 0.15;
-cr/GLUING.prg:30: 30 Dly 0.5
+cr/GLUING.prg:31: 31 Dly 0.5
   event 6: another delay: 0.15 s, and 0.5 s; with all inputs 0
 samples/rapid/gluing.mod, cr/GLUING.prg: branches taken: 0 of 0 in gluing.mod, 0 of 0 in GLUING.prg; 1 run, 12 visits and 4 signal changes, largest distance 0.0000 mm, 0.0000 degrees: different; not compared: accelerations, speeds of joint moves
 ```
