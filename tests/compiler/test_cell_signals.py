@@ -230,3 +230,17 @@ def test_a_hand_that_only_opens_and_closes_needs_no_signal_of_its_own(
         written(tmp_path, "n.mod", read), to="melfa-basic-5", cell=tmp_path / "cell.toml"
     )
     assert [one.name for one in again.wanting] == ["hand1_open"]
+
+
+@pytest.mark.parametrize(
+    "other", ["SetDO hand1_open,nState;", "IF DOutput(hand1_open)=1 Stop;", "WaitDO hand1_open,1;"]
+)
+def test_a_hand_that_is_read_or_set_otherwise_too_is_one_output(tmp_path: Path, other: str) -> None:
+    """`HOpen 1` beside `M_Out(5)` would be two outputs."""
+    text = RAPID.format(statement=f"SetDO hand1_open,1;\n  SetDO hand2_open,1;\n  {other}")
+    text = text.replace("MODULE M\n", "MODULE M\nVAR dionum nState:=0;\n", 1)
+    program, cell = written(tmp_path, "m.mod", text), written(tmp_path, "cell.toml", OUTPUT)
+    done = translate(program, to="melfa-basic-5", cell=cell, proving=Proving())
+    (data,) = done.files.values()
+    assert b"M_Out(5)=1" in data and b"HOpen 2" in data and b"HOpen 1" not in data
+    assert done.ok and done.motion is not None and done.motion.holds

@@ -397,17 +397,28 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
     findings += _quaternion_findings(program)
     findings += _cell_state_findings(program)
     findings += _test_and_set_findings(program)
-    return Adapted(_without_hand_outputs(program), tuple(findings))
+    return Adapted(_with_hands_or_outputs(program), tuple(findings))
 
 
-def _without_hand_outputs(program: Program) -> Program:
-    """Drop the outputs that only open and close hands, for which other languages have words."""
+def _with_hands_or_outputs(program: Program) -> Program:
+    """Drop the outputs that only open and close hands, for which other languages have words.
+
+    What is read, or set in another way, is an output everywhere: the words may stand for another.
+    """
     hands = {hand_signal(hand) for hand in hands_used(program)}
-    if hands:
-        hands -= used_signal_names(program)
-        kept = {name: one for name, one in program.signals.items() if name.lower() not in hands}
-        return replace(program, signals=kept)
-    return program
+    if not hands:
+        return program
+    outputs = hands & used_signal_names(program)
+    hands -= outputs
+
+    def output(node: Any) -> Any:
+        if isinstance(node, p.Gripper) and (name := hand_signal(node.hand)) in outputs:
+            return p.SetSignal(name, e.Number(int(node.action == "open")), span=node.span)
+        return node
+
+    kept = {name: one for name, one in program.signals.items() if name.lower() not in hands}
+    signals = with_used_signals(kept, ((n, Signal("digital", "output")) for n in sorted(outputs)))
+    return replace(rewrite(program, output) if outputs else program, signals=signals)
 
 
 def _quaternion_findings(program: Program) -> Iterator[Diagnostic]:
