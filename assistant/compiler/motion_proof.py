@@ -17,7 +17,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, error, has_errors, info, warning
 from assistant.compiler.arms import Arms, known_robot, teaching_arm
 from assistant.compiler.loader import language_of
-from assistant.program.analysis.io_use import hands_used
+from assistant.program.analysis.io_use import used_signal_names
 from assistant.program.analysis.uses import base_variable
 from assistant.program.expressions import Apply
 from assistant.program.passes.variables import repeats_cycle
@@ -296,17 +296,14 @@ def _output_numbers(pair: ProgramPair, families: Sequence[str]) -> Bits:
 
     if all(map(counts_signals, families)) and not pair.names:
         return {}
-    # A program that counts signals has words for hands; what it sets as an output is no hand.
-    counting = [
-        one
-        for one, of in zip((pair.first, pair.second), families, strict=True)
-        if counts_signals(of)
-    ]
-    used = [hand for one in counting for hand in hands_used(one)]
+    # A program that counts signals has words for hands: what it sets as an output is no hand.
+    sides = zip((pair.first, pair.second), families, strict=True)
+    outputs = set().union(*(used_signal_names(one) for one, of in sides if counts_signals(of)))
     hands = {
         name: (_HAND_NUMBERS + hand,)
-        for hand in (used if counting else range(1, _HANDS + 1))
+        for hand in range(1, _HANDS + 1)
         for name in (f"hand{hand}", f"hand{hand}_open")
+        if f"hand{hand}_open" not in outputs
     }
     given = {
         name.lower(): tuple(_bit_numbers(signal)) or str(_analog_register(signal))
