@@ -7,7 +7,6 @@ at the same place as a declaration of the program.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -31,13 +30,13 @@ from assistant.compiler.cell_equipment import (
     without_restated,
 )
 from assistant.compiler.loader import Loaded, language_of
-from assistant.compiler.retarget import has_joint_angles
+from assistant.compiler.retarget import has_joint_angles, has_percent_joints
 from assistant.compiler.source_map import Places
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.io_use import with_used_signals
 from assistant.program.analysis.uses import called, texts_in
-from assistant.program.motion import ComputedSpeed, Kind, Speed
+from assistant.program.motion import Kind, Speed
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import head, records
 from assistant.program.statement_index import records_in_procedures
@@ -225,7 +224,7 @@ def with_cell_values(
         numbers = [number for number in _lines_opened(program) if number in open_ends]
         missing += [Wanted(LINE_NAME.format(number), "line") for number in numbers]
         program = with_lines(program, dict.fromkeys(numbers, NEUTRAL_LINE))
-        if joint_speed is None and taught is None and _has_percent_joints(told):
+        if joint_speed is None and taught is None and has_percent_joints(told):
             missing.append(Wanted(JOINT_SPEED, "speed"))
             joint_speed = SLOW_SPEED.tcp
     told_before = without_other_numbers(
@@ -315,6 +314,15 @@ def _with_uses(
         return tuple(dict.fromkeys(names))
 
     return tuple(one if one.uses else replace(one, uses=uses(one)) for one in missing)
+
+
+def with_joint_speed_wanted(loaded: Loaded, compiled: Program) -> Loaded:
+    """A program that lacks the speed of some joint moves, which becomes slow until it is filled in.
+
+    compiled: the same, with the statements whose lines need it.
+    """
+    asked = _with_uses([Wanted(JOINT_SPEED, "speed")], compiled, {})
+    return replace(loaded, wanting=(*loaded.wanting, *asked), joint_speed=SLOW_SPEED.tcp)
 
 
 def _needs(
@@ -574,20 +582,6 @@ def _lines_opened(program: Program) -> list[int]:
         for number in (e.plain_number(part) for part in one.place[:1])
         if one.kind == "line" and number is not None
     })  # fmt: skip
-
-
-def _has_percent_joints(program: Program) -> bool:
-    """True if a percentage, and nothing else, slows joint moves down."""
-    slowed = any(
-        one.percent != e.Number(100) for one in records_in_procedures(program, p.SetOverride)
-    )
-    for one in records(program):
-        if isinstance(one, ComputedSpeed) and one.joint is not None:
-            return True
-        if isinstance(one, Speed) and one.joint is not None and math.isinf(one.tcp):
-            if slowed or one.joint < 100.0:
-                return True
-    return False
 
 
 _STATED_TABLES: Final = ("frames", "tools", "speeds", "blends", "signals")

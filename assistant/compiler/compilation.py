@@ -63,6 +63,7 @@ from assistant.compiler.read_back_proof import READ_BACK_DIFFERS, Proof, prove_r
 from assistant.compiler.retarget import (
     for_arm,
     has_free_turns,
+    has_percent_joints,
     joint_angle_errors,
     with_chosen_turns,
     with_converted_joint_speeds,
@@ -137,7 +138,8 @@ class Compiled:
     as the language expresses it. source: the program that it was compiled from. found: every
     finding, which may include errors; those of the source have its spans alone. wanting: errors
     that follow from these, see `Adapted`. motion: the motion proof, None if not requested. path:
-    file of the source, None if it has none.
+    file of the source, None if it has none. lacks_joint_speed: joint moves have a percentage alone,
+    which the language cannot say, and nothing states mm/s for them.
     """
 
     program: Program
@@ -150,6 +152,7 @@ class Compiled:
     wanting: tuple[Diagnostic, ...] = ()
     motion: MotionProof | None = None
     path: str | None = None
+    lacks_joint_speed: bool = False
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
@@ -383,6 +386,7 @@ def compile_program(
     if arms.joint_speed is not None and not target.joint_percent:
         program, changed = with_joint_speed(program, arms.joint_speed)
         findings += changed
+    lacking = arms.joint_speed is None and not target.joint_percent and has_percent_joints(program)
     if form is not None:
         program = with_structure(program, form)
     adapted = target.adapt(program, arm, most_targets=most_targets)
@@ -412,7 +416,9 @@ def compile_program(
         findings += interface_findings(program.interface, program, target)
     compiled = Compiled(program, target.name, Proof(None), source, places)
     if has_errors(findings):
-        return replace(compiled, found=tuple(findings), wanting=adapted.wanting)
+        return replace(
+            compiled, found=tuple(findings), wanting=adapted.wanting, lacks_joint_speed=lacking
+        )
     # One file for the program itself (None), and one for each of its units.
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
     with within(PRINTING, None, program.size()):

@@ -398,6 +398,20 @@ def with_other_arm_named(
         yield replace(one, cure=_NAME_OTHER_ARM + one.cure) if one.code in codes else one
 
 
+def has_percent_joints(program: Program) -> bool:
+    """True if a percentage, and nothing else, slows joint moves down."""
+    slowed = any(
+        one.percent != e.Number(100) for one in records_in_procedures(program, p.SetOverride)
+    )
+    for one in records(program):
+        if isinstance(one, ComputedSpeed) and one.joint is not None:
+            return True
+        if isinstance(one, Speed) and one.joint is not None and math.isinf(one.tcp):
+            if slowed or one.joint < 100.0:
+                return True
+    return False
+
+
 _SPEED_FROM_PERCENT = warning(
     "CO507",
     "a joint move at {percent:g} %, which takes {seconds:.2f} s, is written with {tcp:g} mm/s and "

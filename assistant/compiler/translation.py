@@ -40,6 +40,7 @@ from assistant.compiler.cell_defaults import (
     UNFILLED,
     UNPROVEN,
     marked_as_draft,
+    with_joint_speed_wanted,
     with_values_of_file,
 )
 from assistant.compiler.cell_equipment import STATED_TEXT_NAME
@@ -306,14 +307,19 @@ def translate(
     if cell is not None:
         taught = None if arms.written_for is None else arms.written_for.name
         loaded = with_values_of_file(loaded, cell, taught=taught, to=target)
-    loaded = without_names(loaded, process)
-    program = with_entry(loaded.program, entry)
-    program = marked_as_draft(program, loaded.wanting)
-    places = Places(program)
-    arms = with_robot_of_cell(program, arms_of_loaded(loaded, arms))
-    program, sights = with_located_frames(program, arms)
-    style = style_beside(program, loaded.text, None)
-    compiled = compile_program(program, places, target, arms, most_targets, style)
+    loaded, stated = without_names(loaded, process), arms
+    while True:
+        program = with_entry(loaded.program, entry)
+        program = marked_as_draft(program, loaded.wanting)
+        places = Places(program)
+        arms = with_robot_of_cell(program, arms_of_loaded(loaded, stated))
+        program, sights = with_located_frames(program, arms)
+        style = style_beside(program, loaded.text, None)
+        compiled = compile_program(program, places, target, arms, most_targets, style)
+        if cell is None or not compiled.lacks_joint_speed:
+            break
+        # The arms do not tell the speed of every joint move: the cell file has to.
+        loaded = with_joint_speed_wanted(loaded, compiled.source)
     written, later, unrun = compiled, tuple[Diagnostic, ...](), not compiled.ok
     if not compiled.ok:
         # The draft is compiled even if it is not requested: it finds further faults of the source.

@@ -202,3 +202,16 @@ def test_the_speed_of_lines_is_none_of_joint_moves(tmp_path: Path) -> None:
         speeds(kept(rapid(written(tmp_path, f"Spd {v}\nJOvrd 10")), tmp_path)) for v in (20, 2000)
     )
     assert slow == fast
+
+
+def test_it_is_asked_for_where_the_arms_do_not_tell_every_speed(tmp_path: Path) -> None:
+    """Where the first move begins is not known, with whatever arms."""
+    source, cell = written(tmp_path, "JOvrd 30"), tmp_path / "cell.toml"
+    text = source.read_text("ascii").replace("JOvrd 100", "JOvrd 30")
+    source.write_text(text, encoding="ascii")
+    asked = rapid(source, cell=cell)
+    assert [(one.name, one.kind) for one in asked.wanting] == [("joint_speed", "speed")]
+    assert "WAY.mb6:4" in asked.wanting[0].uses
+    assert asked.totals["not"] == 0 and not asked.ok
+    cell.write_text("[speeds.joint_speed]\nspeed = 90\n", encoding="ascii")
+    assert rapid(source, cell=cell).ok
