@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any, Final
 
 import numpy as np
@@ -70,7 +71,7 @@ def solve_program(program: Program, robot: Robot) -> SolvedProgram:
 
     Findings report targets that are out of reach, outside joint limits, or not as stated; such
     targets stay unchanged. A target that no move names is configured for the program's only tool
-    and frame, or the flange in the base, if that is within reach.
+    and frame, if that is within reach; with several of them it stays open.
     """
     require_program(program)
     require_robot(robot)
@@ -499,11 +500,14 @@ class _ProgramSolver:
 
     def unused(self) -> None:
         """Configures what no move names, in silence: nobody says how it will be used."""
-        usual = next(iter(self.used)) if len(self.used) == 1 else (FLANGE, BASE)
+        usual = next(iter(self.used), (FLANGE, BASE)) if len(self.used) < 2 else None
+        named = chain(self.program.targets.items(), self.program.variables.items())
         aimed = {
             id(target): self.aimed[name.lower()]
-            for name, target in self.program.targets.items()
+            for name, value in named
             if name.lower() in self.aimed
+            for target in records(value)
+            if isinstance(target, Target)
         }
         targets: dict[int, Target] = {}
 
@@ -515,7 +519,10 @@ class _ProgramSolver:
         rewrite(self.program, visit)
         moves: list[SingleMove] = []
         for key, target in targets.items():
-            tool, frame = aimed.get(key, usual)
+            mount = aimed.get(key, usual)
+            if mount is None:
+                continue  # any guess might be a wrong turn
+            tool, frame = mount
             known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
             if key not in self.done and known_tool is not None and known_frame is not None:
                 place = Place(target, target.pose)
