@@ -20,7 +20,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.definite_assignment import AssignmentAnalysis
 from assistant.program.analysis.motion_use import Setting, left_settings
-from assistant.program.analysis.uses import declared
+from assistant.program.analysis.uses import changed_variables, declared
 from assistant.program.expressions import Name
 from assistant.program.passes.procedure_forms import NOTHING
 from assistant.program.program import Procedure, Program, ValueType, Variable, identifier
@@ -75,6 +75,27 @@ def with_first_values(job: Legalisation) -> Program:
                 if changes:
                     findings.append(can.carried(name=name, about=about))
     return replace(program, variables=_by_dependency(variables))
+
+
+def with_taught_positions(job: Legalisation) -> Program:
+    """Return the program with a target for each persistent position that nothing in it changes.
+
+    Such a controller keeps targets beside the program, where a person may teach them: a first value
+    in the program would overwrite what was taught.
+    """
+    program, can = job.program, job.can.variables
+    kept = program.origin is not None and program.origin.language in job.can.kin
+    positions = {
+        name: variable.initial.target
+        for name, variable in program.variables.items()
+        if variable.storage == "persistent" and isinstance(variable.initial, e.TargetValue)
+    }
+    if can is None or kept or not positions:
+        return program
+    changed = changed_variables(program)
+    targets = {name: x for name, x in positions.items() if name.lower() not in changed}
+    variables = {name: one for name, one in program.variables.items() if name not in targets}
+    return replace(program, targets={**program.targets, **targets}, variables=variables)
 
 
 def _by_dependency(variables: dict[str, Variable]) -> dict[str, Variable]:

@@ -108,6 +108,7 @@ from assistant.program.passes.variables import (
     with_filled_arrays,
     with_first_values,
     with_kept_values,
+    with_taught_positions,
 )
 from assistant.program.program import Procedure, Program, TakenNames, Variable, identifier
 from assistant.program.pseudo.expressions import expression_text
@@ -601,6 +602,7 @@ def adapt(
 _FIRST_PASSES: Final[tuple[Pass, ...]] = (
     _with_channels,
     pure(with_entry_first),
+    with_taught_positions,
     with_kept_values,
     with_first_values,
     with_few_pulses,
