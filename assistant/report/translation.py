@@ -77,16 +77,26 @@ def costs(rows: Iterable[ReportRow], most: int = _MOST_COSTS) -> list[Cost]:
 
 
 def _costs_by_code(rows: Iterable[ReportRow]) -> list[Cost]:
-    """Return a reason for each code, those of the most statements first.
+    """Return the reasons of changes, those of the most statements first.
 
-    A statement counts for each of its codes; notes count where nothing else is said of it.
+    A statement counts for each of its codes; notes count where nothing else is said of it. A code
+    with more than `_MOST_MESSAGES` messages is one reason, with the first of them.
     """
-    found: dict[str, tuple[Diagnostic, list[ReportRow]]] = {}
+    found: dict[str, dict[str, tuple[Diagnostic, list[ReportRow]]]] = {}
     for row in rows:
         main = [one for one in row.reasons if one.severity is not Severity.INFO] or row.reasons
         for reason in {one.code: one for one in reversed(main)}.values():
-            found.setdefault(reason.code, (reason, []))[1].append(row)
-    every = (_cost_record(alike, first) for first, alike in found.values())
+            alike = found.setdefault(reason.code, {})
+            alike.setdefault(_common_message(reason.message), (reason, []))[1].append(row)
+    every = []
+    for of_code in found.values():
+        if len(of_code) > _MOST_MESSAGES:
+            (first, _), *_ = of_code.values()
+            every.append(
+                _cost_record([row for _, alike in of_code.values() for row in alike], first)
+            )
+        else:
+            every += [_cost_record(alike, first) for first, alike in of_code.values()]
     return sorted(every, key=lambda c: (-c.count, c.code))
 
 
@@ -95,6 +105,8 @@ def _cost_record(alike: Sequence[ReportRow], first: Diagnostic) -> Cost:
     return Cost(first.code, row.level, count, first.message, first.cure, row.place, tuple(alike))
 
 
+_MOST_MESSAGES: Final = 4
+"""Messages of one code that a summary shows each by itself."""
 _QUOTED_NAME: Final = re.compile(r"`([A-Za-z_]\w*)[^`\w][^`]*`")
 _ANY_NUMBER: Final = re.compile(r"(?<![\w`])[-+]?[0-9][0-9.,]*")
 
