@@ -221,18 +221,20 @@ def _comments(table: ColumnTable, row: int) -> Iterator[Statement]:
 
 
 def _after(table: ColumnTable, row: int, process: Process) -> Iterator[Statement]:
-    """The signals that are set and the wait after a move."""
+    """The signals that are set after a move, and the wait for what they cause."""
+    waits = list[Statement]()
     for index, column in enumerate(table.columns):
         value = float(table.values[row, index]) if column.group in ("set", "wait") else np.nan
         if np.isnan(value):
             continue
         number = Number(int(value) if value.is_integer() else value)
         if column.group == "wait":
-            yield Wait(number)
+            waits.append(Wait(number))
         else:
             yield SetSignal(
                 output_signal(column.detail, process) or identifier(column.detail), number
             )
+    yield from waits
 
 
 def _one_line(text: str) -> str:

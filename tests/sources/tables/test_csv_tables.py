@@ -148,7 +148,7 @@ def test_arcs_of_named_rows_and_of_paths() -> None:
 
 def test_signals_waits_and_comments_of_named_rows() -> None:
     body = body_of(
-        "name," + POSE + ',comment,set_glue,wait_s\np,1,2,3,1,0,0,0,"now\nglue; ""x"" ",1,0.5\n',
+        "name," + POSE + ',comment,wait_s,set_glue\np,1,2,3,1,0,0,0,"now\nglue; ""x"" ",0.5,1\n',
         CELL,
     )
     assert body == (
