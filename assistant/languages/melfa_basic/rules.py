@@ -121,7 +121,7 @@ NO_NUMBER = error(
 )  # fmt: skip
 NO_CONFIGURATION = warning(
     "MB202", "{count} targets state no arm configuration and get the flags (7,0)",
-    "name the robot, so that it is computed, or state it in the source",
+    "name a robot that reaches them, so that it is computed, or state it in the source",
 )  # fmt: skip
 SPEED_PARTS = warning(
     "MB203",

@@ -82,7 +82,7 @@ NO_LOAD: Final = warning(
 NO_CONFIGURATION: Final = warning(
     "RA303",
     "targets state no configuration; [0,0,0,0] is written",
-    "compile for a robot, or state the configurations",
+    "compile for a robot that reaches them, or state the configurations",
 )
 OTHER_LANGUAGE: Final = error(
     "RA304", "a statement of {language} has no meaning in RAPID: {text}", "{cure}"
