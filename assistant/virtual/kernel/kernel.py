@@ -661,6 +661,11 @@ class Kernel:
         if what not in self.notes:
             self.notes.append(what)
 
+    def latest_motion(self) -> Moved | None:
+        """Return the motion that was commanded last."""
+        rows = (row.what for row in reversed(self.log))
+        return next((what for what in rows if isinstance(what, Moved)), None)
+
     def stop_latest(self) -> None:
         """The latest motion ends at its target, whatever corner it states."""
         for row in reversed(self.log):

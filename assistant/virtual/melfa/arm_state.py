@@ -28,6 +28,7 @@ from assistant.virtual.melfa.values import (
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+    from assistant.virtual.events import Moved
     from assistant.virtual.melfa.world import World
 
 
@@ -176,15 +177,16 @@ class Arm:
     """State of the arm. flange: in the robot base, None if unknown. flags: those of the last
     position.
 
-    joints: degrees, None if unknown. tool, base: as set; shown are their positions. tool_number,
-    base_number: None if a position set them. hands: latest command of each, 1 to open. soft: the
-    active kind of `Cmp`, empty for none.
+    joints: degrees, None if unknown. corner: as of the position that it was sent to. tool, base: as
+    set; shown are their positions. tool_number, base_number: None if a position set them. hands:
+    latest command of each, 1 to open. soft: the active kind of `Cmp`, empty for none.
     """
 
     robot: Robot | None = None
     flange: Pose | None = None
     joints: tuple[float, ...] | None = None
     flags: tuple[int | None, int | None] = (None, None)
+    corner: Moved | None = None
     tool: Position = ORIGIN
     base: Position = ORIGIN
     tip: Pose = IDENTITY
@@ -222,11 +224,11 @@ class Arm:
 
     def at_position(self, flange: Pose, flags: tuple[int | None, int | None]) -> None:
         # The joints are solved on demand.
-        self.flange, self.flags, self.joints = flange, flags, None
+        self.flange, self.flags, self.joints, self.corner = flange, flags, None, None
 
     def at_joints(self, joints: tuple[float, ...]) -> None:
         """Stands at joints; where the flange is then is known with a robot only."""
-        self.joints, self.flange, self.flags = joints, None, (None, None)
+        self.joints, self.flange, self.flags, self.corner = joints, None, (None, None), None
         if self.robot is None:
             return
         if not any(joints[6:]):  # additional axes that the arm need not have
@@ -309,3 +311,13 @@ def arm_now(world: World) -> Arm:
     found = replace(world.arm)
     found.at_joints(standing[1])
     return found
+
+
+def read_position(world: World) -> Position:
+    """P_Curr, which is not sure where motions take no time and the latest may still be in its
+    corner.
+    """
+    shown = arm_now(world).shown()
+    kernel = world.task.kernel
+    latest = kernel.latest_motion() if kernel.motion.where() is None else None
+    return shown if latest is None or latest.blend <= 0.0 else replace(shown, corner=latest)

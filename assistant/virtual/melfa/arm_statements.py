@@ -224,7 +224,7 @@ def _joint(m: Machine, node: s.Motion) -> None:
         _to_joints(m, goal)
     else:
         flange = _goal_flange(m, goal)
-        _command_motion(m, _motion_event(m, "joint", flange, at=goal), goal.flags)
+        _command_motion(m, _motion_event(m, "joint", flange, at=goal), goal)
 
 
 def _to_joints(m: Machine, goal: Joints) -> None:
@@ -268,7 +268,7 @@ def _straight(m: Machine, goal: Position, agree: bool = True) -> None:
     if agree:
         _same_posture(m.world.arm.flags[0], goal.flags[0])
     flange = _goal_flange(m, goal)
-    _command_motion(m, _motion_event(m, "linear", flange, at=goal), goal.flags)
+    _command_motion(m, _motion_event(m, "linear", flange, at=goal), goal)
 
 
 def _same_posture(one: int | None, other: int | None) -> None:
@@ -301,12 +301,13 @@ def _goal_flange(m: Machine, goal: Position) -> Pose:
     return m.world.arm.placed(goal)
 
 
-def _command_motion(m: Machine, moved: Moved, flags: tuple[int | None, int | None]) -> None:
-    """A motion to a position. flags: of the posture and of turns at its end."""
-    arm = m.world.arm
+def _command_motion(m: Machine, moved: Moved, goal: Position) -> None:
+    """A motion to a position."""
+    arm, flags = m.world.arm, goal.flags
     before = arm.flange
     assert moved.flange is not None
     arm.at_position(moved.flange, flags)
+    arm.corner = goal.corner
     if flags[0] is not None:
         stated = _flags_configuration(flags[0], flags[1] or 0)
         moved = replace(moved, how=replace(moved.how, configuration=stated))
@@ -376,7 +377,9 @@ def _to_start(m: Machine, start: Position) -> None:
     if arm.flange is None:
         raise Unknown("where an arc begins")
     tip = arm.flange @ arm.tip
-    if not arm_state.same_place(tip, flange @ arm.tip, _START_DISTANCE):
+    # What was read in a corner is nowhere but where a motion led that went there.
+    read = start.corner is not arm.corner
+    if read or not arm_state.same_place(tip, flange @ arm.tip, _START_DISTANCE):
         _straight(m, start)
 
 
@@ -468,7 +471,7 @@ def _move_by_point(m: Machine, middle: Floats, end: Position, passing: float = 0
 
 def _move_on_arc(m: Machine, via: Pose, end: Position, passing: float = 0.0) -> None:
     moved = _motion_event(m, "circular", _goal_flange(m, end), via, at=end)
-    _command_motion(m, replace(moved, blend=max(moved.blend, passing)), end.flags)
+    _command_motion(m, replace(moved, blend=max(moved.blend, passing)), end)
 
 
 _MOVE_KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {

@@ -84,9 +84,8 @@ def _read_slot_status(world: World, name: str, index: tuple[int, ...]) -> Value 
 
 _STANDARD_GRAVITY: Final = 9.80665
 
+_READ_POSITIONS: Final = frozenset(("P_CURR", "P_FBC"))
 _ARM_STATUS: Final[Mapping[str, Callable[[Arm], Value]]] = {
-    "P_CURR": Arm.shown,
-    "P_FBC": Arm.shown,
     "J_CURR": Arm.shown_joints,
     "J_FBC": Arm.shown_joints,
     "P_TOOL": lambda arm: arm.tool,
@@ -199,6 +198,8 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return _motion_speed(world, *index)
     if name in _SLOT_SETTINGS and len(index) <= 1:
         return _SLOT_SETTINGS[name](world.of_slot(*index))
+    if name in _READ_POSITIONS and index in ((), _OWN_MECHANISM):
+        return arm_state.read_position(world)
     if name in _ARM_STATUS and index in ((), _OWN_MECHANISM):
         return _ARM_STATUS[name](arm_state.arm_now(world))
     if name in _CLOCK_FORMATS and not index:

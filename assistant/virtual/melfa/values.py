@@ -13,6 +13,7 @@ from dataclasses import field, replace
 from typing import Final, Literal
 
 from assistant.base.data_classes import dataclass
+from assistant.virtual.events import Moved
 from assistant.virtual.melfa.options import Options
 
 
@@ -76,10 +77,15 @@ _DEFAULT_FLAGS: Final = (7, 0)
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """values: eight of COMPONENTS, mm and degrees. flags: FL1 and FL2; None where not known."""
+    """values: eight of COMPONENTS, mm and degrees. flags: FL1 and FL2; None where not known.
+
+    corner: the motion in whose corner it was read from the arm, None for any other: where motions
+    take no time it has the target of that motion, but on a controller any position near it.
+    """
 
     values: Elements
     flags: tuple[int | None, int | None] = _DEFAULT_FLAGS
+    corner: Moved | None = field(default=None, compare=False, repr=False)
 
 
 ORIGIN: Final = Position((0.0,) * 6 + (None,) * 2, (0, 0))
