@@ -54,8 +54,16 @@ class _Targets:
         self.taken = taken
         self.variables: dict[str, Variable] = {}
         self.known: dict[str, str] = {}
+        self.end: e.Expression | None = None
+        """The target of the last move, which the next arc starts at."""
 
     def __call__(self, node: p.Statement) -> Taken:
+        made = self.taken_from(node)
+        if isinstance(made.statement, p.MoveStatement):
+            self.end = made.statement.target
+        return made
+
+    def taken_from(self, node: p.Statement) -> Taken:
         # Written out poses are worked out here, so that only values of the running program need
         # variables.
         node = map_head(node, _folded)
@@ -65,6 +73,17 @@ class _Targets:
         elsewhere = _read_elsewhere(node)
         along = _along(node)
 
+        # The points of an arc leave the variable alone that its start is in.
+        kept = self.end if isinstance(node, p.MoveCircular) else None
+
+        def free(stem: str) -> e.Name:
+            nonlocal used
+            used += 1
+            if (place := self.place(stem, used)) in tuple(records(kept)):
+                used += 1
+                place = self.place(stem, used)
+            return place
+
         def visit(value: e.Expression) -> e.Expression:
             nonlocal used
             if isinstance(value, e.PoseValue):
@@ -73,21 +92,18 @@ class _Targets:
                 made.before.append(p.Assign(place, value))
                 return place
             if value in elsewhere:
-                used += 1
-                place = self.place("at", used)
+                place = free("at")
                 made.before.append(p.Assign(place, value))
                 return place
             parts, shift = _parts(value), _shift(value)
             if parts is not None:
-                used += 1
-                place = self.place("at", used)
+                place = free("at")
                 made.before += _put_together(place, *parts)
                 return place
             if shift is not None:
                 value, factors = shift
                 for still, moved in factors:
-                    used += 1
-                    place = self.place("by", used)
+                    place = free("by")
                     made.before += _put_together(place, still, moved, added=False)
                     value = e.Binary("@", value, place)
             return value

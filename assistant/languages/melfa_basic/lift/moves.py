@@ -38,7 +38,7 @@ from assistant.languages.melfa_basic.lift.untranslatable_reasons import FULL_CIR
 from assistant.languages.melfa_basic.tables.equivalents import TRIGGER_MEASURES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.line_tables import target_of
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import literal, nodes
 from assistant.languages.settings_flow import Computed
 from assistant.languages.vendor_statements import SETTINGS_DIFFER
 from assistant.program import expressions as e
@@ -242,6 +242,9 @@ class Moves:
         goal = self.expressions.plain(target)
         if distance is not None:
             goal = _along_tool(goal, self.expressions.plain(distance))
+            if (number := literal(distance)) is not None:
+                moved = s.Constant((0.0, 0.0, float(number), 0.0, 0.0, 0.0))
+                self.runs.previous = robot_place(s.Binary("*", target, moved), values)
         else:
             self.runs.previous = robot_place(target, values)
         return p.Move("joint" if joint else "linear", goal, self.motion(joint, values))

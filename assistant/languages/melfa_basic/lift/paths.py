@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -43,6 +44,7 @@ from assistant.program import statements as p
 from assistant.program.motion import Kind, Path, Speed
 from assistant.program.program import identifier
 
+_WORD: Final = re.compile(r"\w+")
 Values = tuple[Any, ...]
 """Settings of a move, by TCP, JOINT, BLEND, TOOL and FRAME."""
 Place = tuple[str, Any, Any]
@@ -249,6 +251,18 @@ class Runs:
         """The robot's place is not known any more."""
         self.previous = None
 
+    def changed(self, key: str) -> None:
+        """A variable (upper case) is assigned to: the robot's place may be another position now.
+
+        In a file of people, any variable may be the tool or the frame; in one of the compiler, the
+        heading names these, and the writer knows which parameters are by reference.
+        """
+        names = self.symbols.header.names
+        mounts = names["tool"].keys() | names["frame"].keys()
+        own = self.symbols.own and key not in mounts
+        if not own or (self.previous and key in _WORD.findall(self.previous[0])):
+            self.previous = None
+
     def flush(self, made: list[p.Statement]) -> None:
         """Ends the path that is being gathered."""
         if not self.chunks:
@@ -332,9 +346,10 @@ def _place_key(at: s.Expression | None) -> str | None:
             isinstance(x, s.Number) for x in arguments
         ):
             return f"{at.key}{[x.value for x in arguments if isinstance(x, s.Number)]}"
-        case s.Binary("+", s.Variable() as base, s.Constant(values=moved)):
+        case s.Binary("+" | "*" as operator, base, s.Constant(values=moved)):
             key = _place_key(base)
-            return None if key is None else f"{key}+{moved}"
+            numbers = [None if value is None else float(value) for value in moved]
+            return None if key is None else f"{key}{operator}{numbers}"
     return None
 
 

@@ -65,7 +65,7 @@ def lift_assignment(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Sta
     if node.delay is not None:
         raise Unliftable(DELAYED_ASSIGNMENT)
     # The assignment may change the position variable at which the robot is.
-    runs.previous = None
+    runs.changed(target.key)
     if target.component:
         return [_component_assignment(node, lift)]
     place = lift.plain(target)
@@ -356,8 +356,9 @@ def lift_input(node: s.Input, lift: Expressions, runs: Runs) -> list[p.Statement
         if function is None or variable.component or not isinstance(place, e.Name | e.Index):
             raise Unliftable
         made.append(p.Assign(place, e.Apply(function, (e.Text(channel),))))
-    # The variable may be the position at which the robot is.
-    runs.previous = None
+    # A variable may be the position at which the robot is.
+    for variable in node.variables:
+        runs.changed(variable.key)
     return made
 
 

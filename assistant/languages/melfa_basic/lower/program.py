@@ -25,6 +25,7 @@ from assistant.languages.melfa_basic.reading.parser import statement as read_sta
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
 from assistant.languages.melfa_basic.tables.variables import (
+    ARC_START,
     LETTERS,
     PARAMETERS,
     is_of_controller,
@@ -88,6 +89,12 @@ def heading(w: Writer) -> list[s.Item]:
         short = names.variables[owner, name.lower()]
         head.variables[short] = _declared_variable(w, owner, name, variable)
     head.signals = dict(program.signals)
+    head.arc_start = any(
+        isinstance(item, s.Line)
+        and isinstance(item.statement, s.Assign)
+        and item.statement.target.key == ARC_START
+        for item in w.items
+    )
     head.products = names.products
     inline = w.expressions.inline
     head.paths = [(k, k + len(p) - 1, p.name) for k, p in w.paths if len(p)]

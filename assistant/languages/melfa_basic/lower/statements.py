@@ -43,7 +43,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MOV, MVR, MVS, MoveRows
 from assistant.languages.melfa_basic.tree.control_flow import is_plain_wait, waiting_loop
 from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
-from assistant.languages.melfa_basic.tree.walk import nodes, timer_variable
+from assistant.languages.melfa_basic.tree.walk import literal, nodes, timer_variable
 from assistant.languages.patterns import Write, Writing
 from assistant.languages.runs.paths import setting_codes
 from assistant.program import expressions as e
@@ -178,8 +178,7 @@ def write_print(w: Writer, node: p.Send) -> None:
 def write_input(w: Writer, target: e.Expression, channel: str) -> None:
     """An item into a variable."""
     w.add(s.Input(_file_number(w, channel), (w.expressions.place(target),)))
-    # The variable that is read may be the target at which the next arc would begin.
-    w.previous = None
+    w.changed_place(target)
 
 
 def _file_number(w: Writer, channel: str) -> s.Number:
@@ -235,7 +234,7 @@ def write_assignment(w: Writer, node: p.Assign) -> None:
         value = w.expressions.of(node.value)
     w.add(s.Assign(target, value))
     w.changed_tool(node.target)
-    w.previous = None
+    w.changed_place(node.target)
 
 
 def write_return(w: Writer, node: p.Return) -> None:
@@ -501,12 +500,13 @@ def write_joint_move(w: Writer, node: p.MoveJoints) -> None:
     target = w.expressions.target(node.target)
     _write_motion_settings(w, node.motion)
     w.add(s.Motion("Mov", (target,), append=appended_statement(w, node)))
-    w.previous = None
+    w.previous, w.stands = None, _stops(node.motion.blend)
 
 
 def write_circular_move(w: Writer, node: p.MoveCircular) -> None:
     frame = node.motion.frame
     via, target = w.expressions.target(node.via), w.expressions.target(node.target)
+    _check_arc_start(w, node.motion.tool, frame)
     _write_motion_settings(w, node.motion)
     start = _arc_start(w, node.motion.tool, frame)
     points = start, _target_in_frame(w, via, frame), _target_in_frame(w, target, frame)
@@ -518,15 +518,17 @@ def write_path(w: Writer, node: p.Follow) -> None:
     path = node.path
     if not len(path):
         raise Unsayable(f"the empty path `{path.name}`", "leave it out")
+    segments = list(path_segments(path))
+    _check_arcs_of_path(w, path, segments)
     first = w.number
     w.number += len(path)
     w.paths.append((first, path))
     if w.program.origin is None:
         note = path_note(first, first + len(path) - 1, path.name)
         w.items.append(s.Line(comment=marked(p.Comment(note))))
-    for start, stop in path_segments(path):
+    for start, stop in segments:
         _write_segment(w, path, start, stop, first)
-    w.previous = None
+    w.previous, w.stands = None, _stops(path.blends[path.blend[len(path) - 1]])
     if path.kinds[-1] != Kind.VIA:
         last = len(path) - 1
         tool, frame = path.tools[path.tool[last]], path.frames[path.frame[last]]
@@ -576,15 +578,25 @@ def _remember_place(
 ) -> None:
     """Record the robot's position, if the next arc may name it."""
     w.previous, motion = None, node.motion
+    w.stands = _stops(motion.blend)
     if node.until is not None:
         return
     match target:
-        case (s.Binary("*", s.Variable(), inner),) if (
+        case (s.Binary("*", s.Variable(), inner), *_) if (
             _target_in_frame(w, inner, motion.frame) == target[0]
         ):
-            target = (inner,)
+            target = (inner, *target[1:])
+    if len(target) == 2 and (distance := literal(target[1])) is not None:
+        # `Mvs P1,-50` leads to P1 moved along the tool.
+        along = s.Constant((0.0, 0.0, float(distance), 0.0, 0.0, 0.0))
+        target = (s.Binary("*", target[0], along),)
     if len(target) == 1 and _stays(target[0]):
         w.previous = target[0], motion.tool, motion.frame
+
+
+def _stops(blend: object) -> bool:
+    """True if the arm surely stands at the end of a motion with this blend."""
+    return isinstance(blend, Blend) and blend.fine
 
 
 def _stays(place: s.Expression) -> bool:
@@ -594,13 +606,14 @@ def _stays(place: s.Expression) -> bool:
         # before an arc begins.
         case s.Variable(name=name, arguments=arguments, component=""):
             return name[1:2] != "_" and all(isinstance(x, s.Number) for x in arguments or ())
-        case s.Binary("+", s.Variable() as base, s.Constant()):
+        case s.Binary("+" | "*", base, s.Constant()):
             return _stays(base)
     return False
 
 
 def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
-    """The position that an arc starts at; read from the robot if it is not known."""
+    """The position that an arc starts at; read from the robot, which stands, if it is not known."""
+    _check_arc_start(w, tool, frame)
     if w.previous is not None and w.previous[1:] == (tool, frame):
         return _target_in_frame(w, w.previous[0], frame)
     name = w.owner.name if w.owner else "main"
@@ -608,6 +621,24 @@ def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
     start = s.Variable(ARC_START)
     w.add(s.Assign(start, s.Variable(w.expressions.word("P_Curr"))))
     return start
+
+
+def _check_arc_start(w: Writer, tool: str, frame: str) -> None:
+    """Raises Unsayable for an arc whose start is not known and may lie in a corner.
+
+    A controller reads ahead while the arm is in a corner, so that what it reads of the position
+    there is any place before the end of the motion: the arm would go back to it.
+    """
+    if w.stands or (w.previous is not None and w.previous[1:] == (tool, frame)):
+        return
+    raise _unknown_start()
+
+
+def _unknown_start() -> Unsayable:
+    return Unsayable(
+        "an arc whose start is not known, after a motion that may end with a corner",
+        "let a straight move that stops (fine) in the same tool and frame stand before the arc",
+    )
 
 
 def _write_segment(w: Writer, path: Path, start: int, stop: int, first: int) -> None:
@@ -632,6 +663,22 @@ def _write_segment(w: Writer, path: Path, start: int, stop: int, first: int) -> 
             [rows] if frame.lower() == BASE or not w.names.products else _write_rows(w, rows, frame)
         )
     w.previous = s.Variable(f"P{first + stop - 1}"), tool, frame
+    w.stands = _stops(blend)
+
+
+def _check_arcs_of_path(w: Writer, path: Path, segments: list[tuple[int, int]]) -> None:
+    """Raises Unsayable for an arc of a path whose start is not known, before a line is written."""
+    for start, _ in segments:
+        if path.kinds[start] != Kind.VIA:
+            continue
+        tool, frame = path.tools[path.tool[start]], path.frames[path.frame[start]]
+        if start == 0:
+            _check_arc_start(w, tool, frame)
+            continue
+        last = start - 1
+        before = path.tools[path.tool[last]], path.frames[path.frame[last]]
+        if before != (tool, frame) and not _stops(path.blends[path.blend[last]]):
+            raise _unknown_start()
 
 
 def _write_rows(w: Writer, rows: MoveRows, frame: str) -> Iterator[s.Line]:

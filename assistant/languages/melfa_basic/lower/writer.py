@@ -24,13 +24,14 @@ from assistant.languages.melfa_basic.tables.equivalents import ARM_FUNCTIONS
 from assistant.languages.melfa_basic.text.printer import line
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.control_flow import block_word, statement_of
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import base_variable, texts_in
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import Blend, Path, Speed
 from assistant.program.passes.procedure_forms import has_functions, procedures_of
-from assistant.program.program import Parameter, Procedure, Program, Variable, bodies
+from assistant.program.program import Parameter, Procedure, Program, Variable, bodies, walk
 from assistant.program.rewriting import head, records
 from assistant.program.vendor_statements import effect_of
 
@@ -61,6 +62,30 @@ _LACKING: Final[Mapping[bool, tuple[str, str]]] = {
     ),
 }
 """What a name lacks and the cure, by whether the source declares it."""
+
+
+_RESTING: Final = (
+    p.Wait, p.WaitSignal, p.WaitUntil, p.StartTimer, p.SetSignal, p.Gripper, p.Assign,
+    p.If, p.While, p.For, p.Switch, p.Comment, p.Message,
+)  # fmt: skip
+"""Statements that do not move the arm, but perhaps in what they hold or call."""
+
+
+def _leaves_arm(statement: p.Statement) -> bool:
+    """True if neither a statement nor what it holds moves the arm, apart from functions."""
+    return all(isinstance(one, _RESTING) for one in walk((statement,)))
+
+
+def _may_end_in_corner(statement: p.Statement) -> bool:
+    """True if a statement may leave the arm in the corner of a motion."""
+    match statement:
+        case p.Move(motion=motion) | p.MoveCircular(motion=motion) | p.MoveJoints(motion=motion):
+            return not (isinstance(motion.blend, Blend) and motion.blend.fine)
+        case p.Follow(path):
+            return not all(isinstance(blend, Blend) and blend.fine for blend in path.blends)
+        case p.Opaque():
+            return True
+    return False
 
 
 class Writer:
@@ -95,6 +120,11 @@ class Writer:
         """Lines that set what a statement needs, by their identity."""
         self.previous: tuple[s.Expression, str, str] | None = None
         """Position, tool and frame of the move before, if that is known and stays as it is."""
+        self.rounds = any(map(_may_end_in_corner, program.statements()))
+        """True if a motion of the program may end with a corner."""
+        self.interrupted = any(isinstance(one, p.Interrupt) for one in program.statements())
+        self.stands = not self.rounds
+        """True if the arm surely stands, whichever way led here."""
         self.parts: list[tuple[Procedure, int]] = []
         """Procedures with the index of their first line."""
         self.remounts = False
@@ -202,7 +232,7 @@ class Writer:
     def forget(self) -> None:
         """Nothing is known any more: another way may lead here."""
         self.state.clear()
-        self.previous = None
+        self.previous, self.stands = None, not self.rounds
 
     def next_number(self) -> int:
         self.number += 1
@@ -217,6 +247,8 @@ class Writer:
         self.owner = self.expressions.procedure = procedure
         self.parts.append((procedure, len(self.items)))
         self.forget()
+        # Others may call the first procedure of a unit, but not of the program.
+        self.stands |= self.unit is None and self.is_first(procedure)
 
     def body(self, statements: tuple[p.Statement, ...]) -> None:
         around = self._at
@@ -292,13 +324,18 @@ class Writer:
         mounts: dict[str, object] = {
             word: self.state[word] for word in MOUNT_WORDS if word in self.state
         }
+        stood = self.stands and _leaves_arm(statement)
         write(self, statement)
         # The lines of a statement may be a call or have labels, after which nothing is known.
         if mounts and self.keeps_mounts(statement):
             self.state.update(mounts)
         # A function of the program may change the settings and the position.
+        inner = walk((statement,)) if stood else ()
+        calls = any(self._is_call(part) for one in inner for part in records(head(one)))
         if any(map(self._is_call, records(head(statement)))):
             self.forget()
+        # Blocks and loops of waits have labels and branches, but the arm stays where it was.
+        self.stands |= stood and not calls
 
     def _is_call(self, record: Any) -> bool:
         """True for a call of a program function in an expression, which may set anything."""
@@ -336,6 +373,19 @@ class Writer:
             # The variable has changed, but not what `Tool` took from it.
             self.state.pop("Tool", None)
             self.remounts = True
+
+    def changed_place(self, place: e.Expression) -> None:
+        """After an assignment: the position of the move before may be another value now."""
+        name = base_variable(place)
+        # What a call has by reference may be the same variable under another name.
+        inout = self.owner is not None and any(q.mode != "in" for q in self.owner.parameters)
+        if self.previous is None:
+            return
+        target = self.expressions.place(place)
+        named = (x.key for x in nodes(self.previous[0]) if isinstance(x, s.Variable))
+        # An interrupt may have changed it as well.
+        if inout or self.interrupted or name in self.mounts or target.key in named:
+            self.previous = None
 
     def changed_frame(self, place: e.Expression) -> s.Variable | None:
         """Return the variable for the pose of a frame, which is assigned as the inverse; `Base` is

@@ -28,6 +28,7 @@ from assistant.base.data_classes import dataclass
 from assistant.languages.language_types import Numbering, Outline
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.tables.poses import FINE_PLACES
+from assistant.languages.melfa_basic.tables.variables import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.texts.words import ASCII_NAME, from_ascii, in_ascii
 from assistant.program.program import Signal, ValueType
@@ -43,6 +44,9 @@ _PRODUCTS: Final = "frames: product"
 
 _INVERSE: Final = "note: frames are inverse, as Base takes them: the robot seen from the frame"
 """For the person who compares their values with those of another robot."""
+
+_ARC_START: Final = f"note: {ARC_START} is the present position, where an arc starts"
+"""For the person who looks for the variable in the source."""
 
 _AS_IS: Final = ("robot",)
 """Items whose values are not names of the program."""
@@ -79,7 +83,8 @@ class Header:
 
     products: whether targets are multiplied by frames. there: what the controller has. paths:
     (first, last, name) ranges of P numbers. inline: position and joint variables that stand for a
-    value. signals in their order. variables: short → declaration.
+    value. signals in their order. variables: short → declaration. arc_start: whether the code reads
+    where an arc starts.
     """
 
     program: str | None = None
@@ -93,6 +98,7 @@ class Header:
     inline: dict[str, None] = field(default_factory=dict)
     signals: dict[str, Signal] = field(default_factory=dict)
     variables: dict[str, Declared] = field(default_factory=dict)
+    arc_start: bool = False
 
 
 def header_lines(header: Header, dialect: str) -> Iterator[str]:
@@ -119,6 +125,8 @@ def header_lines(header: Header, dialect: str) -> Iterator[str]:
         words += ["initial"] if v.initial else []
         words += [f"of {in_ascii(v.owner)}"] if v.owner else []
         yield f"variable: {short} = {in_ascii(v.name)} {' '.join(words)}"
+    if header.arc_start:
+        yield _ARC_START
     yield END
 
 
