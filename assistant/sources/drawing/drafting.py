@@ -34,9 +34,15 @@ from assistant.base.arrays import Floats
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
-from assistant.sources.contours.curves import Arc, Curve
+from assistant.sources.contours.curves import Arc, Curve, sample
 from assistant.sources.drawing.balloons import find_balloons
-from assistant.sources.drawing.findings import DRAFTING, DRAFTING_FOLLOWED, MAY_BE_SHEET, shown
+from assistant.sources.drawing.findings import (
+    DRAFTING,
+    DRAFTING_FOLLOWED,
+    ENDS_ON_BORDER,
+    MAY_BE_SHEET,
+    shown,
+)
 from assistant.sources.drawing.sheets import Sheet, find_sheets
 from assistant.sources.drawing.traversal import CONTINUOUS, PlacedEntity
 from assistant.sources.process import LeftOut, Process, matches_any
@@ -342,7 +348,8 @@ class Drafting:
     """Which entities of a document are drafting; counts them while it is asked.
 
     aside: entities by reason. followed: those that are followed because the process file names
-    their layer, by reason and layer.
+    their layer, by reason and layer. ending: lines on the border of a sheet that are followed: the
+    sheet, the first one's layer, the middle (n, 2) of each, mm in the drawing's world.
     """
 
     process: Process
@@ -351,6 +358,7 @@ class Drafting:
     aside: dict[Reason, int] = field(default_factory=dict)
     followed: dict[tuple[Reason, str], int] = field(default_factory=dict)
     undecided: list[Sheet] = field(default_factory=list)
+    ending: list[tuple[Sheet, str, Floats]] = field(default_factory=list)
     symbols: frozenset[str] = frozenset()
     _stated: frozenset[str] = frozenset()
 
@@ -429,6 +437,11 @@ class Drafting:
             reason = Reason(BORDER, f"{sheet.text} mm", sheet.what)
             found |= dict.fromkeys(own, reason)
             self.aside[reason] = self.aside.get(reason, 0) + len(own)
+            ends = sorted(rows[row] for row in sheet.ending if row < len(rows))
+            ends = [row for row in ends if not tables or curves[row].layer.casefold() in tables]
+            if ends:
+                middle = back.moved(sample([curves[row] for row in ends], (0.5,))[:, 0])[:, :2]
+                self.ending.append((sheet, curves[ends[0]].layer, middle))
         for balloons in find_balloons(given, aside, there, back):
             own = [row for row in (rows[each] for each in balloons) if row not in found]
             if not own:
@@ -471,6 +484,15 @@ class Drafting:
         """
         for sheet in self.undecided:
             yield MAY_BE_SHEET(size=sheet.text, name=sheet.what)
+        for sheet, layer, middles in self.ending:
+            x, y = middles[0].round(3).tolist()
+            yield ENDS_ON_BORDER(
+                count=len(middles),
+                size=sheet.text,
+                at=f"{x:g}, {y:g}",
+                layer=shown(layer),
+                entry=LeftOut(layer, at=(x, y)).text,
+            )
         if self.aside:
             first = next(iter(self.aside))
             yield DRAFTING(

@@ -112,10 +112,16 @@ DRAFTING = info(
 )
 MAY_BE_SHEET = error(
     "DX214",
-    "the rectangle of {size} mm around all that is drawn has the size or form of a sheet of paper"
-    " ({name}): it may be the edge of the sheet, or a part",
+    "the rectangle of {size} mm has the size or form of a sheet of paper or its title block"
+    " ({name}): it may be that, or a part",
     'write leave_out = ["border"] at the top of the process file if it is the sheet, or'
     ' follow = ["border"] if it is work',
+)
+ENDS_ON_BORDER = warning(
+    "DX215",
+    "{count} lines that end on the border of a sheet, {size} mm, are followed; the first is at {at}"
+    " on layer `{layer}`",
+    "if they belong to the sheet, write leave_out = [{entry}] at the top of the process file",
 )
 DRAFTING_FOLLOWED = info(
     "DX213",

@@ -2,7 +2,9 @@
 
 A rectangle of four lines is the border of a sheet if a title block is in its corner: lines that
 end on its sides and on each other, with texts between them. To the border belong the edge of the
-paper around it, the marks between the two, and everything in the cells of the title block.
+paper around it, the marks between the two, and everything in the cells of the title block. Few
+lines or texts are a title block only if the rectangle has the size of paper, or of paper within
+margins; in another rectangle they may be labelled pieces of a plate, which only the user can tell.
 
 A rectangle without a title block is a candidate only if it has the size of a sheet, encloses all
 that is drawn, touches none of it, and if the drawing has texts or dimensions. It is the edge of a
@@ -15,7 +17,7 @@ around, or a wider one for binding, and by marks between them or parts with hole
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from typing import Final
 
 import numpy as np
@@ -43,6 +45,19 @@ _SIZES: Final = {
 """Sheets of ISO 216 and of ANSI Y14.1: mm of the short and of the long side."""
 _SIZE_PART: Final = 0.005
 """Relative difference between a side and that of a sheet; inches have one decimal."""
+_MARGINS: Final = (
+    *((10.0, 10.0), (20.0, 20.0), (40.0, 40.0)),
+    *((25.0, 10.0), (30.0, 20.0), (30.0, 10.0), (35.0, 20.0)),
+)
+"""Both margins of a sheet together, mm along one side and along the other: of one width all around,
+or wider for binding (DIN 6771, ISO 5457, GB/T 14689)."""
+_MARGINS_IN_INCHES: Final = (
+    *((0.5, 0.5), (1.0, 1.0), (0.76, 0.5), (1.24, 0.76)),
+    *((1.5, 1.0), (2.0, 1.0), (1.0, 0.5)),
+)
+"""The same in inches, of sheets of ANSI Y14.1."""
+_MARGIN_OFF: Final = 0.3
+"""mm by which both margins together may be others; inches have two decimals."""
 _PROPORTIONS: Final = (2.0**0.5, 11.0 / 8.5, 17.0 / 11.0)
 """Long by short side of sheets, at any scale."""
 _PROPORTION_PART: Final = 0.015
@@ -61,16 +76,30 @@ _MARGIN_PART: Final = 0.15
 """Distance of the edge of the paper by the border's short side, at most; 25 mm on A4."""
 _BLOCK_PART: Final = 0.4
 """Area of a title block by that of its border, at most."""
-_FEWEST_LINES: Final = 5
-"""Lines of a title block, at least."""
-_FEWEST_TEXTS: Final = 3
-"""Texts of a title block, at least."""
+_LINES: Final = 5
+"""Lines from which on a block is a title block in any rectangle."""
+_TEXTS: Final = 3
+"""Texts of it, at least."""
+_FEWEST_LINES: Final = 2
+"""Lines of a block that may be a title block, at least: two sides, as two are the border's."""
+_SMALL_LINES: Final = 3
+"""Lines from which on it is one in a rectangle as large as paper within margins."""
+_SMALL_TEXTS: Final = 2
+"""Texts of it, at least."""
+_LOOSE_LINES: Final = 3
+"""Lines of a title block that touches no border, at least, along each axis: sides and another."""
+_LOOSE_CELLS: Final = 3
+"""Its cells with texts, at least."""
+_LOW_CELL: Final = 30.0
+"""mm of their short side, at most."""
 _TEXTS_OF_TABLE: Final = 20
 """Texts from which on a block of any size is a table, such as a list of parts."""
 _SMALL_BLOCK_PART: Final = 0.25
 """Area of a block by that of its border up to which all in it belongs to it, such as a logo."""
 _CELL_PART: Final = 0.04
 """The same for a single cell of a larger block."""
+_SHORT_OF: Final = 1.0
+"""mm by which lines of a title block may end short of the border."""
 _BESIDE: Final = 0.5
 """mm that curves in a cell may project over its lines, as those drawn by hand do."""
 _MARK_PART: Final = 0.1
@@ -89,13 +118,15 @@ class Sheet:
     """Border of a sheet.
 
     rows: of its curves and those of the title block. size: mm of the rectangle. what: what shows
-    that it is a sheet, in words. sure: False if it may be a part as well.
+    that it is a sheet, in words. sure: False if it may be a part as well. ending: rows of further
+    lines that end on the border.
     """
 
     rows: frozenset[int]
     size: tuple[float, float]
     what: str
     sure: bool = True
+    ending: frozenset[int] = frozenset()
 
     @property
     def text(self) -> str:
@@ -117,22 +148,41 @@ def find_sheets(
         return []
     found: list[Sheet] = []
     taken: set[int] = set()
+    known: list[_Rectangle] = []
+    doubtful: list[tuple[_Rectangle, set[int]]] = []
     rectangles = sorted(page.rectangles(), key=lambda one: one.area)
     for border in rectangles:
         if border.rows & taken:
             continue
-        rows = _with_title_block(page, border, texts)
-        if rows:
-            rows |= _around(page, border, rectangles)
-            taken |= rows
-            found.append(Sheet(frozenset(rows), border.size, "with a title block"))
-    if found or not annotated:
-        return found
-    # The edge of the paper comes before a border inside it.
-    for edge in reversed(rectangles):
-        if (_paper(edge) or _has_proportion(edge)) and page.holds_all(edge):
-            return list(_bare_sheet(page, edge, rectangles, len(curves)))
-    return []
+        rows, sure = _with_title_block(page, border, rectangles, texts)
+        if not rows:
+            continue
+        rows |= _around(page, border, rectangles)
+        if not sure:
+            doubtful.append((border, rows))
+            continue
+        taken |= rows
+        known.append(border)
+        ending = _ending(page, border, rows)
+        found.append(Sheet(frozenset(rows), border.size, "with a title block", ending=ending))
+    if not found and annotated:
+        # The edge of the paper comes before a border inside it.
+        for edge in reversed(rectangles):
+            if (_paper(edge) or _framed(edge) or _has_proportion(edge)) and page.holds_all(edge):
+                found = list(_bare_sheet(page, edge, rectangles, len(curves)))
+                known += [edge] if found else []
+                break
+    # What is drawn in a sheet, or in a rectangle that is asked about, is asked about no more.
+    for border, rows in reversed(doubtful):
+        if not any(one.holds(border) for one in known):
+            known.append(border)
+            found.append(Sheet(frozenset(rows), border.size, _DOUBTFUL, sure=False))
+    taken = {row for one in found for row in one.rows}
+    return [*found, *_loose_tables(page, taken, texts)]
+
+
+_DOUBTFUL: Final = "lines in its corner, as of a title block"
+_LOOSE_TABLE: Final = "low cells with texts, as of a title block"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +208,10 @@ class _Rectangle:
             *(b - a for a, b in zip(self.low, inner.low, strict=True)),
             *(a - b for a, b in zip(self.high, inner.high, strict=True)),
         )
+
+    def holds(self, inner: _Rectangle) -> bool:
+        """True if another one is inside it or on its sides."""
+        return min(self.margins(inner)) >= -_TOUCH
 
     def is_edge_of(self, border: _Rectangle) -> bool:
         """True if it encloses a border within the margins of paper."""
@@ -323,24 +377,44 @@ def _keys(side: _Stretch) -> tuple[int, ...]:
     return (*_key(first), *_key(last))
 
 
-def _with_title_block(page: _Page, border: _Rectangle, texts: Floats) -> set[int]:
-    """Return the rows of a border and its title block; empty if it has no title block."""
+def _with_title_block(
+    page: _Page, border: _Rectangle, rectangles: Sequence[_Rectangle], texts: Floats
+) -> tuple[set[int], bool]:
+    """Return the rows of a border and its title block, and if it is one for sure.
+
+    There are none if it has no title block.
+    """
     most = _MARK_PART * min(border.size)
     marks = page.crossing(border)
     if not all(page.is_short(row, most) for row in marks):
-        return set()
+        return set(), False
+    edges = [one for one in rectangles if one.is_edge_of(border)]
+    on_paper = any(map(_paper, edges))
+    framed = on_paper or bool(_framed(border))
+    as_paper = framed or bool(_paper(border))
     blocks = list(_blocks(page, border))
-    titles = [block for block in blocks if _is_title_block(block, border, texts)]
+    titles = [
+        *(one for one in blocks if _may_be_title_block(one, border, texts, as_paper=as_paper)),
+        *(one for one in blocks if as_paper and _is_strip(page, one, border, texts)),
+    ]
     if not titles:
-        return set()
+        return set(), False
+    drawn = framed or any(_has_proportion(one) and _has_even_margins(one, border) for one in edges)
+    lines, least = (_SMALL_LINES, _SMALL_TEXTS) if drawn else (_LINES, _TEXTS)
+    sure = on_paper or any(
+        _is_title_block(block, border, texts, lines, least)
+        and (drawn or _labelled_low_cells(block, border, texts) >= least)
+        # Lines that only cross each other are several blocks.
+        for block in (*titles, [line for each in titles for line in each])
+    )
     rows = set(border.rows) | set(marks)
     for block in blocks:
         if block in titles or _is_table(block, border, texts):
             rows |= {row for one in block for row in one.rows}
-            rows |= _in_cells(page, block, border)
+            rows |= _in_cells(page, block, border) if _texts_in(block, texts) else set()
         elif len(block) == 1 and block[0].high - block[0].low <= most:
             rows |= block[0].rows  # a mark of the middle
-    return rows
+    return rows, sure
 
 
 def _blocks(page: _Page, border: _Rectangle) -> Iterator[list[_Stretch]]:
@@ -356,7 +430,30 @@ def _blocks(page: _Page, border: _Rectangle) -> Iterator[list[_Stretch]]:
         *(_Stretch(True, x, bottom, top, frozenset()) for x in (left, right)),
         *(_Stretch(False, y, left, right, frozenset()) for y in (bottom, top)),
     ]
-    parent = list(range(len(inner)))
+    for block in _groups(inner):
+        if any(one.meets(side) for one in block for side in sides) or _is_open_near(block, sides):
+            yield block
+
+
+def _is_open_near(block: Sequence[_Stretch], sides: Sequence[_Stretch]) -> bool:
+    """True if lines of a block end short of two sides of a border, as those drawn by hand do."""
+    reached = set()
+    for one in block:
+        for end in one.ends:
+            at = end[1] if one.upright else end[0]
+            near = {
+                number
+                for number, side in enumerate(sides)
+                if side.upright != one.upright and abs(at - side.at) <= _SHORT_OF
+            }
+            if near and not any(other is not one and other.has(end) for other in block):
+                reached |= near
+    return len(reached) > 1
+
+
+def _groups(lines: Sequence[_Stretch]) -> Iterable[list[_Stretch]]:
+    """Return groups of lines that meet each other."""
+    parent = list(range(len(lines)))
 
     def root(row: int) -> int:
         while parent[row] != row:
@@ -364,15 +461,53 @@ def _blocks(page: _Page, border: _Rectangle) -> Iterator[list[_Stretch]]:
             row = parent[row]
         return row
 
-    for a, b in _near_pairs(inner):
-        if inner[a].meets(inner[b]):
+    for a, b in _near_pairs(lines):
+        if lines[a].meets(lines[b]):
             parent[root(a)] = root(b)
-    blocks: dict[int, list[_Stretch]] = defaultdict(list)
-    for row, one in enumerate(inner):
-        blocks[root(row)].append(one)
-    for block in blocks.values():
-        if any(one.meets(side) for one in block for side in sides):
-            yield block
+    groups: dict[int, list[_Stretch]] = defaultdict(list)
+    for row, one in enumerate(lines):
+        groups[root(row)].append(one)
+    return groups.values()
+
+
+def _ending(page: _Page, border: _Rectangle, rows: Set[int]) -> frozenset[int]:
+    """Return the rows of lines that end on the sides of a border, but those of `rows`."""
+    blocks = _blocks(page, border)
+    return frozenset(row for block in blocks for one in block for row in one.rows) - rows
+
+
+def _loose_tables(page: _Page, taken: Set[int], texts: Floats) -> Iterator[Sheet]:
+    """Yield tables that no border holds: lines with a text in each of some low cells.
+
+    They may be parts beside each other as well, with labels.
+    """
+    if len(texts) < _LOOSE_CELLS:
+        return
+    for block in _groups([one for one in page.stretches if not one.rows & taken]):
+        ways = [one.upright for one in block]
+        # Along one axis they may be lines at which a plate is bent.
+        if min(ways.count(True), ways.count(False)) < _LOOSE_LINES:
+            continue
+        if _texts_in(block, texts) < _LOOSE_CELLS:
+            continue
+        if _labelled_low_cells(block, None, texts) >= _LOOSE_CELLS:
+            rows = frozenset(row for one in block for row in one.rows)
+            corner, far = _box(block)
+            yield Sheet(rows, tuple((far - corner).tolist()), _LOOSE_TABLE, sure=False)
+
+
+def _labelled_low_cells(block: Sequence[_Stretch], border: _Rectangle | None, texts: Floats) -> int:
+    """Return how many low cells of a block, closed by a border if given, have a text in them."""
+    import shapely
+
+    lines = list(shapely.linestrings([one.ends for one in block]))
+    if border is not None:
+        lines.append(shapely.box(*border.low, *border.high).exterior)
+    cells = shapely.get_parts(shapely.polygonize([shapely.union_all(lines, grid_size=_TOUCH)]))
+    bounds = shapely.bounds(cells)
+    low = (bounds[:, 2:] - bounds[:, :2]).min(axis=1, initial=np.inf) <= _LOW_CELL
+    found = shapely.STRtree(shapely.points(texts)).query(cells[low], "intersects")
+    return len(np.unique(found[0]))
 
 
 def _near_pairs(lines: Sequence[_Stretch]) -> Iterable[tuple[int, int]]:
@@ -405,17 +540,59 @@ def _is_table(block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> b
     return (small and count >= 2) or count >= max(_TEXTS_OF_TABLE, len(block) // 2)
 
 
-def _is_title_block(block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> bool:
-    """True if a block is a table in a corner of the border."""
-    if len(block) < _FEWEST_LINES or not _is_table(block, border, texts):
+def _is_title_block(
+    block: Sequence[_Stretch], border: _Rectangle, texts: Floats, lines: int, least: int
+) -> bool:
+    """True if a block is a table in a corner of the border. lines, least: of texts, at least."""
+    return (
+        len(block) >= lines
+        and _is_table(block, border, texts)
+        and _is_in_corner(block, border)
+        and _texts_in(block, texts) >= least
+    )
+
+
+def _may_be_title_block(
+    block: Sequence[_Stretch], border: _Rectangle, texts: Floats, *, as_paper: bool
+) -> bool:
+    """True if a block in a corner may be a title block. as_paper: the border has a sheet's size."""
+    if len(block) < _FEWEST_LINES or not _is_in_corner(block, border):
         return False
     low, high = _box(block)
+    if float((high - low).prod()) > _BLOCK_PART * border.area:
+        return _is_title_block(block, border, texts, _LINES, _TEXTS)
+    count = _texts_in(block, texts)
+    return as_paper or count >= _SMALL_TEXTS or (count > 0 and len(block) >= _SMALL_LINES)
+
+
+def _is_in_corner(block: Sequence[_Stretch], border: _Rectangle) -> bool:
+    low, high = _box(block)
     near = [
-        np.abs(low - np.array(border.low)) <= _TOUCH,
-        np.abs(high - np.array(border.high)) <= _TOUCH,
+        np.abs(low - np.array(border.low)) <= _SHORT_OF,
+        np.abs(high - np.array(border.high)) <= _SHORT_OF,
     ]
-    in_corner = bool((near[0] | near[1]).all())
-    return in_corner and _texts_in(block, texts) >= _FEWEST_TEXTS
+    return bool((near[0] | near[1]).all())
+
+
+def _is_strip(page: _Page, block: Sequence[_Stretch], border: _Rectangle, texts: Floats) -> bool:
+    """True if one line divides a strip off the border in which only texts are."""
+    if len(block) > 1:
+        return False
+    line = block[0]
+    across, along = (0, 1) if line.upright else (1, 0)
+    if line.high - line.low < border.size[along] - 2.0 * _TOUCH:
+        return False
+    low, high = list(border.low), list(border.high)
+    if line.at - low[across] < high[across] - line.at:
+        high[across] = line.at
+    else:
+        low[across] = line.at
+    strip = _Rectangle((low[0], low[1]), (high[0], high[1]), frozenset())
+    count = int(((texts >= strip.low) & (texts <= strip.high)).all(axis=1).sum())
+    filled = page.inside(strip) & ~page.beyond(strip)
+    return (
+        strip.area <= _SMALL_BLOCK_PART * border.area and count >= _SMALL_TEXTS and not filled.any()
+    )
 
 
 def _in_cells(page: _Page, block: Sequence[_Stretch], border: _Rectangle) -> set[int]:
@@ -424,10 +601,13 @@ def _in_cells(page: _Page, block: Sequence[_Stretch], border: _Rectangle) -> set
 
     (left, bottom), (right, top) = border.low, border.high
     around = shapely.box(left, bottom, right, top).exterior
-    lines = shapely.union_all(
-        [*shapely.linestrings([one.ends for one in block]), around], grid_size=_TOUCH
-    )
     low, high = _box(block)
+    ends = np.array([one.ends for one in block])
+    # Lines that end short of the border are taken to it.
+    for at, side in ((0, left), (0, right), (1, bottom), (1, top)):
+        near = np.abs(ends[:, :, at] - side) <= _SHORT_OF
+        ends[:, :, at][near] = side
+    lines = shapely.union_all([*shapely.linestrings(ends), around], grid_size=_TOUCH)
     small = float((high - low).prod()) <= _SMALL_BLOCK_PART * border.area
     # The room for the part is no cell of the block: it is outside the block's box.
     within = shapely.box(*(low - _TOUCH), *(high + _TOUCH))
@@ -480,6 +660,20 @@ def _paper(box: _Rectangle) -> str:
     return ""
 
 
+def _framed(box: _Rectangle) -> str:
+    """Return the name of the sheet that has a rectangle within its margins, empty if none has."""
+    short, long = sorted(box.size)
+    for name, (width, height) in _SIZES.items():
+        inches = name.startswith("ANSI")
+        for margins in _MARGINS_IN_INCHES if inches else _MARGINS:
+            for first, second in (margins, margins[::-1]):
+                unit = 25.4 if inches else 1.0
+                off = (width - first * unit - short, height - second * unit - long)
+                if max(map(abs, off)) <= _MARGIN_OFF:
+                    return f"{name} within margins"
+    return ""
+
+
 def _has_proportion(box: _Rectangle) -> bool:
     """True if a rectangle has the proportion of sheets of ISO 216 or of ANSI Y14.1."""
     short, long = sorted(box.size)
@@ -511,10 +705,12 @@ def _bare_sheet(
             if left and all(page.is_short(row, np.inf) for row in marks):
                 rows = edge.rows | border.rows | between
                 what = f"{name} with a border" if name else "two frames of a sheet"
+                ending = _ending(page, border, rows)
                 # A plate may have any proportion, and an even rim.
                 sure = bool(name or marks) or _holds_parts(page, left, work, bored=True)
-                yield Sheet(frozenset(rows), edge.size, what, sure=sure)
+                yield Sheet(frozenset(rows), edge.size, what, sure=sure, ending=ending)
                 return
+    name = name or _framed(edge)
     if not name:
         return
     nested = _holds_parts(page, inside, work)

@@ -81,6 +81,12 @@ def form(space: Any) -> None:
         space.add_text("A", height=3).set_placement((x + 5, -58))
 
 
+def underlined(space: Any) -> None:
+    """The same, and a line from side to side of the border."""
+    titled(space)
+    space.add_line((-20, 60), (260, 60), dxfattribs={"layer": "CUT"})
+
+
 def as_paper(space: Any) -> None:
     """A plate as large as A4 with a hole and a text."""
     space.add_lwpolyline([(0, 0), (297, 0), (297, 210), (0, 210)], close=True)
@@ -208,6 +214,12 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(as_paper)},
         change={"a.process.toml": 'follow = ["border"]\n'},
+    ),
+    Case(
+        "DX215",
+        "check a.dxf",
+        {"a.dxf": dxf(underlined)},
+        change={"a.process.toml": 'leave_out = [{layer = "CUT", at = [120, 60]}]\n'},
     ),
     Case(
         "DX213",

@@ -190,12 +190,12 @@ def crossed(space: Space) -> None:
 
 
 def without_texts(space: Space) -> None:
-    rectangle(space, (0, 0), (390, 277))
-    title_block(space, 390, 0, texts=0)
+    rectangle(space, (0, 0), (380, 270))
+    title_block(space, 380, 0, texts=0)
     part(space)
 
 
-@pytest.mark.parametrize("draw", (plate, bent, gasket, nested, crossed, without_texts))
+@pytest.mark.parametrize("draw", (plate, bent, gasket, nested, without_texts))
 def test_what_may_be_a_part_stays(
     save: Save, drawing: Drawing, draw: Callable[[Space], None]
 ) -> None:
@@ -417,3 +417,254 @@ def test_the_bar_of_a_datum_symbol_is_drafting(
     drawing.modelspace().add_blockref("BASE4", (50, 50))
     drawing.modelspace().add_line((0, 0), (90, 0))
     assert len(followed(save(drawing))) == 1 + kept
+
+
+def small_block(
+    space: Space, corner: Place, into: tuple[int, int], *, texts: int = 4, closed: bool = False
+) -> None:
+    """Two by two cells of 90 x 25 mm in a corner of a border. into: signs of the way inside."""
+    (x, y), (dx, dy) = corner, into
+    far = x + 180 * dx, y + 50 * dy
+    if closed:
+        rectangle(space, (min(x, far[0]), min(y, far[1])), (max(x, far[0]), max(y, far[1])))
+    else:
+        space.add_line((far[0], y), far)
+        space.add_line(far, (x, far[1]))
+    space.add_line((x, y + 25 * dy), (far[0], y + 25 * dy))
+    space.add_line((x + 90 * dx, y), (x + 90 * dx, far[1]))
+    for k in range(texts):
+        at = (x + dx * (30 + 90 * (k % 2)), y + dy * (10 + 25 * (k // 2)))
+        space.add_text("Rev. B", height=5).set_placement(at)
+
+
+CORNERS = (((390, 0), (-1, 1)), ((0, 0), (1, 1)), ((0, 277), (1, -1)), ((390, 277), (-1, -1)))
+
+
+@pytest.mark.parametrize("edge", (False, True))
+@pytest.mark.parametrize("closed", (False, True))
+@pytest.mark.parametrize(("corner", "into"), CORNERS)
+def test_a_title_block_of_few_lines_is_off_in_any_corner(
+    save: Save,
+    drawing: Drawing,
+    corner: Place,
+    into: tuple[int, int],
+    closed: bool,
+    edge: bool,
+) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), (390, 277))
+    if edge:
+        rectangle(space, (-20, -10), (400, 287))
+    small_block(space, corner, into, closed=closed)
+    work = part(space)
+    path = save(drawing)
+    assert followed(path) == work
+    assert not {"DX214", "DX215"} & set(codes(path))
+
+
+def test_lines_of_a_title_block_without_texts_are_off_in_the_edge_of_paper(
+    save: Save, drawing: Drawing
+) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (-20, -10), (400, 287))
+    rectangle(space, (0, 0), (390, 277))
+    small_block(space, (390, 0), (-1, 1), texts=0)
+    work = part(space)
+    assert followed(save(drawing)) == work
+
+
+def test_a_title_block_in_a_block_with_attributes_is_off(save: Save, drawing: Drawing) -> None:
+    block = drawing.blocks.new("F1")
+    rectangle(block, (0, 0), (390, 277), lines=True)
+    small_block(block, (390, 0), (-1, 1), texts=0)
+    for tag, at in (("NR", (220, 10)), ("REV", (310, 10)), ("MAT", (220, 35))):
+        block.add_attdef(tag, at)
+    space = drawing.modelspace()
+    space.add_blockref("F1", (0, 0)).add_auto_attribs({"NR": "1", "REV": "A", "MAT": "steel"})
+    work = part(space)
+    assert followed(save(drawing)) == work
+
+
+@pytest.mark.parametrize("size", ((180, 277), (277, 180), (267, 190), (584, 410), (1159, 821)))
+def test_borders_of_every_size_are_off(
+    save: Save, drawing: Drawing, size: tuple[float, float]
+) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), size)
+    small_block(space, (size[0], 0), (-1, 1))
+    work = part(space, 20, 100)
+    assert followed(save(drawing)) == work
+
+
+@pytest.mark.parametrize("size", ((10.0, 7.5), (16.0, 10.0), (16.24, 9.76), (21.0, 33.0)))
+def test_borders_in_inches_are_off(save: Save, size: tuple[float, float]) -> None:
+    document = ezdxf.new("R2010", units=1)
+    space = document.modelspace()
+    rectangle(space, (0, 0), size)
+    block = document.blocks.new("F")
+    small_block(block, (0, 0), (-1, 1))
+    inch = dict.fromkeys(("xscale", "yscale", "zscale"), 1 / 25.4)
+    space.add_blockref("F", (size[0], 0), dxfattribs=inch)
+    work = {space.add_circle((3, 5), 1).dxf.handle}
+    assert followed(save(document)) == work
+
+
+def test_a_title_block_drawn_short_of_its_border_is_off(save: Save, drawing: Drawing) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), (390, 277))
+    small_block(space, (389.6, 0.4), (-1, 1))
+    space.add_circle((250, 10), 4)
+    work = part(space)
+    assert followed(save(drawing)) == work
+
+
+def test_a_line_that_divides_texts_off_a_border_is_off(save: Save, drawing: Drawing) -> None:
+    space = drawing.modelspace()
+    rectangle(space, (0, 0), (390, 277))
+    rectangle(space, (-20, -10), (400, 287))
+    space.add_line((0, 30), (390, 30))
+    for x in (10, 200):
+        space.add_text("M 1:1", height=5).set_placement((x, 10))
+    work = part(space)
+    assert followed(save(drawing)) == work
+
+
+def asked(path: Path) -> bool:
+    """True if the drawing is refused, and its cures are to follow all or to leave it out."""
+    with pytest.raises(Refused) as refused:
+        read(path, NO_PROCESS)
+    assert {one.code for one in refused.value.findings if one.severity == "error"} == {"DX214"}
+    follow, leave = (process(f'{key} = ["border"]') for key in ("follow", "leave_out"))
+    assert followed(path, leave) < followed(path, follow)
+    return not {"DX214"} & {*codes(path, follow), *codes(path, leave)}
+
+
+def of_no_paper(space: Space) -> None:
+    rectangle(space, (0, 0), (380, 260))
+    small_block(space, (380, 0), (-1, 1))
+    part(space)
+
+
+def pieces(space: Space) -> None:
+    """Parts with common cuts in the corner of their plate, a label and a hole in each."""
+    rectangle(space, (0, 0), (1000, 700))
+    for x in (0, 100, 200):
+        for y in (0, 80, 160):
+            rectangle(space, (x, y), (x + 100, y + 80))
+            space.add_text("P", height=5).set_placement((x + 20, y + 20))
+            space.add_circle((x + 50, y + 40), 5)
+
+
+def beside_the_border(space: Space) -> None:
+    sheet(space)
+    small_block(space, (405, 280), (-1, -1), closed=True)
+    part(space)
+
+
+def alone(space: Space) -> None:
+    small_block(space, (400, 20), (-1, 1), closed=True)
+    part(space)
+
+
+def without_title_block(space: Space) -> None:
+    rectangle(space, (0, 0), (390, 277))
+    space.add_circle((100, 100), 40)
+    space.add_text("M 1:1", height=5).set_placement((300, 10))
+
+
+def in_the_edge_alone(space: Space) -> None:
+    rectangle(space, (0, 0), (420, 297))
+    small_block(space, (420, 0), (-1, 1))
+    part(space)
+
+
+@pytest.mark.parametrize(
+    "draw",
+    (
+        of_no_paper,
+        pieces,
+        beside_the_border,
+        alone,
+        crossed,
+        without_title_block,
+        in_the_edge_alone,
+    ),
+)
+def test_what_may_be_a_title_block_is_the_users_choice(
+    save: Save, drawing: Drawing, draw: Callable[[Space], None]
+) -> None:
+    draw(drawing.modelspace())
+    assert asked(save(drawing))
+
+
+def test_lines_that_end_on_a_border_are_told(save: Save, drawing: Drawing) -> None:
+    space = drawing.modelspace()
+    sheet(space)
+    across = space.add_line((20, 140), (410, 140)).dxf.handle
+    work = part(space)
+    path = save(drawing)
+    assert followed(path) == work | {across}
+    (finding,) = [one for one in read_contents(path, NO_PROCESS).findings if one.code == "DX215"]
+    assert "leave_out = [" in (finding.cure or "")
+    assert "at = [215, 140]" in (finding.cure or "")
+
+
+def labelled(space: Space) -> None:
+    """A plate with texts in it, a hole with a number, and a label in a frame."""
+    rectangle(space, (0, 0), (400, 250))
+    for k in range(4):
+        space.add_circle((50 + 60 * k, 50), 20)
+        space.add_text(str(k), height=5).set_placement((48 + 60 * k, 48))
+    rectangle(space, (280, 10), (380, 40))
+    space.add_text("4711", height=10).set_placement((290, 15))
+
+
+def parts_in_a_plate(space: Space) -> None:
+    rectangle(space, (0, 0), (600, 400))
+    for x in (5, 205):
+        for y in (5, 205):
+            rectangle(space, (x, y), (x + 190, y + 190))
+            space.add_text("P1", height=5).set_placement((x + 10, y + 10))
+
+
+def barred(space: Space) -> None:
+    """A frame with openings between bars, and lines to engrave from side to side."""
+    rectangle(space, (0, 0), (400, 280))
+    for x in (10, 140, 270):
+        rectangle(space, (x, 10), (x + 120, 270))
+        space.add_text("opening", height=5).set_placement((x + 10, 100))
+    space.add_line((0, 5), (400, 5))
+
+
+def in_common_cuts(space: Space) -> None:
+    """A plate cut into pieces along lines, with a label in each."""
+    rectangle(space, (0, 0), (400, 250))
+    for x in (100, 200, 300):
+        space.add_line((x, 0), (x, 250))
+        space.add_text("P", height=5).set_placement((x - 50, 100))
+    space.add_text("P", height=5).set_placement((350, 100))
+
+
+def as_large_as_paper(space: Space) -> None:
+    rectangle(space, (0, 0), (297, 210))
+    for x in (20, 277):
+        space.add_circle((x, 100), 5)
+
+
+@pytest.mark.parametrize(
+    "draw", (labelled, parts_in_a_plate, barred, in_common_cuts, as_large_as_paper)
+)
+@pytest.mark.parametrize("in_sheet", (False, True))
+def test_plates_with_texts_and_lines_stay(
+    save: Save, drawing: Drawing, draw: Callable[[Space], None], in_sheet: bool
+) -> None:
+    space = drawing.modelspace()
+    draw(space)
+    work = {one.dxf.handle for one in space.query("LINE LWPOLYLINE CIRCLE")}
+    if in_sheet:
+        rectangle(space, (-120, -70), (721, 524))
+        rectangle(space, (-100, -60), (711, 514))
+        small_block(space, (711, -60), (-1, 1))
+    path = save(drawing)
+    assert followed(path) == work
+    assert not {"DX214", "DX215"} & set(codes(path))
