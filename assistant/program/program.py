@@ -8,7 +8,7 @@ from dataclasses import field
 from typing import Any, Final, Literal
 
 from assistant.base.data_classes import dataclass
-from assistant.base.diagnostics import Span, info
+from assistant.base.diagnostics import Diagnostic, Span, info
 from assistant.base.source_text import plain_letters
 from assistant.lazy import pictured
 from assistant.program.expressions import Effect, Expression
@@ -42,6 +42,12 @@ STANDALONE = Interface()
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 MANGLED = info(
     "NM001", "the name {given!r} is written `{name}`", "use letters, digits and `_`, a letter first"
+)
+NAME_TAKEN = info(
+    "NM002",
+    "the name {given!r} is written `{name}`, as something else has the name `{plain}`, such as a"
+    " tool, a frame, a signal or a procedure",
+    "give one of the two another name",
 )
 
 
@@ -103,6 +109,14 @@ def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> st
             count += 1
         known.counts[key] = count
     return free
+
+
+def renamed(given: str, name: str, **where: Any) -> Diagnostic:
+    """Return the finding about a name that is written otherwise: its letters, or it was taken."""
+    plain = identifier(given)
+    if name == plain:
+        return MANGLED(**where, given=given[:80], name=name)
+    return NAME_TAKEN(**where, given=given[:80], name=name, plain=plain)
 
 
 @dataclass(frozen=True, slots=True)

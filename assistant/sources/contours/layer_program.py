@@ -19,7 +19,7 @@ from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.base.near_names import near_name
 from assistant.base.source_text import plain_letters
 from assistant.program.geometry import Target, Vector
-from assistant.program.program import MANGLED, Procedure, TakenNames, identifier
+from assistant.program.program import Procedure, TakenNames, identifier, renamed
 from assistant.program.settings_tables import shown
 from assistant.program.statements import Call, Comment, OwnText, Statement
 from assistant.sources.contours.chains import Contour, chain_curves, wide_gaps, without_overlaps
@@ -383,7 +383,7 @@ def _layer_procedure(
             )
         )
     if named != name:
-        findings.append(MANGLED(place=f"layer {shown(name)}", given=name, name=named))
+        findings.append(renamed(name, named, place=f"layer {shown(name)}"))
     targets: dict[str, Target] = {}
     parts: dict[str, list[Statement]] = {}
     widest = _WIDEST_TURN if layer.tangential else WIDEST_ARC

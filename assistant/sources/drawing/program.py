@@ -20,7 +20,7 @@ from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.motion import FINE
-from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier
+from assistant.program.program import MANGLED, Procedure, Program, TakenNames, identifier, renamed
 from assistant.program.statements import Call, MoveJoints, OwnText, Statement, Travel
 from assistant.sources.contours.contour_order import TravelMeasure, order_points
 from assistant.sources.contours.contour_statements import (
@@ -206,7 +206,7 @@ def name_locations(
         if location.given.lower() in drawn:
             findings.append(DUPLICATE(path=path, place=location.place, given=given, name=name))
         elif name != location.given:
-            findings.append(MANGLED(path=path, place=location.place, given=given, name=name))
+            findings.append(renamed(location.given, name, path=path, place=location.place))
         drawn.add(location.given.lower())
         used.add(name.lower())
     counts: Counter[str] = Counter()

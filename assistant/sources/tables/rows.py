@@ -22,7 +22,15 @@ from assistant.base.near_names import near_name
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Kind, Path, Speed
-from assistant.program.program import MANGLED, Procedure, Program, Signal, TakenNames, identifier
+from assistant.program.program import (
+    MANGLED,
+    Procedure,
+    Program,
+    Signal,
+    TakenNames,
+    identifier,
+    renamed,
+)
 from assistant.program.statements import (
     Follow,
     Motion,
@@ -390,7 +398,7 @@ class RowNames:
             name = identifier(given, self._taken)
         self._taken.add(name.lower())
         if name != given and given.strip():
-            self.findings.append(MANGLED(**where, given=given[:80], name=name))
+            self.findings.append(renamed(given, name, **where))
         return name
 
 

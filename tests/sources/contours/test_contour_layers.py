@@ -134,6 +134,15 @@ def test_without_layers_every_layer_moves_as_the_defaults_say():
     assert codes(findings) == ["NM001"]
 
 
+def test_a_layer_that_is_named_like_a_tool_is_told_why_its_procedure_is_not():
+    (procedure,), findings = contour_program(square("laser"), process(laser=GLUE), taken={"laser"})
+    assert procedure.name == "laser_contours"
+    (finding,) = [one for one in findings if one.code in {"NM001", "NM002"}]
+    assert finding.code == "NM002"
+    assert "something else has the name `laser`" in finding.message
+    assert "another name" in finding.cure
+
+
 def test_curves_on_other_layers_are_counted():
     curves = [*square(), *square("notes"), circle("NOTES", 5.0)]
     procedures, findings = contour_program(curves, process(GLUE=GLUE), taken=set(), path="a.dxf")

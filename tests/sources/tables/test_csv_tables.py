@@ -179,7 +179,7 @@ def test_names_from_outside_are_data() -> None:
         "a_b ENDPROC,1,2,3,1,0,0,0\n"
     )
     assert list(reading.program.targets) == ["a_b_ENDPROC", "cmd_C_calc_A0", "a_b_ENDPROC_2"]
-    assert [f.code for f in reading.findings] == ["NM001"] * 3
+    assert [f.code for f in reading.findings] == ["NM001", "NM001", "NM002"]
     assert [f.line for f in reading.findings] == [2, 4, 5]
 
 

@@ -126,7 +126,7 @@ def test_inline_tables_and_names_that_are_no_identifiers() -> None:
     )
     assert list(reading.program.targets) == ["a_b"]
     assert list(reading.program.joint_targets) == ["a_b_2"]
-    assert [(f.code, f.line) for f in reading.findings] == [("NM001", 1), ("NM001", 2)]
+    assert [(f.code, f.line) for f in reading.findings] == [("NM001", 1), ("NM002", 2)]
 
 
 @pytest.mark.parametrize(
