@@ -343,6 +343,10 @@ class Reason:
     kind: str
 
 
+_ON_LINE: Final = 0.05
+"""mm from a line within which a point is on it."""
+
+
 @dataclass(slots=True)
 class Drafting:
     """Which entities of a document are drafting; counts them while it is asked.
@@ -438,7 +442,12 @@ class Drafting:
             found |= dict.fromkeys(own, reason)
             self.aside[reason] = self.aside.get(reason, 0) + len(own)
             ends = sorted(rows[row] for row in sheet.ending if row < len(rows))
-            ends = [row for row in ends if not tables or curves[row].layer.casefold() in tables]
+            ends = [
+                row
+                for row in ends
+                if (not tables or curves[row].layer.casefold() in tables)
+                and not self._is_left_out(curves[row], back)
+            ]
             if ends:
                 middle = back.moved(sample([curves[row] for row in ends], (0.5,))[:, 0])[:, :2]
                 self.ending.append((sheet, curves[ends[0]].layer, middle))
@@ -451,6 +460,17 @@ class Drafting:
             found |= dict.fromkeys(own, reason)
             self.aside[reason] = self.aside.get(reason, 0) + len(own)
         return found
+
+    def _is_left_out(self, line: Curve, back: Pose) -> bool:
+        """True if the process file leaves a line along an axis out by a point on it."""
+        ends = back.moved(sample([line], (0.0, 1.0))[0])[:, :2]
+        low, high = ends.min(axis=0) - _ON_LINE, ends.max(axis=0) + _ON_LINE
+        return any(
+            one.at is not None
+            and one.concerns(line.layer)
+            and bool(((one.at >= low) & (one.at <= high)).all())
+            for one in self.process.left_out
+        )
 
     def _is_named(self, layer: str) -> bool:
         return layer.casefold() in self._stated or matches_any(self.process.follow, layer)
