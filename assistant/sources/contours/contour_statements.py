@@ -336,7 +336,8 @@ class PlacedLayer:
 class FollowedContour:
     """The statements of a contour, the targets that they name, degrees the tool has turned.
 
-    corners: that are gone round at the speed of corners.
+    corners: that are gone round at the speed of corners. turns: where the tool turns on the spot,
+    (n, 3) mm in the frame.
     """
 
     statements: tuple[Statement, ...]
@@ -344,6 +345,7 @@ class FollowedContour:
     wound: float | None
     findings: tuple[Diagnostic, ...] = ()
     corners: int = 0
+    turns: Floats = field(default_factory=lambda: np.empty((0, 3)))
 
 
 def follow_contour(
@@ -422,7 +424,8 @@ def follow_contour(
         up = backed_off_target(end, high.after, out)
         statements.append(Move("linear", up, leaving, switched.last))
     findings = dict.fromkeys((*into.findings, *out.findings))
-    return FollowedContour(tuple(statements), targets, wound, tuple(findings), made.corners)
+    turns = path.positions[1:][np.all(path.positions[1:] == path.positions[:-1], axis=1)]
+    return FollowedContour(tuple(statements), targets, wound, tuple(findings), made.corners, turns)
 
 
 def _path_statements(

@@ -14,6 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.base.arrays import Floats
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.base.near_names import near_name
@@ -92,6 +93,12 @@ _NO_SLOW_CORNER = warning(
     "layer {layer!r} has no corner for `corner_speed`: no turn of {angle:g} degrees, no arc of up"
     " to {radius:g} mm",
     "give a smaller `corner_angle`, or a `corner_radius` as large as the rounded corners",
+)
+_TURNS_SWITCHED_ON = warning(
+    "CT236",
+    "at {count} corners of layer {layer!r} the tool stops and turns on the spot while the outputs"
+    " of `on` are set; the first is at {at} in `{contour}`",
+    "round the corners in the drawing, or leave out `tangential`, if the process must not stay",
 )
 _POINTS_LEFT_OUT = info(
     "CT108",
@@ -392,6 +399,7 @@ def _layer_procedure(
     wound = 0.0 if before is not None and _is_reached_by_lines(before, layer) else None
     top = highest_point(drawn, placed) if layer.above.height is not None else 0.0
     corners = 0
+    turns: list[tuple[str, Floats]] = []
     numbers: list[int] = []
     of_number = {
         one.main.number: (one, shape)
@@ -437,6 +445,7 @@ def _layer_procedure(
                 )  # fmt: skip
                 body += made.statements
                 corners += made.corners
+                turns += ((path_name, at_corner) for at_corner in made.turns)
                 findings += made.findings
                 targets |= made.targets
                 taken.update(made.targets)
@@ -445,6 +454,12 @@ def _layer_procedure(
         findings.append(_CURVES_FITTED(layer=shown(name), count=fitted, deviation=deviation))
     if dropped:
         findings.append(_POINTS_LEFT_OUT(layer=shown(name), count=dropped, deviation=thinned))
+    if turns and layer.tangential and layer.on:
+        path_name, first = turns[0]
+        where = ", ".join(f"{x + 0.0:g}" for x in first.round(3).tolist())
+        findings.append(
+            _TURNS_SWITCHED_ON(layer=shown(name), count=len(turns), at=where, contour=path_name)
+        )
     if count and (slow := layer.pace.corner) is not None:
         about: dict[str, Any] = {
             "layer": shown(name),

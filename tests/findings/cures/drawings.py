@@ -87,6 +87,17 @@ def underlined(space: Any) -> None:
     space.add_line((-20, 60), (260, 60), dxfattribs={"layer": "CUT"})
 
 
+def bent_path(space: Any) -> None:
+    line(space)
+    space.add_line((50, 0), (50, 40), dxfattribs={"layer": "CUT"})
+
+
+def rounded_path(space: Any) -> None:
+    line(space)
+    space.add_arc((50, 10), 10, -90, 0, dxfattribs={"layer": "CUT"})
+    space.add_line((60, 10), (60, 40), dxfattribs={"layer": "CUT"})
+
+
 def as_paper(space: Any) -> None:
     """A plate as large as A4 with a hole and a text."""
     space.add_lwpolyline([(0, 0), (297, 0), (297, 210), (0, 210)], close=True)
@@ -107,6 +118,7 @@ def meeting(space: Any) -> None:
 
 
 CUT: Final = "[layers.CUT]\nspeed = 20\n"
+TURNING: Final = "[signals.beam]\n\n" + CUT + "on = {beam = 1}\noff = {beam = 0}\n"
 HOLLOW: Final = """\
 [tools.knife]
 tip = [0, 0, 100]
@@ -214,6 +226,18 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(as_paper)},
         change={"a.process.toml": 'follow = ["border"]\n'},
+    ),
+    Case(
+        "CT236",
+        "check a.dxf",
+        {"a.dxf": dxf(bent_path), "a.process.toml": TURNING + "tangential = true\n"},
+        change={"a.process.toml": TURNING},
+    ),
+    Case(
+        "CT236",
+        "check a.dxf",
+        {"a.dxf": dxf(bent_path), "a.process.toml": TURNING + "tangential = true\n"},
+        change={"a.dxf": dxf(rounded_path)},
     ),
     Case(
         "DX215",

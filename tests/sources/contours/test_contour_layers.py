@@ -311,6 +311,18 @@ def test_a_tangential_tool_stops_and_turns_at_corners():
     assert path.positions[1::2].tolist() == [[10, 0, 0], [10, 10, 0], [0, 10, 0]]
 
 
+@pytest.mark.parametrize(("on", "warned"), [((("beam", 1.0),), True), ((), False)])
+def test_turns_on_the_spot_with_outputs_on_are_one_warning(on, warned):
+    layer = Layer("laser", MOTION, tangential=True, on=on)
+    curves = [*square(), Line((50, 0, 0), (90, 0, 0), "GLUE")]
+    _, findings = contour_program(curves, process(GLUE=layer), taken=set())
+    told = [one for one in findings if one.code == "CT236"]
+    assert len(told) == warned
+    if warned:
+        assert "3 corners" in told[0].message
+        assert "the first is at 10, 10, 0 in `outline_1`" in told[0].message
+
+
 def test_a_tangential_tool_turns_with_an_arc_the_way_the_arc_goes():
     layer = Layer("knife", MOTION, tangential=True)
     arc = Arc.about((0, 0, 0), (0, 0, 1), (50, 0, 0), 350.0, "GLUE")
