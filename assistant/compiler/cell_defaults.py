@@ -839,9 +839,10 @@ def _with_signal_numbers(
 
 def _with_hint(one: Wanted, to: Language[Any]) -> Wanted:
     """Return a signal with the numbers that controllers of a language have for it."""
-    if one.signal is None or one.signal.kind == "analog":
+    if one.signal is None:
         return one
-    return replace(one, numbers=to.signal_numbers)
+    analog = one.signal.kind == "analog"
+    return replace(one, numbers=to.register_numbers if analog else to.signal_numbers)
 
 
 def _numbers_taken(taken: dict[tuple[str, bool], set[int]], signal: Signal) -> set[int]:

@@ -149,6 +149,8 @@ class Language(abc.ABC, Generic[T]):
     """By `input` and `output`: numbers that its controllers use themselves when they are new."""
     signal_numbers: str = ""
     """The numbers that its controllers have for signals that are not analog, for a cell file."""
+    register_numbers: str = ""
+    """Those that they have for analog signals."""
     called_by_file: bool = False
     """True if other programs call this one by its file name, and see nothing else of it."""
     steps: bool = False

@@ -43,7 +43,8 @@ _FAILED: Final = error(
 UNKNOWN: Final = error(
     "VC212",
     "this is not simulated: {message}",
-    "name the files that hold what is missing as well, or run what comes before it: --until",
+    "give the files of what it calls as well if they are missing, else write it another way, or "
+    "run what comes before it: --until",
 )
 _WAITING: Final = error(
     "VC213",

@@ -180,6 +180,13 @@ def test_a_cell_file_has_the_numbers_that_the_controller_knows(tmp_path: Path) -
     assert "as wired" not in stated
 
 
+def test_a_cell_file_says_which_registers_hold_analog_signals(tmp_path: Path) -> None:
+    program = written(tmp_path, "m.mod", RAPID.format(statement="SetAO part,1;"))
+    to = languages.get("melfa-basic-5")
+    loaded = with_values_of_file(load(program), tmp_path / "cell.toml", to=to)
+    assert "from 6000 on (CC-Link)" in cell_text(NO_CELL, loaded.wanting)
+
+
 def test_numbers_of_a_program_in_the_language_of_the_controller_are_its_own(tmp_path: Path) -> None:
     program = written(tmp_path, "A.prg", MELFA)
     cell = written(tmp_path, "cell.toml", "# none\n")

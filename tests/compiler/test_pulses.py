@@ -62,6 +62,13 @@ def test_a_pulse_to_the_other_value_asks_for_the_value_that_may_be_there() -> No
     assert "M_Out(1)=1 Dly 0.2" in on and "M_Out(1)=0 Dly 0.2" in on
 
 
+def test_no_pulse_is_told_of_where_the_program_asks_whether_its_output_is_off() -> None:
+    asked = "SetDO do1,1;\nIF do1=0 THEN\nPulseDO\\High,do1;\nENDIF"
+    for body, told in ((asked, False), (asked.replace("=0", "=1"), True)):
+        codes = [f.code for f in from_rapid(body, "melfa-basic-5").findings]
+        assert ("MB253" in codes) is told
+
+
 @pytest.mark.parametrize(
     "line",
     [

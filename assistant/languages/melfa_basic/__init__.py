@@ -26,7 +26,11 @@ from assistant.languages.language_types import (
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.tables.variables import DEDICATED_SIGNALS, SIGNAL_NUMBERS
+from assistant.languages.melfa_basic.tables.variables import (
+    DEDICATED_SIGNALS,
+    REGISTER_NUMBERS,
+    SIGNAL_NUMBERS,
+)
 from assistant.lazy import offered
 from assistant.program.expressions import Effect, VendorTextKind
 from assistant.program.program import Program
@@ -92,6 +96,7 @@ class MelfaBasic(Language["File"]):
     joint_percent = True
     dedicated_signals = DEDICATED_SIGNALS
     signal_numbers = SIGNAL_NUMBERS
+    register_numbers = REGISTER_NUMBERS
     frames: Frames = "base"
     table = "melfa-basic"
     settings = MappingProxyType({**_SETTINGS, **ARITHMETIC})

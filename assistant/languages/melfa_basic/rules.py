@@ -131,7 +131,7 @@ SPEED_PARTS = warning(
 JOINT_PERCENT = warning(
     "MB204", "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
     "try it slowly, and state what suits: `joint_percent = 20` at the top of the process file or "
-    "the cell file",
+    "the cell file, or pass percent=20 where Python gives the poses or joints",
 )  # fmt: skip
 COMPUTED_PERCENT = warning(
     "MB284",
@@ -278,9 +278,10 @@ KEPT_BY_A_PARAMETER = warning(
     "see that no other program sets another one before it, or write `{word}` in front of the moves",
 )  # fmt: skip
 SETTING_KEPT = warning(
-    "MB233", "nothing sets the {what} of this move, which `{word}` set last is kept for: it is "
-    "written {how}",
-    "write `{word} {plain}` in front of it, or `{word}` with the position that is meant",
+    "MB233", "no `{word}` stands before this move: the robot moves with the {what} that another "
+    "program or a person set last; the move is written {how}",
+    "write `{word} {plain}` in front of it if no {what} is meant, else `{word}` with the position "
+    "that is meant",
 )  # fmt: skip
 LOOP_CHANGED = warning(
     "MB234", "the loop changes {names}, which its end or step is made of: the other "
@@ -289,8 +290,9 @@ LOOP_CHANGED = warning(
 )  # fmt: skip
 PULSE_UNLIKE = warning(
     "MB253",
-    "`{name}` may be on when its pulse begins: `Dly` leaves it as it was, the other language off",
-    "set it to 0 before the pulse if it shall be off behind it",
+    "`{name}` may be on where `M_Out()=1 Dly` is written, which then leaves it on; the statement "
+    "of the other language switches it off in the end",
+    "set `{name}` to 0 in front of the statement, if it may be off there",
 )
 PULSE_WAITS = warning(
     "MB291", "the pulse of `{name}` begins when that of `{before}` has ended, as no more than "

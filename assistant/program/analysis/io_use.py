@@ -144,9 +144,18 @@ OFF_VALUES = (e.Number(0), e.Truth(False))
 def doubtful_pulses(program: Program) -> Iterator[p.SetSignal]:
     """Pulses of signals that the program sets to something else than 0 as well.
 
-    One that is set back to what it was, and one that is switched off, differ in these.
+    One that is set back to what it was, and one that is switched off, differ in these. One at the
+    beginning of a branch for the signal being 0 is not among them.
     """
     statements = tuple(program.statements())
+    asked = {
+        id(first)
+        for statement in statements
+        if isinstance(statement, p.If)
+        for branch in statement.branches
+        for first in branch.body[:1]
+        if isinstance(first, p.SetSignal) and _is_off(branch.condition, first.signal)
+    }
     pulses = [x for x in statements if isinstance(x, p.SetSignal) and x.pulse is not None]
     if not pulses:
         return
@@ -156,7 +165,14 @@ def doubtful_pulses(program: Program) -> Iterator[p.SetSignal]:
         for one in p.outputs(statement)
         if one.pulse is None and one.value not in OFF_VALUES
     }
-    yield from (one for one in pulses if one.signal.lower() in on)
+    yield from (one for one in pulses if one.signal.lower() in on and id(one) not in asked)
+
+
+def _is_off(condition: e.Expression, signal: str) -> bool:
+    match condition:
+        case e.Binary("=", e.Name(name), e.Number(0)):
+            return name.lower() == signal.lower()
+    return False
 
 
 _OpenChannels = frozenset[str]

@@ -569,7 +569,9 @@ def _switch_signals(
         raise out_of_range("the time of a pulse")
     # The manuals do not state whether such an output is set back afterwards.
     if before == value:
-        raise Unknown("a pulse of an output that is as it would be set")
+        raise Unknown(
+            "`Dly` behind the value that the output has: no manual says whether it is set back"
+        )
     m.world.pulse(first, value, before, seconds)
 
 

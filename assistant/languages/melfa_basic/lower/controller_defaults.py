@@ -242,7 +242,11 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         span = first_move(program, default, of)
         # A setting only after the first move leaves that move to what the controller has kept.
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
-            how = "as it stands, like the texts that stay" if number in left else "with none"
+            how = (
+                "as it stands, like the texts that stay"
+                if number in left
+                else f"without a {word.lower()}"
+            )
             yield rules.SETTING_KEPT(word=word, what=word.lower(), how=how, plain=plain, span=span)
     yield from _incomplete_positions(trees)
     there = {program_key(program_name(tree)) for tree in trees}

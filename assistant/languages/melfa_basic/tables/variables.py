@@ -177,6 +177,8 @@ CONNECTION_STATUS: Final = "M_Open"
 
 _HANDS: Final = range(900, 908)
 """Signals of the hands: valves, and the switches that check them."""
+REGISTER_NUMBERS: Final = "the register of the network that holds it, from 6000 on (CC-Link)"
+"""For the person who fills in a cell file: those of analog signals."""
 SIGNAL_NUMBERS: Final = (
     "as wired: 0 to 255 parallel, 900 to 907 hand, from 2000 PROFIBUS or EtherNet/IP, "
     "from 6000 CC-Link"
