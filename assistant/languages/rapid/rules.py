@@ -117,6 +117,17 @@ PULSE_FROM_OFF: Final = info(
     "`{name}` is taken to be off where its pulse begins, as the program never switches it on",
     "switch it off at the start of the program if anything else may have switched it on",
 )
+DELAY_WAITS: Final = warning(
+    "RA472",
+    "the program waits until the delay of `{name}` is over, where RAPID goes on meanwhile",
+    "see that what follows may come that much later; else take the delay out and set `{name}` "
+    "further below",
+)
+SET_ON_WAY: Final = error(
+    "RA473",
+    "the delay of `{name}` lasts until the robot moves, which other languages cannot say",
+    "set `{name}` in front of the move, or at a place on its way by TriggIO and TriggL",
+)
 HANDLED: Final = warning(
     "RA315",
     "the error handler of `{name}` is for these errors here: {errors}; others stop the program",

@@ -191,6 +191,7 @@ Uncompared = Literal[
     "stops for interrupts",
     "other moments of interrupts",
     "waits for timers behind inputs",
+    "what goes on during delays",
     "times in shared data",
     "texts for people",
     "texts over lines",
@@ -221,6 +222,9 @@ NOT_COMPARED: Final[Mapping[Uncompared, str]] = {
     "stops for interrupts": "motions take no time here, so no arm is stopped on its way",
     "other moments of interrupts": "each is tried at the first and the last five",
     "waits for timers behind inputs": "the input comes to either at another time",
+    "what goes on during delays": (
+        "one language waits until it sets the output that another sets later while it goes on"
+    ),
     "times in shared data": "statements of two languages take different times",
     "texts for people": "people read them, the cell does not",
     "texts over lines": "one language sends through a gateway what another sends itself",
@@ -330,6 +334,9 @@ def likeness(
     reach = _reach_of([row.what for row in ours if isinstance(row.what, Moved)])
     comparing = _Comparing((first, second), rounding, reach)
     limits = _Limits((_expired(first), _expired(second)), comparing.left)
+    if len(later := _with_delays(ours, others)) < len(others):
+        others = later
+        comparing.left.add("what goes on during delays")
     if any(isinstance(event, Said | Reported) for event in told):
         comparing.left.add("texts for people")
     if any(isinstance(event, Sent) for event in told):
@@ -353,6 +360,29 @@ def likeness(
     if not halted and not _end_alike(*both):
         comparing.note(0, f"{_end(first)}, and {_end(second)}")
     return comparing.found()
+
+
+def _with_delays(ours: Sequence[Logged], others: Sequence[Logged]) -> list[Logged]:
+    """The events of the second run, with a delay and an output as one that is set later where the
+    first run has that.
+    """
+    found: list[Logged] = []
+    place = 0
+    while place < len(others):
+        row = others[place]
+        one = ours[len(found)].what if len(found) < len(ours) else None
+        two = others[place + 1].what if place + 1 < len(others) else None
+        match one, row.what, two:
+            case (
+                Switched(after=float(after)),
+                Waited(seconds=seconds),
+                Switched(signal, value, at=None, after=None),
+            ) if abs(seconds - after) <= TIME and (one.signal, one.value) == (signal, value):
+                place += 1
+                row = _wired_event(others[place], replace(two, after=after))
+        found.append(row)
+        place += 1
+    return found
 
 
 def _same_effect(one: Event, two: Event) -> bool:

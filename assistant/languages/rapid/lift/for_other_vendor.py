@@ -67,6 +67,7 @@ from assistant.languages.rapid.lift.vendor_only.process_moves import (
     weld_speeds,
 )
 from assistant.languages.rapid.lift.vendor_only.signal_statements import (
+    delays_into_moves,
     switched_outputs,
     with_aliases,
 )
@@ -513,6 +514,7 @@ def _with_neutral_statements(program: Program, findings: Findings) -> Program:
     telling = VendorLowering(
         program, findings, meaning, switched_outputs(program), displaced,
         weld_speeds(program), task_lists(program),
+        cache(lambda: delays_into_moves(program)),
         cache(lambda: spot_programs(program)), cache(lambda: bead_numbers(program)),
     )  # fmt: skip
     program = with_vendor_statements_replaced(

@@ -52,8 +52,9 @@ class VendorLowering:
 
     switched: lower-case names of outputs that something besides pulses may switch on. displaced:
     True if anything displaces external axes. welds: mm/s of welds, and lists: number of tasks in
-    each list, by lower-case name. spots, beads: program numbers of spot welds and of beads,
-    collected at the first request. points: meeting points of tasks, filled during lowering.
+    each list, by lower-case name. delays: see `delays_into_moves`. spots, beads:
+    program numbers of spot welds and of beads. All three are collected at the first request.
+    points: meeting points of tasks, filled during lowering.
     """
 
     program: Program
@@ -63,6 +64,7 @@ class VendorLowering:
     displaced: bool
     welds: Mapping[str, float]
     lists: Mapping[str, e.Expression]
+    delays: Callable[[], frozenset[int]]
     spots: Callable[[], Mapping[str, float]]
     beads: Callable[[], Mapping[str, int]]
     points: list[str] = field(default_factory=list)
@@ -333,7 +335,9 @@ _LOWERINGS: Final[Mapping[str, _InstructionLowering]] = {
         call, telling.meaning, telling.switched, telling.findings
     ),
     "invertdo": lambda telling, call, _: inverted_output(call, telling.meaning),
-    "setdo": lambda telling, call, _: delayed_output(call, telling.meaning),
+    "setdo": lambda telling, call, node: delayed_output(
+        call, telling.meaning, telling.findings, moves=id(node) in telling.delays()
+    ),
     **dict.fromkeys(
         ("waituntil", "waitdi", "waitdo", "waitgi", "waitgo"),
         lambda telling, call, _: flagged_wait(call, telling.meaning, telling.program),

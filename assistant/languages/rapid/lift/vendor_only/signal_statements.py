@@ -1,12 +1,13 @@
 """Signal statements that RAPID alone has: second names, pulses, inversion and delay.
 
 A signal with a second name (`AliasIO`) is called by its first one, if the second stands for it all
-through the program. `PulseDO`, `InvertDO` and `SetDO` with a delay become pulses of the value that
-the output has or has not; a pulse lasts 0.2 s by default.
+through the program. `PulseDO` and `InvertDO` take the value that the output has not; a pulse lasts
+0.2 s by default. `SetDO` with a delay waits, where no move begins meanwhile.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Container, Iterator
@@ -31,6 +32,8 @@ from assistant.program.vendor_statements import effect_of
 
 _DEFAULT_PULSE: Final = e.Number(0.2)
 """Seconds of a pulse that states none (RAPID reference manual, PulseDO)."""
+_MOVING_WORDS: Final = ("move", "trigg", "arc", "paint", "search", "spot", "disp", "mtrigg")
+"""How names of instructions begin that move the robot."""
 _ZERO, _ONE = e.Number(0), e.Number(1)
 
 
@@ -85,8 +88,18 @@ def _other_value(signal: str, seconds: e.Expression | None) -> p.If:
     return p.If((p.Branch(is_off, (on,)),), (off,))
 
 
-def delayed_output(call: Called[s.Expression], meaning: NameResolver) -> Iterator[p.Statement]:
-    r"""`SetDO \SDelay`: until then the output has the value that it has, which is a pulse of it."""
+def delayed_output(
+    call: Called[s.Expression],
+    meaning: NameResolver,
+    findings: Findings,
+    *,
+    moves: bool,
+) -> Iterator[p.Statement]:
+    r"""`SetDO \SDelay`: the program waits and sets the output then, if it has another value.
+
+    A pulse of the value that the output has would not wait, but what it leaves is not documented.
+    moves: whether the robot moves while the delay lasts; then the instruction stays.
+    """
     signal, delay = _digital_output(call, meaning), call.options.get("sdelay")
     if signal is None or delay is None or len(call.options) != 1 or len(call.given) != 2:
         return
@@ -98,10 +111,61 @@ def delayed_output(call: Called[s.Expression], meaning: NameResolver) -> Iterato
             after = e.Number(int(name.lower() == "high"))
         case _:
             return
-    before = e.Number(1 - after.value)
-    changes = e.Binary("=", e.Name(signal), before)
-    later = p.SetSignal(signal, before, meaning.expression(delay))
-    yield p.If((p.Branch(changes, (later,)),))
+    if moves:
+        findings.append(rules.SET_ON_WAY(name=signal))
+        return
+    findings.append(rules.DELAY_WAITS(name=signal))
+    changes = e.Binary("=", e.Name(signal), e.Number(1 - after.value))
+    later = p.Wait(meaning.expression(delay)), p.SetSignal(signal, after)
+    yield p.If((p.Branch(changes, later),))
+
+
+def delays_into_moves(program: Program) -> frozenset[int]:
+    r"""`id`s of the `SetDO \SDelay` behind which a move begins before the delay is surely over."""
+    found: set[int] = set()
+
+    def body(statements: Body) -> Body:
+        for place, node in enumerate(statements):
+            map_bodies(node, body)
+            delay = _delay_of(node)
+            if delay is not None and _moves_within(statements[place + 1 :], delay):
+                found.add(id(node))
+        return statements
+
+    for procedure in program.procedures:
+        body(procedure.body)
+    return frozenset(found)
+
+
+def _delay_of(node: p.Statement) -> float | None:
+    r"""Seconds of a `SetDO \SDelay`, without end if they are worked out; None for all else."""
+    call = instruction_of(node) if isinstance(node, p.Opaque) else None
+    known = None if call is None or word_of(call) != "setdo" else called(call)
+    delay = None if known is None else known.options.get("sdelay")
+    if delay is None:
+        return None
+    return float(delay.text) if isinstance(delay, s.NumberLiteral) else math.inf
+
+
+def _moves_within(statements: Body, seconds: float) -> bool:
+    """True if a move begins in the seconds before the first statements."""
+    for node in statements:
+        match node:
+            case p.Move() | p.MoveCircular() | p.MoveJoints() | p.Follow():
+                return True
+            case p.Wait(e.Number(waited)):
+                seconds -= waited
+                if seconds <= 0:
+                    return False
+            case p.Opaque():
+                call = instruction_of(node)
+                if call is not None and word_of(call).startswith(_MOVING_WORDS):
+                    return True
+            case p.SetSignal() | p.Assign() | p.Comment():
+                continue
+            case _:
+                return False  # what lasts for an unknown time, or leads elsewhere
+    return False
 
 
 def _digital_output(call: Called[s.Expression], meaning: NameResolver) -> str | None:
