@@ -69,6 +69,21 @@ def test_no_pulse_is_told_of_where_the_program_asks_whether_its_output_is_off() 
         assert ("MB253" in codes) is told
 
 
+def test_units_of_analog_signals_are_told_in_both_directions() -> None:
+    heading = "! signal: speed analog output 6010\n! signal: seen analog input 6020\n"
+    body = "SetAO speed,nPercent/10;\nnPercent:=seen;\nSetDO do1,1;"
+    text = f"MODULE m\n! program: m\n! entry: main\n{SIGNALS}{heading}VAR num nPercent:=75;\n"
+    text += f"PROC main()\n{body}\nENDPROC\nENDMODULE\n"
+    found = assistant.translate(load_text(SourceText(text), language="rapid"), to="melfa-basic-5")
+    assert [f.message.split("`")[1] for f in found.findings if f.code == "MB300"] == [
+        "speed",
+        "seen",
+    ]
+    assert [row.level for row in found.rows.noted if any(f.code == "MB300" for f in row.reasons)]
+    back = from_melfa("M_DOut(6010)=75\nM1=M_DIn(6020)\nM_Out(1)=1")
+    assert [f.code for f in back.findings].count("RA474") == 2
+
+
 @pytest.mark.parametrize(
     "line",
     [

@@ -294,6 +294,13 @@ PULSE_UNLIKE = warning(
     "of the other language switches it off in the end",
     "set `{name}` to 0 in front of the statement, if it may be off there",
 )
+REGISTER_UNITS = warning(
+    "MB300",
+    "the analog signal `{name}` is a register of whole numbers: a value with decimals is rounded, "
+    "and the other language may count in other units (volt, bar)",
+    "compare the scale of `{name}` in the other controller's configuration with that of the "
+    "register's device; where they differ, multiply the value in the source",
+)
 PULSE_WAITS = warning(
     "MB291", "the pulse of `{name}` begins when that of `{before}` has ended, as no more than "
     "{most} run at a time: the program waits for that",

@@ -117,6 +117,13 @@ PULSE_FROM_OFF: Final = info(
     "`{name}` is taken to be off where its pulse begins, as the program never switches it on",
     "switch it off at the start of the program if anything else may have switched it on",
 )
+REGISTER_UNITS: Final = warning(
+    "RA474",
+    "the analog signal `{name}` is a number in the units of its configuration, where the other "
+    "language has a register of whole numbers as its device counts",
+    "let the limits of the signal in EIO.cfg, logical and in bits, be those of the register, so "
+    "that a logical value of 75 is 75 in bits",
+)
 DELAY_WAITS: Final = warning(
     "RA472",
     "the program waits until the delay of `{name}` is over, where RAPID goes on meanwhile",

@@ -293,6 +293,7 @@ class Outputs:
     measures: its units for positions on a path. known: True if they have the pseudo-program's
     meaning on every path. unlike: reports an output (name) during a move (what) whose position
     others may count differently. pulse: reports one (name) that may be on when a pulse begins.
+    scaled: reports an analog signal (name), whose values other controllers may count otherwise.
     behind: reports one (name) that is set after a move that stops there, None if it can be set at
     its very end. timed: reports one (name) that is set a time before or after a position (when),
     and is set at the robot's position for a speed in mm/s; None if the language has times.
@@ -306,6 +307,7 @@ class Outputs:
     known: bool
     unlike: Rule
     pulse: Rule
+    scaled: Rule
     behind: Rule | None = None
     timed: Rule | None = None
     most_pulses: int | None = None

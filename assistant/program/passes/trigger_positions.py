@@ -1,4 +1,6 @@
-"""Trigger positions: outputs set during moves where a language measures it, and pulses."""
+"""Trigger positions: outputs set during moves where a language measures it, pulses, and analog
+signals.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.passes.legalisation import Legalisation, Outputs
 from assistant.program.passes.motions import declared_value
 from assistant.program.program import Program
-from assistant.program.rewriting import Body, map_bodies
+from assistant.program.rewriting import Body, head, map_bodies, records
 
 _DECIMALS: Final = 3
 """Decimals of computed mm."""
@@ -38,6 +40,7 @@ def with_measured_places(job: Legalisation) -> Program:
     if can is None:
         return program
     _find_pulses(job, can)
+    _find_analog_signals(job, can)
     measures = can.measures
     if not sets_on_way(program):
         return program
@@ -193,6 +196,20 @@ def _find_pulses(job: Legalisation, can: Outputs) -> None:
             continue  # it is set back to the other value
         with job.findings.at(pulse.span):
             job.findings.append(can.pulse(name=pulse.signal))
+
+
+def _find_analog_signals(job: Legalisation, can: Outputs) -> None:
+    """Uses of another language's analog signals: no program says what their values mean."""
+    analog = {n.lower(): n for n, one in job.program.signals.items() if one.kind == "analog"}
+    if not analog or not _is_foreign(job):
+        return
+    for statement in job.program.statements():
+        names = {one.signal.lower() for one in p.outputs(statement)}
+        names |= {x.name.lower() for x in records(head(statement)) if isinstance(x, e.Name)}
+        if isinstance(statement, p.WaitSignal):
+            names.add(statement.signal.lower())
+        with job.findings.at(statement.span):
+            job.findings.extend(can.scaled(name=analog[name]) for name in sorted(names & {*analog}))
 
 
 def _find_other_positions(job: Legalisation, can: Outputs) -> None:

@@ -57,6 +57,7 @@ _OUTPUTS: Final = Outputs(
     known=False,
     unlike=rules.PLACE_UNLIKE,
     pulse=rules.PULSE_UNLIKE,
+    scaled=rules.REGISTER_UNITS,
     behind=rules.BEHIND,
     timed=rules.BY_SPEED,
     most_pulses=MOST_PULSES,

@@ -153,6 +153,7 @@ _OUTPUTS: Final = Outputs(
     known=True,
     unlike=rules.PLACE_UNLIKE,
     pulse=rules.PULSE_UNLIKE,
+    scaled=rules.REGISTER_UNITS,
 )
 
 
