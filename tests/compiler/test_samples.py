@@ -77,9 +77,9 @@ def test_a_sample_of_rapid_in_melfa_basic_and_back(
 
 
 CHANGES = {"CO501", "CO508", "MB204", "MB205", "MB206", "MB211", "MB217", "MB223", "MB224"}
-CHANGES |= {"MB226", "MB237", "MB263"}
+CHANGES |= {"MB226", "MB237", "MB263", "MB300"}
 """What is said with a change: joint targets and speeds, zones, loads, messages, parameters,
-computed places."""
+computed places, analog signals."""
 
 
 def test_the_server_of_poses_is_reported_statement_by_statement() -> None:
