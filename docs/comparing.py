@@ -64,6 +64,9 @@ an output or data that it sets ends the run. The answer names such a wait (CO114
 it, the programs are not compared (CO119). A loop that looks at a timer is no delay, and a loop
 with delays is no wait for inputs: programs that have one for the other differ.
 
+Motions take no time here. Where a MELFA-BASIC program reads `P_Curr` while the last motion may be in its
+corner, an arc that starts there counts as one that is reached by a line first, as the arm goes back.
+
 Places may be apart by what the decimals of either text leave open, with two decimals of a millimetre
 or degree at most. What a program has beside that is named in the answer:
 
