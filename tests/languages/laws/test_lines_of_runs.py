@@ -549,7 +549,8 @@ ELSEWHERE: Final = {
     "they are about a file, a list of files or a program as a whole": """
         MB001 MB110 MB114 MB115 MB118 MB122 MB123 MB142 MB143 MB148 MB149 MB401 MB707 MB710
         RA104 RA105 RA106 RA107 RA211 RA212 RA213 RA235""",
-    "only a translation, a draft or a way back reports them": "MB2.. MB300 MB501 RA3.. RA47[2-4]",
+    "only a translation, a draft or a way back reports them": """
+        MB2.. MB300 MB501 RA3.. RA472 RA473 RA474""",
     "they are about labels, subroutines, blocks, jumps and loops, which no run holds": """
         MB103 MB117 MB120 MB121 MB131 MB132 MB133 MB134 MB135 MB136 MB138 MB139 MB140 MB144 MB145
         MB146 MB147 RA216 RA220 RA222 RA225 RA226 RA228 RA229 RA451 RA453 RA457 RA458 RA467""",
