@@ -307,9 +307,10 @@ def indices_of(place: e.Expression) -> tuple[e.Expression, ...]:
     return ()
 
 
-def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
+def _assigned(procedure: Procedure, procedures: Mapping[str, Procedure]) -> set[str]:
+    """Names that a body assigns, counts with, or hands over to procedures that may change them."""
     names = set()
-    for record in records_in_body(procedure, p.Assign, p.For, p.Call, e.Apply, p.Opaque):
+    for record in records_in_body(procedure, p.Assign, p.For, p.Call, e.Apply):
         match record:
             case p.Assign(target):
                 names.add(base_variable(target))
@@ -318,27 +319,26 @@ def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> froze
             case p.Call(name, arguments) | e.Apply(name, arguments) if name.lower() in procedures:
                 callee = procedures[name.lower()]
                 names |= {base_variable(place) for place in handed_over(callee, arguments)}
-            case p.Opaque():
-                names.update(effect_of(record).names)
+    return names
+
+
+def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
+    """The same, with every name in vendor text."""
+    names = _assigned(procedure, procedures)
+    for record in records_in_body(procedure, p.Opaque):
+        names |= effect_of(record).names
     return frozenset(names)
 
 
 def _may_change(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
-    """Names that a body may change, its own ones too; of vendor text those alone that it writes."""
-    names = set()
-    kinds = p.Assign, p.For, p.Call, e.Apply, p.Opaque, e.Verbatim
-    for record in records_in_body(procedure, *kinds):
+    """The same, with what routines that the program lacks are given, and vendor text writes."""
+    names = _assigned(procedure, procedures)
+    for record in records_in_body(procedure, p.Call, e.Apply, p.Opaque, e.Verbatim):
         match record:
-            case p.Assign(target):
-                names.add(base_variable(target))
-            case p.For(variable):
-                names.add(variable.lower())
-            case p.Call(name, arguments) | e.Apply(name, arguments):
-                callee = procedures.get(name.lower())
-                if callee is not None:
-                    names |= {base_variable(place) for place in handed_over(callee, arguments)}
-                elif isinstance(record, p.Call) or name not in e.FUNCTIONS:
-                    names |= set(map(base_variable, arguments))
+            case p.Call(name, arguments) if name.lower() not in procedures:
+                names |= set(map(base_variable, arguments))
+            case e.Apply(name, arguments) if name.lower() not in {*procedures, *e.FUNCTIONS}:
+                names |= set(map(base_variable, arguments))
             case p.Opaque() | e.Verbatim():
                 names |= effect_of(record).writes
     return frozenset(names)

@@ -1,14 +1,17 @@
 """Delimited text as columns of cells: delimiter, quotes, blank lines, line ends, encodings.
 
-Cells are found, counted and read without a Python object for each row.
+Cells are found, counted and read without a Python object for each row. A large table of nothing but
+numbers is read by polars, the extra `fast`; the numbers are the same.
 """
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
+from importlib.util import find_spec
 from typing import Any, Final
 
 import numpy as np
@@ -29,7 +32,6 @@ from assistant.base.diagnostics import (
 )
 from assistant.base.source_text import LINE_END_INSIDE, LINE_ENDS, SourceText, decode
 from assistant.sources.tables.headers import shown
-from assistant.sources.tables.plain_tables import plain_numbers
 from assistant.sources.tables.rows import more_rows
 
 ERROR: Final = Severity.ERROR
@@ -546,3 +548,44 @@ def _without_blank_lines(
         return starts, ends
     keep = np.repeat(~blank, counts)
     return starts[keep], ends[keep]
+
+
+LEAST_PLAIN_BYTES: Final = 1 << 22
+"""A shorter table is read by other means before polars would be imported."""
+_forked: Final[list[bool]] = []
+"""Filled in a fork: the threads of polars, which may have been at work before it, are not in it."""
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=lambda: _forked.append(True))
+
+
+def plain_numbers(rows: bytes, delimiter: int, width: int) -> Floats | None:
+    """The numbers (n, width) of rows below a header, in columns; None if they are not plain.
+
+    Every cell has to be a plain decimal number, and every row as long as the header. Such a table
+    is read by polars, where the extra `fast` is installed. rows: the text below the header, with a
+    line feed behind each row. Each number is the double nearest to its text.
+    """
+    if len(rows) < LEAST_PLAIN_BYTES or _forked or find_spec("polars") is None:
+        return None
+    mark = bytes([delimiter])
+    marks = rows.translate(None, _NUMERIC_BYTES.rstrip())
+    count = len(marks) // width
+    if not count or marks != (mark * (width - 1) + b"\n") * count:
+        return None
+    import polars
+
+    # What polars cannot read is null.
+    table = polars.read_csv(
+        rows,
+        has_header=False,
+        separator=mark.decode(),
+        schema={str(column): polars.Float64 for column in range(width)},
+        ignore_errors=True,
+        raise_if_empty=False,
+    )
+    if len(table) != count or any(column.null_count() for column in table):
+        return None
+    numbers = np.empty((count, width), order="F")
+    for index, column in enumerate(table):
+        numbers[:, index] = column.to_numpy()
+    return numbers if np.isfinite(numbers).all() else None

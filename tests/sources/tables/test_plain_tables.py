@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from assistant.base.diagnostics import Refused, Unreadable
 from assistant.program.pseudo import print_program
-from assistant.sources.tables import plain_tables
+from assistant.sources.tables import delimited_text
 from tests.examples import drawn
 from tests.sources.tables.test_bad_tables import BAD
 from tests.sources.tables.test_csv_tables import POSE, read
@@ -54,9 +54,9 @@ def outcome(text: str | bytes) -> tuple[object, ...]:
 
 
 def equal_outcomes(text: str | bytes, patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(plain_tables, "LEAST_BYTES", NEVER)
+    patch.setattr(delimited_text, "LEAST_PLAIN_BYTES", NEVER)
     expected = outcome(text)
-    patch.setattr(plain_tables, "LEAST_BYTES", 0)
+    patch.setattr(delimited_text, "LEAST_PLAIN_BYTES", 0)
     assert outcome(text) == expected
 
 
@@ -70,16 +70,16 @@ def test_bad_tables_are_refused_alike(case: str, monkeypatch: pytest.MonkeyPatch
     equal_outcomes(BAD[case][0], monkeypatch)
 
 
-def test_plain_tables_are_read_by_polars(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_delimited_text_are_read_by_polars(monkeypatch: pytest.MonkeyPatch) -> None:
     """And others are not: the two tests above compare two readers."""
-    monkeypatch.setattr(plain_tables, "LEAST_BYTES", 0)
+    monkeypatch.setattr(delimited_text, "LEAST_PLAIN_BYTES", 0)
     rows = b"1;2.5\n-3;4e2\n"
-    found = plain_tables.plain_numbers(rows, ord(";"), 2)
+    found = delimited_text.plain_numbers(rows, ord(";"), 2)
     assert found is not None and found.tolist() == [[1.0, 2.5], [-3.0, 400.0]]
     for other in (b"1;\n", b"1;2;3\n", b"1\n2;3;4\n", b"1;2\n\n", b"1; 2\n", b"1;x\n", b'1;"2"\n'):
-        assert plain_tables.plain_numbers(other, ord(";"), 2) is None
-    monkeypatch.setattr(plain_tables, "LEAST_BYTES", len(rows) + 1)
-    assert plain_tables.plain_numbers(rows, ord(";"), 2) is None
+        assert delimited_text.plain_numbers(other, ord(";"), 2) is None
+    monkeypatch.setattr(delimited_text, "LEAST_PLAIN_BYTES", len(rows) + 1)
+    assert delimited_text.plain_numbers(rows, ord(";"), 2) is None
 
 
 def test_a_cell_is_a_number_if_python_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,7 +90,7 @@ def test_a_cell_is_a_number_if_python_says_so(monkeypatch: pytest.MonkeyPatch) -
     table = polars.read_csv(
         text.encode(), has_header=False, schema={"0": polars.Float64}, ignore_errors=True
     )
-    monkeypatch.setattr(plain_tables, "LEAST_BYTES", 0)
+    monkeypatch.setattr(delimited_text, "LEAST_PLAIN_BYTES", 0)
     for cell, value in zip(cells, table["0"].to_list(), strict=True):
         assert value is None or value == float(cell)
 
@@ -102,23 +102,23 @@ def test_each_number_is_the_nearest_double(bits: list[bytes], digits: int) -> No
     cells = [f"{one:.{digits}g}" for one in values if np.isfinite(one)]
     cells = [cell for cell in cells if np.isfinite(float(cell))]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plain_tables, "LEAST_BYTES", 0)
-        found = plain_tables.plain_numbers("".join(f"{c}\n" for c in cells).encode(), ord(","), 1)
+        patch.setattr(delimited_text, "LEAST_PLAIN_BYTES", 0)
+        found = delimited_text.plain_numbers("".join(f"{c}\n" for c in cells).encode(), ord(","), 1)
     if cells:
         assert found is not None
         assert found[:, 0].tobytes() == np.array([float(cell) for cell in cells]).tobytes()
 
 
 def _read_in_a_fork(rows: bytes) -> bool:
-    return plain_tables.plain_numbers(rows, ord(","), 2) is None
+    return delimited_text.plain_numbers(rows, ord(","), 2) is None
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no forks")
 def test_a_fork_of_a_process_that_used_polars_does_not_wait_for_its_threads(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(plain_tables, "LEAST_BYTES", 0)
+    monkeypatch.setattr(delimited_text, "LEAST_PLAIN_BYTES", 0)
     rows = b"1,2\n" * 1000
-    assert plain_tables.plain_numbers(rows, ord(","), 2) is not None
+    assert delimited_text.plain_numbers(rows, ord(","), 2) is not None
     with multiprocessing.get_context("fork").Pool(1) as pool:
         assert pool.apply_async(_read_in_a_fork, (rows,)).get(60)

@@ -26,11 +26,12 @@ MOUNT_WORDS: Final = ("Base", "Tool")
 """The last one is written above the others."""
 
 
-_KEEPING: Final = (
+RESTING: Final = (
     p.Wait, p.WaitSignal, p.WaitUntil, p.StartTimer, p.SetSignal, p.Gripper, p.Assign,
-    p.If, p.While, p.For, p.Switch, p.Call, p.Return, p.Comment, p.Message,
+    p.If, p.While, p.For, p.Switch, p.Comment, p.Message,
 )  # fmt: skip
-"""Statements that set no tool or base, but perhaps in what they hold, call or read."""
+"""Statements that neither move the arm nor set a tool or base, but perhaps in what they hold or
+call."""
 
 
 def mount_keeper(program: Program) -> Callable[[p.Statement], bool]:
@@ -67,7 +68,7 @@ def mount_keeper(program: Program) -> Callable[[p.Statement], bool]:
 
 def _keeps(statement: p.Statement, mounts: Set[str]) -> bool:
     """True if a statement itself sets no tool or base. mounts: names of tools and frames."""
-    if not isinstance(statement, _KEEPING):
+    if not isinstance(statement, (*RESTING, p.Call, p.Return)):
         return False
     for part in records(head(statement)):
         match part:

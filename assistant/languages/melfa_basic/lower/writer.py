@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.lower.expressions import (
     Unsayable,
     signed_number,
 )
-from assistant.languages.melfa_basic.lower.mounts import MOUNT_WORDS, mount_keeper
+from assistant.languages.melfa_basic.lower.mounts import MOUNT_WORDS, RESTING, mount_keeper
 from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.tables.equivalents import ARM_FUNCTIONS
@@ -64,16 +64,9 @@ _LACKING: Final[Mapping[bool, tuple[str, str]]] = {
 """What a name lacks and the cure, by whether the source declares it."""
 
 
-_RESTING: Final = (
-    p.Wait, p.WaitSignal, p.WaitUntil, p.StartTimer, p.SetSignal, p.Gripper, p.Assign,
-    p.If, p.While, p.For, p.Switch, p.Comment, p.Message,
-)  # fmt: skip
-"""Statements that do not move the arm, but perhaps in what they hold or call."""
-
-
 def _leaves_arm(statement: p.Statement) -> bool:
     """True if neither a statement nor what it holds moves the arm, apart from functions."""
-    return all(isinstance(one, _RESTING) for one in walk((statement,)))
+    return all(isinstance(one, RESTING) for one in walk((statement,)))
 
 
 def _may_end_in_corner(statement: p.Statement) -> bool:
