@@ -106,7 +106,7 @@ def _cost_record(alike: Sequence[ReportRow], first: Diagnostic) -> Cost:
 
 
 _MOST_MESSAGES: Final = 4
-"""Messages of one code that a summary shows each by itself."""
+"""Most messages of a code that a summary lists separately."""
 _QUOTED_NAME: Final = re.compile(r"`([A-Za-z_]\w*)[^`\w][^`]*`")
 _ANY_NUMBER: Final = re.compile(r"(?<![\w`])[-+]?[0-9][0-9.,]*")
 

@@ -194,7 +194,7 @@ SHIFTS: Final = {"offset": _offset, "relative": _relative}
 def _lasting_values(
     variables: Mapping[str, Variable], changed: Callable[[], Collection[str]]
 ) -> Iterator[tuple[str, tuple[Expression, str]]]:
-    """Variables, in lower case, that nothing gives another value: it, and how it is stored.
+    """Values and storage of variables, by name in lower case, that nothing gives another value.
 
     changed: returns the names of those that may change.
     """

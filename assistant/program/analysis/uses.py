@@ -323,7 +323,7 @@ def _assigned(procedure: Procedure, procedures: Mapping[str, Procedure]) -> set[
 
 
 def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
-    """The same, with every name in vendor text."""
+    """Names that a body may change or that its vendor text has, locals included."""
     names = _assigned(procedure, procedures)
     for record in records_in_body(procedure, p.Opaque):
         names |= effect_of(record).names
@@ -331,7 +331,7 @@ def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> froze
 
 
 def _may_change(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
-    """The same, with what routines that the program lacks are given, and vendor text writes."""
+    """Names that a body, its vendor text, or a routine that the program lacks may change."""
     names = _assigned(procedure, procedures)
     for record in records_in_body(procedure, p.Call, e.Apply, p.Opaque, e.Verbatim):
         match record:

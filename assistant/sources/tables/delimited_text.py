@@ -57,7 +57,7 @@ _ROWS_AT_ONCE: Final = 1 << 14
 """Rows read at a time, so that what is made of them stays in the processor's cache."""
 _WIDEST: Final = 256
 _FEW_CELLS: Final = 16
-"""Cells that are looked at one by one where one of them is no number."""
+"""Cells that are read one by one where one of them is no number."""
 _PLAIN_NUMBER: Final = re.compile(rb"[+-]?[0-9.]+([eE][+-]?[0-9]+)?")
 _NUMERIC_BYTES: Final = b"0123456789+-.eE "
 _NUMBER_HINTS: Final = (

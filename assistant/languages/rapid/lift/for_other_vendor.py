@@ -404,7 +404,8 @@ def for_other_vendor(program: Program, arm: Robot | None) -> Adapted:
 def _with_hands_or_outputs(program: Program) -> Program:
     """Drop the outputs that only open and close hands, for which other languages have words.
 
-    What is read, or set in another way, is an output everywhere: the words may stand for another.
+    An output that is also read, or set in another way, stays one in all statements: the word for
+    its hand may set another output.
     """
     hands = {hand_signal(hand) for hand in hands_used(program)}
     if not hands:
