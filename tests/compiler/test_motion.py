@@ -438,7 +438,7 @@ def test_what_is_written_of_a_drawing_moves_as_it_says(language: str, robot: str
     assert compiled.ok
     found = compiled.motion
     assert found is not None and found.found is not None
-    assert (found.found.runs, found.found.visits, found.found.changes) == (1, 103, 10)
+    assert (found.found.runs, found.found.visits, found.found.changes) == (1, 103, 12)
     assert 0.0 < found.found.apart < 0.01
 
 

@@ -151,7 +151,7 @@ def _contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -
     elif said.on_after is not None:
         _note_triggers(made, lengths, on, _triggers_at(layer.on, said.on_after))
     else:
-        made.before += _signal_statements(layer.on)
+        made.before += signal_statements(layer.on)
     if layer.delay > 0.0:
         made.before.append(Wait(_number_literal(layer.delay)))
     if said.off_before is not None:
@@ -168,7 +168,7 @@ def _contour_outputs(layer: Layer, lengths: Floats, up: float, speeds: Floats) -
     else:
         if said.off_after is not None:
             made.after.append(Wait(_number_literal(said.off_after.seconds)))
-        made.after += _signal_statements(layer.off)
+        made.after += signal_statements(layer.off)
     return made
 
 
@@ -202,7 +202,8 @@ def _triggers_at(values: Iterable[tuple[str, float]], at: SwitchPoint) -> Iterat
         )
 
 
-def _signal_statements(values: Iterable[tuple[str, float]]) -> Iterator[SetSignal]:
+def signal_statements(values: Iterable[tuple[str, float]]) -> Iterator[SetSignal]:
+    """Statements that give outputs their values."""
     return (SetSignal(signal, _number_literal(value)) for signal, value in values)
 
 

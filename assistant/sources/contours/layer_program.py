@@ -39,6 +39,7 @@ from assistant.sources.contours.contour_statements import (
     PlacedLayer,
     follow_contour,
     highest_point,
+    signal_statements,
     travel_measure,
 )
 from assistant.sources.contours.curves import Arc, Curve, Line
@@ -128,6 +129,7 @@ class ContourProgram:
     """procedures: of the layers, each with those of its contours after it. called: those of the
     layers, in the order of the work. targets: that they name. choice: of the contours that are
     followed. order: its contours as they are numbered in pictures; one of several passes repeats.
+    at_rest: statements that switch off what the layers switch on, for the start of the program.
     """
 
     procedures: tuple[Procedure, ...]
@@ -136,6 +138,7 @@ class ContourProgram:
     findings: tuple[Diagnostic, ...]
     choice: ContourChoice
     order: tuple[Row, ...]
+    at_rest: tuple[Statement, ...] = ()
 
 
 @dataclass(slots=True)
@@ -213,6 +216,7 @@ def contour_program(
     # All procedures have their names before any path gets one.
     before: Layer | None = None
     order: list[Row] = []
+    worked: list[Layer] = []
     for row in shaper.order():
         name, layer, drawn = followed[row]
         key = drawn[0].layer.casefold()
@@ -226,7 +230,9 @@ def contour_program(
             nesting=nestings[row], contour_names=contour_names, before=before,
         )  # fmt: skip
         order += [left[row][k] for k in numbers]
-        before = layer if made else before
+        if made:
+            before = layer
+            worked.append(layer)
         procedures += made
         called += made[:1]
         targets |= named
@@ -235,7 +241,13 @@ def contour_program(
     findings += _without_contours(process.layers, [*dict.fromkeys(one.layer for one in curves)])
     found_within = tuple(f.within(path) for f in findings)
     return ContourProgram(
-        tuple(procedures), tuple(called), targets, found_within, choice, tuple(order)
+        tuple(procedures),
+        tuple(called),
+        targets,
+        found_within,
+        choice,
+        tuple(order),
+        tuple(signal_statements(_values_at_rest(worked))),
     )
 
 
@@ -249,6 +261,20 @@ def contour_choice(
     `contour_program`.
     """
     return _chosen(curves, process, TakenNames(()), marks, texts)[2]
+
+
+def _values_at_rest(layers: Sequence[Layer]) -> Iterator[tuple[str, float]]:
+    """Outputs that layers switch on and off again, with the value that is off for all of them.
+
+    A program that was stopped on a contour has left them on.
+    """
+    off: dict[str, set[float]] = {}
+    for layer in layers:
+        switched = {signal for signal, _ in layer.on}
+        for signal, value in layer.off:
+            if signal in switched:
+                off.setdefault(signal, set()).add(value)
+    return ((signal, values.pop()) for signal, values in off.items() if len(values) == 1)
 
 
 _Followed = tuple[str, Layer, Sequence[Contour]]

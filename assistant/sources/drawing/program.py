@@ -1,7 +1,7 @@
 """Pseudo-program of a drawing: names of its locations, their order, and its procedures.
 
-`main` visits the locations, then follows the contours; it starts and ends at `home` if the process
-file states one.
+`main` switches off what contours switch on, visits the locations, then follows the contours; the
+motion starts and ends at `home` if the process file states one.
 """
 
 from __future__ import annotations
@@ -50,6 +50,8 @@ _MAIN_PROCEDURE: Final = "main"
 _HOME_TARGET: Final = "home"
 _LOCATIONS_PROCEDURE: Final = "locations"
 """Name of the procedure that visits the locations."""
+_OFF_PROCEDURE: Final = "outputs_off"
+"""Name of the procedure that switches off what contours switch on, before the first motion."""
 
 
 def drawing_program(contents: Contents, path: FilePath, process: Process) -> Reading:
@@ -59,7 +61,7 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
     """
     name = str(path)
     title = identifier(path.stem)
-    taken = TakenNames((title, _MAIN_PROCEDURE, _LOCATIONS_PROCEDURE))
+    taken = TakenNames((title, _MAIN_PROCEDURE, _LOCATIONS_PROCEDURE, _OFF_PROCEDURE))
     taken.update(process.tools, process.frames, process.signals)
     named = name_locations(contents.locations, taken, name)
     taken.update(named.names)
@@ -91,14 +93,19 @@ def drawing_program(contents: Contents, path: FilePath, process: Process) -> Rea
     if has_errors(findings):
         raise Refused(*findings)
     called, procedures = [*visits, *made.called], [*visits, *made.procedures]
+    off = made.at_rest
     if alone:
         work = tuple(one for procedure in called for one in procedure.body)
         procedures = []
     else:
         work = tuple(Call(procedure.name) for procedure in called)
+        if off:
+            # `main` stays a list of calls, which others can make in its place.
+            procedures.append(Procedure(_OFF_PROCEDURE, off))
+            off = (Call(_OFF_PROCEDURE),)
     program = Program(
         title,
-        (Procedure(_MAIN_PROCEDURE, _between_homes(home, work, process)), *procedures),
+        (Procedure(_MAIN_PROCEDURE, (*off, *_between_homes(home, work, process))), *procedures),
         entry=_MAIN_PROCEDURE,
         robot=process.robot,
         comments=tuple(map(OwnText, _facts(contents, path, process))),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -11,12 +12,13 @@ from ezdxf.document import Drawing
 
 from assistant import sources
 from assistant.base.diagnostics import Refused, Severity
+from assistant.program.expressions import Number
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Kind, Path, Speed
-from assistant.program.program import Program
-from assistant.program.statements import Call, Motion
+from assistant.program.program import Procedure, Program, Signal
+from assistant.program.statements import Call, Motion, MoveJoints, SetSignal
 from assistant.sources.drawing import read
-from assistant.sources.process import NO_PROCESS, Defaults, Layer, Process
+from assistant.sources.process import NO_PROCESS, Defaults, Layer, Process, ProgramStyle
 from tests.sources.contours.whole import whole_paths
 
 Save = Callable[..., FilePath]
@@ -34,9 +36,14 @@ def contours(program: Program) -> list[Path]:
     ]
 
 
+def procedure(program: Program, name: str) -> Procedure:
+    found = program.procedure(name)
+    assert found is not None
+    return found
+
+
 def calls(program: Program) -> list[str]:
-    main = program.procedure("main")
-    assert main is not None
+    main = procedure(program, "main")
     found = [s.procedure for s in main.body if isinstance(s, Call)]
     assert len(found) == len(main.body)
     return found
@@ -56,7 +63,8 @@ def test_sample() -> None:
     assert {f.severity for f in reading.findings} <= {Severity.INFO}
     program = reading.program
     assert program.name == "plate"
-    assert calls(program) == ["locations", "CUT", "GLUE"]  # the holes lie inside the bead
+    # The holes lie inside the bead.
+    assert calls(program) == ["outputs_off", "locations", "CUT", "GLUE"]
     assert list(program.targets)[:9] == [
         "home", "above_pick", "pick", "leave_pick", "above_place", "place", "leave_place",
         "INSPECT_1", "INSPECT_2",
@@ -89,14 +97,45 @@ def test_contours_follow_the_locations(save: Save, drawing: Drawing) -> None:
     assert np.allclose(path.positions, [(10, 0, 0), (10, 10, 0)])
 
 
+def switching(on: dict[str, float], off: dict[str, float]) -> Layer:
+    motion = Motion(Speed(10.0), FINE)
+    return Layer("gluing", motion, on=tuple(on.items()), off=tuple(off.items()))
+
+
+def test_outputs_are_off_before_the_first_motion(save: Save, drawing: Drawing) -> None:
+    model = drawing.modelspace()
+    for layer in ("GLUE", "CUT"):
+        model.add_line((0, 0), (10, 0), dxfattribs={"layer": layer})
+    layers = {
+        "glue": switching({"glue": 1, "fan": 1, "lamp": 1}, {"glue": 0, "fan": 0, "ready": 1}),
+        "cut": switching({"cutter": 1, "fan": 0}, {"cutter": 0, "fan": 1}),
+        "spare": switching({"spare": 1}, {"spare": 0}),
+    }
+    numbers = ("glue", "fan", "lamp", "ready", "cutter", "spare")
+    signals = {name: Signal("digital", "output", k + 1) for k, name in enumerate(numbers)}
+    home = Process(layers=layers, signals=signals, home=(0.0,) * 6)
+    program = read(save(drawing), home).program
+    first, *rest = procedure(program, "main").body
+    assert first == Call("outputs_off") and any(isinstance(one, MoveJoints) for one in rest)
+    # `fan` has no value that is off on both layers, `lamp` stays on, `ready` is a message, and
+    # nothing is drawn on the layer of `spare`.
+    assert procedure(program, "outputs_off").body == (
+        SetSignal("glue", Number(0)),
+        SetSignal("cutter", Number(0)),
+    )
+    within = replace(home, style=ProgramStyle(procedures="none"))
+    body = procedure(read(save(drawing), within).program, "main").body
+    assert body[:2] == procedure(program, "outputs_off").body
+
+
 def test_no_name_is_there_twice(save: Save, drawing: Drawing) -> None:
     model = drawing.modelspace()
-    for layer in ("glue", "GLUE_1", "main", "locations", "gripper"):
+    for layer in ("glue", "GLUE_1", "main", "locations", "outputs_off", "gripper"):
         model.add_line((0, 0), (10, 0), dxfattribs={"layer": layer})
         model.add_point((5, 5, 5), dxfattribs={"layer": layer})
     process = Process(tools={"gripper": Tool()}, frames={"glue_1_1": Frame()})
     program = read(save(drawing, "glue.dxf"), process).program
-    assert len(contours(program)) == 5
+    assert len(contours(program)) == 6
     assert len(names(program)) == len(set(names(program)))
 
 
