@@ -25,6 +25,7 @@ from assistant.compiler.cell_equipment import (
     with_cell_equipment,
     with_directions,
     with_lines,
+    with_names_of_numbers_kept,
     with_signals,
     without_other_numbers,
     without_restated,
@@ -593,7 +594,7 @@ def _with_stated_tables(program: Program, before: Program, lifted: Program) -> P
 
     Those are a process file, and files of its controller, which name its entry and what is called.
     """
-    changed: dict[str, Any] = {}
+    program, changed = with_names_of_numbers_kept(program, before), dict[str, Any]()
     if before.entry != lifted.entry:
         changed["entry"] = before.entry
     if before.origin is not None and program.origin is not None:

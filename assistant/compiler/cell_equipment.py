@@ -7,10 +7,11 @@ files of the program's controller: signals, the arm, values that the controller 
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from assistant import languages
 from assistant.base.data_classes import dataclass
@@ -19,10 +20,13 @@ from assistant.base.source_text import decode, read_bytes
 from assistant.languages.language_types import ControllerConfiguration
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.io_use import hands_used
+from assistant.program.analysis.io_use import address_name, hands_used
+from assistant.program.passes.names import with_signals_renamed
 from assistant.program.passes.operator_texts import is_operators
+from assistant.program.passes.positions import taken_names
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records, rewrite
+from assistant.program.statement_index import names_in_procedures
 from assistant.program.undeclared_names import ChannelLine
 from assistant.sources.process import NO_PROCESS, Process
 
@@ -47,6 +51,7 @@ _SIGNAL_MISMATCH = error(
     "the program uses `{name}` as {used}, but the file states {stated}",
     'write kind = "{kind}" and direction = "{direction}", or see which signal the program means',
 )
+_NUMBER_AS_NAME = info("CO084", "`{name}` has its number as its name: {why}", "{cure}")
 _PROGRAM_KEYS: Final = (
     *("tools", "frames", "signals", "lines", "joint_speed", "joint_percent", "interface"),
     *("undirected", "seen", "findings"),
@@ -54,6 +59,8 @@ _PROGRAM_KEYS: Final = (
 """Keys of a process file that a program takes from it."""
 _KEY_WORDS: Final = {"defaults": "motion"}
 """Keys of a process file that have other names here."""
+
+_DIRECTIONS: Final[tuple[Literal["input", "output"], ...]] = ("input", "output")
 
 V = TypeVar("V")
 
@@ -75,6 +82,8 @@ def with_cell_equipment(
     if others:
         findings.append(KEYS_WITHOUT_EFFECT(keys=", ".join(others), path=path))
     program = with_signals(program, stated.signals)
+    program, unnamed = _with_names_of_numbers(program, stated, path)
+    findings += unnamed
     program = with_lines(program, stated.lines)
     for kind, given, there in _stated_tables(program, stated):
         known = {name.lower() for name in there}
@@ -160,6 +169,61 @@ def with_signals(program: Program, stated: Mapping[str, Signal]) -> Program:
     """The program with the signals of the same names, those included that expressions read."""
     program = _with_signals_read(program, stated)
     return replace(program, signals=_replaced_entries(program.signals, stated))
+
+
+def _with_names_of_numbers(
+    program: Program, stated: Process, path: str
+) -> tuple[Program, list[Diagnostic]]:
+    """The program with the names of a file for signals that it addresses by their numbers.
+
+    Returns a finding for each signal that has a name in the file which cannot be used.
+    """
+    undirected = {name.lower() for name in stated.undirected}
+    by_address: dict[Signal, list[str]] = defaultdict(list)
+    for name, signal in stated.signals.items():
+        sides = _DIRECTIONS if name.lower() in undirected else (signal.direction,)
+        for side in sides if signal.number is not None else ():
+            by_address[replace(signal, direction=side)].append(name)
+    taken = _names_taken(program)
+    names, findings = dict[str, str](), list[Diagnostic]()
+    for name, signal in program.signals.items():
+        given = by_address.get(signal, [])
+        if not given or name != address_name(signal) or name in given:
+            continue
+        wanted, place = given[0], f"signals.{given[0]}"
+        address = f"{signal.direction} {signal.number}"
+        if len(given) > 1:
+            reason = f"the file gives {address} the names {names_in_words(given)}"
+            cure = "delete the entries but one"
+        elif wanted.lower() in undirected:
+            reason = f"the file states no direction of `{wanted}`"
+            cure = f'write `direction = "{signal.direction}"` in its entry if it is that one'
+        elif wanted.lower() in taken:
+            reason = f"the program has something else with the name `{wanted}`"
+            cure = "give one of the two another name"
+        else:
+            names[name] = wanted
+            continue
+        findings.append(_NUMBER_AS_NAME(name=name, why=reason, cure=cure, place=place, path=path))
+    return with_signals_renamed(program, names), findings
+
+
+def with_names_of_numbers_kept(program: Program, before: Program) -> Program:
+    """A program that was read once more, with the names that files gave its numbered signals."""
+    named = {signal: name for name, signal in before.signals.items()}
+    names = {
+        name: named[signal]
+        for name, signal in program.signals.items()
+        if name == address_name(signal) and named.get(signal, name) not in program.signals
+    }
+    return with_signals_renamed(program, names)
+
+
+def _names_taken(program: Program) -> set[str]:
+    """The names in lower case that no further signal may have."""
+    tables = (program.tools, program.frames, program.joint_targets)
+    used = {name.lower() for table in tables for name in table}
+    return taken_names(program) | used | {name.lower() for name in names_in_procedures(program)}
 
 
 def with_lines(program: Program, lines: Mapping[int, ChannelLine]) -> Program:

@@ -251,3 +251,72 @@ def test_a_hand_that_is_read_or_set_otherwise_too_is_one_output(tmp_path: Path, 
     (data,) = done.files.values()
     assert b"M_Out(5)=1" in data and b"HOpen 2" in data and b"HOpen 1" not in data
     assert done.ok and done.motion is not None and done.motion.holds
+
+
+NUMBERED = """Mvs P1
+M_Out(12)=1
+Wait M_In(5)=1
+If M_In(5)=1 Then M_Out8(16)=3
+P1=(+400.00,+0.00,+500.00,+180.00,+0.00,+180.00)(7,0)
+"""
+NAMES = """[signals.gripper]
+direction = "output"
+number = 12
+[signals.partHere]
+direction = "input"
+number = 5
+[signals.goJob]
+kind = "group"
+direction = "output"
+number = 16
+bits = 8
+"""
+
+
+@pytest.mark.parametrize("with_process", [False, True])
+@pytest.mark.parametrize("with_cell", [False, True])
+def test_numbers_get_the_names_that_a_file_gives_them(
+    tmp_path: Path, with_process: bool, with_cell: bool
+) -> None:
+    program = written(tmp_path, "M.prg", NUMBERED)
+    file = written(tmp_path, "m.toml", NAMES)
+    done = translate(
+        program,
+        to="rapid",
+        process=file if with_process else None,
+        cell=file if with_cell else None,
+        language="melfa-basic-5",
+        proving=Proving(),
+    )
+    text = b"".join(done.files.values()).decode()
+    names = ("gripper", "partHere", "goJob")
+    if not (with_process or with_cell):
+        names = ("do_12", "di_5", "go_8_16")
+    gripper, part, job = names
+    assert done.motion is not None and done.motion.holds
+    assert f"SetDO {gripper},1;" in text and f"WaitDI {part},1;" in text
+    assert f"IF {part}=1" in text and f"SetGO {job},3;" in text
+
+
+@pytest.mark.parametrize(
+    ("entries", "reason"),
+    [
+        ("[signals.valve]\nnumber = 12\n", "no direction of `valve`"),
+        (
+            '[signals.valve]\nnumber = 12\ndirection = "output"\n'
+            '[signals.gun]\nnumber = 12\ndirection = "output"\n',
+            "the names `valve`, `gun`",
+        ),
+        ('[signals.P1]\nnumber = 12\ndirection = "output"\n', "something else with the name `P1`"),
+        ('[signals.valve]\nnumber = 12\ndirection = "input"\n', ""),
+    ],
+)
+def test_a_number_whose_name_is_in_doubt_keeps_its_number(
+    tmp_path: Path, entries: str, reason: str
+) -> None:
+    file = written(tmp_path, "m.toml", entries)
+    program = written(tmp_path, "M.prg", NUMBERED)
+    loaded = load(program, process=file, language="melfa-basic-5")
+    told = [one.message for one in loaded.findings if one.code == "CO084"]
+    assert "do_12" in loaded.program.signals
+    assert len(told) == bool(reason) and all(reason in one for one in told)

@@ -37,11 +37,15 @@ class AddressedSignals:
     def name(self, signal: Signal, wanted: str = "") -> str:
         """The name of a signal, made of its address if none is wanted: `do_5`, `gi_16_32`."""
         if signal not in self.names:
-            width = f"{signal.bits}_" if signal.kind == "group" else ""
-            letters = f"{signal.kind[0]}{signal.direction[0]}"
-            self.names[signal] = self.free(wanted or f"{letters}_{width}{signal.number}")
+            self.names[signal] = self.free(wanted or address_name(signal))
             self.signals[self.names[signal]] = signal
         return self.names[signal]
+
+
+def address_name(signal: Signal) -> str:
+    """The name that says where a signal is: `do_5`, `gi_16_32`."""
+    width = f"{signal.bits}_" if signal.kind == "group" else ""
+    return f"{signal.kind[0]}{signal.direction[0]}_{width}{signal.number}"
 
 
 def with_one_name(program: Program) -> Program:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
@@ -12,7 +12,7 @@ from assistant.program.analysis.declared_types import Spelling
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import Path
 from assistant.program.passes.legalisation import Legalisation
-from assistant.program.program import Procedure, Program, identifier
+from assistant.program.program import Declaration, Procedure, Program, identifier
 from assistant.program.rewriting import rewrite
 from assistant.program.statement_index import records_in_body
 
@@ -123,6 +123,27 @@ def with_legal_names(job: Legalisation) -> Program:
         t: {of(n): part for n, part in getattr(program, t).items()} for t in _TABLES
     }
     return rewrite(replace(program, **rows), renamed)
+
+
+def with_signals_renamed(program: Program, names: Mapping[str, str]) -> Program:
+    """The program with other names for signals, which nothing else in it has. names: old to new."""
+
+    def renamed(part: Any) -> Any:
+        match part:
+            case p.SetSignal() | p.Trigger() | p.WaitSignal() if part.signal in names:
+                return replace(part, signal=names[part.signal])
+            case e.Name(name) if name in names:
+                return replace(part, name=names[name])
+            case p.Opaque(effect=effect) | Declaration(effect=effect) if effect is not None:
+                for old, new in names.items():
+                    effect = effect.renamed(old.lower(), {new.lower()})
+                return replace(part, effect=effect)
+        return part
+
+    if not names:
+        return program
+    signals = {names.get(name, name): signal for name, signal in program.signals.items()}
+    return rewrite(replace(program, signals=signals), renamed)
 
 
 def with_declared_names(program: Program) -> Program:

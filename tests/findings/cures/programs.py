@@ -372,6 +372,15 @@ CASES: Final = (
         change={"c.toml": '[signals.valve]\nkind = "digital"\ndirection = "output"\nnumber = 16\n'},
     ),
     Case(
+        "CO084",
+        "translate a.prg --to rapid --cell c.toml -o out",
+        {
+            "a.prg": "M_Out(12)=1\nDly 1\nEnd\n",
+            "c.toml": "[signals.valve]\nnumber = 12\n",
+        },
+        change={"c.toml": '[signals.valve]\nnumber = 12\ndirection = "output"\n'},
+    ),
+    Case(
         "RB008",
         "check a.mod --robot own.urdf",
         {"a.mod": MOVING, "own.urdf": WRISTED},
