@@ -42,6 +42,14 @@ def test_motors_that_are_switched_off_and_on(tmp_path: Path) -> None:
     assert sum(finding.code == "MB254" for finding in found.findings) == 2
 
 
+def test_the_number_of_an_error_is_shown_before_the_program_ends(tmp_path: Path) -> None:
+    found = translated("If M_In(3)=0 Then Error 9101", tmp_path)
+    assert found.motion is not None and found.motion.holds
+    text = b"".join(found.files.values()).decode()
+    lines = [line.strip() for line in text.splitlines()]
+    assert lines[lines.index("EXIT;") - 1] == 'TPWrite "error 9101";'
+
+
 @pytest.mark.parametrize(
     "body",
     [

@@ -70,7 +70,7 @@ _LOSSES: Final[Mapping[str, tuple[str, str]]] = {
 and manual CR1D: Servo, LoadSet, Oadl, Fine, Prec, ColChk).
 """
 
-_STOPPING_ERROR: Final = re.compile(r"Error\s+9[01]\d\d", re.IGNORECASE)
+_STOPPING_ERROR: Final = re.compile(r"Error\s+(9[01]\d\d)", re.IGNORECASE)
 """An error of the program's own that stops it; from 9200 on they are cautions (COSIROP: ERROR)."""
 _CAUTION_ERROR: Final = re.compile(r"Error\s+(92\d\d)", re.IGNORECASE)
 _CAUTIONED: Final = (
@@ -78,7 +78,7 @@ _CAUTIONED: Final = (
     "tell people or the cell's controller by an output above it",
 )
 _STOPPED: Final = (
-    "the program ends there for good, and no error is on the controller",
+    "the program ends there for good, with a message on the pendant and no error on the controller",
     "tell people or the cell's controller by an output above it",
 )
 _LINE_STATEMENT: Final = re.compile(
@@ -123,7 +123,7 @@ def exported(program: Program) -> Adapted:
     def told(node: p.Opaque) -> Iterator[p.Statement]:
         if node.reason == DEPENDED_ON and _is_vendor_text(node):
             return  # the moves that are translated state their settings themselves
-        stops = _STOPPING_ERROR.fullmatch(node.text.strip()) is not None and _is_vendor_text(node)
+        stops = _STOPPING_ERROR.fullmatch(node.text.strip()) if _is_vendor_text(node) else None
         caution = _CAUTION_ERROR.fullmatch(node.text.strip()) if _is_vendor_text(node) else None
         loss = _STOPPED if stops else _CAUTIONED if caution else losses.get(_loss_key(node))
         if loss is None:
@@ -133,6 +133,7 @@ def exported(program: Program) -> Adapted:
             what, cure = loss
             findings.append(rules.LEFT_OUT(what=node.text.strip(), loss=what, cure=cure))
         if stops:
+            yield p.Message((e.Text(f"error {stops[1]}"),), span=node.span)
             yield p.Stop(end=True, span=node.span)
         if caution:
             yield p.Message((e.Text(f"caution {caution[1]}"),), span=node.span)
