@@ -107,8 +107,31 @@ DEGREE: Final = math.pi / 180.0
 """Radian of a degree: an angle in radian is one in degrees multiplied by it."""
 RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
 LOGICAL: Final = ("and", "or", "xor")
+_SUMS: Final = ("+", "-")
+_PRODUCTS: Final = ("*", "/")
+_WHOLE_QUOTIENTS: Final = ("div", "mod")
+_SHIFTS: Final = ("<<", ">>")
 
 UnaryOperator = Literal["-", "not"]
+
+
+def needs_parentheses_for_readers(outer: str, inner: str) -> bool:
+    """True if a reader may be mistaken on which of two operators a language works out first.
+
+    Languages differ in it: `a MOD 3*45` is `(a MOD 3)*45` in one and `a MOD (3*45)` in the other.
+    outer: the operator of the whole. inner: that of one of its operands.
+    """
+    if outer in LOGICAL:
+        return inner in LOGICAL and inner != outer
+    arithmetic = (*_SUMS, *_PRODUCTS, *_WHOLE_QUOTIENTS, *_SHIFTS)
+    if outer not in arithmetic or inner not in arithmetic:
+        return False
+    return (
+        inner in _WHOLE_QUOTIENTS
+        or outer in _WHOLE_QUOTIENTS
+        or (outer in _SHIFTS) != (inner in _SHIFTS)
+    )
+
 
 FUNCTIONS: Final[dict[str, str]] = {
     "abs": "absolute value",

@@ -30,7 +30,7 @@ def translated(folder: Path, line: str) -> tuple[str, list[str]]:
             "M_Out(11)=M_In(1) And M_In(2)",
             "IF di_1=1 AND di_2=1 THEN SetDO do_11,1; ELSE SetDO do_11,0; ENDIF",
         ),
-        ("If Not M1=2 Then Hlt", "IF NOT M1=2 THEN Stop; ENDIF"),
+        ("If Not M1=2 Then Hlt", "IF NOT (M1=2) THEN Stop; ENDIF"),
         ("If M1 Or M2 Then Hlt", "IF Round(M1)<>0 OR Round(M2)<>0 THEN Stop; ENDIF"),
         ("If M_Inb(8) Or M1=3 Then Hlt", "IF gi_8_8<>0 OR M1=3 THEN Stop; ENDIF"),
         ("M1=Max(M1,M2,M3)", "M1:=Max(Max(M1,M2),M3);"),

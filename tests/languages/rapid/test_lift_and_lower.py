@@ -225,7 +225,7 @@ def test_a_mistaken_comparison_stays_as_it_is_written() -> None:
     [
         ("n", "n<>0"),
         ("ready", "ready<>0"),
-        ("n and not ready", "n<>0 AND (NOT ready<>0)"),
+        ("n and not ready", "n<>0 AND (NOT (ready<>0))"),
         ("n - 1", "n-1<>0"),
         ("1", "TRUE"),
         ("b", "b"),

@@ -7,10 +7,17 @@ from functools import cache
 from typing import Any, Final
 
 from assistant.base.source_text import one_line
-from assistant.languages.melfa_basic.tables.equivalents import NOT, OPERATOR_PRECEDENCE, POWER, SIGN
+from assistant.languages.melfa_basic.tables.equivalents import (
+    NOT,
+    OPERATOR_NAMES,
+    OPERATOR_PRECEDENCE,
+    POWER,
+    SIGN,
+)
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.texts.layout import INDENT
 from assistant.languages.texts.printed_trees import Templates
+from assistant.program.expressions import needs_parentheses_for_readers
 
 _SIGNS: Final = ("+", "-")
 _SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})
@@ -98,19 +105,28 @@ def _apart(text: str) -> str:
 
 
 def _unary(to: Templates, node: s.Unary) -> str:
-    text = _operand(to, node.operand, _binding(node))
+    # `-A^2` is -(A^2), and `Not A=B` is Not (A=B): readers may take them for something else.
+    least = _binding(node) if isinstance(node.operand, s.Unary) else _TIGHTEST
+    text = _operand(to, node.operand, least)
     return to.word("Not ") + text if node.operator == "NOT" else node.operator + _apart(text)
 
 
 def _binary(to: Templates, node: s.Binary) -> str:
     binding, operator = _binding(node), node.operator
-    left = _operand(to, node.left, binding)
+    left = _operand(to, node.left, _TIGHTEST if _in_doubt(node, node.left) else binding)
     if operator == "^":
         return f"{left}^{_exponent(to, node.right)}"
     # Operators associate to the left, so an equal one on the right needs brackets.
-    right = _operand(to, node.right, binding + 1)
+    least = _TIGHTEST if _in_doubt(node, node.right) else binding + 1
+    right = _operand(to, node.right, least)
     mark = f" {to.word(operator.capitalize())} " if operator.isalpha() else operator
     return left + mark + (_apart(right) if operator in _SYMBOLS else right)
+
+
+def _in_doubt(node: s.Binary, operand: s.Expression) -> bool:
+    return isinstance(operand, s.Binary) and needs_parentheses_for_readers(
+        OPERATOR_NAMES[node.operator], OPERATOR_NAMES[operand.operator]
+    )
 
 
 def _exponent(to: Templates, node: s.Expression) -> str:

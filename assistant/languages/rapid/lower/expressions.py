@@ -1,8 +1,8 @@
 """Names and expressions of the pseudo-program in RAPID.
 
 Names that RAPID cannot have get another one; the header of a module keeps the original. Expressions
-get parentheses where RAPID's priorities need them. `RECORDS` rounds the values of records to the
-decimals that are printed.
+get parentheses where RAPID's priorities or readers need them. `RECORDS` rounds the values of
+records to the decimals that are printed.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from assistant.languages.rapid.tables.constants import (
     RESERVED,
     UNUSED,
 )
-from assistant.languages.rapid.tables.equivalents import AND, BINARY, OR, PRIMARY, SUM, TERM
+from assistant.languages.rapid.tables.equivalents import BINARY, OR, PRIMARY, SUM, TERM
 from assistant.languages.rapid.tables.predefined import taken_names
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
@@ -125,15 +125,18 @@ class Expressions:
                 node = self._variable(value)
                 return s.Element(node, tuple(self.lower(i) for i in indices)), PRIMARY
             case e.Unary("not", operand):
-                # `NOT a AND b` negates both in RAPID, so only OR and XOR need parentheses behind
-                # it.
-                return s.Prefix("NOT", self.lower(operand, AND)), OR
+                # `NOT a AND b` negates both in RAPID, which no reader expects.
+                return s.Prefix("NOT", self.lower(operand, PRIMARY)), OR
             case e.Unary(_, operand):
                 # A sign belongs to a sum: `a*-1` is not RAPID.
                 return s.Prefix("-", self.lower(operand, TERM)), SUM
             case e.Binary(operator, left, right) if operator in BINARY:
                 name, own, first, second = BINARY[operator]
-                return s.Infix(name, self.lower(left, first), self.lower(right, second)), own
+                sides = (
+                    self.lower(side, PRIMARY if _in_doubt(operator, side) else level)
+                    for side, level in ((left, first), (right, second))
+                )
+                return s.Infix(name, *sides), own
             case e.Binary() | e.Apply() | e.Elapsed() | e.Here():
                 call = equivalents.FUNCTION_ROWS.write(x, self.writing)
                 if call is not None:
@@ -176,6 +179,12 @@ class Expressions:
             raise Refused(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
         node = verbatim.expression(x.text)
         return node, OR if isinstance(node, s.Prefix | s.Infix) else PRIMARY
+
+
+def _in_doubt(operator: str, operand: e.Expression) -> bool:
+    return isinstance(operand, e.Binary) and e.needs_parentheses_for_readers(
+        operator, operand.operator
+    )
 
 
 def number(value: float) -> tuple[s.Expression, int]:
