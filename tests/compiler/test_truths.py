@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from assistant import translate
+from assistant.compiler.motion_proof import Proving
 
 HEAD = "1 Tool P_NTool\n2 Base P_NBase\n"
 POSITIONS = "P1=(400,0,300,180,0,180)(7,0)\nPR=(0,0,10,0,0,90)(7,0)\n"
@@ -68,4 +69,55 @@ def test_booleans_come_back_as_such(tmp_path: Path) -> None:
     back = translate(tmp_path / name, to="rapid")
     assert [f.code for f in back.findings if f.severity.name == "ERROR"] == []
     (text,) = back.files.values()
-    assert b":=NOT x OR y;" in text
+    assert b"IF NOT x OR y THEN" in text and b"z:=TRUE;" in text and b"z:=FALSE;" in text
+
+
+COMPARING = """MODULE M
+CONST robtarget p1:=[[400,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+VAR bool ok;
+VAR num n:=2;
+PROC main()
+  MoveL p1,v100,fine,tool0;
+  {statement}
+  IF ok MoveL p1,v200,fine,tool0;
+  ok:=FALSE;
+ENDPROC
+PROC check(bool given)
+  ok:=given;
+ENDPROC
+FUNC bool full()
+  RETURN n>=2;
+ENDFUNC
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize("to", ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6"])
+@pytest.mark.parametrize(
+    ("statement", "condition"),
+    [
+        ("ok:=di19<>1;", "M_In(19)<>1"),
+        ("ok:=n>1 AND di19=1;", "Mn>1 And M_In(19)=1"),
+        ("ok:=(NOT ok) OR n=7;", "MOk=0 Or Mn=7"),
+        ("check n>1;", "Mn>1"),
+        ("ok:=full();", "Mn>=2"),
+    ],
+)
+def test_what_a_comparison_gives_is_chosen_by_if(
+    tmp_path: Path, to: str, statement: str, condition: str
+) -> None:
+    source, cell = tmp_path / "m.mod", tmp_path / "cell.toml"
+    source.write_text(COMPARING.format(statement=statement))
+    cell.write_text('[signals.di19]\nnumber = 19\ndirection = "input"\n')
+    made = translate(source, to=to, cell=cell, proving=Proving())
+    assert made.motion is not None and made.motion.holds
+    text = b"".join(made.files.values()).decode().lower()
+    comparing = [line for line in text.splitlines() if condition.lower() in line]
+    assert comparing and all(f"if {condition.lower()} then" in line for line in comparing)
+
+
+def test_a_chosen_truth_stays_what_a_program_of_a_dialect_says(tmp_path: Path) -> None:
+    source = tmp_path / "A.prg"
+    source.write_text(f"10 M1=(M2=1)\n20 MVS P1\n30 END\n{POSITIONS}")
+    made = translate(source, to="melfa-basic-6", language="melfa-basic-4")
+    assert "M1=M2=1" in b"".join(made.files.values()).decode().replace("(", "").replace(")", "")

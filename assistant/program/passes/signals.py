@@ -170,11 +170,6 @@ def _is_guarded(node: p.Statement, outside: e.Expression) -> bool:
     return False
 
 
-def set_signal(r: Rewording, node: p.SetSignal) -> Iterator[p.Statement]:
-    check_fit(r, node.signal, node.value)
-    yield node
-
-
 def wait_signal(r: Rewording, node: p.WaitSignal) -> Iterator[p.Statement]:
     """One for another value than a number, or for an analog signal, is a wait for a condition."""
     if isinstance(node.value, e.Number) and not _is_analog(r, node.signal):

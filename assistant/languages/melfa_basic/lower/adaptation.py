@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Protocol, TypeVar
 
 from assistant.base.diagnostics import Declared, Diagnostic, Findings, Span, has_errors
 from assistant.languages.computed_targets import with_computed_targets
@@ -88,7 +88,6 @@ from assistant.program.passes.procedure_forms import (
 from assistant.program.passes.signals import (
     check_fit,
     end_for_good,
-    set_signal,
     wait_signal,
     wait_until,
     with_checked_outputs,
@@ -182,6 +181,9 @@ class _PlainProgram(Rewording):
             ByValue(job, motions(robot)),
         )
         self.constants: Mapping[str, e.Number] = {}
+        origin = job.program.origin
+        self.of_kin = origin is not None and origin.language in job.can.kin
+        """True for a program of a dialect: what its controller makes of a value stays."""
 
     def program(self) -> Program:
         program, written = self.job.program, self.written
@@ -293,6 +295,33 @@ class _PlainProgram(Rewording):
         branch = p.Branch(stops, ending(FINE))
         return p.If((branch,), ending(replace(blend, stops=None)))
 
+    def assign(self, node: p.Assign) -> Iterator[p.Statement]:
+        yield node if self.of_kin else _by_comparison(node, node.value)
+
+    def signal(self, node: p.SetSignal) -> Iterator[p.Statement]:
+        check_fit(self, node.signal, node.value)
+        yield node if self.of_kin else _by_comparison(node, node.value)
+
+    def give_back(self, node: p.Return) -> Iterator[p.Statement]:
+        chosen = node if self.of_kin or node.value is None else _by_comparison(node, node.value)
+        if isinstance(chosen, p.If):
+            yield replace(chosen, otherwise=())
+            yield from chosen.otherwise
+        else:
+            yield chosen
+
+    def call(self, node: p.Call) -> Iterator[p.Statement]:
+        truths = [at for at, given in enumerate(node.arguments) if _compares(given)]
+        if self.of_kin or len(truths) != 1:
+            yield node
+            return
+        at = truths[0]
+        one, zero = (
+            replace(node, arguments=(*node.arguments[:at], e.Number(n), *node.arguments[at + 1 :]))
+            for n in (1, 0)
+        )
+        yield p.If((p.Branch(node.arguments[at], (one,)),), (zero,), span=node.span)
+
     def follow(self, node: p.Follow) -> Iterator[p.Statement]:
         if len(node.path):
             yield replace(node, path=self.motions.path(self.written.path(node.path), node.row_span))
@@ -310,7 +339,10 @@ class _PlainProgram(Rewording):
         p.MoveCircular: move,
         p.MoveJoints: move,
         p.Follow: follow,
-        p.SetSignal: set_signal,
+        p.Assign: assign,
+        p.Return: give_back,
+        p.Call: call,
+        p.SetSignal: signal,
         p.WaitSignal: wait_signal,
         p.WaitUntil: wait_until,
         p.Switch: plain_switch,
@@ -319,6 +351,28 @@ class _PlainProgram(Rewording):
         p.Message: as_comment,
         p.Opaque: opaque,
     }
+
+
+_Giving = TypeVar("_Giving", p.Assign, p.Return, p.SetSignal)
+
+
+def _by_comparison(node: _Giving, value: e.Expression) -> p.Statement:
+    """A statement with 1 or 0 for a value that compares, as a choice between the two.
+
+    No manual at hand states which number a comparison gives.
+    """
+    if not _compares(value):
+        return node
+    one, zero = (replace(node, value=e.Number(n)) for n in (1, 0))
+    return p.If((p.Branch(value, (one,)),), (zero,), span=node.span)
+
+
+def _compares(value: e.Expression) -> bool:
+    """True for a comparison, and for a truth that is made of one."""
+    match value:
+        case e.Binary(operator, left, right) if operator in e.LOGICAL:
+            return _compares(left) or _compares(right)
+    return isinstance(value, e.Binary) and value.operator in e.RELATIONS
 
 
 def _seconds(milliseconds: e.Number) -> e.Number:
@@ -535,10 +589,14 @@ class _ConditionShortening:
             if self.fits(longer):
                 value = longer
                 continue
-            made.append(p.Assign(e.Name(name), _joined_chain(word, before, value), span=node.span))
+            made.append(_by_comparison_of(name, _joined_chain(word, before, value), node))
             before, value = e.Name(name), part
-        made.append(p.Assign(e.Name(name), _joined_chain(word, before, value), span=node.span))
+        made.append(_by_comparison_of(name, _joined_chain(word, before, value), node))
         return e.Name(name)
+
+
+def _by_comparison_of(name: str, value: e.Expression, origin: p.Statement) -> p.Statement:
+    return _by_comparison(p.Assign(e.Name(name), value, span=origin.span), value)
 
 
 def _joined_chain(
