@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from assistant import compile
+from assistant import compile, translate
 from assistant.base.source_text import SourceText
 from assistant.compiler.loader import parse_pseudo
+from assistant.compiler.motion_proof import Proving
 from tests.compiler.same_motion import MELFA, moves_alike, translated
 
 HEAD = """MODULE cell
@@ -85,3 +86,38 @@ def test_a_way_between_numbers_is_one_way_in_rapid(bounds: str, said: str) -> No
     made = compile(parse_pseudo(SourceText(text, "a.pseudo")), language="rapid")
     assert made.ok, made.findings
     assert f"FROM {said}".encode() in b"".join(made.files.values())
+
+
+@pytest.mark.parametrize(
+    ("bounds", "wanted"),
+    [
+        ("1 TO most", "For MI=1 To MOST\n"),
+        ("0 TO most-1", "For MI=0 To MOST-1\n"),
+        ("most TO 1", "For MI=MOST To 1 Step -1\n"),
+        ("most*2 TO most+4", "For MI=MOST*2 To MOST+4\n"),
+    ],
+)
+def test_bounds_of_constants_need_no_choice_of_direction(
+    tmp_path: Path, bounds: str, wanted: str
+) -> None:
+    source = tmp_path / "m.mod"
+    body = f"PROC main()\nFOR i FROM {bounds} DO\n{STEP}\nENDFOR\nENDPROC\nENDMODULE\n"
+    source.write_text(HEAD + body)
+    made = translate(source, to="melfa-basic-5", proving=Proving())
+    assert made.motion is not None and made.motion.holds
+    text = b"".join(made.files.values()).decode().replace("\r", "")
+    assert wanted in text and "MIBY" not in text
+
+
+@pytest.mark.parametrize(
+    ("after", "declared"), [("", False), ("If M1>3 Then Mvs P1", True), ("M1=0", True)]
+)
+def test_a_variable_that_only_loops_count_is_declared_by_them(
+    tmp_path: Path, after: str, declared: bool
+) -> None:
+    source = tmp_path / "A.prg"
+    place = "P1=(400,0,300,180,0,180)(7,0)\n"
+    source.write_text(f"For M1=1 To 3\nMvs P1,-10*M1\nNext M1\n{after}\nMvs P1\nEnd\n{place}")
+    made = translate(source, to="rapid", language="melfa-basic-5", proving=Proving())
+    assert made.motion is not None and made.motion.holds
+    assert (b"VAR num M1;" in b"".join(made.files.values())) is declared

@@ -23,7 +23,7 @@ from assistant.base.diagnostics import Diagnostic
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
-from assistant.program.analysis.uses import base_variable, declared, names_in
+from assistant.program.analysis.uses import base_variable, constant_numbers, declared, names_in
 from assistant.program.program import (
     Procedure,
     Program,
@@ -56,6 +56,32 @@ def counted_loops(job: Legalisation) -> Program:
     program, found = counted(job.program, refused=loops.refused, changed=as_while)
     job.findings.extend(found)
     return program
+
+
+def without_counters(job: Legalisation) -> Program:
+    """A program of another language without variables that only loops count, which declare them."""
+    program, origin = job.program, job.program.origin
+    if job.can.loops is None or origin is None or origin.language in job.can.kin:
+        return program
+    uses = _Uses(program)
+    used = uses.declared.union(*(one.read for one in uses.of.values()))
+    counters = set[str]()
+    for statement in program.statements():
+        if isinstance(statement, p.For):
+            counters.add(statement.variable.lower())
+        elif isinstance(statement, p.Assign):
+            used.add(base_variable(statement.target))
+    gone = counters - used
+
+    def left(variables: Mapping[str, Variable]) -> dict[str, Variable]:
+        return {
+            name: one
+            for name, one in variables.items()
+            if name.lower() not in gone or one.storage != "variable"
+        }
+
+    procedures = tuple(replace(q, variables=left(q.variables)) for q in program.procedures)
+    return replace(program, variables=left(program.variables), procedures=procedures)
 
 
 def counted(
@@ -430,9 +456,11 @@ class _LoopBounds:
         )
         self.variables: dict[str, Variable] = {}
         self.own: set[str] = set()
+        self.constants: Mapping[str, e.Number] = {}
 
     def procedure(self, procedure: Procedure) -> Procedure:
         self.variables = {}
+        self.constants = constant_numbers(self.program, procedure)
         self.own = {name.lower() for name in procedure.variables}
         body = self._body(procedure.body)
         if body == procedure.body:
@@ -448,9 +476,10 @@ class _LoopBounds:
         return tuple(made)
 
     def _settled(self, node: p.For) -> Iterator[p.Statement]:
-        match node.first, node.last:
-            case e.Number(low), e.Number(high) if node.step is None:
-                # Numbers alone decide the direction here.
+        if node.step is None:
+            low, high = self._number(node.first), self._number(node.last)
+            # Numbers and constants alone decide the direction here.
+            if low is not None and high is not None:
                 yield replace(node, step=p.ONE if low <= high else _BACKWARDS)
                 return
         changed = self._changed(node)
@@ -471,6 +500,21 @@ class _LoopBounds:
         elif not self._stays(step, changed):
             step = yield from self._kept(node, "by", step)
         yield replace(node, first=first, last=last, step=step)
+
+    def _number(self, value: e.Expression) -> float | None:
+        """The value of a bound that is made of numbers and constants."""
+        match value:
+            case e.Number(number):
+                return number
+            case e.Name(name):
+                known = self.constants.get(name.lower())
+                return None if known is None else known.value
+            case e.Binary("+" | "-" | "*" as operator, left, right):
+                one, two = self._number(left), self._number(right)
+                if one is None or two is None:
+                    return None
+                return {"+": one + two, "-": one - two, "*": one * two}[operator]
+        return None
 
     def _kept(
         self, node: p.For, part: str, value: e.Expression

@@ -94,7 +94,7 @@ from assistant.program.passes.legalisation import (
     legalise,
     pure,
 )
-from assistant.program.passes.loops import counted_loops, with_directions
+from assistant.program.passes.loops import counted_loops, with_directions, without_counters
 from assistant.program.passes.motions import (
     CornerSizes,
     NamedValues,
@@ -599,6 +599,7 @@ _PASSES: Final[tuple[Pass, ...]] = (
     pure(with_places),
     pure(with_directions),
     counted_loops,
+    without_counters,
     pure(with_paths),
     split,
     pure(with_comments_behind),
