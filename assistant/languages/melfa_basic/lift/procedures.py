@@ -132,29 +132,28 @@ def procedure_regions(
         # A loop back to the procedure's label needs it in the body; else the name of the procedure
         # replaces the label.
         if label is None or label in set(_jump_targets(code, range(start, stop))):
-            made.append(_without_end(code, start, stop, label))
+            low, notes = start, (0, 0)
         else:
-            made.append(
-                replace(_without_end(code, start + 1, stop, label), notes=(start, start + 1))
-            )
-    return [
-        replace(one, answers=answering.get(one.label or "", ""), unused=one.label in unused)
-        for one in made
-    ]
+            low, notes = start + 1, (start, start + 1)
+        answers = answering.get(label or "", "")
+        last = _END if label is None else _RETURN if answers != "GoSub" else RETURN_TO_PROGRAM
+        region = Region(low, _without_last(code, low, stop, last), label, notes=notes)
+        made.append(replace(region, answers=answers, unused=label in unused))
+    return made
 
 
-def _without_end(code: Code, low: int, high: int, label: str | None) -> Region:
-    """Without the `End` or `Return` that it ends with."""
+def _without_last(code: Code, low: int, high: int, last: s.Command) -> int:
+    """The end of lines without those that are blank and without the statement that ends them."""
     stop = high
     while stop > low and _is_blank(code[stop - 1]):
         stop -= 1
-    if stop > low and _is_lone_command(code[stop - 1], "End" if label is None else "Return"):
-        stop -= 1
-    return Region(low, stop, label)
+    ends = stop > low and code[stop - 1].label is None and code[stop - 1].statement == last
+    return stop - 1 if ends else stop
 
 
 RETURN_TO_PROGRAM: Final = s.Command("Return", (s.Number(0),))
 """Goes on with what an interrupt came in."""
+_RETURN: Final = s.Command("Return")
 _END: Final = s.Command("End")
 
 
@@ -736,7 +735,6 @@ Answers = Mapping[str, Answer]
 """By the label of its lines in upper case."""
 _SHUT: Final = s.Command("Act", (s.Binary("=", s.Number(0), s.Number(0)),))
 _OPEN: Final = s.Command("Act", (s.Binary("=", s.Number(0), s.Number(1)),))
-_BACK: Final = s.Command("Return", (s.Number(0),))
 
 
 def without_trampolines(code: list[s.Entry]) -> tuple[list[s.Entry], Answers]:
@@ -786,7 +784,7 @@ def _trampoline(code: list[s.Entry], at: int) -> tuple[int, Answer | None]:
     match rest:
         case [s.If(condition, s.Command("End"), None), *rest]:
             ends, end = condition, end + 1
-    return (end + 1, (call, ends)) if rest and rest[0] == _BACK else (0, None)
+    return (end + 1, (call, ends)) if rest and rest[0] == RETURN_TO_PROGRAM else (0, None)
 
 
 def _ends_program(code: list[s.Entry]) -> bool:
