@@ -89,6 +89,7 @@ def from_poses(
     unit: Unit | None = None,
     name: str = "path",
     speed: float | None = None,
+    travel: float | None = None,
     percent: float | None = None,
     blend: float | Literal["fine"] | None = None,
     tool: str | Tool | AnyPose | None = None,
@@ -101,20 +102,24 @@ def from_poses(
     poses: one spatialmath SE3 of many poses (the result of roboticstoolbox's `ctraj`), an array (n,
     7) of x y z and a quaternion w x y z, or (n, 4, 4), columns (n, 3) and (n, 4), or a sequence of
     SE3, matrices or `Pose`. unit: of their positions, "mm" or "m"; it is not guessed,
-    roboticstoolbox uses metres; a `Pose` is in mm whatever the unit. speed: mm/s of the tool, 100
-    if nothing else states it; percent: of the joints' greatest speed, for the joint move to the
-    first pose in languages that state joint moves so; without it `joint_percent` of the process
-    file. blend: mm at which a corner may be rounded, the last pose is a stop; "fine" to stop at
-    each; without one, corners are rounded within the tolerance. tool: name of a tool in the process
-    file, or a value: its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix
-    in `unit`, or a complete `Tool`. frame: the frame of the poses, in the same forms, in the
-    robot's base. robot: the arm that runs the program. process: file with tools, frames, signals
-    and all that is not stated here.
+    roboticstoolbox uses metres; a `Pose` is in mm whatever the unit. speed: mm/s of the tool along
+    the poses, 100 if nothing else states it; travel: mm/s of the joint move to the first pose, 200
+    if nothing else states it; percent: of the joints' greatest speed, for that joint move in
+    languages that state joint moves so; without it `joint_percent` of the process file. blend: mm
+    at which a corner may be rounded, the first and the last pose are stops; "fine" to stop at each;
+    without one, corners are rounded within the tolerance. tool: name of a tool in the process file,
+    or a value: its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix in
+    `unit`, or a complete `Tool`. frame: the frame of the poses, in the same forms, in the robot's
+    base. robot: the arm that runs the program. process: file with tools, frames, signals and all
+    that is not stated here.
 
     Warnings are issued as Python warnings; errors raise Refused.
     """
     given = {TOOL: tool, FRAME: frame}
     stated = _process(process, speed, percent, blend, given, robot, unit)
+    if travel is not None:
+        defaults = replace(stated.defaults, travel=Speed(_positive(travel, "travel")))
+        stated = replace(stated, defaults=defaults)
     reading = read_poses(poses, replace(stated, merges=True), str(name), unit=unit)
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
@@ -218,11 +223,17 @@ def _percent_of(stated: Process, robot: str | Robot | None) -> float | None:
     return stated.joint_percent if takes else None
 
 
+def _positive(given: float, place: str) -> float:
+    """Return a speed in mm/s; raise Refused for one that is none."""
+    value = number_of(given, place)
+    if not value > 0.0:
+        raise Refused(rows.TOO_SLOW(place=place, what=f"the {place}", value=value, more=""))
+    return value
+
+
 def _speed(stated: Process, tcp: float | None, percent: float | None) -> Speed:
-    tcp = None if tcp is None else number_of(tcp, "speed")
+    tcp = None if tcp is None else _positive(tcp, "speed")
     percent = None if percent is None else number_of(percent, "percent")
-    if tcp is not None and not tcp > 0.0:
-        raise Refused(rows.TOO_SLOW(place="speed", what="the speed", value=tcp, more=""))
     if percent is not None and not 0.0 < percent <= 100.0:
         raise Refused(_TOO_MUCH(place="percent", value=percent))
     known = stated.defaults.speed

@@ -298,12 +298,14 @@ def _chosen(
         layers.setdefault(curve.layer.casefold(), []).append(curve)
     known = {name.casefold(): layer for name, layer in process.layers.items()}
     defaults = process.defaults
-    usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
+    rounded = defaults.blend is None
+    usual = Layer("contours", defaults.motion, rounded=rounded, travel=defaults.travel)
+    usual_layer = None if known else usual
     findings: list[Diagnostic] = []
     followed: list[_Followed] = []
     for key, group in layers.items():
         unwanted = process.leaves_out(key)
-        layer = known.get(key, None if unwanted else usual)
+        layer = known.get(key, None if unwanted else usual_layer)
         if layer is None:
             if not unwanted:
                 given = group[0].layer

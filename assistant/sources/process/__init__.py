@@ -361,6 +361,7 @@ SurroundingsByRobot = Callable[[str | None], Surroundings | None]
 
 
 DEFAULT_SPEED: Final = Speed(100.0)
+DEFAULT_TRAVEL_SPEED: Final = Speed(200.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -370,7 +371,8 @@ class Defaults:
     kind: `travel` for motions that are planned through the cell, between single targets and between
     contours. speed is deliberately slow: 100 mm/s. blend: None for a stop at single targets, and on
     paths for corners that are rounded within the tolerance. approach, retract: mm along the tool
-    axis in a line to single targets of a drawing, and away from them.
+    axis in a line to single targets of a drawing, and away from them. travel: speed of the move to
+    the first point of a path, and between the contours of a layer that states none.
     """
 
     kind: Literal["joint", "linear", "travel"] = "linear"
@@ -380,6 +382,7 @@ class Defaults:
     frame: str = BASE
     approach: float = 0.0
     retract: float = 0.0
+    travel: Speed = DEFAULT_TRAVEL_SPEED
 
     @property
     def travels(self) -> bool:
@@ -392,7 +395,6 @@ class Defaults:
 
 
 DEFAULT_MOTION: Final = Defaults()
-_DEFAULT_TRAVEL_SPEED: Final = Speed(200.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -417,7 +419,7 @@ class Layer:
     off: tuple[tuple[str, float], ...] = ()
     approach: float = 50.0
     retract: float = 50.0
-    travel: Speed = _DEFAULT_TRAVEL_SPEED
+    travel: Speed = DEFAULT_TRAVEL_SPEED
     direction: Vector = (0.0, 0.0, -1.0)
     tangential: bool = False
     delay: float = 0.0

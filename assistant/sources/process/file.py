@@ -28,6 +28,7 @@ names are letters, digits and `_`, a letter first.
     frame = "table"               # a frame of this file, or base, the robot's base frame
     approach = 0                  # mm in a line to locations of a drawing, along the tool axis
     retract = 0                   # and away from them
+    travel = 200                  # mm/s to the first point of a path, and between contours
 
     [tools.nozzle]
     tip = [0, 0, 120.5]           # tool centre point in the flange frame
@@ -72,7 +73,7 @@ names are letters, digits and `_`, a letter first.
     delay = 0.2                   # after switching on
     approach = 50                 # above the first point, along the tool axis
     retract = 50                  # above the last point
-    travel = 200                  # speed between contours
+    travel = 200                  # speed between contours; from [motion] if left out
     direction = [0, 0, -1]        # where the tool points, in the frame
     tangential = false            # true: the tool's x axis follows the contour
     inside_first = true           # contours inside others first; false: for the shortest travel
@@ -446,6 +447,7 @@ def layer_of(name: str, table: Table, defaults: Defaults, names: DefinedNames) -
     process = found.pop("process", shown(name))
     rounded = defaults.blend is None and "blend" not in parts
     ways = contour_motion_of(table, found)
+    found.setdefault("travel", defaults.travel)
     motion = Motion(**(usual | parts))
     layer = Layer(process, motion, rounded=rounded, shaping=shaping, **switched, **ways, **found)
     check_contour_motion(table, layer, planned=defaults.travels)
@@ -579,6 +581,7 @@ DEFAULT_MOTION_KEYS: Final[Mapping[str, Read]] = {
     **MOTION_KEYS,
     "approach": values.number("mm", least=0.0),
     "retract": values.number("mm", least=0.0),
+    "travel": values.speed,
 }
 SIGNAL_KEYS: Final[Mapping[str, Read]] = {
     "kind": values.choice("digital", "analog", "group"),

@@ -123,6 +123,18 @@ class ColumnTable:
     values: Floats
     findings: list[Diagnostic]
 
+    @property
+    def begins(self) -> bool:
+        """True if the first row does not say how it is reached."""
+        column = self.first("motion")
+        return column is None or bool(self.cells.empty[0, column])
+
+    @property
+    def states_speed(self) -> bool:
+        """True if the first row states a speed itself."""
+        speeds = [i for i, c in enumerate(self.columns) if c.group in ("speed", "rotation")]
+        return not bool(self.cells.empty[0, speeds].all())
+
     def first(self, group: str) -> int | None:
         return _first_column(self.columns, group)
 
@@ -313,7 +325,8 @@ def _move_kinds(
     default = rows.default_kind(process)
     column = _first_column(columns, "motion")
     if column is None:
-        return rows.beginning_kinds(np.where(of_joints, Kind.JOINT, default).astype(np.uint8)), []
+        kinds = np.where(of_joints, Kind.JOINT, default).astype(np.uint8)
+        return rows.beginning_kinds(kinds), []
     index, table = cells.codes(column)
     words = {"": default, **rows.KIND_WORDS}
     kinds = np.array([words.get(t.strip().lower(), default) for t in table], np.uint8)[index]
@@ -334,7 +347,7 @@ def _move_kinds(
         findings.append(_JOINTS_ONLY_JOINT(**cells.place(row, column), motion=motion))
     kinds = np.where(of_joints, np.uint8(Kind.JOINT), kinds)
     findings += rows.arc_findings(kinds, lambda row: cells.place(row, column))
-    return rows.beginning_kinds(kinds, stated=bool(stated[:1].any())), findings
+    return kinds if stated[:1].any() else rows.beginning_kinds(kinds), findings
 
 
 def _configurations(

@@ -95,6 +95,7 @@ def _waypoints(name: str, table: ColumnTable, process: Process) -> tuple[Any, li
             raise Refused(_MIXED(**table.cells.place(row)))
         joints = np.nan_to_num(table.joints)
         kept = _kept(table, joints, others, process)
+        motions = motions.approached() if table.begins else motions
         body = [
             MoveJoints(JointValue(_joint_target(table, row)), motions.of(row))
             for row in np.flatnonzero(kept).tolist()
@@ -111,7 +112,10 @@ def _waypoints(name: str, table: ColumnTable, process: Process) -> tuple[Any, li
         needed, off = rows.needed_rows(*row_data, motions.those(kept), process.tolerance, *columns)
         findings += _thinned(table, left[~needed], off, process.tolerance)
         kept[left[~needed]] = False
-    positions, kinds = table.positions[kept], table.kinds[kept]
+    positions, kinds, motions = table.positions[kept], table.kinds[kept], motions.those(kept)
+    if table.begins:
+        at_work = table.states_speed or not rows.begins_with_approach(kinds)
+        motions = motions.approached(None if at_work else process.defaults.travel)
     path = Path.of(
         name,
         positions,
@@ -119,7 +123,7 @@ def _waypoints(name: str, table: ColumnTable, process: Process) -> tuple[Any, li
         kinds=kinds,
         configurations=None if stated is None else stated[kept],
         external=None if external is None else external[kept],
-        **motions.those(kept).rounded(positions, kinds, process.tolerance - off),
+        **motions.rounded(positions, kinds, process.tolerance - off),
     )
     return rows.paths_program(name, [path], process, comments), findings
 
@@ -168,11 +172,12 @@ def _named(name: str, table: ColumnTable, process: Process) -> tuple[Any, list[D
     body: list[Statement] = []
     via = ""
     lines = _lines(cells)
+    motions = table.motions.approached() if table.begins else table.motions
     for row, line in enumerate(lines):
         where = {"path": cells.path, "line": line, "place": f"column {shown(cells.header[column])}"}
         target = names.of(cells.text(row, column), where, f"line {line}")
         body += _comments(table, row)
-        motion = table.motions.of(row)
+        motion = motions.of(row)
         kind = Kind(int(table.kinds[row]))
         if table.of_joints[row]:
             joint_targets[target] = _joint_target(table, row)

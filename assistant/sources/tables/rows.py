@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,6 +112,19 @@ _SAME_ROW: Final = 1e-3
 _SAME_ROW_TURN: Final = 1.0 - (np.radians(_SAME_ROW) / 2.0) ** 2 / 2.0
 """The product of their quaternions."""
 
+V = TypeVar("V")
+
+
+def _changed_row(
+    index: NDArray[np.int32], table: tuple[V, ...], row: int, value: V
+) -> tuple[NDArray[np.int32], tuple[V, ...]]:
+    """An index column and its table with another value in a row."""
+    table = table if value in table else (*table, value)
+    index = index.copy()
+    index[row] = table.index(value)
+    return index, table
+
+
 RowPlace = Callable[[int], Mapping[str, Any]]
 
 
@@ -144,6 +157,28 @@ class RowMotions:
         """The motions of some rows."""
         columns = {n: getattr(self, n)[kept] for n in ("speed", "blend", "tool", "frame")}
         return replace(self, **columns)
+
+    def approached(self, travel: Speed | None = None) -> RowMotions:
+        """The motions with a stop at the first row: the arm comes there from wherever it is, and no
+        corner can be rounded on a way that nobody knows.
+
+        travel: speed of that way in place of the first row's, which is that of the work.
+        """
+        blend, blends = _changed_row(self.blend, self.blends, 0, FINE)
+        stopped = replace(self, blend=blend, blends=blends)
+        if travel is None:
+            return stopped
+        stated = self.speeds[self.speed[0]]
+        # A percentage counts only in joint moves, so one that is stated is of this move.
+        if isinstance(stated, Speed):
+            travel = replace(travel, joint=stated.joint)
+        speed, speeds = _changed_row(self.speed, self.speeds, 0, travel)
+        return replace(stopped, speed=speed, speeds=speeds)
+
+    def stopped(self) -> RowMotions:
+        """The motions with a stop at the last row."""
+        blend, blends = _changed_row(self.blend, self.blends, -1, FINE)
+        return replace(self, blend=blend, blends=blends)
 
     def rounded(
         self, positions: Floats, kinds: NDArray[np.uint8], tolerance: float
@@ -255,14 +290,18 @@ def default_motions(n: int, process: Process) -> RowMotions:
     return RowMotions(rows, rows, rows, rows, (d.speed,), (d.blend,), (d.tool,), (d.frame,))
 
 
-def beginning_kinds(kinds: NDArray[np.uint8], stated: bool = False) -> NDArray[np.uint8]:
-    """Kinds of rows that begin a program: no line leads from wherever the arm stands.
-
-    stated: the first row says itself how it is reached.
+def beginning_kinds(kinds: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Kinds of rows that begin a program, of which the first does not say how it is reached: no
+    line leads there from wherever the arm is.
     """
-    if stated or not len(kinds) or kinds[0] != Kind.LINEAR:
+    if not len(kinds) or kinds[0] != Kind.LINEAR:
         return kinds
     return np.concatenate([[np.uint8(Kind.JOINT)], kinds[1:]])
+
+
+def begins_with_approach(kinds: NDArray[np.uint8]) -> bool:
+    """True if a joint move leads to the first row, and the work begins there."""
+    return len(kinds) > 1 and bool(kinds[0] == Kind.JOINT != kinds[1])
 
 
 def default_kind(process: Process) -> Kind:
@@ -457,19 +496,23 @@ def program_of(
 
 
 def _stopping(body: Sequence[Statement], default: Blend | Name | None) -> tuple[Statement, ...]:
-    """Make the last move a stop if it has the default blend: no corner follows that it rounds."""
-    last = next((i for i in reversed(range(len(body))) if isinstance(body[i], _MOVES)), None)
-    if last is None or default in (None, FINE):
+    """Make the first and the last move stops if they have the default blend: no corner is there
+    that it rounds, as nobody knows from where the arm comes and where it goes.
+    """
+    moves = [i for i, statement in enumerate(body) if isinstance(statement, _MOVES)]
+    if not moves or default in (None, FINE):
         return tuple(body)
-    move = body[last]
-    if isinstance(move, Follow):
-        path = move.path
-        if path.blends[path.blend[-1]] == default:
-            index = np.append(path.blend[:-1], np.int32(len(path.blends)))
-            move = Follow(replace(path, blend=index, blends=(*path.blends, FINE)))
-    elif isinstance(move, _SINGLE_MOVES) and move.motion.blend == default:
-        move = replace(move, motion=replace(move.motion, blend=FINE))
-    return (*body[:last], move, *body[last + 1 :])
+    stopped = list(body)
+    for at, row in ((moves[0], 0), (moves[-1], -1)):
+        move = stopped[at]
+        if isinstance(move, Follow):
+            path = move.path
+            if path.blends[path.blend[row]] == default:
+                blend, blends = _changed_row(path.blend, path.blends, row, FINE)
+                stopped[at] = Follow(replace(path, blend=blend, blends=blends))
+        elif isinstance(move, _SINGLE_MOVES) and move.motion.blend == default:
+            stopped[at] = replace(move, motion=replace(move.motion, blend=FINE))
+    return tuple(stopped)
 
 
 _SINGLE_MOVES: Final = (Move, MoveCircular, MoveJoints)

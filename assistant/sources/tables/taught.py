@@ -55,7 +55,7 @@ from assistant.base.toml_text import key_spans, sections, toml_content
 from assistant.program import settings_tables as values
 from assistant.program.expressions import Name, Number
 from assistant.program.geometry import NO_EXTERNAL, Configuration, JointTarget, Pose, Target
-from assistant.program.motion import Kind
+from assistant.program.motion import FINE, Kind
 from assistant.program.program import identifier
 from assistant.program.settings_tables import ENCODINGS, REPAIRED, Table, Wrong, kind_of, read_toml
 from assistant.program.statements import (
@@ -255,6 +255,9 @@ class _TargetReader:
         if "joints" in table.content:
             one.kind = Kind.JOINT
         via = self._all[-1].name if self._all else ""
+        if not self._all and "kind" not in table.content:
+            # The arm comes from anywhere, so there is no corner to round either.
+            one.found["blend"] = FINE
         self._all.append(one)
         if comment := " ".join(found.get("comment", "").split()):
             # A comment is one line of a program: control characters would end it.

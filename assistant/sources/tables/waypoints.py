@@ -344,8 +344,11 @@ def _path_of(
             findings.append(told)
             positions, quaternions, kinds = positions[needed], quaternions[needed], kinds[needed]
             motions = motions.those(needed)
+    kinds = rows.beginning_kinds(kinds) if first else kinds
+    travels = first and rows.begins_with_approach(kinds)
+    # A path begins and ends at a stop, also beside other paths.
+    motions = motions.approached(process.defaults.travel if travels else None).stopped()
     columns = motions.rounded(positions, kinds, process.tolerance - off)
-    kinds = rows.beginning_kinds(kinds, stated=not first)
     return Path.of(name, positions, quaternions, kinds=kinds, **columns), findings
 
 

@@ -100,7 +100,7 @@ SQUARE = "".join(f"{x},{y},0,1,0,0,0\n" for x, y in ((0, 0), (50, 0), (50, 50), 
         ("", [None, 0.05, 0.05, None]),
         ("tolerance = 1", [None, 1.0, 1.0, None]),
         ('[motion]\nblend = "fine"', [None] * 4),
-        ("[motion]\nblend = 7", [7.0, 7.0, 7.0, None]),
+        ("[motion]\nblend = 7", [None, 7.0, 7.0, None]),
     ],
 )
 def test_what_the_process_file_says_holds(process, wanted):
@@ -141,6 +141,28 @@ def test_the_way_to_the_first_point_is_a_joint_move(tmp_path):
     assert two.path.kinds[0] == Kind.LINEAR  # from where the first one ends
     said = sources_of(f"{HEADER},motion\n0,0,0,1,0,0,0,linear\n9,0,0,1,0,0,0,linear\n")
     assert path_of(said).kinds[0] == Kind.LINEAR  # as the row says
+
+
+def first_move(text, process=""):
+    """The first move of a table: its mm/s, and mm of its corner."""
+    path = path_of(sources_of(text, process))
+    return path.speeds[path.speed[0]].tcp, path.blends[path.blend[0]].radius
+
+
+@pytest.mark.parametrize(
+    ("columns", "rows", "process", "wanted"),
+    [
+        ("", ["", ""], "[motion]\nspeed = 8\nblend = 3", (200.0, None)),
+        ("", ["", ""], "[motion]\nspeed = 8\nblend = 3\ntravel = 120", (120.0, None)),
+        (",blend_mm", [",5", ",5"], "[motion]\nspeed = 8", (200.0, None)),
+        (",speed_mm_s", [",9", ",8"], "", (9.0, None)),
+        (",motion,blend_mm", [",joint,5", ",linear,5"], "[motion]\nspeed = 8", (8.0, 5.0)),
+        ("", ["", ""], '[motion]\nkind = "joint"\nspeed = 8\nblend = 3', (8.0, None)),
+    ],
+)
+def test_the_way_to_the_first_point_is_a_joint_move_of_its_own(columns, rows, process, wanted):
+    one, two = (f"{x},0,0,1,0,0,0{row}" for x, row in zip((10, 90), rows, strict=True))
+    assert first_move(f"{HEADER}{columns}\n{one}\n{two}\n", process) == wanted
 
 
 def test_named_targets_begin_with_a_joint_move_and_stop():

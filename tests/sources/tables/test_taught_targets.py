@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -93,7 +94,7 @@ def test_targets_moves_and_what_stands_around_them() -> None:
         Pose((4.0, 5.0, 6.0), (0.0, 0.0, 1.0, 0.0)), Configuration(False, True, True, (0, -1, 2))
     )
     assert program.procedures[0].body == (
-        MoveJoints(Name("home"), CELL.defaults.motion),
+        MoveJoints(Name("home"), replace(CELL.defaults.motion, blend=FINE)),
         Comment("over the part"),
         Move("joint", Name("above"), Motion(Speed(250.0), FINE, "gripper", "table")),
         SetSignal("glue", Number(1)),

@@ -144,16 +144,17 @@ def test_motion_comes_from_the_process() -> None:
     assert program.tools == dict(process.tools)
     assert (path.kinds == Kind.JOINT).all()
     assert (path.speeds, path.tools) == ((Speed(150.0),), ("GRIPPER",))
-    *before, last = (path.blends[index] for index in path.blend)
-    assert set(before) == {Blend(100.0)} and last == FINE
+    first, *between, last = (path.blends[index] for index in path.blend)
+    assert set(between) == {Blend(100.0)} and first == last == FINE
 
 
-def test_the_last_of_several_paths_ends_in_a_stop(read: Any) -> None:
+def test_each_of_several_paths_begins_and_ends_in_a_stop(read: Any) -> None:
     process = Process(defaults=Defaults(blend=Blend(3.0)))
     away = np.add(SEVENS, [500, 0, 0, 0, 0, 0, 0])
     first, second = paths_of(read("all.npz", npz(one=SEVENS, two=away), process).program)
-    assert {first.blends[index] for index in first.blend} == {Blend(3.0)}
-    assert [second.blends[index] for index in second.blend[-2:]] == [Blend(3.0), FINE]
+    for path in (first, second):
+        start, *between, end = (path.blends[index] for index in path.blend)
+        assert set(between) == {Blend(3.0)} and start == end == FINE
     single = read("p.json", json.dumps(SEVENS[:1].tolist()), process).program
     (move,) = single.statements()
     assert move.motion.blend == FINE
