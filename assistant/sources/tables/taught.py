@@ -1,4 +1,4 @@
-"""Files of taught targets, as TOML: read as a move to each in order, and edited.
+"""Files of taught targets, as TOML: read as a move to each in order, or as `moves` say, and edited.
 
     robot = "irb1200-7-0.7"         # the arm that it was taught on: joints are of this arm only
     joint_percent = 20              # of joint moves, where a controller takes no mm/s
@@ -26,6 +26,12 @@
     set = {glue = 1}                # outputs that are set after the move
     wait = 0.5                      # seconds, after that
 
+    [[moves]]                       # left out: one move to each target, in the order of the file
+    to = "above"                    # as often as wanted; kind, speed, blend, comment, set and wait
+    set = {glue = 0}                # may follow, and count before those of the target
+
+    moves = ["home", {to = "above", wait = 1}, "home"]    # the same in brackets, before all tables
+
 Only the name and one of `position` and `joints` are required. `with_target` adds a target, or
 teaches one again, and changes nothing else of the text.
 """
@@ -34,7 +40,7 @@ from __future__ import annotations
 
 import math
 import pathlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -42,7 +48,8 @@ import numpy as np
 
 from assistant.base import rotations
 from assistant.base.data_classes import dataclass
-from assistant.base.diagnostics import Refused, Severity, Span, error, has_errors
+from assistant.base.diagnostics import Refused, Rule, Severity, Span, error, has_errors, info
+from assistant.base.near_names import near_name
 from assistant.base.source_text import SourceText, decode, read_bytes
 from assistant.base.toml_edits import (
     is_alike,
@@ -91,6 +98,17 @@ _WRONG_ORIENTATION = error(
 _JOINTS_BY_LINE = error(
     "TB505", "target {name} has joints, which no {kind} move reaches", 'write kind = "joint"'
 )
+_NOT_MOVES = error(
+    "TB514",
+    "`moves` {what}",
+    'write the names of targets in brackets, ["home", "above", "home"], or [[moves]] and `to`',
+)
+_NOT_A_TARGET = error("TB515", "there is no target {name} to move to", "{cure}")
+_NOT_VISITED = info(
+    "TB516",
+    "no move leads to target {name}{more}",
+    "name it in `moves`, or delete it",
+)
 _TWO_TABLES = error(
     "TB506", "{name} is declared here and, differently, in the process file", "keep one of them"
 )
@@ -106,16 +124,17 @@ def read(path: pathlib.Path, process: Process) -> Reading:
 def read_taught(source: SourceText, stem: str, process: Process) -> Reading:
     """The pseudo-program of a text, named after a file's stem."""
     top = read_toml(source)
-    own = process_in(top, beside=("targets",))
+    own = process_in(top, beside=("targets", "moves"))
     cell = _with_own_tables(top, own, process)
     path = source.path or ""
     name, notes = rows.program_name(stem, path)
     taught = _TargetReader(top, cell)
-    body = [
-        s for number, table in enumerate(_target_tables(top)) for s in taught.moves(number, table)
-    ]
+    for number, table in enumerate(_target_tables(top)):
+        taught.declare(number, table)
+    body = [s for visit in _visits(top, taught.declared) for s in taught.statements(visit)]
     taught.check_arcs()
-    findings = (*notes, *top.page.findings, *taught.names.findings)
+    # What is wrong with a target is found at each move to it.
+    findings = (*notes, *dict.fromkeys(top.page.findings), *taught.names.findings)
     if has_errors(findings):
         raise Refused(*sorted(findings, key=lambda f: f.line or 0))
     program = rows.program_of(name, body, cell, taught.targets, taught.joint_targets)
@@ -218,14 +237,78 @@ TARGET_KEYS: Final[Mapping[str, values.Read]] = {
 }
 
 
+VISIT_KEYS: Final[Mapping[str, values.Read]] = {
+    "to": values.text,
+    **{key: TARGET_KEYS[key] for key in ("kind", "speed", "blend", "comment", "set", "wait")},
+}
+
+
 @dataclass(slots=True)
 class _StatedTarget:
-    """A target as the file states it; found: its values by key, without the wrong ones."""
+    """A target as the file states it; found: its values by key, without the wrong ones.
 
+    given: its name there. tool, frame: names of those that are declared. complete: it has one
+    place, which its keys agree about.
+    """
+
+    given: str
     name: str
     table: Table
     found: dict[str, Any]
-    kind: Kind
+    tool: str
+    frame: str
+    complete: bool
+
+
+@dataclass(slots=True)
+class _Visit:
+    """A move to a target. table: what states it; found: its own values, then the target's."""
+
+    target: _StatedTarget
+    table: Table
+    found: dict[str, Any]
+
+    def at(self, key: str) -> Table:
+        """The table that states a key."""
+        return self.table if key in self.table.content else self.target.table
+
+
+def _visits(top: Table, declared: Sequence[_StatedTarget]) -> Iterator[_Visit]:
+    """The moves of the file: those of `moves`, without it one to each target."""
+    if "moves" not in top.content:
+        yield from (_Visit(one, one.table, one.found) for one in declared)
+        return
+    entries, there = top.content["moves"], {one.given.strip().lower(): one for one in declared}
+    if not isinstance(entries, list) or not entries:
+        what = f"is {kind_of(entries)}" if entries != [] else "names no target"
+        top.say(_NOT_MOVES, "moves", what=what)
+        return
+    visited = set[str]()
+    for number, entry in enumerate(entries):
+        content = {"to": entry} if isinstance(entry, str) else entry
+        table = Table(
+            top.page, ("moves", str(number)), content if isinstance(content, dict) else {}
+        )
+        if not isinstance(content, dict):
+            table.say(_NOT_MOVES, what=f"holds {kind_of(entry)}")
+            continue
+        found = table.read(VISIT_KEYS)
+        if "to" not in content:
+            table.say(_NOT_MOVES, what="has a move that names no target")
+        if "to" not in found:
+            continue
+        name = found.pop("to")
+        if (target := there.get(name.strip().lower())) is None:
+            near = near_name(name, [one.given for one in declared])
+            cure = f"write `{near}`" if near else "add [[targets]] with this name, or change `to`"
+            table.say(_NOT_A_TARGET, name=marked(name), cure=cure)
+            continue
+        visited.add(target.name)
+        yield _Visit(target, table, {**target.found, **found})
+    if left := [one for one in declared if one.name not in visited]:
+        name = marked(left[0].given)
+        more = f", nor to {len(left) - 1} more" if len(left) > 1 else ""
+        left[0].table.say(_NOT_VISITED, "name", name=name, more=more)
 
 
 class _TargetReader:
@@ -236,51 +319,66 @@ class _TargetReader:
         self.names = rows.RowNames()
         self.targets: dict[str, Target] = {}
         self.joint_targets: dict[str, JointTarget] = {}
-        self._all: list[_StatedTarget] = []
+        self.declared: list[_StatedTarget] = []
+        self._visited: list[tuple[_Visit, Kind]] = []
 
-    def moves(self, number: int, table: Table) -> Iterator[Statement]:
-        """The statements of one target: comment, move, signals, wait."""
+    def declare(self, number: int, table: Table) -> None:
+        """Take in a target, whether or not a move leads to it."""
         found = table.read(TARGET_KEYS)
         label = f"target {number + 1}"
         span = table.page.spans.get(table.path)
         line = table.page.source.line_column(span.start)[0] if span else None
         where = {"path": table.page.source.path, "line": line, "place": label}
-        name = self.names.of(found.get("name", ""), where, label)
-        # The first move comes from anywhere, so it is a joint move.
-        usual = rows.default_kind(self.process) if self._all else Kind.JOINT
-        known = rows.KIND_WORDS.get(found.get("kind", ""), usual)
-        one = _StatedTarget(name, table, found, known)
-        # Joints are reached by a joint move whatever the defaults say; `_is_complete` reports
-        # another kind.
+        given = found.get("name", "")
+        name = self.names.of(given, where, label)
+        tool, frame = (self._declared(table, found, kind) for kind in ("tool", "frame"))
+        one = _StatedTarget(given, name, table, found, tool, frame, complete=False)
+        one.complete = self._is_complete(one)
+        self.declared.append(one)
+        # External axes that are not stated do not exist.
+        external = (*found.get("external", ()), *NO_EXTERNAL)[:6]
+        if not one.complete:
+            return
         if "joints" in table.content:
-            one.kind = Kind.JOINT
-        via = self._all[-1].name if self._all else ""
-        if not self._all and "kind" not in table.content:
-            # The arm comes from anywhere, so there is no corner to round either.
-            one.found["blend"] = FINE
-        self._all.append(one)
+            self.joint_targets[name] = JointTarget(found.get("joints", ()), external)
+        else:
+            pose = Pose(found.get("position", (0.0, 0.0, 0.0)), self._orientation(one))
+            self.targets[name] = Target(pose, found.get("configuration"), external)
+
+    def statements(self, visit: _Visit) -> Iterator[Statement]:
+        """The statements of one move: comment, move, signals, wait."""
+        target, found = visit.target, visit.found
+        # The first move comes from anywhere: it is a joint move, and there is no corner to round.
+        usual = rows.default_kind(self.process) if self._visited else Kind.JOINT
+        kind = rows.KIND_WORDS.get(found.get("kind", ""), usual)
+        if not self._visited and "kind" not in found:
+            visit.found = found = {**found, "blend": FINE}
+        if "joints" in target.table.content:
+            # Joints are reached by a joint move whatever the defaults say.
+            kind = Kind.JOINT
+            stated = visit.at("kind").content.get("kind", "joint")
+            if target.complete and stated != "joint":
+                visit.at("kind").say(_JOINTS_BY_LINE, "kind", name=marked(target.name), kind=stated)
+        via = self._visited[-1][0].target.name if self._visited else ""
+        self._visited.append((visit, kind))
         if comment := " ".join(found.get("comment", "").split()):
             # A comment is one line of a program: control characters would end it.
             yield Comment("".join(c for c in comment if c.isprintable()))
-        yield from self._move(one, via)
-        yield from self._after(one)
+        if target.complete:
+            yield from self._move(visit, kind, via)
+        yield from self._after(visit, kind)
 
-    def _move(self, one: _StatedTarget, via: str) -> Iterator[Statement]:
-        motion = self._motion(one)
-        # External axes that are not stated do not exist.
-        external = (*one.found.get("external", ()), *NO_EXTERNAL)[:6]
-        if not self._is_complete(one):
-            return
-        if "joints" in one.table.content:
-            self.joint_targets[one.name] = JointTarget(one.found.get("joints", ()), external)
-            yield MoveJoints(Name(one.name), motion)
-            return
-        pose = Pose(one.found.get("position", (0.0, 0.0, 0.0)), self._orientation(one))
-        self.targets[one.name] = Target(pose, one.found.get("configuration"), external)
-        if one.kind is Kind.END:
-            yield MoveCircular(Name(via), Name(one.name), motion)
-        elif one.kind in (Kind.JOINT, Kind.LINEAR):
-            yield Move("joint" if one.kind is Kind.JOINT else "linear", Name(one.name), motion)
+    def _move(self, visit: _Visit, kind: Kind, via: str) -> Iterator[Statement]:
+        name, defaults = Name(visit.target.name), self.process.defaults
+        speed = visit.found.get("speed", defaults.speed)
+        blend = visit.found.get("blend", defaults.motion.blend)
+        motion = Motion(speed, blend, visit.target.tool, visit.target.frame)
+        if name.name in self.joint_targets:
+            yield MoveJoints(name, motion)
+        elif kind is Kind.END:
+            yield MoveCircular(Name(via), name, motion)
+        elif kind in (Kind.JOINT, Kind.LINEAR):
+            yield Move("joint" if kind is Kind.JOINT else "linear", name, motion)
 
     def _is_complete(self, one: _StatedTarget) -> bool:
         """True if the target is a pose or joints, and states only the keys of that form."""
@@ -289,9 +387,6 @@ class _TargetReader:
         if "joints" in there:
             if "position" in there or turns:
                 table.say(_POSE_OR_JOINTS, "joints", name=name, what="a pose and joints")
-                return False
-            if there.get("kind", "joint") != "joint":
-                table.say(_JOINTS_BY_LINE, "kind", name=name, kind=there["kind"])
                 return False
             return True
         if "position" not in there:
@@ -312,48 +407,48 @@ class _TargetReader:
         angles = (one.found[key] for key in ORIENTATIONS if key in one.found)
         return next(angles, Pose().quaternion)
 
-    def _motion(self, one: _StatedTarget) -> Motion:
-        """The motion of a target; what it leaves out is as the defaults say."""
-        found, defaults = one.found, self.process.defaults
-        names = {}
-        for kind, rule, find in (
-            ("tool", rows.UNKNOWN_TOOL, rows.known_tool),
-            ("frame", rows.UNKNOWN_FRAME, rows.known_frame),
-        ):
-            given = found.get(kind) or getattr(defaults, kind)
-            names[kind] = find(given, self.process) or given
-            if find(given, self.process) is None:
-                declared = getattr(self.process, kind + "s")
-                cure = rows.cure_for(kind, given, declared)
-                one.table.say(rule, kind, name=marked(given), more="", cure=cure)
-        speed, blend = found.get("speed", defaults.speed), found.get("blend", defaults.motion.blend)
-        return Motion(speed, blend, names["tool"], names["frame"])
+    def _declared(self, table: Table, found: Mapping[str, Any], kind: str) -> str:
+        """The tool or the frame of a target; what it leaves out is as the defaults say."""
+        rule, find = _KNOWN[kind]
+        given: str = found.get(kind) or getattr(self.process.defaults, kind)
+        name = find(given, self.process)
+        if name is None:
+            cure = rows.cure_for(kind, given, getattr(self.process, kind + "s"))
+            table.say(rule, kind, name=marked(given), more="", cure=cure)
+        return name or given
 
-    def _after(self, one: _StatedTarget) -> Iterator[Statement]:
+    def _after(self, visit: _Visit, kind: Kind) -> Iterator[Statement]:
         for key in ("set", "wait"):
-            if key in one.found and one.kind is Kind.VIA:
-                one.table.say(rows.VIA_ACTION, key, what=f"`{key}`")
-        for given, value in one.found.get("set", {}).items():
+            if key in visit.found and kind is Kind.VIA:
+                visit.at(key).say(rows.VIA_ACTION, key, what=f"`{key}`")
+        table = visit.at("set")
+        for given, value in visit.found.get("set", {}).items():
             signal = output_signal(given, self.process)
             if signal is None:
                 cure = rows.cure_for("signal", given, self.process.signals)
-                one.table.say(rows.UNKNOWN_SIGNAL, "set", name=marked(given), cure=cure)
+                table.say(rows.UNKNOWN_SIGNAL, "set", name=marked(given), cure=cure)
                 continue
             declared = self.process.signals[signal]
             most = rows.most_value(declared)
             # A digital signal takes the whole numbers that its bits can express.
             if most < np.inf and not (value == int(value) and 0 <= value <= most):
                 fields = {"kind": declared.kind, "name": marked(signal), "value": value}
-                one.table.say(rows.NOT_ITS_VALUE, "set", **fields, most=most)
+                table.say(rows.NOT_ITS_VALUE, "set", **fields, most=most)
             yield SetSignal(signal, _number_expression(value))
-        if "wait" in one.found:
-            yield Wait(_number_expression(one.found["wait"]))
+        if "wait" in visit.found:
+            yield Wait(_number_expression(visit.found["wait"]))
 
     def check_arcs(self) -> None:
         """A `via` target is followed by its `end` and comes after one to start from."""
-        kinds = np.array([one.kind for one in self._all], dtype=np.uint8)
+        kinds = np.array([kind for _, kind in self._visited], dtype=np.uint8)
         for row, what in rows.broken_arcs(kinds):
-            self._all[row].table.say(rows.BROKEN_ARC, "kind", what=what)
+            self._visited[row][0].at("kind").say(rows.BROKEN_ARC, "kind", what=what)
+
+
+_KNOWN: Final[Mapping[str, tuple[Rule, Callable[[str, Process], str | None]]]] = {
+    "tool": (rows.UNKNOWN_TOOL, rows.known_tool),
+    "frame": (rows.UNKNOWN_FRAME, rows.known_frame),
+}
 
 
 def _number_expression(value: float) -> Number:

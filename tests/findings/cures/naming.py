@@ -211,6 +211,8 @@ def keys() -> frozenset[str]:
             of_data.ARM_KEYS,
         ),
         *(simulated_run.CHANGE_KEYS, simulated_run.ANSWER_KEYS, taught.TARGET_KEYS, headers.KNOWN),
+        taught.VISIT_KEYS,
+        ("moves",),
         ROBOTS,
         WAYPOINTS,
     )
@@ -227,7 +229,7 @@ def tables() -> frozenset[str]:
         *project_schema()["properties"],
         *simulated_run.SCRIPT_KEYS,
     }
-    return frozenset({*said, "targets", "world", "robots", "bodies"})
+    return frozenset({*said, "targets", "moves", "world", "robots", "bodies"})
 
 
 def _properties(form: Any) -> Iterator[str]:

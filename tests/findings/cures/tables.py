@@ -119,6 +119,24 @@ CASES: Final = (
         },
     ),
     Case(
+        "TB514",
+        "check a.toml",
+        {"a.toml": "moves = 1\n" + TARGET},
+        change={"a.toml": '[[moves]]\nto = "a"\n' + TARGET},
+    ),
+    Case(
+        "TB515",
+        "check a.toml",
+        {"a.toml": 'moves = ["none"]\n' + TARGET},
+        change={"a.toml": 'moves = ["a"]\n' + TARGET},
+    ),
+    Case(
+        "TB516",
+        "check a.toml",
+        {"a.toml": 'moves = ["a"]\n' + TARGET + TARGET.replace('"a"', '"b"')},
+        change={"a.toml": 'moves = ["a", "b"]\n' + TARGET + TARGET.replace('"a"', '"b"')},
+    ),
+    Case(
         "TB505",
         "check a.toml",
         {"a.toml": FOLDED.format("linear")},

@@ -108,6 +108,49 @@ def test_its_own_motion_table_comes_before_the_process_file() -> None:
     assert body.procedures[0].body == (Move("joint", Name("p"), Motion(Speed(20.0), FINE)),)
 
 
+PLACES = "".join(
+    f'[[targets]]\nname = "{name}"\nposition = [400, {y}, 300]\nquaternion = [0, 1, 0, 0]\n{more}\n'
+    for name, y, more in (("Home", 0, ""), ("pick", 50, "speed = 30"), ("mid", 90, 'kind = "via"'))
+)
+
+
+def visited(text: str) -> list[tuple[str, float]]:
+    """The targets of the moves in their order, each with the speed there."""
+    moves = [s for s in read(text, CELL).program.statements() if isinstance(s, Move)]
+    return [(m.target.name, m.motion.speed.tcp) for m in moves]  # type: ignore[union-attr]
+
+
+def test_moves_name_a_target_as_often_as_wanted() -> None:
+    text = (
+        'moves = ["home", "pick", {to = "HOME", speed = 9}, "mid", {to = "pick", kind = "end"}]\n'
+    )
+    *_, arc = read(text + PLACES, CELL).program.statements()
+    assert visited(text + PLACES) == [("Home", 70.0), ("pick", 30.0), ("Home", 9.0)]
+    assert isinstance(arc, MoveCircular) and (arc.via, arc.target) == (Name("mid"), Name("pick"))
+    tables = '[[moves]]\nto = "home"\n[[moves]]\nto = "pick"\n[[moves]]\nto = "Home"\nspeed = 9\n'
+    assert visited(PLACES + tables) == visited(text + PLACES)
+
+
+def test_a_move_may_state_what_its_target_does_not() -> None:
+    one = POSE + 'comment = "here"\nset = {glue = 1}\nwait = 1\n'
+    text = (
+        'moves = ["p", {to = "p", comment = "away", set = {glue = 0}, wait = 2, blend = 4}, "p"]\n'
+    )
+    body = read(f'{text}[[targets]]\nname = "p"\n{one}', CELL).program.procedures[0].body
+    said = [s.text for s in body if isinstance(s, Comment)]
+    assert said == ["here", "away", "here"]
+    assert [s.value for s in body if isinstance(s, SetSignal)] == [Number(1), Number(0), Number(1)]
+    assert [s.seconds for s in body if isinstance(s, Wait)] == [Number(1), Number(2), Number(1)]
+    corners = [s.motion.blend for s in body if isinstance(s, Move)]
+    assert corners == [FINE, Blend(4.0), FINE]
+
+
+def test_a_target_that_no_move_leads_to_is_told() -> None:
+    reading = read('moves = ["home", "pick", "home"]\n' + PLACES, CELL)
+    assert [(f.code, f.severity) for f in reading.findings] == [("TB516", Severity.INFO)]
+    assert "`mid`" in reading.findings[0].message and "mid" in reading.program.targets
+
+
 def test_arcs() -> None:
     text = "".join(
         f'[[targets]]\nname = "p{i}"\nkind = "{kind}"\n{POSE}'
@@ -168,6 +211,22 @@ BAD = {
     "two orientations": (P + POSE + "euler_zyx = [0, 0, 0]", "TB504", 5),
     "no target": (P, "TB503", 1),
     "both": (P + POSE + "joints = [1]", "TB503", 5),
+    "no list of moves": ("moves = 3\n" + P + POSE, "TB514", 1),
+    "no moves": ("moves = []\n" + P + POSE, "TB514", 1),
+    "a number as a move": ("moves = [\n3]\n" + P + POSE, "TB514", 2),
+    "a move to nothing": (P + POSE + "[[moves]]\nspeed = 3", "TB514", 5),
+    "a move to no target": ('moves = ["q"]\n' + P + POSE, "TB515", 1),
+    "a move with a place": (P + POSE + '[[moves]]\nto = "p"\ntool = "t"', "CT302", 7),
+    "a move by a line to joints": (
+        P + 'joints = [1]\n[[moves]]\nto = "p"\nkind = "linear"',
+        "TB505",
+        6,
+    ),
+    "an arc of moves without its end": (
+        P + POSE + '[[moves]]\nto = "p"\n[[moves]]\nto = "p"\nkind = "via"',
+        "TB308",
+        9,
+    ),
     "joints by a line": (P + 'joints = [1]\nkind = "linear"', "TB505", 4),
     "half a branch": (P + POSE + "configuration = {back = true}", "CT303", 5),
     "unknown kind": (P + POSE + 'kind = "fast"', "CT303", 5),
