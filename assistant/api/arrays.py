@@ -15,6 +15,7 @@ from assistant.base.arrays import Floats, finite_row, number_of, number_within, 
 from assistant.base.diagnostics import Refused, Severity, error, has_errors
 from assistant.compiler.arms import robot_of
 from assistant.compiler.loader import language_of
+from assistant.program.analysis.uses import without_unused_equipment
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import FLANGE, Frame, JointTarget, Load, Pose, Tool
 from assistant.program.motion import FINE, Blend, Kind, Speed
@@ -124,7 +125,7 @@ def from_poses(
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
             warnings.warn(str(finding), stacklevel=2)
-    return reading.program
+    return without_unused_equipment(reading.program)
 
 
 def from_joints(
@@ -178,7 +179,8 @@ def from_joints(
     for finding in stated.findings:
         if finding.severity is Severity.WARNING:
             warnings.warn(str(finding), stacklevel=2)
-    return rows.program_of(identifier(str(name)), body, replace(stated, robot=arm.name))
+    program = rows.program_of(identifier(str(name)), body, replace(stated, robot=arm.name))
+    return without_unused_equipment(program)
 
 
 def _process(

@@ -228,6 +228,8 @@ def with_cell_values(
         if joint_speed is None and taught is None and has_percent_joints(told):
             missing.append(Wanted(JOINT_SPEED, "speed"))
             joint_speed = SLOW_SPEED.tcp
+    if to_other and to is not None and to.tool_loads and (missing or unnumbered):
+        missing += _loads_lacking(program)
     told_before = without_other_numbers(
         loaded.findings, program, loaded.signals, cell.process.signals
     )
@@ -331,7 +333,7 @@ def _needs(
 ) -> set[tuple[WantedKind, str]]:
     """Return what a statement needs of the cell, by kind and name in lower case."""
     texts = texts_in(statement)
-    kinds: tuple[WantedKind, ...] = ("signal", "data")
+    kinds: tuple[WantedKind, ...] = ("signal", "data", "tool")
     found: set[tuple[WantedKind, str]] = {(kind, text) for kind in kinds for text in texts}
     joints = {name.lower() for name in program.joint_targets}
     joints |= {name.lower() for name, one in program.variables.items() if one.type == "joints"}
@@ -549,6 +551,17 @@ def values_stated(
     return found
 
 
+def _loads_lacking(program: Program) -> Iterator[Wanted]:
+    """The tools that the program uses and that have no load, as their source keeps it elsewhere.
+
+    A program that lacks nothing else is no draft for it: it is written with the least load.
+    """
+    used = texts_in(program.procedures)
+    for name, tool in program.tools.items():
+        if tool.load is None and name.lower() in used:
+            yield Wanted(name, "tool", tip=tool.tip)
+
+
 def _joint_speed(
     cell: Cell, process: float | None, path: str
 ) -> tuple[float | None, tuple[Diagnostic, ...]]:
@@ -658,9 +671,24 @@ def marked_as_draft(program: Program, wanting: Sequence[Wanted]) -> Program:
     """
     if not wanting:
         return program
-    names = (f"to be filled in: {wanted_in_words(one)}" for one in wanting)
+    names = (f"to be filled in: {wanted_in_words(one)}{_stand_in(one)}" for one in wanting)
     head = ("DRAFT: not for production. The cell file does not say these values:", *names)
     return stopped_at_start(replace(program, comments=(*program.comments, *head)))
+
+
+def _stand_in(one: Wanted) -> str:
+    """Say which value the program has meanwhile, so that nobody takes it for the real one."""
+    if one.signal is not None and one.signal.number is not None:
+        return f"; number {one.signal.number} is a stand-in"
+    return _LEAST_LOAD if one.tip is not None else _STAND_INS.get(one.kind, "")
+
+
+_LEAST_LOAD: Final = "; the least mass is a stand-in"
+_STAND_INS: Final[Mapping[WantedKind, str]] = {
+    "tool": "; its zeros are stand-ins",
+    "frame": "; its zeros are stand-ins",
+    "speed": f"; {SLOW_SPEED.tcp:g} mm/s is a stand-in",
+}
 
 
 def stopped_at_start(program: Program) -> Program:

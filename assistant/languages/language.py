@@ -145,6 +145,8 @@ class Language(abc.ABC, Generic[T]):
     """Choices of ARITHMETIC that the project states."""
     joint_percent: bool = False
     """True if joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
+    tool_loads: bool = True
+    """True if programs state the loads of tools; else the controller's parameters have them."""
     dedicated_signals: Mapping[str, Mapping[int, str]] = MappingProxyType({})
     """By `input` and `output`: numbers that its controllers use themselves when they are new."""
     signal_numbers: str = ""

@@ -167,7 +167,8 @@ class Wanted:
     plainest value, None if its type has no values. perhaps: another kind that the uses allow as
     well, `type` if they show no type of data, None if they show the kind; what the cell states
     counts. sets: data of the program that a routine gives values to, if that is known of it.
-    numbers: of a signal, the numbers that its controller has for such.
+    numbers: of a signal, the numbers that its controller has for such. tip: of a tool that
+    the program declares without a load, which is what is wanted.
     """
 
     name: str
@@ -182,6 +183,7 @@ class Wanted:
     perhaps: Literal["signal", "data", "type"] | None = None
     sets: tuple[str, ...] = ()
     numbers: str = ""
+    tip: Pose | None = None
 
 
 Supplied: TypeAlias = Sequence[tuple[Wanted, SuppliedValue | None]]

@@ -65,6 +65,7 @@ def read(
     where the process file states none.
     Raises Unreadable or Refused.
     """
+    from assistant.program.analysis.uses import without_unused_equipment
     from assistant.sources.process.placement import PLACED_BY_OPTIONS, check_drawn
 
     source = FilePath(path)
@@ -92,7 +93,7 @@ def read(
         chosen = replace(chosen, around=around(chosen.robot))
     with _stage(source):
         reading = reader(source, chosen)
-    program = reading.program
+    program = without_unused_equipment(reading.program)
     if chosen.interface is not None:
         program = replace(program, interface=chosen.interface)
     seen = chosen.seen if reading.seen == NO_SEEN_SETTINGS else reading.seen

@@ -362,6 +362,8 @@ def _wanted_words(wanted: Wanted) -> str:
 
 def kind_in_words(wanted: Wanted) -> str:
     """Describe the kind of a wanted name: `tool`, `digital input`, `data of type num`."""
+    if wanted.tip is not None:
+        return "load of tool"
     if wanted.signal is not None:
         return f"{wanted.signal.kind} {wanted.signal.direction}"
     if wanted.kind == "data" and wanted.type:
@@ -377,9 +379,12 @@ def _keys(wanted: Wanted, value: SuppliedValue | None) -> Iterator[tuple[str, An
     """Keys of an entry with their values, None for one to be filled in, and remarks."""
     match wanted.kind:
         case "tool":
-            tip = value.tip if isinstance(value, Tool) else None
+            tip = value.tip if isinstance(value, Tool) else wanted.tip
             yield "tip", tip and list(tip.position), "mm in the flange frame"
             yield "quaternion", list(tip.quaternion if tip else Pose().quaternion), ""
+            if wanted.tip is not None:
+                yield "mass", None, "kg"
+                yield "centre", None, "of gravity, mm in the flange frame"
         case "frame":
             user = value.user if isinstance(value, Frame) else None
             yield "position", user and list(user.position), "mm in the robot's base frame"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from assistant.cli.app import app
 from assistant.compiler import load, translate
 from assistant.compiler.cell_defaults import cell_text, neutral_cell, with_neutral_cell
 from assistant.compiler.motion_proof import Proving
+from assistant.compiler.translation import Translation
 from assistant.sources.cell_values import read_cell
 
 USES = """MODULE Cell
@@ -89,6 +91,46 @@ def test_what_is_not_filled_in_makes_a_draft_that_says_so(tmp_path: Path) -> Non
     assert not [line for line in first if line.startswith("M_")]
     assert "CO071" in {f.code for f in done.whole}
     assert not [row for row in done.rows if row.level == "not"]
+
+
+MELFA = """\
+1 Tool PGRIP
+2 JOvrd 20
+3 Mov P1
+4 End
+PGRIP=(+0.00,+0.00,+60.00,+0.00,+0.00,+0.00)(0,0)
+P1=(+400.00,-60.00,+300.00,+180.00,+0.00,+0.00)(7,0)
+"""
+
+
+def test_a_draft_asks_for_loads_that_the_source_keeps_in_parameters(tmp_path: Path) -> None:
+    file, cell = tmp_path / "G.prg", tmp_path / "cell.toml"
+    file.write_text(MELFA)
+
+    def again() -> Translation:
+        return translate(
+            file, language="melfa-basic-5", to="rapid", robot="irb1200-7-0.7", cell=cell
+        )
+
+    done = again()
+    (made,) = done.files.values()
+    assert b"to be filled in: load of tool PGRIP; the least mass is a stand-in" in made
+    assert b"to be filled in: speed joint_speed; 100 mm/s is a stand-in" in made
+    asked = cell_text(read_cell(cell), done.wanting)
+    assert "tip = [0, 0, 60]" in asked and 'mass = "?"' in asked and 'centre = "?"' in asked
+    filled = asked.replace('mass = "?"', "mass = 2.5").replace('centre = "?"', "centre = [1, 2, 3]")
+    cell.write_text(filled.replace('speed = "?"', "speed = 50"))
+    done = again()
+    (made,) = done.files.values()
+    assert b"[[0,0,60],[1,0,0,0]],[2.5,[1,2,3]," in made and b"DRAFT" not in made
+    assert not done.wanting
+
+
+def test_the_number_of_a_signal_that_stands_in_is_marked(tmp_path: Path) -> None:
+    file = program(tmp_path)
+    done = translate(file, to="melfa-basic-6", cell=tmp_path / "cell.toml")
+    (made,) = done.files.values()
+    assert re.search(rb"to be filled in: digital \w+ \w+; number \d+ is a stand-in", made)
 
 
 def test_a_draft_is_not_proven_by_motion(tmp_path: Path) -> None:

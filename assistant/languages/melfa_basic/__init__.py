@@ -94,6 +94,7 @@ class MelfaBasic(Language["File"]):
     surroundings = staticmethod(_surroundings)
     called_by_file = True
     joint_percent = True
+    tool_loads = False
     dedicated_signals = DEDICATED_SIGNALS
     signal_numbers = SIGNAL_NUMBERS
     register_numbers = REGISTER_NUMBERS

@@ -77,11 +77,13 @@ SHORTENED: Final = info(
 NO_LOAD: Final = warning(
     "RA302",
     "the load of tool `{name}` is not known; 0.001 kg is written",
-    "state mass and centre of gravity, the controller needs them to move safely",
+    "write `mass` in kg and `centre` of gravity in mm under [tools.{name}] of the process file or "
+    "the cell file, or give a Load in Python: the controller needs them to move safely",
 )
 NO_CONFIGURATION: Final = warning(
     "RA303",
-    "targets state no configuration; [0,0,0,0] is written",
+    "targets state no configuration (how the arm reaches them); [0,0,0,0] is written, with which "
+    "the robot may stop before the move or take another way",
     "compile for a robot that reaches them, or state the configurations",
 )
 OTHER_LANGUAGE: Final = error(

@@ -7,7 +7,7 @@ before the reads to the left of it. Recursion is found by strongly connected com
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final
 
 from assistant.base.diagnostics import Diagnostic, Rule
@@ -117,6 +117,19 @@ def texts_in(value: Any) -> set[str]:
             if isinstance(text := getattr(record, part), str):
                 found.add(text.lower())
     return found
+
+
+def without_unused_equipment(program: Program) -> Program:
+    """A program without the tools, frames and signals that its procedures do not name.
+
+    A process file has those of a cell, and the heading of a program lists what it needs.
+    """
+    used = texts_in(program.procedures)
+    tables: dict[str, Any] = {
+        table: {name: one for name, one in getattr(program, table).items() if name.lower() in used}
+        for table in ("tools", "frames", "signals")
+    }
+    return replace(program, **tables)
 
 
 def shared_between_units(program: Program) -> Iterator[str]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from assistant import sources
 from assistant.base import rotations
 from assistant.base.diagnostics import Refused, Severity
 from assistant.base.source_text import SourceText
@@ -149,6 +151,16 @@ def test_a_target_that_no_move_leads_to_is_told() -> None:
     reading = read('moves = ["home", "pick", "home"]\n' + PLACES, CELL)
     assert [(f.code, f.severity) for f in reading.findings] == [("TB516", Severity.INFO)]
     assert "`mid`" in reading.findings[0].message and "mid" in reading.program.targets
+
+
+def test_a_program_has_what_it_uses_of_a_cell(tmp_path: Path) -> None:
+    cell = "".join(f"[tools.{name}]\ntip = [0, 0, 9]\n" for name in ("spare", "Torch"))
+    cell += "[frames.spare_desk]\nposition = [1, 2, 3]\n"
+    cell += '[signals.glue]\nnumber = 3\n[signals.ready]\ndirection = "input"\n'
+    file = tmp_path / "task.toml"
+    file.write_text(f'{cell}[[targets]]\nname = "p"\ntool = "torch"\nset = {{glue = 1}}\n{POSE}')
+    program = sources.read(file).program
+    assert [*program.tools, *program.frames, *program.signals] == ["Torch", "glue"]
 
 
 def test_arcs() -> None:
