@@ -173,6 +173,7 @@ def _named(name: str, table: ColumnTable, process: Process) -> tuple[Any, list[D
     via = ""
     lines = _lines(cells)
     motions = table.motions.approached() if table.begins else table.motions
+    reached: list[str] = []
     for row, line in enumerate(lines):
         where = {"path": cells.path, "line": line, "place": f"column {shown(cells.header[column])}"}
         target = names.of(cells.text(row, column), where, f"line {line}")
@@ -190,10 +191,15 @@ def _named(name: str, table: ColumnTable, process: Process) -> tuple[Any, list[D
                 interpolation: Any = kind.name.lower()
                 body.append(Move(interpolation, Name(target), motion))
         via = target
+        reached.append(target)
         body += _after(table, row, process)
     comments = tuple(_one_line(c) for c in cells.comments)
     program = rows.program_of(name, body, process, targets, joint_targets, comments)
-    return program, names.findings
+    findings = [*names.findings]
+    if cornered := rows.set_in_corners(program):
+        place = cells.place(reached.index(cornered[0]), table.first("set"))
+        findings.append(rows.SET_IN_CORNER(**place, names=shown(", ".join(cornered), 120)))
+    return program, findings
 
 
 def _lines(cells: Cells) -> list[int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -37,6 +38,7 @@ from assistant.program.statements import (
     Move,
     MoveCircular,
     MoveJoints,
+    SetSignal,
     Statement,
 )
 from assistant.sources.contours.path_tolerance import (
@@ -98,6 +100,11 @@ THINNED_ROWS = info(
     "{count} rows less than {short:g} mm apart are left out, as the way without them is at most"
     " {deviation:.4f} mm off; the first is {first}",
     "give a smaller `tolerance` to keep them, or a `blend`",
+)
+SET_IN_CORNER = warning(
+    "TB316",
+    "outputs are set behind the corner at {names}, and may be set before the arm is there",
+    'write "fine" as the blend where the place matters',
 )
 _NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
 
@@ -513,6 +520,21 @@ def _stopping(body: Sequence[Statement], default: Blend | Name | None) -> tuple[
         elif isinstance(move, _SINGLE_MOVES) and move.motion.blend == default:
             stopped[at] = replace(move, motion=replace(move.motion, blend=FINE))
     return tuple(stopped)
+
+
+def set_in_corners(program: Program) -> tuple[str, ...]:
+    """The targets behind whose corners outputs are set: a controller runs ahead of the arm there.
+
+    Each stands there once, in the order of the moves.
+    """
+    (main,) = program.procedures
+    found = [
+        reached.name
+        for move, after in pairwise(main.body)
+        if isinstance(move, _SINGLE_MOVES) and isinstance(after, SetSignal)
+        if move.motion.blend != FINE and isinstance(reached := move.target, Name)
+    ]
+    return tuple(dict.fromkeys(found))
 
 
 _SINGLE_MOVES: Final = (Move, MoveCircular, MoveJoints)

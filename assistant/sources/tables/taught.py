@@ -131,13 +131,22 @@ def read_taught(source: SourceText, stem: str, process: Process) -> Reading:
     taught = _TargetReader(top, cell)
     for number, table in enumerate(_target_tables(top)):
         taught.declare(number, table)
-    body = [s for visit in _visits(top, taught.declared) for s in taught.statements(visit)]
+    visits = [*_visits(top, taught.declared)]
+    body = [s for visit in visits for s in taught.statements(visit)]
     taught.check_arcs()
+    program = rows.program_of(name, body, cell, taught.targets, taught.joint_targets)
+    if cornered := rows.set_in_corners(program):
+        first = next(
+            one
+            for one in visits
+            if one.target.name == cornered[0] and "set" in one.found
+            if one.found.get("blend", cell.defaults.motion.blend) != FINE
+        )
+        first.at("set").say(rows.SET_IN_CORNER, "set", names=marked(", ".join(cornered), 120))
     # What is wrong with a target is found at each move to it.
     findings = (*notes, *dict.fromkeys(top.page.findings), *taught.names.findings)
     if has_errors(findings):
         raise Refused(*sorted(findings, key=lambda f: f.line or 0))
-    program = rows.program_of(name, body, cell, taught.targets, taught.joint_targets)
     return Reading(program, findings, cell.joint_percent, cell.seen)
 
 
