@@ -199,6 +199,9 @@ def _named(name: str, table: ColumnTable, process: Process) -> tuple[Any, list[D
     if cornered := rows.set_in_corners(program):
         place = cells.place(reached.index(cornered[0]), table.first("set"))
         findings.append(rows.SET_IN_CORNER(**place, names=shown(", ".join(cornered), 120)))
+    if left := rows.left_by_joints(program):
+        place = cells.place(reached.index(next(iter(left.values()))), table.first("motion"))
+        findings.append(rows.LEFT_BY_JOINTS(**place, names=shown(", ".join(left), 120)))
     return program, findings
 
 

@@ -106,6 +106,12 @@ SET_IN_CORNER = warning(
     "outputs are set behind the corner at {names}, and may be set before the arm is there",
     'write "fine" as the blend where the place matters',
 )
+LEFT_BY_JOINTS = warning(
+    "TB317",
+    "a joint move leads out of {names}, where a line leads in from the same place: the tool may"
+    " touch what is beside it",
+    'write "linear" as the kind of the move that follows',
+)
 _NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
 
 MOST_DIFFERENT: Final = 1000
@@ -535,6 +541,28 @@ def set_in_corners(program: Program) -> tuple[str, ...]:
         if move.motion.blend != FINE and isinstance(reached := move.target, Name)
     ]
     return tuple(dict.fromkeys(found))
+
+
+def left_by_joints(program: Program) -> dict[str, str]:
+    """The targets to which a line leads from a place, and a joint move leads back there, each with
+    the target of that move.
+    """
+    (main,) = program.procedures
+    moves = [one for one in main.body if isinstance(one, _SINGLE_MOVES)]
+
+    def place(move: Statement) -> Target | JointTarget | None:
+        target = getattr(move, "target", None)
+        if not isinstance(target, Name):
+            return None
+        return program.targets.get(target.name) or program.joint_targets.get(target.name)
+
+    return {
+        into.target.name: back.target.name
+        for before, into, back in zip(moves, moves[1:], moves[2:], strict=False)
+        if isinstance(into, Move) and into.kind == "linear" and isinstance(into.target, Name)
+        if isinstance(back, MoveJoints) or (isinstance(back, Move) and back.kind == "joint")
+        if isinstance(back.target, Name) and place(back) == place(before) is not None
+    }
 
 
 _SINGLE_MOVES: Final = (Move, MoveCircular, MoveJoints)

@@ -42,6 +42,7 @@ import math
 import pathlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -143,6 +144,14 @@ def read_taught(source: SourceText, stem: str, process: Process) -> Reading:
             if one.found.get("blend", cell.defaults.motion.blend) != FINE
         )
         first.at("set").say(rows.SET_IN_CORNER, "set", names=marked(", ".join(cornered), 120))
+    if left := rows.left_by_joints(program):
+        back = next(
+            second
+            for first, second in pairwise(visits)
+            if left.get(first.target.name) == second.target.name
+        )
+        names = marked(", ".join(left), 120)
+        back.at("kind").say(rows.LEFT_BY_JOINTS, "kind", names=names)
     # What is wrong with a target is found at each move to it.
     findings = (*notes, *dict.fromkeys(top.page.findings), *taught.names.findings)
     if has_errors(findings):

@@ -1,4 +1,4 @@
-"""Outputs that are set behind a corner, where a controller runs ahead of the arm."""
+"""Rows that are told of: outputs behind corners, joint moves out of narrow places."""
 
 from pathlib import Path
 
@@ -82,3 +82,45 @@ def test_moves_of_a_task(more: str, blend: str, lines: list[int], tmp_path: Path
     source = tmp_path / "a.toml"
     source.write_text(TASK.format(more=more, blend=blend, targets=targets))
     assert [line for line, _ in told(source)] == lines
+
+
+def left_by_joints(source: Path) -> list[tuple[int | None, str]]:
+    found = assistant.compile(source, language="rapid").findings
+    return [(f.line, f.message) for f in found if f.code == "TB317"]
+
+
+IN_AND_OUT = """name,x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,motion
+above,500,0,400,0,1,0,0,joint
+at,500,0,{z},0,1,0,0,{into}
+up,500,{y},400,0,1,0,0,{out}
+end,500,200,400,0,1,0,0,joint
+"""
+
+
+@pytest.mark.parametrize(
+    ("cells", "lines"),
+    [
+        ({}, [4]),
+        ({"out": "linear"}, []),
+        ({"into": "joint"}, []),
+        ({"y": 1}, []),  # to somewhere else: that may be meant
+    ],
+)
+def test_a_line_in_and_a_joint_move_out(
+    cells: dict[str, object], lines: list[int], tmp_path: Path
+) -> None:
+    source = tmp_path / "a.csv"
+    usual = {"z": 300, "into": "linear", "y": 0, "out": "joint"}
+    source.write_text(IN_AND_OUT.format(**usual | cells))
+    assert [line for line, _ in left_by_joints(source)] == lines
+
+
+def test_a_line_in_and_a_joint_move_out_of_a_task(tmp_path: Path) -> None:
+    targets = "".join(TARGETS.format(name=name, y=y) for name, y in (("a", 0), ("b", 100)))
+    source = tmp_path / "a.toml"
+    head = 'moves = [{to = "a", kind = "joint"}, "b", {to = "a", kind = "%s"}]\n'
+    source.write_text(head % "joint" + targets)
+    ((line, message),) = left_by_joints(source)
+    assert line == 1 and "`b`" in message
+    source.write_text(head % "linear" + targets)
+    assert left_by_joints(source) == []
