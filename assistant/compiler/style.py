@@ -465,6 +465,9 @@ def apply_style(
     if outline is None:
         return StyledText(data, SourceText(""))
     template, own = style.template(outline)
+    # The default template shows the frame that files have anyway, so a user can start from it.
+    if not own:
+        return StyledText(data, template)
     source = language.decode(data)
     text = source.text
     sections = dict(outline.sections(text))
@@ -481,13 +484,12 @@ def apply_style(
         **{key: style.values.get(key, "") for key in _STYLE_TEXTS},
     }
     written = fill_template(template, {**{k: comment_value(v) for k, v in stated.items()}, **known})
-    if own:
-        _check(written, template, language, outline, name)
+    _check(written, template, language, outline, name)
     for key, (whole, part) in outline.within.items():
         sections[key] = part(sections[whole])
     numbering = outline.numbered(language.name)
     made, lines = _assembled_text(written, sections, source, outline, numbering)
-    return StyledText(encode(made), template, lines if own else {})
+    return StyledText(encode(made), template, lines)
 
 
 def comment_value(value: str) -> str:

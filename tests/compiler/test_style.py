@@ -96,7 +96,7 @@ def refused(project, template, language="rapid", style=""):
 
 
 @pytest.mark.parametrize(("language", "robot"), TARGETS)
-def test_the_templates_of_the_package_are_what_the_printer_writes(language, robot):
+def test_the_templates_of_the_package_are_what_the_printer_writes(language, robot, tmp_path):
     program = pseudo.parse(PROGRAM)
     spoken = languages.get(language)
     arm = {"robot": robot}
@@ -104,9 +104,12 @@ def test_the_templates_of_the_package_are_what_the_printer_writes(language, robo
     adapted = compile(program, language=language, **arm).program
     printed = spoken.encode(spoken.build(adapted, robots.get(robot)))
     assert written.encode() == printed
-    styled = apply_style(printed, spoken, PLAIN_STYLE, adapted, None)
-    assert styled.data == printed
-    assert not styled.lines
+    assert apply_style(printed, spoken, PLAIN_STYLE, adapted, None).data == printed
+    # A copy of the template, as a project begins with, adds nothing either.
+    shipped = FILES.get(language, "melfa/program.prg.j2")
+    (tmp_path / shipped).parent.mkdir()
+    (tmp_path / shipped).write_text(resource("templates", shipped).read_text("utf-8"), "utf-8")
+    assert apply_style(printed, spoken, Style(tmp_path), adapted, None).data == printed
 
 
 @pytest.mark.parametrize(("name", "text"), [

@@ -147,12 +147,15 @@ class Keeper:
         """Return the contents to write of one program, by its files. memory: see `written_in`."""
         memories = {path: memory / f"{path.name}{WRITTEN_SUFFIX}" for path in files}
         remembered = {memories[path]: data for path, data in files.items()}
-        there = {path: bytes_of(path) for path in files}
-        before = {path: bytes_of(memories[path]) for path in files}
-        # Edited: neither what is compiled now nor what was compiled before.
+        # Edited: neither what is compiled now nor what was compiled before. One file after the
+        # other, as there may be hundreds.
         edited = [
-            path for path, data in files.items() if there[path] not in (None, data, before[path])
+            path
+            for path, data in files.items()
+            if bytes_of(path) not in (None, data, bytes_of(memories[path]))
         ]
+        there = {path: bytes_of(path) for path in edited}
+        before = {path: bytes_of(memories[path]) for path in edited}
         if not edited:
             return Kept(files, remembered)
         if self.wishes.overwrite:
