@@ -124,8 +124,11 @@ class Compile:
         if self.called is not None and self.together is None and len(apart) > 1:
             raise Refused(_ONE_NAME(name=self.called), exit_status=2)
         given = []
-        for source in apart if self.together is None else (self.together,):
-            one = replace(wanted.get(source, self), language=language, robot=robot)
+        named = [*apart] if self.together is None else [self.together]
+        # Processes that share several sources start no others for the units of one.
+        each = self.jobs if len(named) == 1 else 1
+        for source in named:
+            one = replace(wanted.get(source, self), language=language, robot=robot, jobs=each)
             given.append((source, (one, source, stands)))
         jobs = 1 if STANDARD in apart else self.jobs
         done = answers.of_each(_compiled_source, given, jobs, "compiling")
@@ -220,6 +223,7 @@ class Compile:
             called=self.called,
             main=False if self.no_main else None,
             proving=self.proof.proving,
+            jobs=self.jobs,
         )
 
 

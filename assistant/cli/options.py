@@ -109,7 +109,7 @@ JobsOption = Annotated[
     int | None,
     Option(
         "Processes that share the work; default one for each processor if there are more than 20 "
-        "files, else one.",
+        "files, or units of one program, else one.",
         min=1,
     ),
 ]

@@ -84,6 +84,7 @@ from assistant.compiler.style import (
 )
 from assistant.compiler.travel import has_travels, with_planned_travels
 from assistant.compiler.uncalled_routines import is_about_left_out, without_uncalled
+from assistant.compiler.unit_proof import prove_by_unit
 from assistant.compiler.work_locations import fold_unplaced_work, with_locations
 from assistant.lazy import pictured
 from assistant.program.expressions import Verbatim
@@ -209,6 +210,7 @@ def compile(
     proving: Proving | None = None,
     seeing: Seeing = NOTHING_SEEN,
     style: Style | None = None,
+    jobs: int | None = None,
 ) -> Compiled:
     """Compile the source to a program of the language; read it back and compare it before
     returning.
@@ -226,8 +228,9 @@ def compile(
     main: False for no procedure that runs all of it; both override the process file. proving:
     settings of a motion proof, None for none; without a requested proof no files are returned.
     seeing: source of frames located by cameras, if `cell` does not state it. style: of the written
-    files, None for the style of the project that contains the source. Raises Unreadable or Refused
-    for input that cannot be used at all.
+    files, None for the style of the project that contains the source. jobs: processes that share
+    the proof of a program of many units, None for one for each processor if there are more than 20
+    units, else one. Raises Unreadable or Refused for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames).with_sampling(grammar)
     if most_targets is not None and most_targets < _LEAST_TARGETS:
@@ -261,7 +264,9 @@ def compile(
     if style is None:
         style = style_beside(program, loaded.text, None if path is None else FilePath(path))
     places = Places(program, loaded.text)
-    compiled = compile_program(program, places, target, arms, most_targets, style, form=loaded.form)
+    compiled = compile_program(
+        program, places, target, arms, most_targets, style, form=loaded.form, jobs=jobs
+    )
     begun = entry if program.interface is None or program.origin is not None else None
     compiled = proven_by_motion(compiled, arms, proving, begun)
     about = () if isinstance(cell, InCell) else stands.findings
@@ -311,10 +316,12 @@ def compile_program(
     style: Style = PLAIN_STYLE,
     *,
     form: ProgramStyle | None = None,
+    jobs: int | None = 1,
 ) -> Compiled:
     """A program, with the spans of its places, in the target language and a style.
 
-    form: of a program that was made from a drawing or table.
+    form: of a program that was made from a drawing or table. jobs: processes that share the proof
+    of many units, None for the usual number.
     """
     program = source
     findings = list(check(program))
@@ -419,6 +426,12 @@ def compile_program(
         return replace(
             compiled, found=tuple(findings), wanting=adapted.wanting, lacks_joint_speed=lacking
         )
+    if style.folder is None and unformed is None:
+        by_unit = prove_by_unit(target, adapted, arm, jobs)
+        if by_unit is not None:
+            return replace(
+                compiled, proof=by_unit.proof, files=by_unit.files, found=tuple(findings)
+            )
     # One file for the program itself (None), and one for each of its units.
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
     with within(PRINTING, None, program.size()):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from assistant.base.budgets import COMPARING, within
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
-from assistant.languages.lark_parsing import Parsed, parse
+from assistant.languages.lark_parsing import Parsed, Spacing, parse
 from assistant.program.comparison import Comparison, Tolerance, compare
 from assistant.program.program import Program
 
@@ -49,14 +49,20 @@ NOT_IN_GRAMMAR = error(
 class Proof:
     """Result of comparing a program with its text, and the findings if it does not hold.
 
-    lifted: program of the text that was read back, None if it could not be read. grammar: lines
-    that lark parsed, None if the language has no grammar for complete texts.
+    read: program of the text that was read back, or what reads it once more if the proof did not
+    keep it; None if it could not be read. grammar: lines that lark parsed, None if the language has
+    no grammar for complete texts.
     """
 
     comparison: Comparison | None
     findings: tuple[Diagnostic, ...] = ()
-    lifted: Program | None = None
+    read: Program | Callable[[], Program] | None = None
     grammar: Parsed | None = None
+
+    @property
+    def lifted(self) -> Program | None:
+        """The program of the text that was read back, None if it could not be read."""
+        return self.read() if callable(self.read) else self.read
 
     def record(self) -> dict[str, Any] | None:
         """The numbers as plain data; None if nothing was compared."""
@@ -95,21 +101,26 @@ def prove_read_back(
     robot: Robot | None = None,
     compared: Callable[[Sequence[Any]], tuple[Program, Program]] | None = None,
     reduced: Callable[[Program], Program] | None = None,
+    *,
+    beside: Sequence[Any] = (),
+    spacing: Spacing | None = None,
 ) -> Proof:
     """Reads the files back from their bytes, parses them with lark, and compares them.
 
     program: as the language adapted it. compared: returns it and the program of the trees in one
     spelling, where that is more than what lifting them gives. reduced: returns the part of either
-    program that is compared, None to compare all. The findings of a proof that does not hold name
-    the place in the program.
+    program that is compared, None to compare all. beside: trees that were parsed before, which the
+    files are checked and lifted with. spacing: of the samples for lark, if the files are a part of
+    a program. The findings of a proof that does not hold name the place in the program.
     """
     trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
         return Proof(None, (*_refusal_reasons(_NOT_READ_BACK, findings), *findings))
-    parsed = parse(language, trees, NOT_IN_GRAMMAR, language.sampling)
+    parsed = parse(language, trees, NOT_IN_GRAMMAR, language.sampling, spacing)
     if parsed is not None and parsed.refused:
         return Proof(None, parsed.refused, grammar=parsed)
+    trees += beside
     findings += language.check(trees)
     try:
         lifted = language.lift(trees, robot)

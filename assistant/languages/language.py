@@ -220,6 +220,14 @@ class Language(abc.ABC, Generic[T]):
         """
         yield from ()
 
+    def shell(self, tree: T, *, data: bool) -> T | None:  # noqa: ARG002
+        """Return a tree with procedures that do nothing, to stand for it beside another unit.
+
+        data: with its declarations of data as well. None if units of this language are proven
+        together only.
+        """
+        return None
+
     def mended(self, tree: T) -> T | None:  # noqa: ARG002
         """The tree of what a broken text certainly means, its findings as warnings; None else."""
         return None

@@ -56,22 +56,27 @@ class Parsed:
 
 @without_gc()
 def parse(
-    language: Language[Any], trees: Iterable[Any], refusal: Rule, sampling: Sampling
+    language: Language[Any],
+    trees: Iterable[Any],
+    refusal: Rule,
+    sampling: Sampling,
+    spacing: Spacing | None = None,
 ) -> Parsed | None:
     """Parse the texts that trees were read from; None if the language has no grammar for lark.
 
     refusal: rule for a text that the grammar refuses, which names the language and a reason.
+    spacing: of samples over a longer program that the texts are a part of.
     """
     parser = language.by_lark()
     if parser is None:
         return None
     given = list(trees)
     lines = total = sum(tree.source.ended_line_count for tree in given)
-    in_samples = sampling == "samples" and total > WHOLE
+    in_samples = sampling == "samples" and (spacing is not None or total > WHOLE)
     sources = [(tree.source, list(language.runs(tree)) if in_samples else []) for tree in given]
     refused: list[Diagnostic] = []
     # Samples are spread over the runs of all files together, so the bound holds for the program.
-    spacing = Spacing.of([run for _, runs in sources for run in runs])
+    spacing = spacing or Spacing.of([len(run) for _, runs in sources for run in runs])
     for source, runs in sources:
         left_out = between_samples(runs, spacing)
         lines -= sum(rows for _, _, rows in left_out)
@@ -94,11 +99,11 @@ class Spacing:
     stride: int
 
     @staticmethod
-    def of(runs: Sequence[Rows]) -> Spacing:
-        """Up to SAMPLED rows at the ends of all these runs, and as many between them."""
+    def of(runs: Sequence[int]) -> Spacing:
+        """Up to SAMPLED rows at the ends of runs of so many rows each, and as many between them."""
         window = max(1, min(WINDOW, SAMPLED // (2 * max(len(runs), 1))))
         # The stride is at least two windows, or the samples would join.
-        return Spacing(window, max(2 * window, -(-sum(map(len, runs)) * window // SAMPLED)))
+        return Spacing(window, max(2 * window, -(-sum(runs) * window // SAMPLED)))
 
 
 def between_samples(runs: Sequence[Rows], spacing: Spacing) -> list[tuple[int, int, int]]:

@@ -146,7 +146,7 @@ def test_samples_hold_the_ends_of_each_run_and_windows_between_them(sizes: list[
         starts = at + 10 * np.arange(size)
         runs.append(np.stack([starts, starts + 9], axis=1))
         at += 10 * size + 5
-    left_out = between_samples(runs, Spacing.of(runs))
+    left_out = between_samples(runs, Spacing.of([len(run) for run in runs]))
     assert sum(sizes) - sum(rows for _, _, rows in left_out) <= 2 * SAMPLED + WINDOW + 2 * len(
         sizes
     )

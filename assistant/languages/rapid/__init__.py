@@ -92,6 +92,11 @@ class Rapid(Language["File"]):
             if isinstance(node, RunNode) and node.lines is not None:
                 yield node.lines
 
+    def shell(self, tree: File, *, data: bool) -> File:
+        from assistant.languages.rapid.tree.walk import shell
+
+        return shell(tree, data=data)
+
     def render(self, tree: File) -> str:
         if tree.origin is None:
             from assistant.languages.rapid.text.printer import print_file

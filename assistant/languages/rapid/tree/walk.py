@@ -345,3 +345,27 @@ def renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
         return part
 
     return rewrite(item, said, ())
+
+
+def shell(file: s.File, *, data: bool) -> s.File:
+    """Return a file whose procedures do nothing.
+
+    data: with its other declarations and its text; without them it has comments and routines alone.
+    """
+
+    def items(module: s.Module) -> Iterator[s.Item]:
+        for item in module.items:
+            if isinstance(item, s.Routine) and item.kind == "PROC":
+                yield replace(item, body=(), handlers=())
+            elif data or isinstance(item, s.Routine | s.CommentLine):
+                yield item
+
+    parts = tuple(
+        replace(part, items=tuple(items(part))) if isinstance(part, s.Module) else part
+        for part in file.parts
+    )
+    source = file.source
+    if source is None:
+        return s.File(parts, file.header)
+    # Without the text a shell takes no memory, so that there may be one for each of many units.
+    return s.File(parts, file.header, s.Origin(source if data else replace(source, text=""), parts))
