@@ -9,6 +9,7 @@ that the findings read as those of a shorter program.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -186,6 +187,9 @@ def _without_content(program: Program, units: frozenset[str]) -> Program:
 
 def _proven(unit: _Unit) -> _Proven | None:
     """Print and prove a unit, also in a worker process; None if there is anything to report."""
+    # Checks and lifting leave objects that refer to each other. They are few, so that without this
+    # the columns of many units would gather before the collector runs.
+    gc.collect(1)
     language, (first, *_) = unit.language, unit.program.procedures
     try:
         with within(PRINTING, None, unit.program.size()):
