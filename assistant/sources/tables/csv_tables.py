@@ -106,23 +106,25 @@ def _waypoints(name: str, table: ColumnTable, process: Process) -> tuple[Any, li
     findings = _repeated(table, kept)
     off = 0.0
     if process.merges:
-        left = np.flatnonzero(kept)
-        columns = [None if column is None else column[left] for column in (external, stated)]
-        row_data = (table.positions[left], table.quaternions[left], table.kinds[left])
+        at = np.flatnonzero(kept)
+        columns = [None if column is None else column[at] for column in (external, stated)]
+        row_data = (table.positions[at], table.quaternions[at], table.kinds[at])
         needed, off = rows.needed_rows(*row_data, motions.those(kept), process.tolerance, *columns)
-        findings += _thinned(table, left[~needed], off, process.tolerance)
-        kept[left[~needed]] = False
-    positions, kinds, motions = table.positions[kept], table.kinds[kept], motions.those(kept)
+        findings += _thinned(table, at[~needed], off, process.tolerance)
+        kept[at[~needed]] = False
+    # Nothing is copied where all rows stay, as they do in most tables.
+    left: Any = slice(None) if kept.all() else kept
+    positions, kinds, motions = table.positions[left], table.kinds[left], motions.those(left)
     if table.begins:
         at_work = table.states_speed or not rows.begins_with_approach(kinds)
         motions = motions.approached(None if at_work else process.defaults.travel)
     path = Path.of(
         name,
         positions,
-        table.quaternions[kept],
+        table.quaternions[left],
         kinds=kinds,
-        configurations=None if stated is None else stated[kept],
-        external=None if external is None else external[kept],
+        configurations=None if stated is None else stated[left],
+        external=None if external is None else external[left],
         **motions.rounded(positions, kinds, process.tolerance - off),
     )
     return rows.paths_program(name, [path], process, comments), findings

@@ -166,7 +166,7 @@ class RowMotions:
             self.frames[self.frame[row]],
         )
 
-    def those(self, kept: Truths) -> RowMotions:
+    def those(self, kept: Truths | slice) -> RowMotions:
         """The motions of some rows."""
         columns = {n: getattr(self, n)[kept] for n in ("speed", "blend", "tool", "frame")}
         return replace(self, **columns)
@@ -231,7 +231,7 @@ def moving_rows(
     straight = (kinds == Kind.LINEAR) | (kinds == Kind.JOINT)
     straight[1:] &= kinds[:-1] != Kind.VIA
 
-    def same(one: Rows, two: Rows) -> Truths:
+    def same(one: Rows | slice, two: Rows | slice) -> Truths:
         found = np.linalg.norm(positions[one] - positions[two], axis=1) <= _SAME_ROW
         turn = np.abs((quaternions[one] * quaternions[two]).sum(axis=1))
         found &= turn >= _SAME_ROW_TURN * np.linalg.norm(quaternions[two], axis=1)
@@ -239,12 +239,11 @@ def moving_rows(
             if column is not None:
                 a, b = column[one], column[two]
                 equal = (a == b) | ((a != a) & (b != b))  # NaN: there is no such axis
-                found &= equal.reshape(len(one), -1).all(axis=1)
+                found &= equal.reshape(len(equal), -1).all(axis=1)
         return np.asarray(found)
 
-    rows = np.arange(n)
     # In columns first: only rows near their neighbour are compared one by one.
-    near = np.append(False, same(rows[:-1], rows[1:])) & straight
+    near = np.append(False, same(slice(n - 1), slice(1, n))) & straight
     # Against the last row that stays: a slow drift over many rows is a motion.
     here = 0
     for row in np.flatnonzero(near).tolist():
