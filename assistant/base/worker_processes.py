@@ -1,4 +1,4 @@
-"""Worker processes: each answers one request after another; `at_once` asks several.
+"""Worker processes: each answers one request after another; a pool asks several at once.
 
 A worker imports nothing of the process that asks, so that a script or notebook needs no guard; it
 gets no password, and ends with the process that asks. `concurrent.futures` promises none of these:
@@ -15,10 +15,11 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final, TypeVar
+from contextvars import ContextVar
+from typing import Any, Final, Protocol, TypeVar
 
 from assistant.base.data_classes import dataclass
-from assistant.base.diagnostics import error
+from assistant.base.diagnostics import Diagnostic, error
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -50,7 +51,16 @@ _LAST_WAIT: Final = 1.0
 
 
 class WorkerDied(Exception):
-    """The process died at a request, or cannot be started; its text says how."""
+    """The process died at a request, or cannot be started; its text says how.
+
+    exit_status: of a command whose program has no answer for that.
+    """
+
+    exit_status = 2
+
+    def finding(self, **place: Any) -> Diagnostic:
+        """The finding about what has no answer. place: where."""
+        return DIED(reason=str(self), **place)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,46 +157,83 @@ def process_count(items: int, jobs: int | None) -> int:
     return max(1, min(items, jobs))
 
 
-def at_once(
-    function: Callable[[A], B], arguments: Sequence[A], count: int, lost: Callable[[A, str], B]
-) -> list[B]:
-    """Return the results of a module's function in order, computed by `count` processes.
+class Pool(Protocol):
+    """What shares work: processes of this computer, or others."""
 
-    An argument at which a process dies is tried once more when all others are done, alone: perhaps
-    there was no memory for several. lost: answers in place of a process that died again, given how.
-    Raises the first OSError of the function.
+    def answers(
+        self,
+        function: Callable[[A], B],
+        arguments: Sequence[A],
+        lost: Callable[[A, WorkerDied], B],
+    ) -> list[B]:
+        """Return the results of a module's function, in order.
+
+        An argument at which a process dies is tried once more when all others are done, alone:
+        perhaps there was no memory for several. lost: answers in place of a process that died
+        again. Raises the first OSError of the function.
+        """
+
+
+IN_USE: Final[ContextVar[Pool | None]] = ContextVar("pool", default=None)
+"""What shares the work of this context, if somebody has said so."""
+
+
+def pool_of(items: int, jobs: int | None) -> Pool | None:
+    """Return what shares the work on so many items, None if this process does it.
+
+    jobs: processes that the user asked for, if any; one is this.
     """
-    from concurrent.futures import ThreadPoolExecutor
+    other = IN_USE.get()
+    if other is not None and items and jobs != 1:
+        return other
+    count = process_count(items, jobs)
+    return Processes(count) if count > 1 else None
 
-    workers = [Worker() for _ in range(count)]
-    idle = queue.SimpleQueue[Worker]()
-    for one in workers:
-        idle.put(one)
 
-    def answer(argument: A) -> B | WorkerDied:
-        worker = idle.get()
-        try:
-            return worker.answer(function, argument)
-        except WorkerDied as died:
-            return died
-        finally:
-            idle.put(worker)
+@dataclass(frozen=True, slots=True)
+class Processes:
+    """Processes of this computer, started for the work."""
 
-    def answer_alone(argument: A) -> B:
-        found = answer(argument)
-        return lost(argument, str(found)) if isinstance(found, WorkerDied) else found
+    count: int
 
-    with ThreadPoolExecutor(count) as threads:
-        try:
-            first = list(threads.map(answer, arguments))
-            return [
-                answer_alone(argument) if isinstance(found, WorkerDied) else found
-                for argument, found in zip(arguments, first, strict=True)
-            ]
-        finally:  # after Ctrl-C, threads still wait for answers
-            threads.shutdown(wait=False, cancel_futures=True)
-            for one in workers:
-                one.close()
+    def answers(
+        self,
+        function: Callable[[A], B],
+        arguments: Sequence[A],
+        lost: Callable[[A, WorkerDied], B],
+    ) -> list[B]:
+        """See `Pool.answers`."""
+        from concurrent.futures import ThreadPoolExecutor
+
+        workers = [Worker() for _ in range(self.count)]
+        idle = queue.SimpleQueue[Worker]()
+        for one in workers:
+            idle.put(one)
+
+        def answer(argument: A) -> B | WorkerDied:
+            worker = idle.get()
+            try:
+                return worker.answer(function, argument)
+            except WorkerDied as died:
+                return died
+            finally:
+                idle.put(worker)
+
+        def answer_alone(argument: A) -> B:
+            found = answer(argument)
+            return lost(argument, found) if isinstance(found, WorkerDied) else found
+
+        with ThreadPoolExecutor(self.count) as threads:
+            try:
+                first = list(threads.map(answer, arguments))
+                return [
+                    answer_alone(argument) if isinstance(found, WorkerDied) else found
+                    for argument, found in zip(arguments, first, strict=True)
+                ]
+            finally:  # after Ctrl-C, threads still wait for answers
+                threads.shutdown(wait=False, cancel_futures=True)
+                for one in workers:
+                    one.close()
 
 
 def serve() -> None:

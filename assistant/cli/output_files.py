@@ -18,7 +18,7 @@ from assistant.base.budgets import internal_error, traceback_wanted
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, info
 from assistant.base.file_sets import file_in_folder, write_all
-from assistant.base.worker_processes import DIED, at_once, process_count
+from assistant.base.worker_processes import WorkerDied, pool_of
 from assistant.cli.presentation import working
 
 if TYPE_CHECKING:
@@ -81,16 +81,16 @@ def results_of(
     work, None for the number that is usual. what: is said of a program on the terminal, such as
     `compiling`. Raises OSError where a file cannot be used.
     """
-    count = process_count(len(arguments), jobs)
+    pool = pool_of(len(arguments), jobs)
     given = [(function, program, argument) for program, argument in arguments]
-    if count == 1:
+    if pool is None:
         for one in given:
             with working(f"{what} {one[1]}"):
                 answer = _answer_of(one)
             yield answer
         return
     with working(f"{what} {len(given)} programs"):
-        answers = at_once(_answer_of, given, count, _lost)
+        answers = pool.answers(_answer_of, given, _lost)
     yield from answers
 
 
@@ -106,9 +106,9 @@ def _answer_of(given: tuple[Callable[[A], B], str, A]) -> Answer[B]:
     return program, found, answers
 
 
-def _lost(given: tuple[Callable[[A], B], str, A], reason: str) -> Answer[B]:
+def _lost(given: tuple[Callable[[A], B], str, A], died: WorkerDied) -> Answer[B]:
     program = given[1]
-    return program, [], Outcomes([DIED(path=program, reason=reason)], 2)
+    return program, [], Outcomes([died.finding(path=program)], died.exit_status)
 
 
 Files = Mapping[str, bytes]

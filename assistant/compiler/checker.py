@@ -18,7 +18,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, error, fold, has_errors, info
 from assistant.base.length_units import unit_stated
 from assistant.base.source_text import SourceText, is_folder, read_bytes
-from assistant.base.worker_processes import DIED, at_once, process_count
+from assistant.base.worker_processes import WorkerDied, pool_of
 from assistant.compiler.arms import InCell, known_robot, open_cell, teaching_arm, with_robot_of_cell
 from assistant.compiler.cell_defaults import with_values_beside
 from assistant.compiler.cell_equipment import STATED_TEXT_NAME
@@ -165,8 +165,8 @@ def check_files(
                 stated = None if values is None else values(files[0])
                 one = replace(one, language=spoken.name, values=stated)
             given.append(one)
-    count = 1 if keep else process_count(len(given), jobs)
-    for answer in at_once(_checked, given, count, _lost) if count > 1 else map(_checked, given):
+    pool = None if keep else pool_of(len(given), jobs)
+    for answer in pool.answers(_checked, given, _lost) if pool else map(_checked, given):
         checked.findings += answer.findings
         checked.texts |= answer.texts
         checked.unreadable |= answer.unreadable
@@ -218,8 +218,8 @@ def _checked(given: _ProgramToCheck) -> Checked:
     return checked
 
 
-def _lost(given: _ProgramToCheck, reason: str) -> Checked:
-    return Checked([DIED(path=given.where, reason=reason)], unreadable=True)
+def _lost(given: _ProgramToCheck, died: WorkerDied) -> Checked:
+    return Checked([died.finding(path=given.where)], unreadable=died.exit_status == 2)
 
 
 def check_text(

@@ -20,7 +20,7 @@ import numpy as np
 from assistant.base.budgets import PRINTING, within
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Refused
-from assistant.base.worker_processes import at_once, process_count
+from assistant.base.worker_processes import Processes, process_count
 from assistant.compiler.read_back_proof import Proof, prove_read_back
 from assistant.languages.lark_parsing import WHOLE, Parsed, Spacing
 from assistant.program.motion import Kind
@@ -111,7 +111,7 @@ def prove_by_unit(
     count = process_count(len(units), jobs)
     # A unit at which processes die is proven here, in the end.
     found = (
-        at_once(_proven, units, count, lambda unit, _: _proven(unit))
+        Processes(count).answers(_proven, units, lambda unit, _: _proven(unit))
         if count > 1
         else map(_proven, units)
     )

@@ -21,7 +21,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, has_errors
 from assistant.base.file_access import read_file
 from assistant.base.source_text import read_bytes
-from assistant.base.worker_processes import at_once
+from assistant.base.worker_processes import Processes, WorkerDied
 from assistant.compiler import compile
 from assistant.compiler.arms import open_cell, robot_of
 from assistant.compiler.combine import combine_sources
@@ -181,12 +181,12 @@ def make_all(
     count = min(len(wanted), jobs or os.cpu_count() or 1)
     if count <= 1:
         return {order: make_program(order) for order in wanted}
-    return dict(zip(wanted, at_once(make_program, wanted, count, _died), strict=True))
+    return dict(zip(wanted, Processes(count).answers(make_program, wanted, _died), strict=True))
 
 
-def _died(order: BuildOrder, why: str) -> MadeProgram:
+def _died(order: BuildOrder, died: WorkerDied) -> MadeProgram:
     name = order.recipe.name
-    found = rules.DIED(place=name, name=name, reason=why)
+    found = rules.DIED(place=name, name=name, reason=str(died))
     return MadeProgram(findings=(found,), unreadable=True)
 
 

@@ -12,16 +12,16 @@ from pathlib import Path
 import pytest
 
 from assistant.base import worker_processes
-from assistant.base.worker_processes import Worker, WorkerDied, at_once
+from assistant.base.worker_processes import Processes, Worker, WorkerDied
 
 slow = pytest.mark.slow  # each process is a new Python
 
 
 @slow
 def test_each_argument_gets_its_answer_in_another_process():
-    answers = at_once(os.path.basename, ["a/1", "a/2", "a/3"], 2, _lost)
+    answers = Processes(2).answers(os.path.basename, ["a/1", "a/2", "a/3"], _lost)
     assert answers == ["1", "2", "3"]
-    ids = at_once(_process, [1, 2], 1, _lost)
+    ids = Processes(1).answers(_process, [1, 2], _lost)
     assert ids[0] == ids[1] != os.getpid()
 
 
@@ -30,25 +30,29 @@ def test_no_process_is_given_a_password(monkeypatch):
     for name in ("ROBOT_ASSISTANT_PASSWORD", "ROBOT_ASSISTANT_CELL1_PASSWORD"):
         monkeypatch.setenv(name, "secret")
     asked = ["ROBOT_ASSISTANT_PASSWORD", "ROBOT_ASSISTANT_CELL1_PASSWORD", "PATH"]
-    assert at_once(os.getenv, asked, 1, _lost) == [None, None, os.environ["PATH"]]
+    assert Processes(1).answers(os.getenv, asked, _lost) == [None, None, os.environ["PATH"]]
 
 
 @slow
 def test_only_what_a_dead_process_was_at_is_lost():
-    answers = at_once(_or_die, [1, 0, 3], 1, lambda argument, why: why)
+    answers = Processes(1).answers(_or_die, [1, 0, 3], lambda argument, died: str(died))
     assert answers == [1, "exit status 9", 3]
 
 
 @slow
 def test_an_error_of_the_system_is_raised_where_the_answers_are_wanted(tmp_path):
     with pytest.raises(FileNotFoundError, match="gone"):
-        at_once(os.listdir, [str(tmp_path), str(tmp_path / "gone")], 2, _lost)
+        Processes(2).answers(os.listdir, [str(tmp_path), str(tmp_path / "gone")], _lost)
 
 
 @slow
 def test_an_argument_at_which_a_process_dies_once_is_tried_again(tmp_path):
     marks = [tmp_path / name for name in "abc"]
-    assert at_once(_die_first, marks, 2, lambda argument, why: why) == ["a", "b", "c"]
+    assert Processes(2).answers(_die_first, marks, lambda argument, died: str(died)) == [
+        "a",
+        "b",
+        "c",
+    ]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
@@ -65,7 +69,7 @@ def test_it_is_said_how_a_process_died():
 
 def test_a_process_that_does_not_end_loses_no_answer_and_is_not_waited_for():
     begun = time.monotonic()
-    assert at_once(_lingering, [1, 2, 3], 2, lambda argument, why: -1) == [1, 2, 3]
+    assert Processes(2).answers(_lingering, [1, 2, 3], lambda argument, died: -1) == [1, 2, 3]
     assert time.monotonic() - begun < 40.0
 
 
@@ -85,7 +89,7 @@ def test_what_a_process_that_cannot_be_started_was_to_answer_is_asked_again(
         return start(*words, **how)
 
     monkeypatch.setattr(worker_processes.subprocess, "Popen", sometimes)
-    assert at_once(_or_die, arguments, 1, lambda argument, why: why) == answers
+    assert Processes(1).answers(_or_die, arguments, lambda argument, died: str(died)) == answers
 
 
 def test_a_worker_that_is_closed_while_its_process_starts_leaves_none(monkeypatch):
@@ -105,7 +109,7 @@ def test_a_worker_that_is_closed_while_its_process_starts_leaves_none(monkeypatc
 
 
 def test_what_a_function_prints_is_no_answer(capfd):
-    assert at_once(_loud, [1], 1, _lost) == [1]
+    assert Processes(1).answers(_loud, [1], _lost) == [1]
     assert capfd.readouterr() == ("", "loud\n")
 
 
@@ -115,9 +119,9 @@ def test_what_a_function_prints_is_no_answer(capfd):
 def test_no_process_outlives_the_one_that_asked(tmp_path, number):
     script = tmp_path / "script.py"
     script.write_text(
-        "from assistant.base.worker_processes import at_once\n"
+        "from assistant.base.worker_processes import Processes\n"
         "from tests.program.system.test_worker_processes import _noted\n"
-        f"at_once(_noted, [{str(tmp_path)!r}] * 4, 2, print)\n"
+        f"Processes(2).answers(_noted, [{str(tmp_path)!r}] * 4, print)\n"
     )
     with subprocess.Popen([sys.executable, script], stderr=subprocess.DEVNULL) as asking:
         _until(lambda: len(list(tmp_path.glob("*.pid"))) == 2)
@@ -134,8 +138,8 @@ def test_no_process_outlives_the_one_that_asked(tmp_path, number):
 def test_a_script_without_a_guard_builds(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
-        "from assistant.base.worker_processes import at_once\n"
-        "import os\nprint(at_once(os.path.basename, ['a/1', 'a/2'], 2, print))\n"
+        "from assistant.base.worker_processes import Processes\n"
+        "import os\nprint(Processes(2).answers(os.path.basename, ['a/1', 'a/2'], print))\n"
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
     assert (done.stdout, done.stderr) == ("['1', '2']\n", "")
@@ -149,8 +153,8 @@ def _die_first(mark: Path) -> str:
     return mark.name
 
 
-def _lost(argument: object, why: str) -> object:
-    raise AssertionError((argument, why))
+def _lost(argument: object, died: WorkerDied) -> object:
+    raise AssertionError((argument, str(died)))
 
 
 def _killed(_: int) -> None:
