@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from assistant import deploy, languages, robots
     from assistant.api.analysis import check, simulate
     from assistant.api.arrays import from_joints, from_poses
+    from assistant.base.cluster import on
     from assistant.base.diagnostics import Refused
     from assistant.cell.cell_file import read_scene
     from assistant.cell.planning.planner import plan
@@ -40,6 +41,7 @@ _LAZY: Final = {
     "from_poses": ("assistant.api.arrays", "from_poses"),
     "languages": ("assistant.languages", None),
     "load": ("assistant.compiler", "load"),
+    "on": ("assistant.base.cluster", "on"),
     "pose": ("assistant.languages.pose_conventions", None),
     "plan": ("assistant.cell.planning.planner", "plan"),
     "read_scene": ("assistant.cell.cell_file", "read_scene"),
@@ -66,6 +68,7 @@ __all__ = [
     "from_poses",
     "languages",
     "load",
+    "on",
     "plan",
     "pose",
     "read_scene",

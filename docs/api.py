@@ -26,7 +26,7 @@ is said otherwise.
 """
 FUNCTIONS: Final = (
     "load", "compile", "translate", "compare", "check", "simulate", "from_poses", "from_joints",
-    "plan", "read_scene", "connect",
+    "plan", "read_scene", "on", "connect",
 )  # fmt: skip
 """In the order of the page."""
 CLASSES: Final = (

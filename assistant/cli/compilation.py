@@ -16,10 +16,10 @@ from assistant.cli.options import (
     FindingFormatOption,
     FramesOption,
     GrammarOption,
-    JobsOption,
     PlottedPageOptions,
     ProofOptions,
     RobotOption,
+    SharingOptions,
     SightOptions,
     Sources,
     WrittenOptions,
@@ -93,7 +93,7 @@ class Compile:
     proof: ProofOptions
     edits: EditOptions
     page: PlottedPageOptions
-    jobs: JobsOption
+    sharing: SharingOptions
     format: FindingFormatOption
 
     def run(self) -> int:
@@ -125,13 +125,15 @@ class Compile:
             raise Refused(_ONE_NAME(name=self.called), exit_status=2)
         given = []
         named = [*apart] if self.together is None else [self.together]
-        # Processes that share several sources start no others for the units of one.
-        each = self.jobs if len(named) == 1 else 1
+        # What shares several sources starts no processes for the units of one.
+        alone = len(named) == 1 and self.sharing.on is None
+        within = SharingOptions(jobs=self.sharing.jobs if alone else 1)
         for source in named:
-            one = replace(wanted.get(source, self), language=language, robot=robot, jobs=each)
+            one = replace(wanted.get(source, self), language=language, robot=robot, sharing=within)
             given.append((source, (one, source, stands)))
-        jobs = 1 if STANDARD in apart else self.jobs
-        done = answers.of_each(_compiled_source, given, jobs, "compiling")
+        with self.sharing.used() as jobs:
+            jobs = 1 if STANDARD in apart else jobs
+            done = answers.of_each(_compiled_source, given, jobs, "compiling")
         findings = [*stands.findings, *answers.refusals]
         files: dict[str, dict[str, bytes]] = {}
         for source, compiled in done:
@@ -223,7 +225,7 @@ class Compile:
             called=self.called,
             main=False if self.no_main else None,
             proving=self.proof.proving,
-            jobs=self.jobs,
+            jobs=self.sharing.jobs,
         )
 
 

@@ -6,7 +6,9 @@ source, if the project makes it in one way only. Options that belong together ar
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -113,6 +115,49 @@ JobsOption = Annotated[
         min=1,
     ),
 ]
+_NO_CLUSTER = error(
+    "CL078",
+    "`{given}` is no cluster",
+    "write `dask://HOST:PORT` for the scheduler of one, or `dask` for one in this command",
+)
+_JOBS_OF_CLUSTER = error(
+    "CL079",
+    "--jobs says nothing about the cluster of a scheduler, which has its own workers",
+    "leave --jobs out, or write `--on dask` for a cluster of so many workers in this command",
+)
+_CLUSTER = re.compile(r"dask(://[^/@\s]+:\d+)?")
+
+
+@options
+class SharingOptions:
+    """What shares the work on many files."""
+
+    jobs: JobsOption = None
+    on: str | None = option(
+        "Work on a Dask cluster: of a scheduler, or `dask` for one here of --jobs workers.",
+        default=None,
+        metavar="dask[://HOST:PORT]",
+    )
+
+    @contextmanager
+    def used(self) -> Iterator[int | None]:
+        """Have a cluster of --on do the work inside; yield the number of processes without one.
+
+        Raises Refused for a cluster that cannot be used.
+        """
+        if self.on is None:
+            yield self.jobs
+            return
+        if not _CLUSTER.fullmatch(self.on):
+            raise Refused(_NO_CLUSTER(given=self.on), exit_status=2)
+        if self.jobs is not None and ":" in self.on:
+            raise Refused(_JOBS_OF_CLUSTER(), exit_status=2)
+        from assistant.base.cluster import on_address
+
+        with on_address(self.on, self.jobs):
+            yield None
+
+
 FindingFormatOption = Annotated[
     FindingFormat,
     Option(

@@ -22,10 +22,10 @@ from assistant.cli.options import (
     FindingFormatOption,
     FormatOption,
     FromLanguage,
-    JobsOption,
     PageOptions,
     PlottedPageOptions,
     RobotOption,
+    SharingOptions,
     SightOptions,
     complete_robot,
     with_project_defaults,
@@ -68,7 +68,7 @@ class Check:
     from_language: FromLanguage
     sight: SightOptions
     page: PlottedPageOptions
-    jobs: JobsOption
+    sharing: SharingOptions
     format: FindingFormatOption
     fail_on: FailOn = option(
         "What exit status 1 is for; never: it stays 0.", default=FailOn.WARNING
@@ -113,6 +113,7 @@ class Check:
             "--report": self.page.report,
             "--open": self.page.opened or None,
             "--plot": self.page.plot,
+            "--on": self.sharing.on,
         }
         return check_project(given, self.format, self.fail_on)
 
@@ -140,7 +141,8 @@ def _check_sources(options: Check, keep: bool) -> Checked:
         own = Path(source).suffix.lower() in _CHECKED_AS_STATED
         one = with_project_defaults(source, options) if own else options
         alike.setdefault(one, []).append(source)
-    every = [_check_alike(files, one, keep) for one, files in alike.items()]
+    with options.sharing.used() as jobs:
+        every = [_check_alike(files, one, keep, jobs) for one, files in alike.items()]
     return Checked(
         list(dict.fromkeys(finding for one in every for finding in one.findings)),
         sum(one.files for one in every),
@@ -151,7 +153,7 @@ def _check_sources(options: Check, keep: bool) -> Checked:
     )
 
 
-def _check_alike(sources: Sequence[str], options: Check, keep: bool) -> Checked:
+def _check_alike(sources: Sequence[str], options: Check, keep: bool, jobs: int | None) -> Checked:
     """Sources that are checked with the same options."""
     from assistant.compiler.arms import open_cell
     from assistant.compiler.checker import Checked, check_files, check_text
@@ -174,7 +176,7 @@ def _check_alike(sources: Sequence[str], options: Check, keep: bool) -> Checked:
     files = [source for source in sources if source != STANDARD]
     given["placement"] = options.reader.placement
     given["values"] = lambda source: options.cell or cell_of(source)
-    more = check_files(files, language=options.from_language, jobs=options.jobs, **given)
+    more = check_files(files, language=options.from_language, jobs=jobs, **given)
     return Checked(
         [*cell.findings, *checked.findings, *more.findings],
         checked.files + more.files,

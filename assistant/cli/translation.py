@@ -25,10 +25,10 @@ from assistant.cli.options import (
     FromLanguage,
     FromRobot,
     GrammarOption,
-    JobsOption,
     PageOptions,
     ProofOptions,
     RobotOption,
+    SharingOptions,
     SightOptions,
     complete_language,
     with_project_defaults,
@@ -114,7 +114,7 @@ class Translate:
     entry: EntryOption
     sight: SightOptions
     proof: ProofOptions
-    jobs: JobsOption
+    sharing: SharingOptions
     format: TranslationFormat = option(
         "For people, programs, code scanning or pull requests; markdown is a comment of one.",
         default=TranslationFormat.TEXT,
@@ -364,8 +364,9 @@ def _translate_all(
     tasks: Sequence[Task], options: Translate, answers: Outcomes
 ) -> list[Translated]:
     given = [(task.name, (task, options)) for task in tasks]
-    jobs = 1 if STANDARD in options.programs else options.jobs
-    done = answers.of_each(_translate_task, given, jobs, "translating")
+    with options.sharing.used() as jobs:
+        jobs = 1 if STANDARD in options.programs else jobs
+        done = answers.of_each(_translate_task, given, jobs, "translating")
     return [translated for _, translated in done]
 
 

@@ -44,6 +44,11 @@ NOT_FOLLOWED: Final[Mapping[str, str]] = {
     "CT204": "a curve so wild is made by a function: tests/sources/contours",
     "CT208": "a process file is refused first, by CT309: tests/sources/contours",
     "LM008": "a process has to die twice: tests/program/system/test_worker_processes.py has it die",
+    **dict.fromkeys(
+        ("LM009", "LM010", "LM011", "LM012", "LM013"),
+        "a cluster has to be there, or be lost: tests/cli/test_cluster.py",
+    ),
+    "LM014": "it is said on Windows alone",
     "MB297": "2,000 positions of a stem are needed: tests/compiler/test_taught_names.py has them",
     "DP205": _LIVE.format("cli/test_deployments.py"),
     "DP208": _DIED,

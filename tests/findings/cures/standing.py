@@ -95,6 +95,20 @@ CASES: Final = (
         (BOTH,),
     ),
     Case(
+        "CL078",
+        "compile a.dxf -l rapid -o out --on cluster",
+        DRAWN,
+        ("compile a.dxf -l rapid -o out --on dask",),
+        slow=True,
+    ),
+    Case(
+        "CL079",
+        "compile a.dxf -l rapid -o out --jobs 2 --on dask://127.0.0.1:8786",
+        DRAWN,
+        ("compile a.dxf -l rapid -o out --jobs 2 --on dask",),
+        slow=True,
+    ),
+    Case(
         "CL074",
         f"{RAPID} --most-targets 10 -o out",
         {"a.dxf": dxf(_long)} | _program("local = true\n"),
