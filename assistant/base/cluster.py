@@ -385,7 +385,8 @@ class _Work:
         try:
             call = self._files.call(sent.packed)
         except NotMirrored:
-            return  # it is done here
+            self._found[sent.number] = None  # it is done here
+            return
         sent.tries += 1
         sent.held = [self._part(part) for part in call.parts]
         bare = replace(call, parts=[replace(part, data=b"") for part in call.parts])

@@ -82,7 +82,10 @@ class started:
             *("worker", "--scheduler-file", str(file), "--nworkers", "2", "--nthreads", "1"),
             *("--no-dashboard", "--memory-limit", "0", "--local-directory", str(self._folder)),
         )
-        return "dask" + json.loads(file.read_text())["address"].removeprefix("tcp")
+        address = json.loads(file.read_text())["address"]
+        with pytest.importorskip("distributed").Client(address, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=300)
+        return f"dask{address.removeprefix('tcp')}"
 
     def _start(self, *words: str) -> subprocess.Popen[bytes]:
         return subprocess.Popen(
