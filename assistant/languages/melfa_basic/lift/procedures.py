@@ -86,8 +86,9 @@ class Region:
 
     label: what `GoSub` calls it by, upper case; None for the first procedure and functions.
     function: its head. before: lines that run ahead of the body, those above the first function.
-    notes, behind: lines of comment above a function, and below the last one. answers: the word
-    by which interrupts lead there, empty if none do. unused: no statement of the file calls it.
+    notes, behind: lines of comment above a function or a subroutine with its label, and below the
+    last one. answers: the word by which interrupts lead there, empty if none do. unused: no
+    statement of the file calls it.
     """
 
     low: int
@@ -126,18 +127,21 @@ def procedure_regions(
     unused = set() if own else _unused_subroutines(code, depth)
     starts = _procedure_starts(code, depth, named, own, answering, unused)
     edges: list[tuple[int, str | None]] = [(0, None), *starts]
+    # The comments of programs that were written here are in the procedures that they are of.
+    heads = [0, *(at if own else _comments_above(code, at) for at, _ in starts), len(code)]
     made = []
     for i, (start, label) in enumerate(edges):
-        stop = edges[i + 1][0] if i + 1 < len(edges) else len(code)
+        stop = heads[i + 1]
         # A loop back to the procedure's label needs it in the body; else the name of the procedure
         # replaces the label.
-        if label is None or label in set(_jump_targets(code, range(start, stop))):
-            low, notes = start, (0, 0)
-        else:
-            low, notes = start + 1, (start, start + 1)
+        in_body = label is None or label in set(_jump_targets(code, range(start, stop)))
+        low = start if in_body else start + 1
         answers = answering.get(label or "", "")
         last = _END if label is None else _RETURN if answers != "GoSub" else RETURN_TO_PROGRAM
-        region = Region(low, _without_last(code, low, stop, last), label, notes=notes)
+        high, behind = _without_last(code, low, stop, last), (0, 0)
+        if not own and stop == len(code):
+            high, behind = _without_comments_below(code, low, stop, high, last)
+        region = Region(low, high, label, notes=(heads[i], low), behind=behind)
         made.append(replace(region, answers=answers, unused=label in unused))
     return made
 
@@ -149,6 +153,18 @@ def _without_last(code: Code, low: int, high: int, last: s.Command) -> int:
         stop -= 1
     ends = stop > low and code[stop - 1].label is None and code[stop - 1].statement == last
     return stop - 1 if ends else stop
+
+
+def _without_comments_below(
+    code: Code, low: int, stop: int, high: int, last: s.Command
+) -> tuple[int, tuple[int, int]]:
+    """The end of the last procedure, and the comments of the file below the word that ends it.
+
+    high: the end if there are none.
+    """
+    below = max(low, _comments_above(code, stop))
+    end = _without_last(code, low, below, last)
+    return (end, (below, stop)) if end < below < stop else (high, (0, 0))
 
 
 RETURN_TO_PROGRAM: Final = s.Command("Return", (s.Number(0),))
@@ -553,6 +569,9 @@ class _Separating:
         names = self._names(part, start, copied)
         made: list[s.Entry] = []
         first = 0 if start is None else part.index(start)
+        # Comments above the label are of the subroutine.
+        while first and start is not None and self._is_note_of(part, first):
+            first -= 1
         above = first and self._runs_into(part[first - 1], part[first])
         # A loop runs into the label from lines above it: the part keeps its order and begins with a
         # jump to the label.
@@ -580,6 +599,11 @@ class _Separating:
             if after != at + 1 and self._at_end(at):
                 made.append(s.Line(statement=s.Command("End"), span=self.code[at].span))
         return made
+
+    def _is_note_of(self, part: list[int], first: int) -> bool:
+        """True if a line of a part has a comment right above it that control does not run into."""
+        above, at = part[first - 1], part[first]
+        return above == at - 1 and _is_note(self.code[above]) and not self._runs_on(above)
 
     def _runs_on(self, at: int) -> bool:
         """True if control runs from a line, or from the loop that it ends, to the next line."""
