@@ -16,7 +16,9 @@ FIVE = "melfa-basic-5"
 
 
 def to_rapid(code: str, places: str = PLACES, **options: int) -> Translation:
-    done = crossed(f"{code.strip()}\n{places}", FIVE, "rapid", **options)
+    """A program, its lines divided by `/`, that is proven by motion."""
+    code = code.strip().replace("/", "\n")
+    done = crossed(f"{code}\n{places}", FIVE, "rapid", **{"runs": 6, **options})
     assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
     assert done.motion is not None and done.motion.holds
     return done
@@ -64,3 +66,33 @@ def test_comments_above_subroutines_that_share_their_end() -> None:
     )
     assert lines_of(done, "LEFT")[0] == "! --- left"
     assert lines_of(done, "RIGHT")[0] == "! --- right"
+
+
+def test_nothing_follows_the_end_that_an_error_makes() -> None:
+    done = to_rapid(
+        "Mvs P1/GoSub *CHECK/If M_In(4)=1 Then GoTo *BAD/Mvs P3/End/*BAD/Error 9102/' worse/"
+        "End/*CHECK/Mvs P2/If M_In(3)=0 Then/M_Out(5)=1/Error 9101/End/EndIf/Return"
+    )
+    assert lines_of(done, "main")[-2:] == ["EXIT;", "! worse"]
+    check = lines_of(done, "CHECK")
+    assert check[check.index("EXIT;") + 1 :] == ["ENDIF"]
+    # No flag asks for an end that nothing leads to.
+    assert b"cycle_ended" not in b"".join(done.files.values())
+
+
+def test_statements_stay_that_follow_an_error() -> None:
+    done = to_rapid(
+        "Mvs P1/GoSub *CHECK/Mvs P3/End/*CHECK/If M_In(3)=1 Then Return/Error 9101/GoTo *OUT/"
+        "*OUT/M_Out(5)=1/End"
+    )
+    lines = lines_of(done, "CHECK")
+    assert lines[lines.index("EXIT;") + 1 :] == ["OUT:", "SetDO do_5,1;", "RETURN;"]
+    assert "RA450" in {finding.code for finding in done.findings}
+
+
+def test_an_end_in_a_subroutine_stays() -> None:
+    done = to_rapid(
+        "Mvs P1/GoSub *CHECK/Mvs P3/End/*CHECK/If M_In(3)=0 Then/M_Out(5)=1/End/EndIf/Return",
+    )
+    lines = lines_of(done, "CHECK")
+    assert lines[lines.index("SetDO do_5,1;") + 1 :][:2] == ["cycle_ended:=TRUE;", "RETURN;"]

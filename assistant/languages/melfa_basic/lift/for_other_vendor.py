@@ -16,7 +16,7 @@ from assistant.languages.language_types import Adapted
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.angle_units import with_degrees
 from assistant.languages.melfa_basic.lift.position_angles import with_angles_beside, with_flags
-from assistant.languages.melfa_basic.lift.vendor_only import with_endings, with_told
+from assistant.languages.melfa_basic.lift.vendor_only import is_end, with_endings, with_told
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.vendor_statements import DEPENDED_ON
@@ -24,8 +24,15 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.motion_use import left_settings
-from assistant.program.program import Declaration, Program, walk
-from assistant.program.rewriting import head, records, rewrite, with_vendor_statements_replaced
+from assistant.program.program import Declaration, Procedure, Program, walk
+from assistant.program.rewriting import (
+    Body,
+    head,
+    map_bodies,
+    records,
+    rewrite,
+    with_vendor_statements_replaced,
+)
 from assistant.program.statement_index import records_in_procedures
 from assistant.program.vendor_statements import effect_of
 
@@ -108,10 +115,9 @@ def exported(program: Program) -> Adapted:
     findings += _uncalled(program)
     findings += _of_unknown_sign(program)
     findings += _left_open(program)
-    program = with_endings(_with_stated_lines(program))
-    program = _with_settings_of_cycle_end(
-        with_told(_with_first_settings(with_flags(program)), findings)
-    )
+    program = _with_first_settings(with_flags(_with_stated_lines(program)))
+    program = _with_errors_shown(with_told(program, findings), findings)
+    program = _with_settings_of_cycle_end(with_endings(_without_needless_ends(program)))
     program = with_degrees(with_angles_beside(program, findings), findings)
     texts = [record.text for record in records(program) if _is_vendor_text(record)]
     if not texts:
@@ -123,14 +129,28 @@ def exported(program: Program) -> Adapted:
     def told(node: p.Opaque) -> Iterator[p.Statement]:
         if node.reason == DEPENDED_ON and _is_vendor_text(node):
             return  # the moves that are translated state their settings themselves
-        stops = _STOPPING_ERROR.fullmatch(node.text.strip()) if _is_vendor_text(node) else None
-        caution = _CAUTION_ERROR.fullmatch(node.text.strip()) if _is_vendor_text(node) else None
-        loss = _STOPPED if stops else _CAUTIONED if caution else losses.get(_loss_key(node))
+        loss = losses.get(_loss_key(node))
         if loss is None:
             yield node
             return
         with findings.at(node.span):
             what, cure = loss
+            findings.append(rules.LEFT_OUT(what=node.text.strip(), loss=what, cure=cure))
+
+    return Adapted(with_vendor_statements_replaced(program, told), tuple(findings))
+
+
+def _with_errors_shown(program: Program, findings: Findings) -> Program:
+    """The program with a message in place of each error, and an end for good where that stops."""
+
+    def told(node: p.Opaque) -> Iterator[p.Statement]:
+        stops = _STOPPING_ERROR.fullmatch(node.text.strip()) if _is_vendor_text(node) else None
+        caution = _CAUTION_ERROR.fullmatch(node.text.strip()) if _is_vendor_text(node) else None
+        if stops is None and caution is None:
+            yield node
+            return
+        with findings.at(node.span):
+            what, cure = _STOPPED if stops else _CAUTIONED
             findings.append(rules.LEFT_OUT(what=node.text.strip(), loss=what, cure=cure))
         if stops:
             yield p.Message((e.Text(f"error {stops[1]}"),), span=node.span)
@@ -138,7 +158,64 @@ def exported(program: Program) -> Adapted:
         if caution:
             yield p.Message((e.Text(f"caution {caution[1]}"),), span=node.span)
 
-    return Adapted(with_vendor_statements_replaced(program, told), tuple(findings))
+    return with_vendor_statements_replaced(program, told)
+
+
+def _without_needless_ends(program: Program) -> Program:
+    """The program without the `End`, `Return` or `GoTo` that an end for good is followed by.
+
+    Other statements stay, whose author expects them to run: the checks report them.
+    """
+    # A function has to have a result at its end, reached or not.
+    procedures = (
+        one if one.result is not None else _Reached(one).procedure() for one in program.procedures
+    )
+    return replace(program, procedures=tuple(procedures))
+
+
+class _Reached:
+    """The statements of a procedure that control reaches, and what follows an end for good."""
+
+    def __init__(self, whole: Procedure) -> None:
+        self.whole = whole
+        self.jumps = {one.label for one in walk(whole.body) if isinstance(one, p.Goto)}
+        self.texts = [one.text.upper() for one in walk(whole.body) if isinstance(one, p.Opaque)]
+
+    def procedure(self) -> Procedure:
+        made = replace(self.whole, body=self.body(self.whole.body))
+        # A jump that is left out may have been the only one to its label.
+        return made if made == self.whole else _Reached(made).procedure()
+
+    def body(self, statements: Body) -> Body:
+        made: list[p.Statement] = []
+        dead = False
+        # Comments in front of statements that are left out stay.
+        for one in statements:
+            dead = dead and not self._is_entered(one)
+            if not dead:
+                made.append(map_bodies(one, self.body))
+                dead = _ends_for_good(one)
+            elif isinstance(one, p.Return | p.Goto) or is_end(one):
+                # Behind statements that stay, the procedure would run into the lines below.
+                above = _last_said(made)
+                if not (_ends_for_good(above) or isinstance(above, p.Return)):
+                    made.append(p.Return(span=one.span) if is_end(one) else one)
+            else:
+                made.append(one)
+        return tuple(made)
+
+    def _is_entered(self, node: p.Statement) -> bool:
+        return isinstance(node, p.Label) and (
+            node.name in self.jumps or any(node.name.upper() in text for text in self.texts)
+        )
+
+
+def _ends_for_good(node: p.Statement | None) -> bool:
+    return isinstance(node, p.Stop) and node.end
+
+
+def _last_said(statements: list[p.Statement]) -> p.Statement | None:
+    return next((one for one in reversed(statements) if not isinstance(one, p.Comment)), None)
 
 
 def _with_stated_lines(program: Program) -> Program:

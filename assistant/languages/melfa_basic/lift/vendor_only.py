@@ -464,7 +464,7 @@ class _VendorLowering:
             with self.findings.at(node.span):
                 made: Body = (node,)
                 # An `End` that is still here has no other meaning: see `with_endings`.
-                if isinstance(node, p.Opaque) and node.told and not _is_end(node):
+                if isinstance(node, p.Opaque) and node.told and not is_end(node):
                     made = node.told
                 if made != (node,) and (loss := _lost_effects(node, made)) is not None:
                     what, cure = loss
@@ -570,7 +570,7 @@ def _is_axis(record: Any) -> bool:
 
 def with_endings(program: Program) -> Program:
     """The program with flags for each `End` in a subroutine."""
-    ending = {q.name for q in program.procedures if any(map(_is_end, walk(q.body)))}
+    ending = {q.name for q in program.procedures if any(map(is_end, walk(q.body)))}
     if not ending:
         return program
     firsts = _first_procedures(program)
@@ -618,7 +618,8 @@ def _first_procedures(program: Program) -> set[str]:
     return found
 
 
-def _is_end(node: p.Statement) -> bool:
+def is_end(node: p.Statement) -> bool:
+    """True for an `End` in a subroutine, which `with_endings` replaces."""
     return isinstance(node, p.Opaque) and any(
         isinstance(one, p.Call) and one.procedure == VENDOR_ONLY_END for one in node.told
     )
@@ -634,7 +635,7 @@ def _called_otherwise(program: Program) -> set[str]:
             case p.Interrupt():
                 found |= {x.procedure.lower() for x in records(record) if isinstance(x, p.Call)}
     for text in records_in_procedures(program, p.Opaque):
-        if not _is_end(text):
+        if not is_end(text):
             found |= {name.lower() for name in effect_of(text).names}
     return found
 
@@ -647,7 +648,7 @@ def _with_end_flag(procedure: Procedure, flag: str, reached: set[str], first: bo
         return tuple(made for one in statements for made in told(map_bodies(one, body)))
 
     def told(node: p.Statement) -> Body:
-        if _is_end(node):
+        if is_end(node):
             ended = p.Assign(asked, e.Truth(True), span=node.span)
             return ended, p.Return(span=node.span)
         if isinstance(node, p.Call) and node.procedure in reached:
