@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.compiler import Translation
+from assistant.base.source_text import SourceText
+from assistant.compiler import Translation, translate
+from assistant.compiler.loader import load_text
 
 from .proven import crossed
 
@@ -15,10 +17,10 @@ P3=(400,-100,300,180,0,180)(7,0)
 FIVE = "melfa-basic-5"
 
 
-def to_rapid(code: str, places: str = PLACES, **options: int) -> Translation:
+def to_rapid(code: str, places: str = PLACES, **options: float) -> Translation:
     """A program, its lines divided by `/`, that is proven by motion."""
     code = code.strip().replace("/", "\n")
-    done = crossed(f"{code}\n{places}", FIVE, "rapid", **{"runs": 6, **options})
+    done = crossed(f"{code}\n{places}", FIVE, "rapid", **{"runs": 6, **options})  # type: ignore[arg-type]
     assert done.ok, [f"{f.code} {f.message}" for f in done.findings]
     assert done.motion is not None and done.motion.holds
     return done
@@ -86,7 +88,7 @@ def test_statements_stay_that_follow_an_error() -> None:
         "*OUT/M_Out(5)=1/End"
     )
     lines = lines_of(done, "CHECK")
-    assert lines[lines.index("EXIT;") + 1 :] == ["OUT:", "SetDO do_5,1;", "RETURN;"]
+    assert lines[lines.index("EXIT;") + 1 :] == ["SetDO do_5,1;", "RETURN;"]
     assert "RA450" in {finding.code for finding in done.findings}
 
 
@@ -96,3 +98,56 @@ def test_an_end_in_a_subroutine_stays() -> None:
     )
     lines = lines_of(done, "CHECK")
     assert lines[lines.index("SetDO do_5,1;") + 1 :][:2] == ["cycle_ended:=TRUE;", "RETURN;"]
+
+
+@pytest.mark.parametrize(
+    ("loop", "wait"),
+    [
+        ("*W/If M_In(3)=0 Then GoTo *W", "WaitDI di_3,1;"),
+        ("*W/If M_In(3)=0 Then *W ' part", "WaitDI di_3,1;"),
+        ("*W: If M_In(3)=0 Or M_In(4)=1 Then *W", "WaitUntil di_3=1 AND di_4=0;"),
+        (
+            "M_Timer(1)=0/*W/If M_In(3)=0 And M_Timer(1)<100 Then *W",
+            "WaitUntil di_3=1 OR ClkRead(timer_1)>=0.1;",
+        ),
+        ("*W/If M_In(3)=0 Then/GoTo *W/EndIf", "WaitDI di_3,1;"),
+    ],
+)
+def test_a_loop_that_only_asks_is_a_wait(loop: str, wait: str) -> None:
+    done = to_rapid(f"Mvs P1/{loop}/Mvs P2/M_Out(5)=M_In(3)/End", seconds=0.2)
+    lines = [line.partition(" !")[0] for line in lines_of(done, "main")]
+    assert wait in lines
+    assert not any(line.startswith(("GOTO", "W:", "IF")) for line in lines)
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        "*W/Dly 0.1/If M_In(3)=0 Then *W",
+        "*W/If M_In(3)=0 Then *W Else M_Out(5)=1",
+        "*W/If M_In(3)=0 Then *W/If M_In(4)=0 Then *W",
+    ],
+)
+def test_other_loops_keep_their_labels(loop: str) -> None:
+    code = f"Mvs P1/{loop}/Mvs P2/End/".replace("/", "\n")
+    done = translate(load_text(SourceText(code + PLACES), language=FIVE), to="rapid")
+    assert "W:" in lines_of(done, "main")
+
+
+def test_a_jump_to_the_end_of_a_subroutine_returns() -> None:
+    done = to_rapid(
+        "Mvs P1/GoSub *GET/Mvs P1/End/*GET/For M1=1 To 2/Mvs P2/If M_In(3)=1 Then *OK/Mvs P3/"
+        "Next M1/GoTo *BAD/*OK/Return/' --- error exits/*BAD/M_Out(5)=1/If M_In(4)=1 Then *OUT/"
+        "Mvs P3/*OUT/Return"
+    )
+    lines = lines_of(done, "GET")
+    assert not any(line.startswith("GOTO") or line.endswith(":") for line in lines)
+    assert lines[lines.index("ENDFOR") :][:3] == ["ENDFOR", "! --- error exits", "SetDO do_5,1;"]
+    assert lines.count("RETURN;") == 2
+
+
+def test_a_jump_to_the_end_of_the_program_ends_the_cycle() -> None:
+    done = to_rapid("Mvs P1/If M_In(3)=1 Then GoTo *OUT/Mvs P2/*OUT/End")
+    lines = lines_of(done, "main")
+    assert lines[1:4] == ["IF di_3=1 THEN", "RETURN;", "ENDIF"]
+    assert len(lines) == 5

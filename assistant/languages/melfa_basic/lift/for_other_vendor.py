@@ -24,6 +24,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.motion_use import left_settings
+from assistant.program.passes.jumps import without_needless_jumps
 from assistant.program.program import Declaration, Procedure, Program, walk
 from assistant.program.rewriting import (
     Body,
@@ -117,7 +118,8 @@ def exported(program: Program) -> Adapted:
     findings += _left_open(program)
     program = _with_first_settings(with_flags(_with_stated_lines(program)))
     program = _with_errors_shown(with_told(program, findings), findings)
-    program = _with_settings_of_cycle_end(with_endings(_without_needless_ends(program)))
+    program = without_needless_jumps(with_endings(_without_needless_ends(program)))
+    program = _with_settings_of_cycle_end(program)
     program = with_degrees(with_angles_beside(program, findings), findings)
     texts = [record.text for record in records(program) if _is_vendor_text(record)]
     if not texts:
@@ -200,7 +202,7 @@ class _Reached:
                 above = _last_said(made)
                 if not (_ends_for_good(above) or isinstance(above, p.Return)):
                     made.append(p.Return(span=one.span) if is_end(one) else one)
-            else:
+            elif not isinstance(one, p.Label):
                 made.append(one)
         return tuple(made)
 
