@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from assistant.base.source_text import SourceText
@@ -151,3 +153,25 @@ def test_a_jump_to_the_end_of_the_program_ends_the_cycle() -> None:
     lines = lines_of(done, "main")
     assert lines[1:4] == ["IF di_3=1 THEN", "RETURN;", "ENDIF"]
     assert len(lines) == 5
+
+
+@pytest.mark.parametrize("used", ["PGrip", "PGRIP", "pgrip"])
+def test_a_tool_keeps_the_spelling_of_its_position(used: str) -> None:
+    places = f"{PLACES}PGrip=(0,0,110,0,0,0)(0,0)\n"
+    done = to_rapid(f"Tool {used}/Mvs P1/End", places)
+    (text,) = done.files.values()
+    assert b"PERS tooldata PGrip:=" in text
+    assert lines_of(done, "main")[0].endswith(",PGrip;")
+
+
+@pytest.mark.parametrize("key", ["PGrip", "PGRIP"])
+def test_a_cell_file_names_the_tool_in_either_spelling(key: str, tmp_path: Path) -> None:
+    program, cell = tmp_path / "job.prg", tmp_path / "cell.toml"
+    program.write_text(f"Tool PGrip\nMvs P1\nEnd\n{PLACES}PGrip=(0,0,110,0,0,0)(0,0)\n")
+    cell.write_text(
+        f"[tools.{key}]\ntip = [0, 0, 110]\nquaternion = [1, 0, 0, 0]\nmass = 0.9\n"
+        "centre = [0, 0, 50]\n"
+    )
+    done = translate(program, to="rapid", cell=cell)
+    (text,) = done.files.values()
+    assert b"PERS tooldata PGrip:=[TRUE,[[0,0,110],[1,0,0,0]],[0.9,[0,0,50]" in text

@@ -234,7 +234,8 @@ class Settings:
                 if key in self.names[kind]:
                     return self.names[kind][key]
                 self.placed.add(key)
-                return _mount_name(key, made(constant.values), known)
+                name = self.positions.spelling(key)
+                return _mount_name(name, made(constant.values), known)
             case (s.Constant(values=values),):
                 return _mount_name(f"{kind}_1", made(values), known)
             case (s.Number(value=0),):

@@ -231,6 +231,10 @@ class Positions:
         numbers = tuple(float(v) for v in values[0] if v == v)
         return s.Constant(numbers, (int(flags[0, 0]), int(flags[0, 1])))
 
+    def spelling(self, key: str) -> str:
+        """A name, given in upper case, as the file spells it."""
+        return self.names[key][0] if key in self.names else key
+
     def all_names(self) -> Iterator[str]:
         """Every name as written, tables expanded."""
         for written, _ in self.names.values():
