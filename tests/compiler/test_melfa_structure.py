@@ -175,3 +175,26 @@ def test_a_cell_file_names_the_tool_in_either_spelling(key: str, tmp_path: Path)
     done = translate(program, to="rapid", cell=cell)
     (text,) = done.files.values()
     assert b"PERS tooldata PGrip:=[TRUE,[[0,0,110],[1,0,0,0]],[0.9,[0,0,50]" in text
+
+
+@pytest.mark.parametrize(
+    ("value", "written"),
+    [
+        ("9102", ['TPWrite "error "+ValToStr(MErr);', "EXIT;", "ENDIF"]),
+        (
+            "9100+M_Inb(32)",
+            [
+                'TPWrite "error "+ValToStr(Round(MErr));',
+                "IF Round(MErr)<9200 OR Round(MErr)>9299 THEN",
+                "EXIT;",
+                "ENDIF",
+            ],
+        ),
+    ],
+)
+def test_an_error_of_a_computed_number(value: str, written: list[str]) -> None:
+    done = to_rapid(f"Mvs P1/MErr={value}/If M_In(3)=1 Then/Error MErr/EndIf/Mvs P2/End")
+    lines = lines_of(done, "main")
+    at = lines.index("IF di_3=1 THEN")
+    assert lines[at + 1 : at + 1 + len(written)] == written
+    assert "MB254" in {finding.code for finding in done.findings}

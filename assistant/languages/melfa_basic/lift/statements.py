@@ -98,6 +98,7 @@ _PROGRAM_ENDS: Final = (s.Command("End"), s.Command("Return"))
 _EXPORTED_STATEMENTS: Final = (s.Assign, s.Motion, s.Print, s.Close)
 """Statements that other languages may have where the pseudo-program keeps their texts."""
 _HAND_COMMANDS: Final = ("HOpen", "HClose")
+_EXPORTED_COMMANDS: Final = (*_HAND_COMMANDS, "SetMoTrg", "Error")
 _FORCED_COMMAND: Final = "HOpen"
 """Takes forces and a time beside its hand (COSIROP: HOPEN)."""
 StatementLift = Callable[[Any, Any], list[p.Statement]]
@@ -215,7 +216,7 @@ class Control:
             return read()
         except Unliftable as found:
             set_here = self.effect(node) is not None
-            hand = isinstance(node, s.Command) and node.keyword in (*_HAND_COMMANDS, "SetMoTrg")
+            hand = isinstance(node, s.Command) and node.keyword in _EXPORTED_COMMANDS
             defines = set_here or isinstance(node, s.DefOther)
             tells = (
                 defines or hand or isinstance(node, _EXPORTED_STATEMENTS) or node in _PROGRAM_ENDS
@@ -726,6 +727,27 @@ def _watch_mo_triggers(reader: Control, node: s.Command) -> list[p.Statement]:
     return [p.Assign(e.Name(name), e.Number(int(number != 0))) for name in names]
 
 
+def _raise_error(reader: Control, node: s.Command) -> list[p.Statement]:
+    """`Error MErr`: the program ends for good unless the number is that of a caution.
+
+    Known numbers are lowered from their text, see `for_other_vendor`.
+    """
+    (number,) = node.arguments
+    if not reader.symbols.telling or number is None or literal(number) is not None:
+        raise Unliftable
+    given = reader.expressions.rounded(number)
+    first, last = CAUTIONS
+    stops = e.Binary(
+        "or",
+        e.Binary("<", given, e.Number(first)),
+        e.Binary(">", given, e.Number(last)),
+    )
+    shown = p.Message((e.Text("error "), given))
+    return [shown, p.If((p.Branch(stops, (p.Stop(end=True),)),))]
+
+
+CAUTIONS: Final = (9200, 9299)
+"""Numbers of errors of the program's own that do not stop it (COSIROP: ERROR)."""
 _DEEPEST: Final = 50
 """Deepest nesting of blocks that are read as blocks; controllers stop at 16."""
 
@@ -779,6 +801,7 @@ COMMAND_LIFTS: Final[Mapping[str, tuple[int, StatementLift]]] = {
     "Break": (0, Control.broken),
     "Act": (1, _switch_interrupt),
     "SetMoTrg": (1, _watch_mo_triggers),
+    "Error": (1, _raise_error),
 }
 
 

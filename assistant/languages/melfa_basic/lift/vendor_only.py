@@ -25,6 +25,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Findings
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lift.computed_positions import ANGLE_DIVIDING
+from assistant.languages.melfa_basic.lift.statements import CAUTIONS
 from assistant.languages.melfa_basic.lift.symbols import (
     SIGNAL_VARIABLES,
     VENDOR_ONLY_END,
@@ -105,7 +106,7 @@ class _NumberedSignals:
 
     def read(self, key: str, number: e.Expression, procedure: Procedure) -> e.Expression:
         """The value of a signal. key: of SIGNALS. Raises AnyNumber."""
-        signal, numbers = _signal_status(key), self._numbers(number, procedure)
+        signal, numbers = _signal_status(key), self.numbers(number, procedure)
         if len(numbers) == 1:
             return e.Name(self._name(signal, *numbers))
         name = self._chooser(f"{signal.direction}_value", signal, None, numbers)
@@ -118,7 +119,7 @@ class _NumberedSignals:
 
         origin: the statement that says so. Raises AnyNumber.
         """
-        signal, numbers = _signal_status(key), self._numbers(given[0], procedure, origin)
+        signal, numbers = _signal_status(key), self.numbers(given[0], procedure, origin)
         rest = [self._plain(one, procedure) for one in given[1:]]
         if len(numbers) == 1:
             return p.SetSignal(self._name(signal, *numbers), *rest)
@@ -137,7 +138,7 @@ class _NumberedSignals:
         numbers = self._hands
         which = "that the program names elsewhere"
         with suppress(_AnyNumber):
-            numbers, which = self._numbers(given, procedure, origin), "that it may come to"
+            numbers, which = self.numbers(given, procedure, origin), "that it may come to"
         if not numbers:
             raise _AnyNumber
         listed = ", ".join(map(str, sorted(numbers)))
@@ -168,9 +169,10 @@ class _NumberedSignals:
     def _name(self, signal: Signal, number: int) -> str:
         return self.addressed.name(replace(signal, number=number))
 
-    def _numbers(
+    def numbers(
         self, number: e.Expression, procedure: Procedure, origin: p.Statement | None = None
     ) -> set[int]:
+        """The values that a number may have. Raises AnyNumber."""
         named = {x.name.lower() for x in records(number) if isinstance(x, e.Name)}
         counted = [
             self._counted(loop, procedure)
@@ -465,7 +467,7 @@ class _VendorLowering:
                 made: Body = (node,)
                 # An `End` that is still here has no other meaning: see `with_endings`.
                 if isinstance(node, p.Opaque) and node.told and not is_end(node):
-                    made = node.told
+                    made = self._error(node, procedure) or node.told
                 if made != (node,) and (loss := _lost_effects(node, made)) is not None:
                     what, cure = loss
                     text = getattr(node, "text", "").strip()
@@ -500,6 +502,18 @@ class _VendorLowering:
 
         return replace(procedure, body=body(procedure.body))
 
+    def _error(self, node: p.Opaque, procedure: Procedure) -> Body:
+        """The equivalent of `Error` with a number that has known values; empty for any other."""
+        match node.told:
+            case (p.Message((text, number)), p.If((p.Branch(_, end),))) if _RAISED.match(node.text):
+                with suppress(_AnyNumber):
+                    found = self.numbered.numbers(number, procedure, node)
+                    first, last = CAUTIONS
+                    if not any(first <= one <= last for one in found):
+                        plain = number.arguments[0] if isinstance(number, e.Apply) else number
+                        return (p.Message((text, plain)), *end)
+        return ()
+
     def _held(self) -> e.Name:
         """A position that is worked out in front of the statement that names it."""
         if not self.held:
@@ -530,6 +544,7 @@ class _VendorLowering:
         return value
 
 
+_RAISED: Final = re.compile(r"\s*Error\b", re.IGNORECASE)
 _FORCED_HAND: Final = re.compile(r"HOpen\s+[^,]+,", re.IGNORECASE)
 _OPEN_CORNER: Final = re.compile(r"Cnt\s+1", re.IGNORECASE)
 
@@ -541,6 +556,11 @@ def _lost_effects(node: p.Statement, made: Body) -> tuple[str, str] | None:
         return (
             "the program ends there for good, and no error (3840) is on the controller",
             "end the lines above the subroutine with End",
+        )
+    if _RAISED.match(text):
+        return (
+            "the number is a message on the pendant, and no error on the controller",
+            "tell people or the cell's controller by an output above it",
         )
     if _FORCED_HAND.match(text):
         return (
