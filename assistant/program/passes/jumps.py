@@ -20,15 +20,18 @@ from assistant.program.rewriting import Body, map_bodies, records
 
 def without_needless_jumps(program: Program) -> Program:
     """The program with waits and returns in place of the jumps that mean these."""
-    return replace(
-        program,
-        procedures=tuple(
-            _Jumps(program, one).procedure()
-            if any(isinstance(node, p.Label) for node in walk(one.body))
-            else one
-            for one in program.procedures
-        ),
+
+    def settled(one: Procedure) -> Procedure:
+        # What is left out may have stood between a jump and its label.
+        while (made := _Jumps(program, one).procedure()) != one:
+            one = made
+        return one
+
+    procedures = (
+        settled(one) if any(isinstance(node, p.Label) for node in walk(one.body)) else one
+        for one in program.procedures
     )
+    return replace(program, procedures=tuple(procedures))
 
 
 class _Jumps:
@@ -45,9 +48,7 @@ class _Jumps:
         body = self._with_waits(self.whole.body)
         returning = frozenset(self._returning(body)) if self.whole.result is None else frozenset()
         body = _without_jumps_to_next(_with_returns(body, returning - self.in_texts))
-        made = replace(self.whole, body=self._without_left_labels(body))
-        # What is left out may have stood between a jump and its label.
-        return made if made == self.whole else _Jumps(self.program, made).procedure()
+        return replace(self.whole, body=self._without_left_labels(body))
 
     # ------------------------------------------------------------------------------ waits
 

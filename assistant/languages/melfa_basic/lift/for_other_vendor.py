@@ -168,10 +168,15 @@ def _without_needless_ends(program: Program) -> Program:
 
     Other statements stay, whose author expects them to run: the checks report them.
     """
+
+    def settled(one: Procedure) -> Procedure:
+        # A jump that is left out may have been the only one to its label.
+        while (made := _Reached(one).procedure()) != one:
+            one = made
+        return one
+
     # A function has to have a result at its end, reached or not.
-    procedures = (
-        one if one.result is not None else _Reached(one).procedure() for one in program.procedures
-    )
+    procedures = (one if one.result is not None else settled(one) for one in program.procedures)
     return replace(program, procedures=tuple(procedures))
 
 
@@ -184,9 +189,7 @@ class _Reached:
         self.texts = [one.text.upper() for one in walk(whole.body) if isinstance(one, p.Opaque)]
 
     def procedure(self) -> Procedure:
-        made = replace(self.whole, body=self.body(self.whole.body))
-        # A jump that is left out may have been the only one to its label.
-        return made if made == self.whole else _Reached(made).procedure()
+        return replace(self.whole, body=self.body(self.whole.body))
 
     def body(self, statements: Body) -> Body:
         made: list[p.Statement] = []
