@@ -137,7 +137,7 @@ def test_without_a_main_others_call_the_layers(tmp_path: Path, alone: Mapping[st
     prefixes = '[program]\nprefix = "{}_"\nmain = false\n'
     left = drawn(tmp_path, "left", 0.0, prefixes.format("left"), THERE)
     right = drawn(tmp_path, "right", 50.0, prefixes.format("right"), THERE)
-    routines = ("locations", "GLUE", "Aussen")
+    routines = ("outputs_off", "locations", "GLUE", "Aussen")
     calls = "\n".join(f"{side}_{name};" for side in ("left", "right") for name in routines)
     modules = [CELL.format(calls=calls), *texts(made(left), made(right))]
     assert ran(*modules).events == (*alone["left"].events, *alone["right"].events)
