@@ -14,6 +14,7 @@ from assistant.sources.contours.chains import Contour
 from assistant.sources.contours.contour_choice import ContourChoice, Row
 from assistant.sources.contours.contour_order import group_nestings
 from assistant.sources.contours.contour_shapes import ContourShape, contour_shapes
+from assistant.sources.contours.work_words import edge_kind
 from assistant.sources.process import DEFAULT_MOTION, Layer, LeftOut, Process
 
 
@@ -63,12 +64,13 @@ def _shapes(
     groups = []
     for contours in choice.layers:
         layer = known.get(contours[0].layer.casefold(), usual)
-        groups.append((process.placed(layer.direction), list[Contour]()))
+        kind = edge_kind(contours[0].layer, layer)
+        groups.append((process.placed(layer.direction), kind, list[Contour]()))
     for i, k in rows:
-        groups[i][1].append(choice.layers[i][k])
+        groups[i][2].append(choice.layers[i][k])
     by_layer = [
         iter(contour_shapes(contours, nesting, direction, process.placement, process.tolerance))
-        for (direction, contours), nesting in zip(
+        for (direction, _, contours), nesting in zip(
             groups, group_nestings(groups, process.tolerance), strict=True
         )
     ]

@@ -19,7 +19,7 @@ import math
 import re
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from itertools import groupby, pairwise
 from typing import Final, Literal
 
@@ -43,6 +43,7 @@ from assistant.sources.contours.curves import (
     sample,
 )
 from assistant.sources.contours.moves import level_x_axis
+from assistant.sources.contours.work_words import EdgeKind
 
 _MORTON_BITS: Final = 20
 """Bits of each coordinate in a Morton key; three make 60."""
@@ -544,43 +545,111 @@ def _holders_in_groups(
 class GroupNesting:
     """Nesting of the contours of one group.
 
-    holders: see `holders`, among the contours of the group. depths: how many contours of all groups
-    are around each. holds: True for those that others of any group lie inside. around: for each
-    other group whose contours lie inside contours of this one, how many of them do.
+    holders: see `holders`, among the contours of the group. inside: True for a contour that
+    material is around, False for an outline, None for one that may be no edge of the part. holds:
+    True for those that others of any group lie inside. around: for each other group whose contours
+    lie inside contours of this one, how many of them do.
     """
 
     holders: list[int]
-    depths: list[int]
+    inside: list[bool | None]
     holds: list[bool]
     around: Mapping[int, int]
 
 
 def group_nestings(
-    groups: Sequence[tuple[Vector, Sequence[Contour]]], tolerance: float
+    groups: Sequence[tuple[Vector, EdgeKind, Sequence[Contour]]], tolerance: float
 ) -> list[GroupNesting]:
     """Return the nesting of each group of contours, among all groups seen in the same direction.
 
-    groups: direction of the tool, and contours.
+    groups: direction of the tool, what the contours are, and the contours.
     """
     found: dict[int, GroupNesting] = {}
-    for direction in dict.fromkeys(direction for direction, _ in groups):
-        rows = [row for row, (seen, _) in enumerate(groups) if seen == direction]
-        members = [groups[row][1] for row in rows]
+    for direction in dict.fromkeys(direction for direction, *_ in groups):
+        rows = [row for row, (seen, *_) in enumerate(groups) if seen == direction]
+        members = [groups[row][2] for row in rows]
         around, in_group = _holders_in_groups(members, direction, tolerance)
-        depths, held = nesting_depths(around), set(around)
-        inner = _inner_groups(around, [k for k, some in enumerate(members) for _ in some])
+        held = set(around)
+        group_of = [k for k, some in enumerate(members) for _ in some]
+        inside = _inside(around, in_group, group_of, [groups[row][1] for row in rows])
+        inner = _inner_groups(around, group_of)
         first = 0
         for at, (row, contours) in enumerate(zip(rows, members, strict=True)):
             part = range(first, first + len(contours))
             own = [NO_HOLDER if (to := in_group[k]) == NO_HOLDER else to - first for k in part]
             found[row] = GroupNesting(
                 own,
-                [depths[k] for k in part],
+                [inside[k] for k in part],
                 [k in held for k in part],
                 {rows[other]: count for other, count in inner[at].items()},
             )
             first += len(contours)
     return [found[row] for row in range(len(groups))]
+
+
+@dataclass(frozen=True, slots=True)
+class _Enclosure:
+    """The contours around one, without those on surfaces. outermost: group of the first of them,
+    None if there are none. edges: how many are of groups of edges. all: how many there are.
+    covered: True if a contour on a surface is around all of them: material is there.
+    """
+
+    outermost: int | None = None
+    edges: int = 0
+    all: int = 0
+    covered: bool = False
+
+
+_NOT_ENCLOSED: Final = _Enclosure()
+
+
+def _inside(
+    around: Sequence[int],
+    in_group: Sequence[int],
+    group_of: Sequence[int],
+    kinds: Sequence[EdgeKind],
+) -> list[bool | None]:
+    """See `GroupNesting.inside`. kinds: what the contours of each group are.
+
+    A line on a surface, such as a bead around a hole, encloses nothing. A line that may be one does
+    not either where the outermost contour is an edge, or of the same group as the contour: the
+    edges alone then tell what is a hole. A line on a surface around the outermost edge does count:
+    it lies on material.
+    """
+    own_depths = nesting_depths(in_group)
+    enclosures = dict[int, _Enclosure]()
+    for at in range(len(around)):
+        chain, row = list[int](), at
+        while row not in enclosures:
+            chain.append(row)
+            row = around[row]
+            if row == NO_HOLDER:
+                break
+        for one in reversed(chain):
+            holder = around[one]
+            if holder == NO_HOLDER:
+                enclosures[one] = _NOT_ENCLOSED
+                continue
+            outer, group = enclosures[holder], group_of[holder]
+            if kinds[group] == "surface":
+                covered = outer.covered or outer.outermost is None
+                enclosures[one] = replace(outer, covered=covered)
+                continue
+            outermost = group if outer.outermost is None else outer.outermost
+            edges = outer.edges + (kinds[group] == "edge")
+            enclosures[one] = _Enclosure(outermost, edges, outer.all + 1, outer.covered)
+    found = list[bool | None]()
+    for row, group in enumerate(group_of):
+        kind, outer = kinds[group], enclosures[row]
+        first = outer.outermost
+        outlined = first == group or (first is None and not outer.covered)
+        if kind == "surface" or (kind == "unknown" and not outlined):
+            found.append(None)
+            continue
+        sure = outer.edges + (0 if kind == "edge" else own_depths[row])
+        known = first is None or first == group or kinds[first] == "edge"
+        found.append(((sure if known else outer.all) + outer.covered) % 2 == 1)
+    return found
 
 
 def _inner_groups(around: Sequence[int], group_of: Sequence[int]) -> defaultdict[int, Counter[int]]:

@@ -1,8 +1,9 @@
 """Shape of a contour in words: what it is for the people who read the program.
 
-A closed contour inside an odd number of others is a hole (round), a slot or an opening; any other
-one is an outline, or a circle if it is round and holds nothing. The size of a round one is its
-diameter. Open contours have no shape: the name of their layer says what they are, and their
+A closed contour inside an odd number of other edges is a hole (round), a slot or an opening; any
+other one is an outline, or a circle if it is round and holds nothing. One that may be no edge of
+the part, such as a bead, is a circle or a closed contour (`work_words`). The size of a round one is
+its diameter. Open contours have no shape: the name of their layer says what they are, and their
 ends are in the order in which they are given. Sizes and positions are mm in the axes of the
 drawing, so that a reader finds the contour there.
 """
@@ -51,16 +52,16 @@ def contour_shapes(
     """
     back = (placement or Pose()).inverse()
     return [
-        _shape(contour, _Nesting(depth % 2 == 1, holds), direction, back, tolerance)
-        for contour, depth, holds in zip(contours, nesting.depths, nesting.holds, strict=True)
+        _shape(contour, _Nesting(inside, holds), direction, back, tolerance)
+        for contour, inside, holds in zip(contours, nesting.inside, nesting.holds, strict=True)
     ]
 
 
 @dataclass(frozen=True, slots=True)
 class _Nesting:
-    """inside: material is around the contour. holds: others lie inside it."""
+    """inside: see `GroupNesting`. holds: others lie inside it."""
 
-    inside: bool
+    inside: bool | None
     holds: bool
 
 
@@ -77,11 +78,13 @@ def _shape(
     middle = _place(0.5 * (low + high), Pose(), tolerance)
     if (circle := _circle(outline, direction, tolerance)) is not None:
         centre, radius = circle
-        kind = "hole" if nesting.inside else "outline" if nesting.holds else "circle"
+        outer = "outline" if nesting.holds and nesting.inside is False else "circle"
+        kind = "hole" if nesting.inside else outer
         return ContourShape(
             kind, f"{kind} dia. {number_text(2.0 * radius)} at {_place(centre, back, tolerance)}"
         )
-    if (slot := _slot(contour, tolerance)) is not None:
+    slot = None if nesting.inside is None else _slot(contour, tolerance)
+    if slot is not None:
         return ContourShape(
             "slot", f"slot {number_text(slot[0])} x {number_text(slot[1])} at {middle}"
         )
@@ -89,6 +92,8 @@ def _shape(
     size = " x ".join(
         number_text((high - low)[axis]) for axis in sorted(np.argsort(low - high)[:2])
     )
+    if nesting.inside is None:
+        return ContourShape("closed", f"closed contour {size} at {middle}")
     kind = "opening" if nesting.inside else "outline"
     return ContourShape(kind, f"{kind} {size}" + (f" at {middle}" if nesting.inside else ""))
 

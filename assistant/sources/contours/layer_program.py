@@ -45,6 +45,7 @@ from assistant.sources.contours.contour_statements import (
 from assistant.sources.contours.curves import Arc, Curve, Line
 from assistant.sources.contours.moves import WIDEST_ARC, contour_moves
 from assistant.sources.contours.tool_paths import PathShaper, ShapedContour, ToolPath
+from assistant.sources.contours.work_words import edge_kind
 from assistant.sources.process import Layer, Process, ProgramStyle
 
 _NOT_USED_ON_LAYER = warning(
@@ -207,7 +208,11 @@ def contour_program(
         if rows
     ]
     nestings = group_nestings(
-        [(layer.direction, contours) for _, layer, contours in followed], process.tolerance
+        [
+            (layer.direction, edge_kind(contours[0].layer, layer), contours)
+            for _, layer, contours in followed
+        ],
+        process.tolerance,
     )
     contour_names = _ContourNames(len(followed) > 1, names)
     shaper = PathShaper(

@@ -35,6 +35,12 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
 from assistant.sources.contours.curves import Arc, Curve, sample
+from assistant.sources.contours.work_words import (
+    names_work,
+    plain_name,
+    plain_word,
+    words_of_name,
+)
 from assistant.sources.drawing.balloons import find_balloons
 from assistant.sources.drawing.findings import (
     DRAFTING,
@@ -145,21 +151,6 @@ _NEUTRAL_WORDS: Final = """
     schmal iv arc arcs circle geometry geometrie geometria of the 線
 """
 """Words that say nothing about what a layer is for."""
-_WORDS_OF_WORK: Final = """
-    cut cuts cutting cutter laser plasma waterjet kerf drill drills drilling punch punching engrave
-    engraving etch etching glue gluing adhesive seal sealing sealant dispense dispensing bead weld
-    welds welding mill milling route routing deburr deburring grind grinding polish polishing spray
-    spraying paint painting marking scribe scribing trim path toolpath robot
-    schneiden schnitt schneid laserschnitt bohren stanzen gravur gravieren kleben klebe klebung
-    kleber dichten dichtung schweissen schweiss schweissnaht fraesen fraesung entgraten schleifen
-    polieren lackieren bahn
-    coupe decoupe percage poinconnage gravure collage colle joint soudure soudage fraisage ebavurage
-    corte cortar taladro taladrado grabado pegado pegamento sello soldadura fresado
-    taglio foratura incisione incollaggio colla guarnizione saldatura fresatura
-    切断 溶接 接着 塗布 加工 刻印
-    рез резка гравировка сварка клей
-    切割 焊接 涂胶 雕刻 打孔
-"""
 _SUFFIXES: Final = ("lines", "line", "linien", "linie", "layer", "marks", "mark", "n", "s", "線")
 """Endings with which a word is still that word."""
 _LINE_TYPES: Final[Mapping[str, str]] = {
@@ -196,41 +187,17 @@ _NUMBERED_BLOCKS: Final[Mapping[str, str]] = {
 }
 """What is in them that is not work; `unknown` has titles and tables of the form."""
 
-_WORD: Final = re.compile(r"[^\W\d_]+")
-_CAMEL: Final = re.compile(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])")
-
-
-def _plain(text: str) -> str:
-    """Small letters without accents; full-width letters as usual ones."""
-    spelled = unicodedata.normalize("NFKC", text).casefold()
-    for umlaut, letters in (("ä", "ae"), ("ö", "oe"), ("ü", "ue")):
-        spelled = spelled.replace(umlaut, letters)
-    # Only accents of Latin letters: in Japanese the marks of voiced sounds are letters as well.
-    parts = unicodedata.normalize("NFD", spelled)
-    kept = "".join(c for c in parts if not "\u0300" <= c <= "\u036f")
-    return unicodedata.normalize("NFC", kept)
-
 
 def _by_word(table: Mapping[str, str]) -> dict[str, str]:
-    return {_plain(word): kind for kind, words in table.items() for word in words.split()}
+    return {plain_word(word): kind for kind, words in table.items() for word in words.split()}
 
 
 _KINDS: Final = _by_word(_WORDS)
 _WEAK_KINDS: Final = _by_word(_WEAK_WORDS)
 _LINE_TYPE_KINDS: Final = _by_word(_LINE_TYPES)
-_NEUTRAL: Final = frozenset(map(_plain, _NEUTRAL_WORDS.split()))
-_WORK: Final = frozenset(map(_plain, _WORDS_OF_WORK.split()))
+_NEUTRAL: Final = frozenset(map(plain_word, _NEUTRAL_WORDS.split()))
 _WITHOUT_SPACES: Final = tuple(word for word in _KINDS if not word.isascii())
 """Words of a language that is written without spaces: they count anywhere in a name."""
-_WORK_WITHOUT_SPACES: Final = tuple(word for word in _WORK if not word.isascii())
-
-
-def names_work(name: str) -> bool:
-    """True if a word of a name means work, such as `cut`."""
-    plain = _plain(_CAMEL.sub(" ", name))
-    return bool(_WORK.intersection(_WORD.findall(plain))) or any(
-        word in plain for word in _WORK_WITHOUT_SPACES
-    )
 
 
 @cache
@@ -238,8 +205,8 @@ def layer_kind(name: str) -> str:
     """What is drawn on a layer or in a block of this name, empty if it may be work."""
     if names_work(name):
         return ""
-    plain = _plain(_CAMEL.sub(" ", name))
-    words = _WORD.findall(plain)
+    plain = plain_name(name)
+    words = words_of_name(name)
     # `Title Block`, `center-line`: two words that are one in the table.
     pairs = [a + b for a, b in pairwise(words)]
     for word in (*words, *pairs):
@@ -274,7 +241,7 @@ def line_type_kind(name: str) -> str:
     if _NUMBERED_LINE_TYPE.fullmatch(upper):
         return "broken line"
     plain = _LINE_TYPE_SUFFIX.sub("", _LINE_TYPE_PREFIX.sub("", upper)).replace(" ", "_")
-    return _LINE_TYPE_KINDS.get(_plain(plain), "") or (
+    return _LINE_TYPE_KINDS.get(plain_word(plain), "") or (
         "hidden line" if plain.startswith(("HIDDEN_", "DASHED_")) else ""
     )
 

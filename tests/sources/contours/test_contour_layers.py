@@ -78,15 +78,18 @@ def test_the_order_of_what_is_done_along_a_contour():
     assert findings == ()
     assert procedure.name == "GLUE"
     layer, shape, approach, down, on, wait, follow, end, off, retract = procedure.body
-    assert (layer, shape) == (Comment("gluing: layer GLUE"), Comment("outline 10 x 10"))
+    assert (layer, shape) == (
+        Comment("gluing: layer GLUE"),
+        Comment("closed contour 10 x 10 at 5, 5"),
+    )
     travel = Motion(Speed(200.0), FINE, "nozzle", "table")
     assert isinstance(approach, Move)
     assert (approach.kind, approach.motion) == ("joint", travel)
-    back = Apply("relative", (Name("outline_1_start"), Number(0), Number(0), Number(-50)))
+    back = Apply("relative", (Name("closed_1_start"), Number(0), Number(0), Number(-50)))
     assert approach.target == retract.target == back
     assert pose(approach.target, TARGETS) == Pose((0.0, 0.0, 50.0), (0.0, 1.0, 0.0, 0.0))
     assert (down.kind, down.motion) == ("linear", Motion(Speed(50.0), FINE, "nozzle", "table"))
-    assert down.target == end.target == Name("outline_1_start")
+    assert down.target == end.target == Name("closed_1_start")
     assert pose(down.target, TARGETS) == Pose((0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
     assert (end.kind, end.motion) == ("linear", replace(MOTION, blend=FINE))
     assert (on, off) == (SetSignal("glue", Number(1)), SetSignal("glue", Number(0)))
@@ -94,7 +97,7 @@ def test_the_order_of_what_is_done_along_a_contour():
     assert (retract.kind, retract.motion) == ("linear", travel)
     assert len(follow.path) == 3
     (path,) = paths(procedure)
-    assert path.name == "outline_1"
+    assert path.name == "closed_1"
     assert path.kinds.tolist() == [Kind.LINEAR] * 4
     assert path.positions.tolist() == [[10, 0, 0], [10, 10, 0], [0, 10, 0], [0, 0, 0]]
     assert [path.blends[i] for i in path.blend] == [Blend(1.0)] * 3 + [FINE]
@@ -106,7 +109,7 @@ def test_later_contours_are_approached_in_a_line():
     (procedure,), _ = contour_program(curves, process(GLUE=GLUE), taken=set())
     approaches = [s.kind for s in procedure.body if isinstance(s, Move)]
     assert approaches == ["joint", *["linear"] * 6]  # a circle ends with an arc
-    assert [p.name for p in paths(procedure)] == ["outline_1", "circle_1"]
+    assert [p.name for p in paths(procedure)] == ["closed_1", "circle_1"]
 
 
 def test_without_distances_signals_and_delay_there_is_only_the_way():
@@ -425,10 +428,10 @@ def test_nothing_gives_nothing():
 def test_the_ends_of_a_contour_have_names_that_all_around_them_use():
     curves = [Line((0, 0, 0), (40, 0, 0), "GLUE"), *square(at=100.0)]
     (procedure,), _ = contour_program(curves, process(GLUE=GLUE), taken={"glue_1_end"})
-    assert list(TARGETS) == ["glue_1_start", "glue_1_end_2", "outline_1_start"]
+    assert list(TARGETS) == ["glue_1_start", "glue_1_end_2", "closed_1_start"]
     named = [s.target for s in procedure.body if isinstance(s, Move)]
     first = [t.name if isinstance(t, Name) else t.arguments[0].name for t in named]
-    open_, closed = ["glue_1_start"] * 2 + ["glue_1_end_2"] * 2, ["outline_1_start"] * 4
+    open_, closed = ["glue_1_start"] * 2 + ["glue_1_end_2"] * 2, ["closed_1_start"] * 4
     assert first == [*open_, *closed]
 
 

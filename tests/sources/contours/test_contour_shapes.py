@@ -349,3 +349,88 @@ def test_passes_of_a_contour_are_in_its_procedure(tmp_path):
         "hole dia. 6.6 at 125, 110", "pass 1 of 2, 2 mm deep", "pass 2 of 2, 4 mm deep",
     ]  # fmt: skip
     assert {"hole_1_pass_1_start", "hole_1_pass_2_start"} <= program.targets.keys()
+
+
+def circle(model, x, y, radius, layer):
+    model.add_circle((x, y), radius, dxfattribs={"layer": layer})
+
+
+def texts_on(path, layer):
+    """The words for the contours of a layer, without their sizes."""
+    program = load(path).program
+    calls = [s.procedure for s in bodies(program)[layer] if isinstance(s, Call)]
+    given = calls or [layer]
+    found = [comments(program)[name][-1] for name in given]
+    return sorted(re.split(r" (?:dia|[0-9])", text)[0] for text in found)
+
+
+def test_a_bead_around_a_hole_is_no_edge(tmp_path):
+    def draw(model):
+        square(model, (0, 0), (180, 120), "RIM")
+        circle(model, 60, 60, 20, "RIM")
+        square(model, (26, 26), (154, 94), "SEAL")
+        circle(model, 120, 60, 9, "SEAL")
+        square(model, (40, 40), (44, 44), "R2")
+
+    for rim in ("[layers.RIM]\n", '[layers.RIM]\nprocess = "deburring"\nlead_in = {arc = 2}\n'):
+        process = PROCESS.replace("[layers.PLATE]\n", f"{rim}[layers.SEAL]\n[layers.R2]\n")
+        path = drawn(tmp_path, draw, process)
+        assert texts_on(path, "RIM") == ["hole", "outline"]
+        assert texts_on(path, "SEAL") == ["circle", "closed contour"]
+        # Nothing says what R2 is: it may be an opening, an engraving or a bead.
+        assert texts_on(path, "R2") == ["closed contour"]
+        assert "seal_closed_1" in bodies(load(path).program)
+
+
+@pytest.mark.parametrize(
+    ("layer", "keys", "kinds"),
+    [
+        ("DRILL", "", ["hole", "opening"]),
+        ("Bohrungen M8", "", ["hole", "opening"]),
+        ("L7", 'process = "milling"', ["hole", "opening"]),
+        ("L7", 'lead_in = {arc = 1}\nside = "inside"', ["hole", "opening"]),
+        ("GLUE", "offset = 1", ["hole", "opening"]),
+        ("L7", "", ["circle", "closed contour"]),
+        ("Kleberaupe", "", ["circle", "closed contour"]),
+        ("Gravur", "", ["circle", "closed contour"]),
+        ("L7", 'process = "sealant bead"', ["circle", "closed contour"]),
+        ("密封", 'process = "涂胶"', ["circle", "closed contour"]),
+    ],
+)
+def test_contours_inside_the_outline_of_another_layer(tmp_path, layer, keys, kinds):
+    def draw(model):
+        square(model, (0, 0), (100, 100), "PLATE")
+        circle(model, 30, 30, 8, layer)
+        square(model, (60, 60), (80, 80), layer)
+
+    path = drawn(tmp_path, draw, f'{PROCESS}[layers."{layer}"]\n{keys}\n')
+    name = next(one for one in bodies(load(path).program) if one not in ("main", "PLATE"))
+    assert texts_on(path, name) == kinds
+    assert texts_on(path, "PLATE") == ["outline"]
+
+
+def test_a_bead_along_the_rim_has_holes_inside(tmp_path):
+    def draw(model):
+        square(model, (0, 0), (100, 100), "GLUE")
+        square(model, (20, 20), (80, 80), "CUT")
+        circle(model, 50, 50, 10, "CUT")
+        circle(model, 10, 10, 2, "CUT")
+        circle(model, 90, 10, 2, "L7")
+
+    process = PROCESS.replace("[layers.PLATE]", "[layers.GLUE]\n[layers.CUT]\n[layers.L7]")
+    path = drawn(tmp_path, draw, process)
+    # What lies in the opening is a part again, as nesting says.
+    assert texts_on(path, "CUT") == ["circle", "hole", "opening"]
+    assert texts_on(path, "L7") == ["circle"]
+
+
+def test_a_part_in_the_opening_of_one_on_other_layers_has_an_outline(tmp_path):
+    def draw(model):
+        square(model, (0, 0), (100, 100), "PLATE")
+        square(model, (20, 20), (80, 80), "CUT INSIDE")
+        square(model, (30, 30), (70, 70), "CUT ISLAND")
+
+    tables = '[layers."CUT INSIDE"]\n[layers."CUT ISLAND"]\n'
+    path = drawn(tmp_path, draw, PROCESS + tables)
+    assert texts_on(path, "CUT_INSIDE") == ["opening"]
+    assert texts_on(path, "CUT_ISLAND") == ["outline"]

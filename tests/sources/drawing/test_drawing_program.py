@@ -71,7 +71,7 @@ def test_sample() -> None:
     ]  # fmt: skip
     assert list(program.targets)[9:] == [
         "cut_hole_1_start", "cut_hole_1_via", "cut_opening_1_start", "cut_opening_1_via",
-        "glue_1_start", "glue_1_end", "glue_slot_1_start", "glue_outline_1_start",
+        "glue_1_start", "glue_1_end", "glue_closed_1_start", "glue_closed_2_start",
     ]  # fmt: skip
     assert program.targets["pick"].pose.position == (235.0, -85.0, 260.0)
     assert program.targets["place"].pose.quaternion == pytest.approx(
