@@ -13,10 +13,11 @@ from weakref import ReferenceType, ref
 
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Declared, Diagnostic, Rule
+from assistant.program.expressions import plain_number
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.passes.names import Names
 from assistant.program.passes.procedure_forms import units
-from assistant.program.program import Procedure, Program, identifier, walk
+from assistant.program.program import Procedure, Program, Signal, identifier, walk
 from assistant.program.statements import (
     Follow,
     For,
@@ -45,6 +46,19 @@ _KINDS: Final = (
 
 HIDDEN: Final = ("values", "signals")
 """Kinds whose names a loop's variable may have: it hides them in the loop."""
+
+
+def _value_word(trigger: Trigger, kinds: Mapping[str, str]) -> str:
+    """What a trigger does, for its name: `on`, `off`, `2_5`; `set` where that is computed.
+
+    kinds: of signals, by their names in lower case.
+    """
+    value = plain_number(trigger.value)
+    if value is None:
+        return "set"
+    if kinds.get(trigger.signal.lower(), "digital") == "digital" and value in (0.0, 1.0):
+        return "on" if value else "off"
+    return f"{'minus_' if value < 0.0 else ''}{abs(value):g}".replace(".", "_").replace("+", "")
 
 
 def spelt(names: Mapping[str, str], name: str) -> str:
@@ -143,8 +157,11 @@ class Naming:
             self.take(short)
         self._note(short, name)
 
-    def declare_triggers(self, statements: Sequence[Statement]) -> None:
+    def declare_triggers(
+        self, statements: Sequence[Statement], signals: Mapping[str, Signal]
+    ) -> None:
         """Before the rows of paths, which may have such names too."""
+        kinds = {name.lower(): signal.kind for name, signal in signals.items()}
         triggers = [t for x in statements if isinstance(x, MoveStatement) for t in x.triggers]
         if not triggers:
             return
@@ -155,7 +172,8 @@ class Naming:
             hiding.update(name.lower() for own in table.values() for name in own.values())
         for trigger in triggers:
             if trigger not in self.triggers:
-                wanted = f"at_{self.get('signals', trigger.signal)}"
+                signal = self.get("signals", trigger.signal)
+                wanted = f"{signal}_{_value_word(trigger, kinds)}"
                 self.triggers[trigger] = name = self.space.free(wanted, hiding)
                 self.take(name)
 
@@ -256,7 +274,7 @@ class Scopes:
         for procedure in program.procedures:
             names.declare_inner(procedure)
         statements = tuple(program.statements())
-        names.declare_triggers(statements)
+        names.declare_triggers(statements, program.signals)
         for statement in statements:
             if isinstance(statement, Follow):
                 names.declare_rows(statement)

@@ -133,17 +133,18 @@ def with_triggers(
     move: s.ProcedureCall,
     triggers: tuple[p.Trigger, ...],
     names: Mapping[p.Trigger, str],
-    set_up: Callable[[p.Trigger, s.NameRef], s.ProcedureCall],
+    set_up: Callable[[p.Trigger], Iterator[s.ProcedureCall]],
 ) -> Iterator[s.ProcedureCall]:
     """A plain move, as one that sets outputs; in front of it what sets up their data.
 
-    names: of the variables. set_up: see `trigger_set_up`.
+    names: of the variables. set_up: yields nothing for data that is set up before.
     """
     for what, cure in _untranslatable_triggers(str(move.name), triggers):
         raise not_expressible(what, cure)
     kind = _TRIGGER_MOVES[str(move.name)]
     variables = [s.NameRef(names[trigger]) for trigger in triggers]
-    yield from map(set_up, triggers, variables)
+    for trigger in triggers:
+        yield from set_up(trigger)
     first, *others = variables
     more = (
         s.Option(name.upper(), one) for name, one in zip(FURTHER_TRIGGERS, others, strict=False)
@@ -173,6 +174,49 @@ def trigger_set_up(
         s.Positional(lower(x.value)),
     )
     return s.ProcedureCall((TRIGG_IO if x.ahead is None else TRIGG_EQUIP).word, tuple(arguments))
+
+
+def shared_triggers(program: Program) -> dict[p.Trigger, str]:
+    """Outputs whose data several moves take and that is set up once: at the start of which
+    procedure, in lower case.
+
+    That is the one from which alone all these moves are reached, such as that of a layer. What is
+    computed is set up anew before each move, as all is where vendor statements or interrupts may
+    call procedures.
+    """
+    users: dict[p.Trigger, list[str]] = {}
+    callers: dict[str, set[str]] = {}
+    for procedure in program.procedures:
+        key = procedure.name.lower()
+        for node in walk(procedure.body):
+            if isinstance(node, p.Opaque | p.Interrupt):
+                return {}
+            if isinstance(node, p.Call):
+                callers.setdefault(node.procedure.lower(), set()).add(key)
+            for trigger in node.triggers if isinstance(node, p.MoveStatement) else ():
+                users.setdefault(trigger, []).append(key)
+    entry = (program.entry or "").lower()
+
+    def way_up(key: str) -> list[str]:
+        way = [key]
+        while key != entry and len(above := callers.get(key, set())) == 1:
+            (key,) = above
+            if key in way:
+                break
+            way.append(key)
+        return way
+
+    found: dict[p.Trigger, str] = {}
+    for trigger, keys in users.items():
+        numbers = (trigger.value, trigger.amount, trigger.ahead)
+        computed = any(x is not None and e.plain_number(x) is None for x in numbers)
+        if computed or len(keys) == 1:
+            continue
+        ways = [way_up(key) for key in dict.fromkeys(keys)]
+        common = [key for key in ways[0] if all(key in way for way in ways)]
+        if common:
+            found[trigger] = common[0]
+    return found
 
 
 def _untranslatable_triggers(
@@ -216,11 +260,19 @@ _Lowered = Iterator[s.StatementNode]
 class BodyLowering:
     """Context for lowering the statements of one procedure.
 
-    names: of the complete program. expressions: with the names visible in the procedure. findings:
-    reasons for omitted statements.
+    names: of the complete program. expressions: with the names visible in the procedure.
+    set_up_before: outputs whose data is set up at the start of a procedure. findings: reasons for
+    omitted statements.
     """
 
-    def __init__(self, program: Program, names: Naming, procedure: Procedure) -> None:
+    def __init__(
+        self,
+        program: Program,
+        names: Naming,
+        procedure: Procedure,
+        set_up_before: Collection[p.Trigger],
+    ) -> None:
+        self.set_up_before = set_up_before
         key = procedure.name.lower()
         self.names, self.labels = names, names.labels[key]
         self._inner, self._counters = names.inner[key], names.counters[key]
@@ -292,7 +344,13 @@ class BodyLowering:
         parts = (blend.stops or e.Truth(False), blend.radius, *details)
         return s.AggregateNode(tuple(map(self.lower, parts)))
 
-    def set_up(self, x: p.Trigger, variable: s.NameRef) -> s.ProcedureCall:
+    def set_up(self, x: p.Trigger) -> Iterator[s.ProcedureCall]:
+        """The call that sets up the data of one output, unless that is set up before."""
+        if x not in self.set_up_before:
+            yield self.trigger_set_up(x)
+
+    def trigger_set_up(self, x: p.Trigger) -> s.ProcedureCall:
+        variable = s.NameRef(self.names.triggers[x])
         signal = self.signals.get(x.signal.lower())
         kind = signal.kind if signal else "digital"
         named = s.NameRef(self.names.get("signals", x.signal))
@@ -497,7 +555,8 @@ def build(program: Program, unit: str | None = None) -> s.File:
     items += [i for i in declared if not isinstance(i, s.Record | s.Alias | s.Routine)]
     for procedure in here:
         items += _path_targets(procedure, names, scope_of_paths(program))
-    items += [_routine_node(procedure, program, names) for procedure in here]
+    shared = shared_triggers(program)
+    items += [_routine_node(procedure, program, names, shared) for procedure in here]
     items += [i for i in declared if isinstance(i, s.Routine)]
     return s.File((s.Module(module_name(program, unit), (), gathered(items)),))
 
@@ -525,14 +584,27 @@ def _path_targets(
             yield from path_targets(statement.path, names.rows[id(statement)], scope)
 
 
-def _routine_node(procedure: Procedure, program: Program, names: Naming) -> s.Routine:
+def _routine_node(
+    procedure: Procedure,
+    program: Program,
+    names: Naming,
+    shared: Mapping[p.Trigger, str],
+) -> s.Routine:
     inner = names.inner[procedure.name.lower()]
     statements, handlers = _without_handlers(procedure.body)
-    body = BodyLowering(program, names, procedure)
+    body = BodyLowering(program, names, procedure, shared)
     variables = [
         variable_node(spelt(inner, n), v, body.expressions) for n, v in procedure.variables.items()
     ]
-    made = gathered([*variables, *body.statements(statements)])
+    here = [body.trigger_set_up(one) for one, at in shared.items() if at == procedure.name.lower()]
+    first = next(
+        (row for row, one in enumerate(statements) if not isinstance(one, p.Comment)),
+        len(statements),
+    )
+    # Below the comment that says what the procedure does.
+    title = body.statements(statements[:first]) if here else ()
+    below = statements[first:] if here else statements
+    made = gathered([*variables, *title, *here, *body.statements(below)])
     if body.findings:
         raise Refused(*body.findings)
     return s.Routine(
