@@ -118,17 +118,22 @@ class NamedConstants:
                 uses[height] += 1
                 assert isinstance(node, p.Move) and isinstance(node.target, e.Apply)
                 base = node.target.arguments[0]
-                down = isinstance(below, p.Move) and below.target == base
+                down = isinstance(below, p.Move) and _base(below) == base
+                down = down and (_height(below) or 0.0) < height
                 roles.setdefault(height, set()).add("approach" if down else "retract")
         often = [height for height, count in uses.items() if count >= _OFTEN]
         if not often or len(uses) > _MOST_HEIGHTS:
             return {}
-        # Of two heights one is for approaches and one for retracts, or neither has a name.
-        if len(uses) > 1 and any(len(roles[height]) > 1 for height in often):
+        words = {
+            height: "height" if len(uses) == 1 or len(roles[height]) > 1 else min(roles[height])
+            for height in often
+        }
+        # Names have to tell what each of two heights is for, or neither has one.
+        if len(set(words.values())) < len(words):
             return {}
         named: dict[float, str] = {}
-        for height in often:
-            name = self.new(subject, next(iter(roles[height])) if len(uses) > 1 else "height")
+        for height, word in words.items():
+            name = self.new(subject, word)
             named[height] = name
             value = e.number_of(height)
             self.variables[name] = Variable("number", value, (), "constant")
@@ -204,6 +209,14 @@ def _height(node: p.Statement | None) -> float | None:
             level = e.plain_number(x) == 0 and e.plain_number(y) == 0
             return -number if level and number is not None and number < 0 else None
     return None
+
+
+def _base(node: p.Move) -> e.Expression:
+    """Return the target that a move goes to or goes above."""
+    match node.target:
+        case e.Apply("relative", (base, *_)):
+            return base
+    return node.target
 
 
 def _subjects(program: Program) -> dict[str, str]:
