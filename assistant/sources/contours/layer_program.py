@@ -20,6 +20,7 @@ from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.base.near_names import near_name
 from assistant.base.source_text import plain_letters
 from assistant.program.geometry import Target, Vector
+from assistant.program.motion import FINE
 from assistant.program.program import Procedure, TakenNames, identifier, renamed
 from assistant.program.settings_tables import shown
 from assistant.program.statements import Call, Comment, OwnText, Statement
@@ -101,6 +102,12 @@ _TURNS_SWITCHED_ON = warning(
     "at {count} corners of layer {layer!r} the tool stops and turns on the spot while the outputs"
     " of `on` are set; the first is at {at} in `{contour}`",
     "round the corners in the drawing, or leave out `tangential`, if the process must not stay",
+)
+_STOPS_SWITCHED_ON = info(
+    "CT237",
+    "the tool stops at {count} points within the contours of layer {layer!r} while the outputs of"
+    " `on` are set: `blend` under [motion] is `fine`, and the layer states none",
+    "leave it out of [motion] to round corners within the tolerance, or give the layer a `blend`",
 )
 _POINTS_LEFT_OUT = info(
     "CT108",
@@ -431,7 +438,7 @@ def _layer_procedure(
     thinned, dropped = 0.0, sum(one.dropped for one in kept)
     wound = 0.0 if before is not None and _is_reached_by_lines(before, layer) else None
     top = highest_point(drawn, placed) if layer.above.height is not None else 0.0
-    corners = 0
+    corners = stops = 0
     turns: list[tuple[str, Floats]] = []
     numbers: list[int] = []
     of_number = {
@@ -458,6 +465,7 @@ def _layer_procedure(
                 )
             else:
                 count += 1
+                stops += len(rows) - 1
                 numbers.append(main.number)
                 deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
                 if one.dropped or rows.dropped:
@@ -493,6 +501,8 @@ def _layer_procedure(
         findings.append(
             _TURNS_SWITCHED_ON(layer=shown(name), count=len(turns), at=where, contour=path_name)
         )
+    if stops and layer.on and layer.motion.blend == FINE and not (layer.rounded or layer.own_blend):
+        findings.append(_STOPS_SWITCHED_ON(layer=shown(name), count=stops))
     if count and (slow := layer.pace.corner) is not None:
         about: dict[str, Any] = {
             "layer": shown(name),

@@ -254,6 +254,12 @@ _LAYERS_MINGLED: Final = warning(
     " are done",
     "draw them on one layer, or say inside_first = false for {layer!r}",
 )
+_LAYER_LATER: Final = info(
+    "CT335",
+    "layer {layer!r} comes first in the drawing, but is worked after layer {inner!r}, of which"
+    " {count} contours lie inside its own",
+    "say inside_first = false for {layer!r} to keep the order of the drawing",
+)
 
 
 _NARROW_OFFSETS: Final = 2.0
@@ -637,6 +643,11 @@ class PathShaper:
             for inner, count in self._waits_for(row, left).items():
                 name, other = (shown(self.layers[k][1][0].layer) for k in (row, inner))
                 self.findings.append(_LAYERS_MINGLED(layer=name, inner=other, count=count))
+            for earlier in left:
+                within = self._waits_for(earlier, left).get(row)
+                if earlier < row and within:
+                    name, other = (shown(self.layers[k][1][0].layer) for k in (earlier, row))
+                    self.findings.append(_LAYER_LATER(layer=name, inner=other, count=within))
             del left[row]
             order.append(row)
         return order

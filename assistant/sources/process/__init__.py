@@ -408,6 +408,7 @@ class Layer:
     drawing's frame (0, 0, -1: down). tangential: the tool's x axis follows the contour.
     delay: seconds after switching on. inside_first: contours that lie inside closed ones are run
     before them. rounded: the file states no blend, and corners are rounded within the tolerance.
+    own_blend: the layer's table states the blend.
     shaping: offset of the tool from a contour, and its leads.
     order: of the contours. pace, switching, above: where speed and outputs change, and the motion
     between contours.
@@ -425,6 +426,7 @@ class Layer:
     delay: float = 0.0
     inside_first: bool = True
     rounded: bool = False
+    own_blend: bool = False
     shaping: Shaping = _AS_DRAWN
     order: OrderKind = "travel"
     pace: SpeedProfile = _EVEN_SPEED

@@ -181,8 +181,8 @@ NEEDS_OTHER_KEY = error(
 )
 SWITCHED_TOO_EARLY = error(
     "CT342",
-    "`{key}` is {wanted:g} mm of the way{how}, of which `{of}` leaves {length:g} mm",
-    "give less, or a larger `{of}`",
+    "`{key}` is {wanted:g} mm of the way{how}, of which `{of}` leaves {length:g} mm{corner}",
+    "give less, or a larger `{of}`{other}",
 )
 JOINT_TRAVEL_AT_WORK = error(
     "CT343",
@@ -314,19 +314,26 @@ def check_contour_motion(table: Table, layer: Layer, *, planned: bool) -> None:
         approach, retract = min(approach, above.height), above.height
     if blend > lowest:
         table.say(TRAVEL_BLEND_TOO_WIDE, "travel_blend", blend=blend, length=lowest)
+    corner = {"corner": "", "other": ""}
+    if blend:
+        corner = {
+            "corner": f": `travel_blend` takes {blend:g} mm",
+            "other": " or a smaller `travel_blend`",
+        }
     # The plunge has the slower of both speeds, see `follow_contour`.
     slow = min(speed.tcp, travel) if isinstance(speed, Speed) else travel
     if (before := switching.on_before) is not None:
         wanted, how = before.mm + before.seconds * slow, f" at {slow:g} mm/s"
         if wanted > max(approach - blend, 0.0):
-            said = {"how": how if before.seconds else "", "of": "approach"}
+            said = {"how": how if before.seconds else "", "of": "approach", **corner}
             left = max(approach - blend, 0.0)
             table.say(
                 SWITCHED_TOO_EARLY, "on_before", key="on_before", wanted=wanted, length=left, **said
             )
     left = max(retract - blend, 0.0)
     if (after := switching.off_after) is not None and after.mm > left:
-        said = {"how": "", "of": "retract" if above.height is None else "travel_height"}
+        of = "retract" if above.height is None else "travel_height"
+        said = {"how": "", "of": of, **corner}
         table.say(
             SWITCHED_TOO_EARLY, "off_after", key="off_after", wanted=after.mm, length=left, **said
         )
@@ -449,7 +456,16 @@ def layer_of(name: str, table: Table, defaults: Defaults, names: DefinedNames) -
     ways = contour_motion_of(table, found)
     found.setdefault("travel", defaults.travel)
     motion = Motion(**(usual | parts))
-    layer = Layer(process, motion, rounded=rounded, shaping=shaping, **switched, **ways, **found)
+    layer = Layer(
+        process,
+        motion,
+        rounded=rounded,
+        own_blend="blend" in parts,
+        shaping=shaping,
+        **switched,
+        **ways,
+        **found,
+    )
     check_contour_motion(table, layer, planned=defaults.travels)
     return layer
 

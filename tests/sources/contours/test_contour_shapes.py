@@ -434,3 +434,59 @@ def test_a_part_in_the_opening_of_one_on_other_layers_has_an_outline(tmp_path):
     path = drawn(tmp_path, draw, PROCESS + tables)
     assert texts_on(path, "CUT_INSIDE") == ["opening"]
     assert texts_on(path, "CUT_ISLAND") == ["outline"]
+
+
+SEALED = """\
+[motion]
+frame = "table"
+blend = "fine"
+[frames.table]
+position = [450, -75, 300]
+[signals.valve]
+direction = "output"
+[layers.RIM]
+[layers.SEAL]
+process = "sealant"
+on = {valve = 1}
+off = {valve = 0}
+on_before = {mm = 2}
+off_before = {mm = 4}
+approach = 15
+travel_height = 50
+"""
+
+
+def sealed(model):
+    square(model, (0, 0), (180, 120), "RIM")
+    square(model, (20, 20), (80, 80), "SEAL")
+    square(model, (100, 20), (160, 80), "SEAL")
+
+
+def test_outputs_on_the_way_are_named_and_set_up_once(tmp_path):
+    made = assistant.compile(
+        drawn(tmp_path, sealed, SEALED), language="rapid", robot="irb1200-7-0.7"
+    )
+    assert made.ok, made.findings
+    (text,) = (raw.decode() for raw in made.files.values())
+    assert re.findall(r"VAR triggdata (\w+);", text) == ["valve_on", "valve_off"]
+    assert re.findall(r"TriggIO (\w+),", text) == ["valve_on", "valve_off"]
+    layer = text[text.index("PROC SEAL") :].partition("ENDPROC")[0]
+    assert (
+        layer.index("! sealant") < layer.index("TriggIO valve_on") < layer.index("seal_closed_1;")
+    )
+    assert text.count("TriggL ") == 4
+    # A single height for the travel to the contours and away from them.
+    assert "CONST num seal_height:=50;" in text and "seal_retract" not in text
+
+
+def test_notes_on_the_order_of_layers_and_on_stops(tmp_path):
+    def told(process):
+        reading = load(drawn(tmp_path, sealed, process))
+        return {f.code: f.message for f in reading.findings if f.code in ("CT335", "CT237")}
+
+    found = told(SEALED)
+    assert "layer 'RIM' comes first" in found["CT335"] and "2 contours" in found["CT335"]
+    assert "at 6 points" in found["CT237"] and "layer 'SEAL'" in found["CT237"]
+    without = SEALED.replace("[layers.RIM]", "[layers.RIM]\ninside_first = false")
+    assert told(without.replace('blend = "fine"\n', "")) == {}
+    assert told(without + 'blend = "fine"\n') == {}

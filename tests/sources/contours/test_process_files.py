@@ -62,6 +62,7 @@ def test_the_example_of_the_documentation():
             on=(("glue", 1.0),),
             off=(("glue", 0.0),),
             delay=0.2,
+            own_blend=True,
             shaping=Shaping(
                 offset=3.0,
                 way_round="climb",
@@ -133,7 +134,9 @@ def test_a_layer_takes_from_motion_what_it_does_not_say():
         """
     )
     assert process.defaults == Defaults("joint", Speed(70.0), Blend(2.5), "torch", "base")
-    assert process.layers["CUT"] == Layer("CUT", Motion(Speed(70.0), FINE, "torch", "base"))
+    assert process.layers["CUT"] == Layer(
+        "CUT", Motion(Speed(70.0), FINE, "torch", "base"), own_blend=True
+    )
     assert process.tools["torch"].tip.quaternion == pytest.approx((0, 0, 1, 0), abs=1e-12)
     assert not process.tools["torch"].held
 
@@ -409,7 +412,7 @@ GLUE = "[signals.glue]\n[motion]\nspeed = 50\n[layers.GLUE]\non = {glue = 1}\nof
     [
         ("on_before = {mm = 60}", "CT342", "`on_before` is 60 mm"),
         ("on_before = {seconds = 1.1}", "CT342", "55 mm of the way at 50 mm/s"),
-        ("on_before = {mm = 45}\ntravel_blend = 10", "CT342", "leaves 40 mm"),
+        ("on_before = {mm = 45}\ntravel_blend = 10", "CT342", "40 mm: `travel_blend` takes 10 mm"),
         ("off_after = {mm = 51}", "CT342", "`retract` leaves 50 mm"),
         ("off_after = {mm = 31}\ntravel_height = 30", "CT342", "`travel_height` leaves 30 mm"),
         ("on_before = {mm = 5}\non_after = {mm = 5}", "CT340", "`on_before` and `on_after`"),
