@@ -378,13 +378,26 @@ class _TargetReader:
             if target.complete and stated != "joint":
                 visit.at("kind").say(_JOINTS_BY_LINE, "kind", name=marked(target.name), kind=stated)
         via = self._visited[-1][0].target.name if self._visited else ""
-        self._visited.append((visit, kind))
+        stands = self._stands_at(visit, kind)
+        if stands:
+            visit.table.say(_STANDS_THERE, "to", name=marked(target.name))
+        else:
+            self._visited.append((visit, kind))
         if comment := " ".join(found.get("comment", "").split()):
             # A comment is one line of a program: control characters would end it.
             yield Comment("".join(c for c in comment if c.isprintable()))
-        if target.complete:
+        if target.complete and not stands:
             yield from self._move(visit, kind, via)
         yield from self._after(visit, kind)
+
+    def _stands_at(self, visit: _Visit, kind: Kind) -> bool:
+        """True if the move before has ended at the target, in a stop."""
+        if not self._visited:
+            return False
+        before, came = self._visited[-1]
+        blend = before.found.get("blend", self.process.defaults.motion.blend)
+        arcs = (Kind.VIA, Kind.END)
+        return before.target is visit.target and blend == FINE and not {kind, came} & {*arcs}
 
     def _move(self, visit: _Visit, kind: Kind, via: str) -> Iterator[Statement]:
         name, defaults = Name(visit.target.name), self.process.defaults
@@ -463,6 +476,12 @@ class _TargetReader:
             self._visited[row][0].at("kind").say(rows.BROKEN_ARC, "kind", what=what)
 
 
+_STANDS_THERE: Final = info(
+    "TB517",
+    "the arm stands at {name} already: the move there is left out, and what it sets and waits for"
+    " follows",
+    "",
+)
 _KNOWN: Final[Mapping[str, tuple[Rule, Callable[[str, Process], str | None]]]] = {
     "tool": (rows.UNKNOWN_TOOL, rows.known_tool),
     "frame": (rows.UNKNOWN_FRAME, rows.known_frame),

@@ -136,15 +136,27 @@ def test_moves_name_a_target_as_often_as_wanted() -> None:
 def test_a_move_may_state_what_its_target_does_not() -> None:
     one = POSE + 'comment = "here"\nset = {glue = 1}\nwait = 1\n'
     text = (
-        'moves = ["p", {to = "p", comment = "away", set = {glue = 0}, wait = 2, blend = 4}, "p"]\n'
+        'moves = ["q", {to = "p", comment = "away", set = {glue = 0}, wait = 2, blend = 4}, "p"]\n'
     )
-    body = read(f'{text}[[targets]]\nname = "p"\n{one}', CELL).program.procedures[0].body
+    targets = "".join(f'[[targets]]\nname = "{name}"\n{one}' for name in "pq")
+    body = read(text + targets, CELL).program.procedures[0].body
     said = [s.text for s in body if isinstance(s, Comment)]
     assert said == ["here", "away", "here"]
     assert [s.value for s in body if isinstance(s, SetSignal)] == [Number(1), Number(0), Number(1)]
     assert [s.seconds for s in body if isinstance(s, Wait)] == [Number(1), Number(2), Number(1)]
     corners = [s.motion.blend for s in body if isinstance(s, Move)]
     assert corners == [FINE, Blend(4.0), FINE]
+
+
+def test_a_move_to_where_the_arm_stands_is_left_out() -> None:
+    step = '{to = "home", set = {glue = 0}, wait = 2}'
+    stop = '{to = "home", blend = "fine"}'
+    reading = read(f'moves = ["pick", {stop}, {step}, "home", "pick"]\n{PLACES}', CELL)
+    moves = [s.target.name for s in reading.program.statements() if isinstance(s, Move)]
+    assert moves == ["pick", "Home", "pick"]
+    assert [s.seconds for s in reading.program.statements() if isinstance(s, Wait)] == [Number(2)]
+    codes = [f.code for f in reading.findings]
+    assert codes.count("TB517") == 2 and "`Home`" in reading.findings[codes.index("TB517")].message
 
 
 def test_a_target_that_no_move_leads_to_is_told() -> None:
