@@ -14,16 +14,17 @@ from assistant.base import rotations
 from assistant.base.arrays import Floats, finite_row, number_of, number_within, reals
 from assistant.base.diagnostics import Refused, Severity, error, has_errors
 from assistant.compiler.arms import robot_of
-from assistant.compiler.loader import language_of
+from assistant.compiler.loader import equipment_facts, language_of
+from assistant.compiler.program_forms import with_structure
 from assistant.program.analysis.uses import without_unused_equipment
 from assistant.program.expressions import JointValue
 from assistant.program.geometry import FLANGE, Frame, JointTarget, Load, Pose, Tool
 from assistant.program.motion import FINE, Blend, Kind, Speed
 from assistant.program.program import Program, identifier
 from assistant.program.se3 import NO_POSES, AnyPose, AnyPoses, Unit, pose_of
-from assistant.program.statements import Motion, MoveJoints
+from assistant.program.statements import Motion, MoveJoints, OwnText
 from assistant.robots import Robot
-from assistant.sources.process import NO_PROCESS, Process
+from assistant.sources.process import NO_PROCESS, NO_STYLE, Process
 from assistant.sources.process.file import read_process
 from assistant.sources.tables import rows
 from assistant.sources.tables.headers import shown
@@ -81,7 +82,7 @@ _LENGTHS: Final[Mapping[str, Unit]] = {"rad": "m", "deg": "mm"}
 """Unit of the lengths that go with joints in radians, as in roboticstoolbox, and in degrees."""
 TOOL: Final = "tool"
 FRAME: Final = "frame"
-"""Name for a tool or a frame given by value."""
+"""End of the name of a tool or a frame given by value, after the name of the program."""
 
 
 def from_poses(
@@ -117,7 +118,7 @@ def from_poses(
     Warnings are issued as Python warnings; errors raise Refused.
     """
     given = {TOOL: tool, FRAME: frame}
-    stated = _process(process, speed, percent, blend, given, robot, unit)
+    stated = _process(process, speed, percent, blend, given, robot, unit, str(name))
     if travel is not None:
         defaults = replace(stated.defaults, travel=Speed(_positive(travel, "travel")))
         stated = replace(stated, defaults=defaults)
@@ -125,7 +126,12 @@ def from_poses(
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
             warnings.warn(str(finding), stacklevel=2)
-    return without_unused_equipment(reading.program)
+    program = without_unused_equipment(reading.program)
+    program = replace(
+        program, comments=(*program.comments, *map(OwnText, equipment_facts(program)))
+    )
+    # As a table of the same poses: a procedure for each path, with what it is.
+    return with_structure(program, NO_STYLE)
 
 
 def from_joints(
@@ -157,7 +163,8 @@ def from_joints(
     """
     if not isinstance(unit, str) or unit not in _LENGTHS:
         raise Refused(_JOINT_UNIT(place="unit", unit=shown(str(unit))))
-    stated = _process(process, speed, percent, blend, {TOOL: tool}, robot, _LENGTHS[unit])
+    length = _LENGTHS[unit]
+    stated = _process(process, speed, percent, blend, {TOOL: tool}, robot, length, str(name))
     arm = robot_of(stated.robot if robot is None else robot)
     if arm is None:
         raise Refused(_NO_ARM(place="robot"))
@@ -191,10 +198,12 @@ def _process(
     places: Mapping[str, Any],
     robot: str | Robot | None,
     unit: Unit | None,
+    program: str,
 ) -> Process:
     """Return a process file with the options given beside it; raise Refused.
 
-    places: tool and frame, None if not given. unit: of those that are SE3 or matrices.
+    places: tool and frame, None if not given. unit: of those that are SE3 or matrices. program: its
+    name, with which those begin that are given by value: a task may run several programs.
     """
     if given is None:
         given = NO_PROCESS
@@ -208,9 +217,9 @@ def _process(
         changed["blend"] = _blend(blend)
     tools, frames = dict(stated.tools), dict(stated.frames)
     if places.get(TOOL) is not None:
-        changed[TOOL] = _declared(places[TOOL], TOOL, Tool, tools, unit)
+        changed[TOOL] = _declared(places[TOOL], TOOL, Tool, tools, unit, program)
     if places.get(FRAME) is not None:
-        changed[FRAME] = _declared(places[FRAME], FRAME, Frame, frames, unit)
+        changed[FRAME] = _declared(places[FRAME], FRAME, Frame, frames, unit, program)
     arm = stated.robot if robot is None else getattr(robot_of(robot), "name", None)
     defaults = replace(stated.defaults, **changed)
     return replace(stated, defaults=defaults, tools=tools, frames=frames, robot=arm)
@@ -261,11 +270,12 @@ def _declared(
     kind: type[Tool] | type[Frame],
     table: dict[str, Any],
     unit: Unit | None,
+    program: str,
 ) -> str:
     """Return the name of a tool or frame, and add it to the table if it is given by value."""
     if isinstance(given, str):
         return given
-    free = identifier(name, frozenset(table))
+    free = identifier(f"{program}_{name}", frozenset(table))
     table[free] = _tool_or_frame(given, name, kind, unit)
     return free
 

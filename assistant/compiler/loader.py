@@ -133,6 +133,11 @@ def load(
 def _facts(program: Program, source: FilePath) -> Iterator[str]:
     """Yield comments for the program of a table: its file, tools and frames."""
     yield f"table {source.name}"
+    yield from equipment_facts(program)
+
+
+def equipment_facts(program: Program) -> Iterator[str]:
+    """Yield a comment that names the tools and frames that a program moves with."""
     tools: dict[str, None] = {}
     frames: dict[str, None] = {}
     for node in program.statements():

@@ -16,6 +16,7 @@ import assistant
 from assistant.base.diagnostics import Severity
 from assistant.program.geometry import Pose, Tool
 from assistant.program.motion import FINE, Blend
+from assistant.program.statements import Follow
 
 IRB, RV, FIVE = "irb1200-7-0.7", "rv-4frl", "rv-2aj"
 START, END = np.radians([0, 0, 0, 0, 30, 0]), np.radians([40, 20, 10, 5, 60, 30])
@@ -159,6 +160,18 @@ def test_metres_taken_as_millimetres_are_named_as_a_cause():
 LINE = [SE3(0.3, y, 0.3) * SE3.Rx(180, "deg") for y in (-0.1, 0.0, 0.1)]
 
 
+def paths_of(program):
+    return [s.path for s in program.statements() if isinstance(s, Follow)]
+
+
+def test_poses_have_the_form_of_a_table(tmp_path):
+    gun = Tool(Pose((0, 0, 50)))
+    program = assistant.from_poses(LINE, unit="m", name="lid", tool=gun, robot=IRB)
+    text = text_of(program, language="rapid")
+    assert "! tool lid_tool, frame wobj0" in text or "! tool lid_tool, frame base" in text
+    assert re.search(r"PROC follow_lid\(\)\s+! lid: 3 points, 200 mm", text)
+
+
 def test_poses_take_speed_blend_tool_and_frame():
     program = assistant.from_poses(
         LINE,
@@ -172,10 +185,12 @@ def test_poses_take_speed_blend_tool_and_frame():
     )
     text = text_of(program, language="rapid")
     assert "[TRUE,[[0,0,120],[1,0,0,0]]" in text
-    assert re.search(r"PERS wobjdata frame:=\[FALSE,TRUE,\"\",\[\[10,20,30\],\[1,0,0,0\]\]", text)
+    assert re.search(
+        r"PERS wobjdata seam_frame:=\[FALSE,TRUE,\"\",\[\[10,20,30\],\[1,0,0,0\]\]", text
+    )
     move = re.search(r"Move[LJ] .*", text)[0]
-    assert "tool" in move and "\\WObj:=frame" in move
-    (path,) = [s.path for s in program.statements()]
+    assert "seam_tool" in move and "\\WObj:=seam_frame" in move
+    (path,) = paths_of(program)
     assert [path.blends[i] for i in path.blend] == [FINE, Blend(2.0), FINE]
     speeds = [path.speeds[i].tcp for i in path.speed]
     assert speeds == [200.0, 25.0, 25.0], "the way to the first pose is no part of the seam"
@@ -189,13 +204,13 @@ def test_tools_and_frames_are_taken_in_every_form():
     first = assistant.from_poses(LINE, unit="m", tool=tip, frame=tip.A)
     again = assistant.from_poses(poses, tool=wanted, frame=wanted)
     for program in (first, again):
-        assert program.tools["tool"].tip.matrix == pytest.approx(wanted.matrix)
-        assert program.frames["frame"].pose.matrix == pytest.approx(wanted.matrix)
-    assert [s.path.positions.tolist() for s in first.statements()] == [
-        s.path.positions.tolist() for s in again.statements()
+        assert program.tools["path_tool"].tip.matrix == pytest.approx(wanted.matrix)
+        assert program.frames["path_frame"].pose.matrix == pytest.approx(wanted.matrix)
+    assert [one.positions.tolist() for one in paths_of(first)] == [
+        one.positions.tolist() for one in paths_of(again)
     ]
     swing = assistant.from_joints(WAY, unit="rad", robot=IRB, tool=tip)
-    assert swing.tools["tool"].tip.matrix == pytest.approx(wanted.matrix)
+    assert swing.tools["path_tool"].tip.matrix == pytest.approx(wanted.matrix)
 
 
 @pytest.mark.parametrize(
@@ -223,7 +238,7 @@ def test_tools_by_value_by_name_and_from_a_process_file(tmp_path):
     assert named.tools["tool"].tip.position == (0, 0, 50)
     tool = Tool(Pose((0.0, 0.0, 9.0)))
     both = assistant.from_poses(LINE, unit="m", tool=tool, process=file, blend="fine")
-    (path,) = [s.path for s in both.statements()]
+    (path,) = paths_of(both)
     assert both.tools == {path.tools[0]: tool}, "the heading lists only what is used"
     assert path.speeds[0].tcp == 40.0 and set(path.blends) == {FINE}
     with pytest.raises(assistant.Refused, match=r"TB301.*did you mean|TB301.*declare"):
@@ -293,7 +308,7 @@ def test_that_of_a_process_file_is_nothing_to_an_arm_that_takes_mm_s(tmp_path):
 
 def test_a_process_file_states_the_tool_of_a_program_anew(tmp_path):
     process = tmp_path / "lab.process.toml"
-    process.write_text("[tools.tool]\ntip = [0, 0, 77]\nmass = 1\ncentre = [0, 0, 40]\n")
+    process.write_text("[tools.path_tool]\ntip = [0, 0, 77]\nmass = 1\ncentre = [0, 0, 40]\n")
     way = [Pose((300 + x, 0, 400), (0, 0, 1, 0)) for x in (0, 10)]
     program = assistant.from_poses(way, robot=IRB, tool=[0, 0, 50])
     assert "[[0,0,77]" in text_of(program, language="rapid", process=process)
