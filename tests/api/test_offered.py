@@ -60,7 +60,7 @@ def test_what_python_prints_is_short():
     compiled = assistant.compile(loaded, language="rapid", robot=IRB)
     count = sum(1 for _ in compiled.source.statements())
     assert re.fullmatch(
-        r"<Program plate: 9 procedures, \d+ statements, \d+ targets>", repr(loaded.program)
+        r"<Program plate: 10 procedures, \d+ statements, \d+ targets>", repr(loaded.program)
     )
     assert count <= int(re.search(r"(\d+) statements", repr(loaded.program))[1])
     assert re.fullmatch(r"<Compiled plate in rapid: proven, plate.mod, 8 findings>", repr(compiled))
