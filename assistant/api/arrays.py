@@ -92,6 +92,8 @@ def from_poses(
     name: str = "path",
     speed: float | None = None,
     travel: float | None = None,
+    approach: float | None = None,
+    retract: float | None = None,
     percent: float | None = None,
     blend: float | Literal["fine"] | None = None,
     tool: str | Tool | AnyPose | None = None,
@@ -106,22 +108,27 @@ def from_poses(
     SE3, matrices or `Pose`. unit: of their positions, "mm" or "m"; it is not guessed,
     roboticstoolbox uses metres; a `Pose` is in mm whatever the unit. speed: mm/s of the tool along
     the poses, 100 if nothing else states it; travel: mm/s of the joint move to the first pose, 200
-    if nothing else states it; percent: of the joints' greatest speed, for that joint move in
-    languages that state joint moves so; without it `joint_percent` of the process file. blend: mm
-    at which a corner may be rounded, the first and the last pose are stops; "fine" to stop at each;
-    without one, corners are rounded within the tolerance. tool: name of a tool in the process file,
-    or a value: its tip in the flange as three numbers in mm, as a `Pose`, as an SE3 or matrix in
-    `unit`, or a complete `Tool`. frame: the frame of the poses, in the same forms, in the robot's
-    base. robot: the arm that runs the program. process: file with tools, frames, signals and all
-    that is not stated here.
+    if nothing else states it; approach, retract: mm along the tool's axis in a line to the first
+    pose and away from the last one, 0 if nothing else states them; percent: of the joints' greatest
+    speed, for that joint move in languages that state joint moves so; without it `joint_percent` of
+    the process file. blend: mm at which a corner may be rounded, the first and the last pose are
+    stops; "fine" to stop at each; without one, corners are rounded within the tolerance. tool: name
+    of a tool in the process file, or a value: its tip in the flange as three numbers in mm, as a
+    `Pose`, as an SE3 or matrix in `unit`, or a complete `Tool`. frame: the frame of the poses, in
+    the same forms, in the robot's base. robot: the arm that runs the program. process: file with
+    tools, frames, signals and all that is not stated here.
 
     Warnings are issued as Python warnings; errors raise Refused.
     """
     given = {TOOL: tool, FRAME: frame}
     stated = _process(process, speed, percent, blend, given, robot, unit, str(name))
+    ways: dict[str, Any] = {}
     if travel is not None:
-        defaults = replace(stated.defaults, travel=Speed(_positive(travel, "travel")))
-        stated = replace(stated, defaults=defaults)
+        ways["travel"] = Speed(_positive(travel, "travel"))
+    for key, length in (("approach", approach), ("retract", retract)):
+        if length is not None:
+            ways[key] = _length(length, key)
+    stated = replace(stated, defaults=replace(stated.defaults, **ways))
     reading = read_poses(poses, replace(stated, merges=True), str(name), unit=unit)
     for finding in (*stated.findings, *reading.findings):
         if finding.severity is Severity.WARNING:
@@ -239,6 +246,14 @@ def _positive(given: float, place: str) -> float:
     value = number_of(given, place)
     if not value > 0.0:
         raise Refused(rows.TOO_SLOW(place=place, what=f"the {place}", value=value, more=""))
+    return value
+
+
+def _length(given: float, place: str) -> float:
+    """Return a length in mm that is not negative; raise Refused."""
+    value = number_of(given, place)
+    if value < 0.0:
+        raise Refused(rows.NEGATIVE(place=place, what=f"the {place}", value=value, more=""))
     return value
 
 

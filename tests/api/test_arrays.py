@@ -13,10 +13,10 @@ from roboticstoolbox import jtraj
 from spatialmath import SE3
 
 import assistant
-from assistant.base.diagnostics import Severity
+from assistant.base.diagnostics import Refused, Severity
 from assistant.program.geometry import Pose, Tool
-from assistant.program.motion import FINE, Blend
-from assistant.program.statements import Follow
+from assistant.program.motion import FINE, Blend, Kind, Speed
+from assistant.program.statements import Follow, Move
 
 IRB, RV, FIVE = "irb1200-7-0.7", "rv-4frl", "rv-2aj"
 START, END = np.radians([0, 0, 0, 0, 30, 0]), np.radians([40, 20, 10, 5, 60, 30])
@@ -317,3 +317,27 @@ def test_a_process_file_states_the_tool_of_a_program_anew(tmp_path):
 def test_the_percentage_of_poses_is_one(tmp_path):
     with pytest.raises(assistant.Refused, match="TB435"):
         assistant.from_poses([Pose((300, 0, 400), (0, 0, 1, 0))], percent=0)
+
+
+def test_lines_lead_to_the_first_pose_and_away_from_the_last_one() -> None:
+    poses = np.zeros((5, 7))
+    poses[:, 0], poses[:, 1], poses[:, 2], poses[:, 4] = 500, range(0, 50, 10), 300, 1
+    made = assistant.from_poses(
+        poses, unit="mm", name="bead", speed=20, travel=90, approach=40, retract=60
+    )
+    main, bead = made.procedures
+    first, _, last = main.body
+    assert isinstance(first, Move) and isinstance(last, Move)
+    assert (first.kind, first.motion.speed, first.motion.blend) == ("joint", Speed(90.0), FINE)
+    assert (last.kind, last.motion.speed, last.motion.blend) == ("linear", Speed(90.0), FINE)
+    (path,) = (one.path for one in bead.body if isinstance(one, Follow))
+    assert set(path.kinds.tolist()) == {Kind.LINEAR} and path.speeds[path.speed[0]] == Speed(20.0)
+    # The tool points down, against its own z axis.
+    assert made.targets["bead_approach"].pose.position == pytest.approx((500, 0, 340))
+    assert made.targets["bead_retract"].pose.position == pytest.approx((500, 40, 360))
+
+
+@pytest.mark.parametrize("key", ["approach", "retract"])
+def test_lengths_of_ways_are_not_negative(key: str) -> None:
+    with pytest.raises(Refused, match="must not be negative"):
+        assistant.from_poses([Pose((500.0, 0.0, 300.0))] * 2, unit="mm", **{key: -1.0})

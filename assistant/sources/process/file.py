@@ -26,7 +26,7 @@ names are letters, digits and `_`, a letter first.
     blend = "fine"                # or mm; left out: paths round corners within the tolerance
     tool = "nozzle"               # a tool of this file, or tool0, the bare flange
     frame = "table"               # a frame of this file, or base, the robot's base frame
-    approach = 0                  # mm in a line to locations of a drawing, along the tool axis
+    approach = 0                  # mm in a line to locations and to paths, along the tool axis
     retract = 0                   # and away from them
     travel = 200                  # mm/s to the first point of a path, and between contours
 

@@ -7,10 +7,10 @@ matrices.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Refused, Severity, error, info, warning
 from assistant.base.near_names import near_name
 from assistant.program.expressions import Name
-from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
+from assistant.program.geometry import BASE, FLANGE, JointTarget, Pose, Target
 from assistant.program.motion import FINE, Blend, Kind, Path, Speed
 from assistant.program.program import (
     MANGLED,
@@ -481,8 +481,35 @@ def paths_program(
             )
             body.append(Move(kind, Name(target), motion))  # type: ignore[arg-type]
         else:
-            body.append(Follow(path))
+            body += _between_places_above(path, process, targets)
     return program_of(name, body, process, targets, comments=comments)
+
+
+def _between_places_above(
+    path: Path, process: Process, targets: dict[str, Target]
+) -> Iterator[Statement]:
+    """A path with the lines to its start and away from its end that `approach` and `retract` ask
+    for, along the axis of the tool; the targets above are added.
+
+    A start that states itself how it is reached has no line to it.
+    """
+    travel = process.defaults.travel
+
+    def above(row: int, length: float, name: str, kind: Literal["joint", "linear"]) -> Move:
+        target = path.target(row)
+        back = Pose((0.0, 0.0, -length))
+        targets[f"{path.name}_{name}"] = replace(target, pose=target.pose @ back)
+        tool, frame = path.tools[path.tool[row]], path.frames[path.frame[row]]
+        return Move(kind, Name(f"{path.name}_{name}"), Motion(travel, FINE, tool, frame))
+
+    if process.defaults.approach and begins_with_approach(path.kinds):
+        yield above(0, process.defaults.approach, "approach", "joint")
+        kinds, speed = path.kinds.copy(), path.speed.copy()
+        kinds[0], speed[0] = Kind.LINEAR, speed[1]
+        path = replace(path, kinds=kinds, speed=speed)
+    yield Follow(path)
+    if process.defaults.retract:
+        yield above(-1, process.defaults.retract, "retract", "linear")
 
 
 def program_of(
