@@ -24,7 +24,7 @@ from assistant.program import statements as p
 from assistant.program.analysis.declared_types import KnownTypes, Spelling, known_types
 from assistant.program.geometry import Load
 from assistant.program.motion import Blend, Speed
-from assistant.program.program import Procedure, Program, Variable
+from assistant.program.program import Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import Body, map_bodies, map_expressions, map_head, rewrite
 from assistant.program.statements import Measure
 
@@ -262,10 +262,15 @@ class Motions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arrays:
-    """The most dimensions of an array, and the most elements of one dimension."""
+    """The most dimensions of an array, and the most elements of one dimension.
+
+    listed: types of arrays that the controller keeps beside the program, where a person may teach
+    their elements; those that nothing changes need no assignments.
+    """
 
     dimensions: int
     elements: int
+    listed: frozenset[ValueType] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,6 +12,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
@@ -20,7 +21,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.definite_assignment import AssignmentAnalysis
 from assistant.program.analysis.motion_use import Setting, left_settings
-from assistant.program.analysis.uses import changed_variables, declared
+from assistant.program.analysis.uses import changed_locals, changed_variables, declared
 from assistant.program.expressions import Name
 from assistant.program.passes.procedure_forms import NOTHING
 from assistant.program.program import Procedure, Program, ValueType, Variable, identifier
@@ -81,9 +82,10 @@ def with_taught_positions(job: Legalisation) -> Program:
     """Return the program with a target for each persistent position that nothing in it changes.
 
     Such a controller keeps targets beside the program, where a person may teach them: a first value
-    in the program would overwrite what was taught.
+    in the program would overwrite what was taught. For the same reason arrays of places that
+    nothing changes are constants from here on, see `with_filled_arrays`.
     """
-    program, can = job.program, job.can.variables
+    program, can = _with_constant_arrays(job), job.can.variables
     kept = program.origin is not None and program.origin.language in job.can.kin
     positions = {
         name: variable.initial.target
@@ -96,6 +98,55 @@ def with_taught_positions(job: Legalisation) -> Program:
     targets = {name: x for name, x in positions.items() if name.lower() not in changed}
     variables = {name: one for name, one in program.variables.items() if name not in targets}
     return replace(program, targets={**program.targets, **targets}, variables=variables)
+
+
+def _with_constant_arrays(job: Legalisation) -> Program:
+    """Return the program whose arrays of stated places are constants if nothing changes them."""
+    program, can = job.program, job.can.variables
+
+    def stored(
+        variables: Mapping[str, Variable], changed: Callable[[], frozenset[str]]
+    ) -> dict[str, Variable]:
+        made = dict(variables)
+        for name, one in variables.items():
+            if not _is_taught(one, job) or (can is not None and can.external(name, one)):
+                continue
+            if name.lower() not in changed():
+                made[name] = replace(one, storage="constant")
+            elif one.storage == "constant":
+                made[name] = replace(one, storage="variable")
+        return made
+
+    procedures = tuple(
+        replace(q, variables=stored(q.variables, partial(changed_locals, program, q)))
+        for q in program.procedures
+    )
+    variables = stored(program.variables, partial(changed_variables, program))
+    return replace(program, variables=variables, procedures=procedures)
+
+
+def _is_taught(variable: Variable, job: Legalisation) -> bool:
+    """True for an array of stated places, which the language can keep beside the program."""
+    can = job.can.arrays
+    if can is None or variable.type not in can.listed or not variable.size:
+        return False
+    if len(variable.size) > can.dimensions or max(variable.size) > can.elements:
+        return False
+    if not _has_all_values(variable.initial, variable.size):
+        return False
+    given = [one for _, one in values_by_place(variable) if one != e.NEVER_GIVEN]
+    return bool(given) and all(isinstance(one, e.TargetValue | e.JointValue) for one in given)
+
+
+def values_by_place(variable: Variable) -> Iterator[tuple[tuple[int, ...], e.Expression]]:
+    """The indices and first values of the elements of an array that has one for each."""
+    for place in itertools.product(*(range(1, n + 1) for n in variable.size)):
+        value = variable.initial
+        for index in place:
+            assert isinstance(value, e.Aggregate)
+            value = value.items[index - 1]
+        if value is not None:
+            yield place, value
 
 
 def _by_dependency(variables: dict[str, Variable]) -> dict[str, Variable]:
@@ -205,7 +256,7 @@ def with_filled_arrays(job: Legalisation) -> Program:
     """The program with the first values of its arrays as assignments.
 
     Those of the program stand at the head of its entry, which one without is given; those of a
-    procedure at its own.
+    procedure at its own. Constant arrays of places keep their values, if the language lists them.
     """
     program = job.program
     taken = {q.name for q in program.procedures} | _used_names(program)
@@ -371,7 +422,7 @@ def _filled(
     first: list[p.Statement] = []
     for name, variable in variables.items():
         made[name] = variable
-        if not variable.size:
+        if not variable.size or (variable.storage == "constant" and _is_taught(variable, job)):
             continue
         can = job.can.arrays
         if can and (len(variable.size) > can.dimensions or max(variable.size) > can.elements):
@@ -404,13 +455,9 @@ def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterato
         return
     if not _has_all_values(variable.initial, variable.size):
         return
-    for place in itertools.product(*(range(1, n + 1) for n in variable.size)):
-        value = variable.initial
-        for index in place:
-            assert isinstance(value, e.Aggregate)
-            value = value.items[index - 1]
+    for place, value in values_by_place(variable):
         # Elements that no text gives a value stay as they are.
-        if value is not None and value != e.NEVER_GIVEN:
+        if value != e.NEVER_GIVEN:
             indices = tuple(e.Number(i) for i in place)
             yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)
 

@@ -152,7 +152,9 @@ def test_arrays_are_filled_when_the_program_starts(name: str) -> None:
     text = text.upper()
     assert "DIM MSTEPS(2,2)\nDIM PSTOPS(2)\n" in text
     assert "MSTEPS(1,2)=2\nMSTEPS(2,1)=3" in text
-    assert "PSTOPS(2)=(2,0,9,180,0,180)(7,0)" in text
+    assert (
+        "PSTOPS(2)=(+2.00,+0.00,+9.00,+180.00,+0.00,+180.00)(7,0)" in text.partition("\nEND\n")[2]
+    )
     assert "MVS PSTOPS(MN)" in text
     assert "MN=MSTEPS(2,MN)" in text
 

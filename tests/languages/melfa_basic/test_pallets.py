@@ -157,7 +157,8 @@ def test_to_rapid_and_back(level: int) -> None:
     again = rapid.lift(rapid.parse(text))
     assert np.allclose(points(again), points(program), atol=1e-3)
     back = melfa.render(melfa.build(melfa.adapt(again).program))
-    assert " PALLET1(12)=(170,90,330,180,0,180)(7,0)" in back.upper().replace("PALLET_", "PALLET")
+    element = "\nPALLET1(12)=(+170.00,+90.00,+330.00,+180.00,+0.00,+180.00)(7,0)"
+    assert element in back.upper().replace("PALLET_", "PALLET")
 
 
 def test_a_translated_file_is_proven(tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -241,14 +241,29 @@ def own_variables(
         if declared.storage == "parameter":
             continue
         initial = assigned_value(first[short], lift) if short in first else None
-        made = Variable(
-            declared.type, initial, declared.size, cast(Any, declared.storage), declared.local
-        )
+        storage: Any = declared.storage
+        if declared.listed:
+            initial = _listed_values(short, declared, lift.m)
+            # Lines that were added to the program may change it.
+            storage = "persistent" if short in lift.m.constants.assigned else storage
+        made = Variable(declared.type, initial, declared.size, storage, declared.local)
         if declared.owner:
             local[declared.owner, declared.name] = made
         else:
             lift.m.variables[declared.name] = made
     return local
+
+
+def _listed_values(short: str, array: headers.Declared, symbols: Symbols) -> e.Expression | None:
+    """The values that the list of positions has for an array, None without any."""
+    _, found = symbols.positions.elements.get(short, ("", {}))
+    if not found:
+        return None
+
+    def value(at: tuple[int, ...]) -> e.Expression:
+        return symbols.value_of(found[at], array.type) if at in found else e.NEVER_GIVEN
+
+    return elements_by_indices(array.size, value)
 
 
 def array_elements(file: SourceFile, symbols: Symbols) -> None:

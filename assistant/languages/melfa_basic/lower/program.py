@@ -41,6 +41,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.motion_use import branches_by_frame
 from assistant.program.passes.procedure_forms import notes_and_body
+from assistant.program.passes.variables import values_by_place
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import head, records
 from assistant.program.undeclared_names import interrupt_names, timers
@@ -127,8 +128,14 @@ def _declared_variable(
         return headers.Declared(name, variable.type, "parameter", whose, size=extents)
     return headers.Declared(
         name, variable.type, variable.storage, whose,
-        variable.local, variable.initial is not None, variable.size,
+        variable.local, variable.initial is not None and not _is_listed(variable), variable.size,
+        _is_listed(variable),
     )  # fmt: skip
+
+
+def _is_listed(variable: Variable) -> bool:
+    """True for an array whose values are in the list of positions: others are assigned theirs."""
+    return bool(variable.size) and variable.initial is not None
 
 
 def _note_labels(w: Writer, head: headers.Header) -> None:
@@ -344,7 +351,9 @@ class UnitLines(Writer):
     def initial_values(self) -> None:
         """First values of the variables, in the order of the heading."""
         for owner, name, variable in self.variables():
-            if isinstance(variable, Variable) and variable.initial is not None:
+            if not isinstance(variable, Variable) or _is_listed(variable):
+                continue
+            if variable.initial is not None:
                 whole = _variable_named(self.names.variables[owner, name.lower()])
                 of = next((q for q in self.program.procedures if q.name.lower() == owner), None)
                 about = Declared(name, "variables", of.name if of else "", in_full=True)
@@ -360,6 +369,7 @@ class UnitLines(Writer):
                 if table[name.lower()] in self.names.numbers:
                     continue
                 yield s.Data(s.Variable(table[name.lower()]), self._constant(kind, name))
+        yield from self._elements()
         inline = self.expressions.inline
         for number, target in inline.positions:
             yield s.Data(s.Variable(f"P{number}"), position_constant(target, self.robot))
@@ -372,6 +382,19 @@ class UnitLines(Writer):
                 poses.to_values(path.positions, path.quaternions, path.external, self.robot),
                 poses.flags_of(path.configurations, self.robot),
             )
+
+    def _elements(self) -> Iterator[s.Data]:
+        """A line for each element of the arrays that are listed."""
+        for owner, name, variable in self.variables():
+            if not isinstance(variable, Variable) or not _is_listed(variable):
+                continue
+            short = self.names.variables[owner, name.lower()]
+            for place, value in values_by_place(variable):
+                element = s.Variable(short, "", tuple(map(s.Number, place)))
+                if isinstance(value, e.TargetValue):
+                    yield s.Data(element, position_constant(value.target, self.robot))
+                elif isinstance(value, e.JointValue):
+                    yield s.Data(element, joint_constant(value.target, self.robot))
 
     def _constant(self, kind: str, name: str) -> s.Constant:
         program = self.program

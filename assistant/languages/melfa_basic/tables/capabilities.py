@@ -43,7 +43,7 @@ _UNITS: Final = Units(
     steps={"speed": 2, "blend": 1, "tool": 1, "frame": 1},
     split=rules.SPLIT,
 )
-_ARRAYS: Final = Arrays(dimensions=3, elements=999)
+_ARRAYS: Final = Arrays(dimensions=3, elements=999, listed=frozenset({"position", "joints"}))
 """COSIMIR help, Dim."""
 _VARIABLES: Final = Variables(
     external=is_external,

@@ -65,7 +65,8 @@ class Declared:
     """A variable: original name, type, storage, procedure it belongs to, and marks.
 
     storage: that of a `Variable`, or `parameter`. initial: the code begins with its first value.
-    size: of an array; a parameter takes one of any extents, written as 0.
+    size: of an array; a parameter takes one of any extents, written as 0. listed: the list of
+    positions has the values of its elements.
     """
 
     name: str
@@ -75,6 +76,7 @@ class Declared:
     local: bool = False
     initial: bool = False
     size: tuple[int, ...] = ()
+    listed: bool = False
 
 
 @dataclass(slots=True)
@@ -122,7 +124,7 @@ def header_lines(header: Header, dialect: str) -> Iterator[str]:
     for short, v in header.variables.items():
         words = [v.type, v.storage, *(["x".join(map(str, v.size))] if v.size else [])]
         words += ["local"] if v.local else []
-        words += ["initial"] if v.initial else []
+        words += ["initial"] if v.initial else ["listed"] if v.listed else []
         words += [f"of {in_ascii(v.owner)}"] if v.owner else []
         yield f"variable: {short} = {in_ascii(v.name)} {' '.join(words)}"
     if header.arc_start:
@@ -173,7 +175,7 @@ _SIGNAL: Final = re.compile(
 _VARIABLE: Final = re.compile(
     rf"([A-Za-z][A-Za-z0-9_]*) = ({ASCII_NAME}) (number|integer|truth|text|position|pose|joints) "
     r"(constant|variable|persistent|parameter)( [0-9]{1,3}(?:x[0-9]{1,3}){0,2})?"
-    rf"( local)?( initial)?(?: of ({ASCII_NAME}))?"
+    rf"( local)?( initial| listed)?(?: of ({ASCII_NAME}))?"
 )
 
 
@@ -220,8 +222,9 @@ def read(texts: Iterable[str]) -> Header:
                 storage,
                 from_ascii(owner or ""),
                 bool(local),
-                bool(initial),
+                initial == " initial",
                 tuple(int(n) for n in size.split("x")) if size else (),
+                initial == " listed",
             )
     return header
 
