@@ -221,11 +221,35 @@ def test_so_it_is_after_a_call_that_may_change_it(inside: str) -> None:
     assert tools_of_main("call close", inside) == ["PTORCH", "PTORCH"]
 
 
-def test_nothing_is_certain_in_a_program_with_interrupts() -> None:
+@pytest.mark.parametrize(
+    ("answer", "times"), [("set clamp = 1", 1), ("call close", 1), ("stop", 2)]
+)
+def test_an_interrupt_that_may_change_it_makes_nothing_certain(answer: str, times: int) -> None:
     text = BETWEEN.format(between="call close", inside="set clamp = 1")
     begin = "procedure main\n"
     interrupt = "  interrupt late when go = 1 calls note\n"
-    text = text.replace(begin, begin + interrupt, 1) + "\nprocedure note\n  set clamp = 1\nend\n"
+    text = text.replace(begin, begin + interrupt, 1) + f"\nprocedure note\n  {answer}\nend\n"
     found = lines(code_of(text, "melfa-basic-5"))
     main = found[: found.index("GoSub *OTHER")]
-    assert [line for line in main if line.startswith("Tool ")] == ["Tool PTORCH"] * 2
+    assert [line for line in main if line.startswith("Tool ")] == ["Tool PTORCH"] * times
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_an_end_for_good_and_a_plain_interrupt_leave_one_tool_at_the_begin(name: str) -> None:
+    """Nothing runs after such an end but the program from its first line."""
+    text = ONE_TOOL.replace(
+        "procedure main\n", "procedure main\n  interrupt late when go = 0 calls note\n", 1
+    )
+    text = text.replace("  if go = 1\n", "  if go = 0\n    exit\n  end\n  if go = 1\n", 1)
+    text += "\nprocedure note\n  set clamp = 1\nend\n"
+    text = text.replace("\ntarget a", "signal clamp digital output 4\n\ntarget a", 1)
+    found = lines(code_of(text, name))
+    assert "HLT" in (line.upper() for line in found)
+    for word in ("tool ", "base "):
+        assert len([line for line in found if line.lower().startswith(word)]) == 1
+
+
+def test_a_loop_that_stops_and_goes_on_sets_it_again() -> None:
+    """The user may set another tool at a stop that the program continues after."""
+    assert tools_of_main("while go = 1\n    stop\n  end") == ["PTORCH", "PTORCH"]
+    assert tools_of_main("while 1\n    stop\n    call close\n  end") == ["PTORCH", "PTORCH"]

@@ -7,7 +7,7 @@ value is reached; what these call keeps them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from itertools import accumulate
 from typing import Final, TypeGuard
@@ -21,6 +21,7 @@ from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.uses import along_calls, base_variable, called
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import head, records
+from assistant.program.undeclared_names import interrupts
 
 MOUNT_WORDS: Final = ("Base", "Tool")
 """The last one is written above the others."""
@@ -38,21 +39,18 @@ def mount_keeper(program: Program) -> Callable[[p.Statement], bool]:
     """Return a test of statements: True if `Tool` and `Base` surely are the same after one.
 
     Not after a stop, where somebody may set another tool, nor where labels let control in. Never in
-    a program with interrupts or vendor text, which may set them, nor in one of several units.
+    a program with vendor text or interrupts that may set them, nor in one of several units.
     """
     several = any(one.unit is not None for one in program.procedures)
-    if several or any(isinstance(one, p.Interrupt | p.Opaque) for one in program.statements()):
+    if several or any(isinstance(one, p.Opaque) for one in program.statements()):
         return lambda _: False
-    mounts = {name.lower() for name in (*program.tools, *program.frames)}
-    procedures = {one.name.lower(): one for one in program.procedures}
-    own = {
-        name: frozenset({name} if not all(_keeps(x, mounts) for x in walk(one.body)) else ())
-        for name, one in procedures.items()
-    }
-    changing = along_calls(program, own)
+    mounts = _mount_names(program)
+    changing = _changing_procedures(program, mounts)
+    if not _interrupts_keep(program, changing):
+        return lambda _: False
 
     def keeps(statement: p.Statement) -> bool:
-        for one in walk((statement,)):
+        for one in walk_without_ends((statement,)):
             if not _keeps(one, mounts):
                 return False
             for part in records(head(one)):
@@ -66,19 +64,77 @@ def mount_keeper(program: Program) -> Callable[[p.Statement], bool]:
     return keeps
 
 
+def are_unchanged_by_interrupts(program: Program) -> bool:
+    """True if no interrupt of a program sets or reads a tool or base, or leads elsewhere."""
+    return _interrupts_keep(program, _changing_procedures(program, _mount_names(program)))
+
+
+def _interrupts_keep(program: Program, changing: Mapping[str, Set[str]]) -> bool:
+    """changing: see `_changing_procedures`."""
+    return all(
+        one.ends is None
+        # A procedure that the program lacks may do anything.
+        and not changing.get(one.call.procedure.lower(), {one.call.procedure})
+        and not any(map(_reads_mounts, records(one.condition)))
+        for one in interrupts(program)
+    )
+
+
+def _mount_names(program: Program) -> frozenset[str]:
+    return frozenset(name.lower() for name in (*program.tools, *program.frames))
+
+
+def _changing_procedures(program: Program, mounts: Set[str]) -> Mapping[str, Set[str]]:
+    """Names of the procedures among each one and its callees that may set a tool or base."""
+    own = {
+        one.name.lower(): frozenset(
+            ()
+            if all(_keeps(x, mounts) for x in walk_without_ends(one.body))
+            else {one.name.lower()}
+        )
+        for one in program.procedures
+    }
+    return along_calls(program, own)
+
+
+def walk_without_ends(body: tuple[p.Statement, ...]) -> Iterator[p.Statement]:
+    """Yield statements and those inside them, but for the stops of loops that only stop.
+
+    What is set at such a stop does not matter: nothing follows but a start at the first line.
+    """
+    ends: set[int] = set()
+    for one in walk(body):
+        match one:
+            case p.While(e.Number(value=value), inner) if value and _only_stops(inner):
+                ends.update(map(id, inner))
+        if id(one) not in ends:
+            yield one
+
+
+def _only_stops(body: tuple[p.Statement, ...]) -> bool:
+    return bool(body) and all(isinstance(one, p.Stop) for one in body)
+
+
+def _reads_mounts(part: object) -> bool:
+    """True for a part of an expression that is read with the active tool and base."""
+    match part:
+        case e.Here() | e.Verbatim():
+            return True
+        case e.Apply(function):
+            return function.lower() in ARM_FUNCTIONS
+    return False
+
+
 def _keeps(statement: p.Statement, mounts: Set[str]) -> bool:
     """True if a statement itself sets no tool or base. mounts: names of tools and frames."""
     if not isinstance(statement, (*RESTING, p.Call, p.Return)):
         return False
     for part in records(head(statement)):
-        match part:
-            # Each is read with the tool and base that it names.
-            case e.Here() | e.Verbatim():
-                return False
-            case e.Apply(function) if function.lower() in ARM_FUNCTIONS:
-                return False
-            case p.Assign(target) if base_variable(target) in mounts:
-                return False
+        # Each is read with the tool and base that it names.
+        if _reads_mounts(part):
+            return False
+        if isinstance(part, p.Assign) and base_variable(part.target) in mounts:
+            return False
     return True
 
 

@@ -17,7 +17,11 @@ from assistant.base.diagnostics import Declared, Refused
 from assistant.languages.melfa_basic.lift.program import settings_already_set
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, needed_settings
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
-from assistant.languages.melfa_basic.lower.mounts import mounted_once
+from assistant.languages.melfa_basic.lower.mounts import (
+    are_unchanged_by_interrupts,
+    mounted_once,
+    walk_without_ends,
+)
 from assistant.languages.melfa_basic.lower.names import counted, mark, naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS, write_interrupt_answers
 from assistant.languages.melfa_basic.lower.writer import Writer
@@ -172,14 +176,19 @@ def settings_for_vendor_text(program: Program) -> frozenset[int]:
 
 
 def _is_plain(program: Program) -> bool:
-    """True if only the lines of moves and calls depend on tool and base, and none is interrupted.
+    """True if only the lines of moves and calls depend on tool and base, and set them.
 
-    False for several units, whose calls may change them, and with stops: somebody may set another
-    tool there, or write lines in place of what a draft lacks.
+    False for several units, whose calls may change them, and with stops that the program continues
+    after: somebody may set another tool there, or write lines in place of what a draft lacks.
     """
-    return all(procedure.unit is None for procedure in program.procedures) and not any(
-        isinstance(node, p.Interrupt | p.Stop) or any(True for _ in _vendor_texts(node))
-        for node in program.statements()
+    if any(procedure.unit is not None for procedure in program.procedures):
+        return False
+    if any(True for node in program.statements() for _ in _vendor_texts(node)):
+        return False
+    return are_unchanged_by_interrupts(program) and not any(
+        isinstance(node, p.Stop)
+        for procedure in program.procedures
+        for node in walk_without_ends(procedure.body)
     )
 
 
