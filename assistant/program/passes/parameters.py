@@ -26,7 +26,10 @@ from assistant.program.analysis.uses import (
     called_by,
     declared,
     handed_over,
+    locals_of,
     mentioned_variables,
+    names_in,
+    names_in_procedure,
     read_before,
     unordered,
 )
@@ -170,6 +173,7 @@ class _Forms:
         self.spelled = {name.lower(): name for name in program.variables}
         counters = (x.variable for x in program.statements() if isinstance(x, p.For))
         self.taken = TakenNames((*declared(program), *counters))
+        self.declarations = Counter(self._all_names())
         self.titles = TakenNames(q.name for q in program.procedures)
         self.alters, self.mentions = altered(program), mentioned_variables(program)
         alone = {q.name.lower(): frozenset([q.name.lower()]) for q in program.procedures}
@@ -204,14 +208,32 @@ class _Forms:
     def _by_name(self) -> Iterator[tuple[str, Procedure]]:
         return ((q.name.lower(), q) for q in self.whole.procedures)
 
+    def _all_names(self) -> Iterator[str]:
+        """Names in lower case that mean something, once for each declaration or place of use.
+
+        A procedure that uses what it declares counts once.
+        """
+        program = self.whole
+        yield from declared(replace(program, procedures=()))
+        others = (program.declarations, program.variables, program.speeds, program.blends)
+        yield from set(map(str.lower, names_in(others)))
+        yield from (name.lower() for name in (*program.speeds, *program.blends))
+        for procedure in program.procedures:
+            yield procedure.name.lower()
+            yield from names_in_procedure(procedure) | locals_of(procedure)
+
     def variable(self, kind: str, *stem: str, of: Variable) -> str:
         """Return a variable of the program, the same one for each request.
 
-        kind: its purpose, so that two with one stem are not the same.
+        kind: its purpose, so that two with one stem are not the same. It has the last name of the
+        stem if nothing else in the program has that name, else the whole stem.
         """
         key = kind, *stem
         if key not in self.named:
-            name = identifier("_".join(stem), self.taken)
+            name, last = identifier("_".join(stem), self.taken), stem[-1]
+            alone = self.declarations[last.lower()] == 1 and identifier(last) == last
+            if kind == "parameter" and alone:
+                name = last
             self.taken.add(name)
             self.named[key] = name
             self.variables[name] = of

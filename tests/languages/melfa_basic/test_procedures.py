@@ -41,10 +41,35 @@ NUMBERS = " VAR num n:=1;\n VAR num m:=2;\n"
 @pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-5"])
 def test_parameters_and_results_are_variables(name: str) -> None:
     text = written(program("n:=larger(n,m+1);", SUM, NUMBERS), name).upper()
-    assert "MLARGERA=MN\nMLARGERB=MM+1\nGOSUB *LARGER\nMN=MLARGERR" in text
+    assert "MA=MN\nMB=MM+1\nGOSUB *LARGER\nMN=MLARGERR" in text
     assert text.count("MLARGERR") >= 3
     codes = {f.code for f in languages.get(name).adapt(program("", SUM)).findings}
     assert "MB223" in codes
+
+
+@pytest.mark.parametrize(
+    ("more", "data", "expected"),
+    [
+        ("", "", "MA=MN\n"),
+        (SWAP, "", "MLARGERA=MN\n"),  # which has an `a` as well
+        ("", " VAR num a:=3;\n", "MLARGERA=MN\n"),
+        (" PROC other()\n  n:=a;\n ENDPROC\n", "VAR num a;\n", "MLARGERA=MN\n"),
+        (" PROC other()\n  FOR a FROM 1 TO 3 DO n:=a; ENDFOR\n ENDPROC\n", "", "MLARGERA=MN\n"),
+        (" PROC other()\n  VAR num a;\n  a:=2;\n  n:=a;\n ENDPROC\n", "", "MLARGERA=MN\n"),
+        (" PROC a()\n  n:=3;\n ENDPROC\n", "", "MLARGERA=MN\n"),
+    ],
+)
+def test_a_parameter_has_its_routine_in_its_name_if_another_thing_has_its_name(
+    more: str, data: str, expected: str
+) -> None:
+    text = written(program("n:=larger(n,1);", SUM + more, NUMBERS + data), "melfa-basic-5")
+    assert expected in text.upper()
+
+
+def test_a_name_that_nothing_declares_is_not_a_parameter() -> None:
+    """Another module may declare it: it must not become the parameter of a routine here."""
+    adapted = languages.get("melfa-basic-5").adapt(program("n:=larger(n,a);", SUM, NUMBERS))
+    assert "larger_a" in adapted.program.variables and "a" not in adapted.program.variables
 
 
 def test_in_six_they_are_functions() -> None:
@@ -65,7 +90,7 @@ def test_in_six_without_any_they_stay_subroutines() -> None:
 @pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-5"])
 def test_what_a_call_changes_is_copied_back(name: str) -> None:
     text = written(program("swap n,m;", SWAP, NUMBERS), name).upper()
-    assert "MSWAPA=MN\nMSWAPB=MM\nGOSUB *SWAP\nMN=MSWAPA\nMM=MSWAPB\nRETURN\n" in text
+    assert "MA=MN\nMB=MM\nGOSUB *SWAP\nMN=MA\nMM=MB\nRETURN\n" in text
 
 
 @pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-5"])

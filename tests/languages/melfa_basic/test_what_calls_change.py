@@ -54,7 +54,7 @@ ALIASES = {
     ),
     "a function": ("m:=f(n);", "*F\nMN=MN+1\nMFRESULT=MN+MN\nRETURN"),
     "several variables": (
-        "both n,m;\nboth m,m;", "GOSUB *BOTH\nMN=MBOTHA\nMM=MBOTHB\nGOSUB *BOTH2\n"
+        "both n,m;\nboth m,m;", "GOSUB *BOTH\nMN=MBOTHA\nMM=MB\nGOSUB *BOTH2\n"
     ),
     "another name inside": ("hide n;", "*HIDE\nMHIDEN=7\nMN=MHIDEN\nMM=MN\nGOSUB *SHOW\nRETURN"),
 }  # fmt: skip
