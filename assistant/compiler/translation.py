@@ -13,7 +13,7 @@ from dataclasses import field, replace
 from functools import partial
 from itertools import chain
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias, overload
 
 import numpy as np
 
@@ -35,7 +35,14 @@ from assistant.base.diagnostics import (
     warning,
 )
 from assistant.base.source_text import lines_of
-from assistant.compiler.arms import arms_of_loaded, open_cell, robot_of, with_robot_of_cell
+from assistant.compiler.arms import (
+    Arms,
+    arms_of_loaded,
+    known_robot,
+    open_cell,
+    robot_of,
+    with_robot_of_cell,
+)
 from assistant.compiler.cell_defaults import (
     UNFILLED,
     UNPROVEN,
@@ -72,6 +79,7 @@ from assistant.sources.cell_values import wanted_in_words
 from assistant.sources.sights import NOTHING_SEEN, Seeing
 
 if TYPE_CHECKING:
+    from assistant.languages import Language
     from assistant.languages.language_types import Frames, Sampling
     from assistant.program.undeclared_names import Wanted
     from assistant.robots import Robot
@@ -171,6 +179,33 @@ _NOT_RUN = warning(
     "see to what is not translated, then prove it",
 )
 
+_NO_ARM: Final = warning(
+    "CO017",
+    "no arm is named: nothing checked whether {moves} of its reach and within its limits, and arm "
+    "configurations are written as they were stated for another arm, or as a guess",
+    "name the arm that will run it with --robot",
+)
+
+
+def _unnamed_arm(program: Program, target: Language[Any], arms: Arms) -> Iterator[Diagnostic]:
+    """Report that no arm is named, for a program that moves to poses and leaves its maker.
+
+    A program in another dialect of its own language keeps its targets as they are.
+    """
+    origin = program.origin
+    if (arms.robot or known_robot(program.robot)) is not None or origin is None:
+        return
+    if language_of(origin.language).family == target.family:
+        return
+    moves = sum(
+        len(one.path) if isinstance(one, p.Follow) else 1
+        for one in program.statements()
+        if isinstance(one, p.Move | p.MoveCircular | p.Follow)
+    )
+    if moves:
+        yield _NO_ARM(moves="the 1 move is" if moves == 1 else f"the {moves:,} moves are")
+
+
 Level = Literal["supported", "partial", "not"]
 LEVELS: Final[tuple[Level, ...]] = ("supported", "partial", "not")
 _LONGEST_TEXT: Final = 100
@@ -219,6 +254,11 @@ class Translation:
     def ok(self) -> bool:
         """True if everything is translated and proven, and all of its values are known."""
         return self.compiled.ok and not self.wanting
+
+    @property
+    def armless(self) -> bool:
+        """True if it moves to poses, and no arm is named whose reach and limits are checked."""
+        return any(finding.code == _NO_ARM.code for finding in self.whole)
 
     @property
     def beginnings(self) -> tuple[str, ...]:
@@ -334,6 +374,7 @@ def translate(
     with within(REPORTING, None, program.size()):
         rows, whole = _report(compiled, written, later)
     unfilled = tuple(UNFILLED(what=wanted_in_words(one), place=one.name) for one in loaded.wanting)
+    unnamed = _unnamed_arm(program, target, arms)
     if loaded.wanting and proving is not None:
         unfilled += (UNPROVEN(),)
     elif unrun and proving is not None:
@@ -343,7 +384,7 @@ def translate(
         written,
         target.name,
         rows,
-        (*loaded.findings, *stands.findings, *sights, *unfilled, *whole),
+        (*unnamed, *loaded.findings, *stands.findings, *sights, *unfilled, *whole),
         dict(written.files) if written.ok else {},
         loaded.wanting,
     )

@@ -186,11 +186,14 @@ def beginning(done: Sequence[Translated], again: Sequence[str]) -> Iterator[str]
         for row in one.translation.rows.noted
         if any(reason.code == JOINTS_OF_OTHER_MAKER.code for reason in row.reasons)
     )
+    unnamed = any(one.translation.armless for one in done)
+    if unnamed and not armless:
+        yield "they are checked with the arm that will run it: add --robot NAME"
     if armless:
         statements = "1 statement needs" if armless == 1 else f"{armless:,} statements need"
         yield f"{statements} the arm that will run it: add --robot NAME of `robot-assistant robots`"
     yield from (f"then: {command}" for command in again)
-    if cells or again or armless:
+    if cells or again or armless or unnamed:
         yield ""
 
 
@@ -217,7 +220,8 @@ def _wanted_row(one: Wanted) -> tuple[str, str, str]:
 def share_in_words(translation: Translation) -> str:
     """Return how much is translated, whether it is complete, and how far a proof reached."""
     proven = "" if translation.motion is None else f"; {translation.motion.reach()}"
-    return f"{_written_in_words(translation)}{proven}"
+    unchecked = "; no arm is named, so its reach, limits and configurations are not checked"
+    return f"{_written_in_words(translation)}{proven}{unchecked * translation.armless}"
 
 
 def _written_in_words(translation: Translation) -> str:

@@ -99,6 +99,12 @@ CASES: Final = (
         ("show a.mod --to melfa-basic-5 --after sayable",),
     ),
     Case(
+        "CO017",
+        "translate a.mod --to melfa-basic-6 --output out",
+        {"a.mod": MOVING},
+        then=("translate a.mod --to melfa-basic-6 --output out --robot rv-4frl",),
+    ),
+    Case(
         "CL014",
         "translate a.mod --to melfa-basic-5 -o -",
         {"a.mod": MOVING},
