@@ -49,6 +49,8 @@ from assistant.compiler.motion_proof import (
     MotionProof,
     Proving,
     prove_motion,
+    unreached_visits,
+    wire_names,
     written_pair,
 )
 from assistant.compiler.program_files import load
@@ -291,6 +293,10 @@ def proven_by_motion(
     motion = prove_motion(
         pair, arms, proving, entry, ComparisonTerms(warnings=tuple(sorted(warnings)))
     )
+    arm = arms.robot or known_robot(compiled.program.robot)
+    if arm is not None:
+        unreached = unreached_visits(motion, arm, wire_names(pair))
+        motion = replace(motion, findings=(*motion.findings, *unreached))
     files = compiled.files if motion.holds else {}
     found = (*compiled.found, *motion.findings)
     return replace(compiled, motion=motion, files=files, found=found)

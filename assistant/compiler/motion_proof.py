@@ -13,6 +13,8 @@ from pathlib import Path as FilePath
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from assistant.base.data_classes import dataclass
 from assistant.base.diagnostics import Diagnostic, Rule, error, has_errors, info, warning
 from assistant.compiler.arms import Arms, known_robot, teaching_arm
@@ -29,11 +31,11 @@ from assistant.program.undeclared_names import BASE_FRAME_SUFFIX
 if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
-    from assistant.virtual.events import Branch, Run
+    from assistant.virtual.events import Branch, Moved, Run
     from assistant.virtual.proving.compared_programs import Side
     from assistant.virtual.proving.comparison import Bits, Rounding
     from assistant.virtual.proving.driver import Wiring
-    from assistant.virtual.proving.search import Found
+    from assistant.virtual.proving.search import Found, Visit
 
 
 _HAND_NUMBERS: Final = 9000
@@ -358,6 +360,21 @@ _RUN_UNJUDGED = warning(
     "with {inputs} nobody knows what `{name}` does ({reason}): these inputs are not compared",
     "see whether a real cell has such inputs, and try them on the controller",
 )
+_NOT_REACHED = error(
+    "CO128",
+    "run with {inputs}, the program visits {where}, which {arm} cannot take: {why}{more}",
+    "move the work piece or the robot, or take another arm; if the real cell never has such "
+    "inputs, write those that it has to a script and name it with --signals",
+)
+_VISIT_FAULTS: Final = {
+    "reach": "it is out of reach",
+    "joints": "joint {axis} is past its limit there",
+    "configuration": "its arm configuration does not lead there",
+    "nowhere": "where the motion leads is not known",
+}
+_BORDER: Final = 0.05
+"""Millimetres, and degrees of an axis, by which a place may lie beyond what the arm takes: the
+rounding of its text explains that, and the checks of targets judge it more exactly."""
 _SCRIPT_BY_TIME = warning(
     "CO124",
     "the script changes `{name}` at {at:g} s, which two programs of different speed reach at "
@@ -569,6 +586,56 @@ def prove_motion(
                 break
     findings += _proof_findings(found, names, wire_names(pair), terms)
     return MotionProof(found, tuple(findings), names)
+
+
+def unreached_visits(motion: MotionProof, arm: Robot, wires: Mapping[str, str]) -> list[Diagnostic]:
+    """Report the places of a program's runs that its arm cannot take, once for each statement.
+
+    Targets that only running tells are checked nowhere else. wires: see `wire_names`.
+    """
+    from assistant.virtual.kernel.flight import refusal_of
+
+    visits = () if motion.found is None else motion.found.visited.values()
+    faulty: dict[Any, list[tuple[Visit, str]]] = {}
+    for visit in visits:
+        refusal = refusal_of(visit.moved, arm)
+        if refusal is not None and not _is_at_border(visit.moved, arm):
+            why = _VISIT_FAULTS[refusal.reason].format(axis=refusal.axis)
+            faulty.setdefault(visit.place, []).append((visit, why))
+    found = []
+    for place, alike in faulty.items():
+        (visit, why), others = alike[0], len(alike) - 1
+        more = f" (and {_count_text(others, 'place')} more from there)" if others else ""
+        inputs, where = visit.scenario.said(wires), _destination(visit.moved)
+        finding = _NOT_REACHED(inputs=inputs, where=where, arm=arm.title, why=why, more=more)
+        found.append(replace(finding, **_place_fields(place)))
+    return found
+
+
+def _is_at_border(moved: Moved, arm: Robot) -> bool:
+    """True if an arm takes a place but for rounding; joints and configurations are not rounded."""
+    poses = [pose for pose in (moved.via, moved.flange) if pose is not None]
+    if moved.joints is not None or not poses:
+        return False
+    joints, miss = arm.solve(
+        np.array([pose.position for pose in poses]), np.array([pose.quaternion for pose in poses])
+    )
+    if moved.how.configuration is not None and arm.arm.named:
+        branch = int(arm.branch_of(np.array([moved.how.configuration]))[0])
+        joints, miss = joints[:, branch : branch + 1], miss[branch : branch + 1]
+    low, high = (limit[:, None, None] for limit in arm.limits.T)
+    beyond = np.maximum(low - joints, joints - high).max(axis=0)
+    return bool(((miss < _BORDER) & (beyond < _BORDER)).any(axis=0).all())
+
+
+def _destination(moved: Moved) -> str:
+    """Return where a motion leads, for people: the tip in the robot's base, or the joints."""
+    if moved.joints is not None:
+        return f"the joints ({', '.join(f'{value:.2f}' for value in moved.joints)}) degrees"
+    if moved.flange is None:
+        return "a place that is not known"
+    x, y, z = (moved.flange @ moved.tool).position
+    return f"X {x:.1f}, Y {y:.1f}, Z {z:.1f} mm in its base"
 
 
 def _rounding_of(

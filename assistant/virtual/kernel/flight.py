@@ -139,6 +139,12 @@ def _set_times(
                 speed[own] = way / seconds if way > 0.0 else math.inf
 
 
+def refusal_of(motion: Moved, robot: Robot) -> Refusal | None:
+    """Return why an arm cannot end a motion where it leads, None if it can."""
+    _, refusal = _GoalRows([motion], robot).joints(np.array(robot.home, dtype=float), False)
+    return refusal
+
+
 class _GoalRows:
     """n motions as k rows. of: (k,) the motion of each; last: (n,) the last row of each."""
 

@@ -25,6 +25,7 @@ from assistant.virtual.events import (
     BranchKey,
     Kept,
     Logged,
+    Moved,
     Place,
     Run,
     Stopped,
@@ -242,6 +243,15 @@ class Difference:
     behind: tuple[Branch | None, Branch | None]
 
 
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """A motion of the written program, at a place of the source, and inputs that lead there."""
+
+    moved: Moved
+    place: Place | None
+    scenario: Scenario
+
+
 @dataclass(slots=True)
 class Found:
     """Result of all runs together.
@@ -250,9 +260,11 @@ class Found:
     an error of the program itself. idling: runs that wait for ever before anything is compared,
     idle the first of them. stalled: runs that wait for ever after the compared events, because the
     script ends or no run continues, one for each wait. stalling: number of such runs without a
-    script. differences: one for each position. unknown: a statement that an interpreter could not
-    run, unjudged: the same after runs that were compared. unfinished: a first run that took all the
-    time. never: branches of either program that no run took. total: number of its branches.
+    script. visited: motions of the written program in runs without a difference, by what determines
+    whether an arm can end them. differences: one for each position. unknown: a statement that an
+    interpreter could not run, unjudged: the same after runs that were compared. unfinished: a first
+    run that took all the time. never: branches of either program that no run took. total: number of
+    its branches.
     """
 
     runs: int = 0
@@ -274,6 +286,7 @@ class Found:
     idling: int = 0
     stalled: list[Stop] = field(default_factory=list)
     stalling: int = 0
+    visited: dict[tuple[object, ...], Visit] = field(default_factory=dict)
     total: tuple[int, int] = (0, 0)
     never: tuple[tuple[Branch, ...], tuple[Branch, ...]] = ((), ())
 
@@ -566,6 +579,8 @@ class _Search:
         if not differences and two.message == RAN_ON and not self._as_much(one, two):
             less = f"does less in {two.steps:,} statements"
             differences.append(Unlike(0, f"the first program continues, the second {less}"))
+        if not differences:
+            self._note_visits(one, two, scenario)
         found.runs += 1
         found.cut += one.ended == "steps"
         found.visits += like.visits
@@ -596,6 +611,17 @@ class _Search:
                 self.differing.add(unlike.places)
                 behind = self._behind(0, one, ours, unlike), self._behind(1, two, theirs, unlike)
                 found.differences.append(Difference(unlike, scenario, behind))
+
+    def _note_visits(self, one: Run, two: Run, scenario: Scenario) -> None:
+        ours, theirs = (
+            [row for row in run.log if isinstance(row.what, Moved)] for run in (one, two)
+        )
+        # Of two runs of unlike length only the beginning that both have was compared.
+        for own, row in zip(ours, theirs, strict=False):
+            assert isinstance(row.what, Moved)
+            moved = row.what
+            key = moved.flange, moved.via, moved.joints, moved.how.configuration
+            self.found.visited.setdefault(key, Visit(moved, own.place, scenario))
 
     def _measured(self, one: Run, scenario: Scenario) -> set[str]:
         """Shared data that the source gives other values where its statements take longer."""

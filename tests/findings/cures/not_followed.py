@@ -103,6 +103,7 @@ NOT_WRITTEN: Final[Mapping[tuple[str, str], str]] = {
     ("CO073", "type"): "the type is written with the value that belongs to it",
     ("CO112", "--signals"): "the script that it names is what is changed",
     ("CO114", "--signals"): "the script that it names is what is changed",
+    ("CO128", "--signals"): "the script that it names is what is changed",
     ("CO622", "constants"): "the points are arrays there, and these are what is changed",
     ("CO622", "style"): _SAME,
     ("DP204", "--pull"): _GIT,

@@ -274,6 +274,23 @@ CASES: Final = (
         change={"p.toml": READY},
     ),
     Case(
+        "CO128",
+        "translate a.mod --to melfa-basic-5 -r rv-4frl -o out --cell c.toml --prove "
+        "--signals s.toml",
+        {
+            "a.mod": rapid(
+                "IF DInput(ready)=1 THEN",
+                "n:=900;",
+                "ENDIF",
+                "MoveL Offs(p,n,0,0),v100,fine,tool0;",
+                data=f"  CONST robtarget p:={POSE};\n  VAR num n:=0;\n",
+            ),
+            "c.toml": READY,
+            "s.toml": AT_ONCE,
+        },
+        change={"s.toml": '[[set]]\ninput = "ready"\nvalue = 0\n'},
+    ),
+    Case(
         "CO114",
         "translate a.mod --to melfa-basic-5 -o out -p p.toml --prove --signals s.toml",
         {
