@@ -6,14 +6,14 @@ is the scene of a cell file, which checks a program, and which of its robots run
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.base.budgets import SETTINGS_FILE
 from assistant.base.data_classes import dataclass
-from assistant.base.diagnostics import Diagnostic, Refused, error, warning
+from assistant.base.diagnostics import Diagnostic, Refused, error, info, warning
 from assistant.base.source_text import SourceText, decode, path_of, read_bytes
 from assistant.program.program import Program
 from assistant.program.undeclared_names import SAME_ARM
@@ -116,6 +116,38 @@ def arms_of_loaded(loaded: Loaded, arms: Arms) -> Arms:
         same=same,
         seeing=arms.seeing.beside(loaded.seen),
     )
+
+
+_OTHER_ARM_STATED: Final = warning(
+    "CO085",
+    "the program is read as one for {named}, but the files of its controller state the robot "
+    "`{told}`{known}",
+    "name that one with --from-robot, by a robot file if the catalogue lacks it",
+)
+_ARM_NOT_KNOWN: Final = info(
+    "CO086",
+    "the files of the controller state the robot `{told}`, which the catalogue lacks: joint "
+    "targets and configurations are not converted from it",
+    "describe it in a robot file and name that with --from-robot",
+)
+
+
+def stated_arm_findings(loaded: Loaded, arms: Arms) -> Iterator[Diagnostic]:
+    """Compare the arm that a program was written for with the one in its controller's files.
+
+    arms: as they are named. A robot file of the user is taken for one that the catalogue lacks.
+    """
+    from assistant import robots
+
+    told, known, named = loaded.told_arm, loaded.known_arm, arms.written_for
+    if not told:
+        return
+    if named is None:
+        if known is None and loaded.program.robot is None:
+            yield _ARM_NOT_KNOWN(told=told)
+    elif named.name != known and (known is not None or named.name in robots.names()):
+        also = "" if known is None else f", which is `{known}`"
+        yield _OTHER_ARM_STATED(named=f"`{named.name}`", told=told, known=also)
 
 
 _NOT_SAME: Final = error(

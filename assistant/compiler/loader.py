@@ -55,7 +55,9 @@ class Loaded:
 
     joint_speed, joint_percent, seen: see `Process`. wanting: names that the program uses and
     neither it nor a cell file states; each has a stand-in. arm: name of the arm that joint angles
-    were taught on, or SAME_ARM; None if a cell file does not state it. signals: stated by files of
+    were taught on, or SAME_ARM; None if a cell file does not state it. told_arm: the arm that files
+    of its controller name, in its maker's words; known_arm: the same in the catalogue, None if that
+    lacks it. signals: stated by files of
     its controller. held: names that these files give a value; bare: the trees without those. text:
     of a pseudo-program. form: style of a program that was made from a drawing or table, None for
     any other.
@@ -68,6 +70,8 @@ class Loaded:
     joint_percent: float | None = None
     wanting: tuple[Wanted, ...] = ()
     arm: str | None = None
+    told_arm: str = ""
+    known_arm: str | None = None
     signals: Mapping[str, Signal] = field(default_factory=dict)
     held: Supplied = ()
     bare: tuple[Any, ...] = ()
@@ -167,6 +171,8 @@ def configured_beside(loaded: Loaded, language: Language[Any], file: FilePath) -
         program=placed.program,
         findings=(*loaded.findings, *found, *placed.findings),
         arm=placed.arm or loaded.arm,
+        told_arm=given.told,
+        known_arm=given.arm,
         signals={**loaded.signals, **given.signals},
     )
 

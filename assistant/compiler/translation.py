@@ -41,6 +41,7 @@ from assistant.compiler.arms import (
     known_robot,
     open_cell,
     robot_of,
+    stated_arm_findings,
     with_robot_of_cell,
 )
 from assistant.compiler.cell_defaults import (
@@ -374,7 +375,7 @@ def translate(
     with within(REPORTING, None, program.size()):
         rows, whole = _report(compiled, written, later)
     unfilled = tuple(UNFILLED(what=wanted_in_words(one), place=one.name) for one in loaded.wanting)
-    unnamed = _unnamed_arm(program, target, arms)
+    about_arms = (*_unnamed_arm(program, target, arms), *stated_arm_findings(loaded, stated))
     if loaded.wanting and proving is not None:
         unfilled += (UNPROVEN(),)
     elif unrun and proving is not None:
@@ -384,7 +385,7 @@ def translate(
         written,
         target.name,
         rows,
-        (*unnamed, *loaded.findings, *stands.findings, *sights, *unfilled, *whole),
+        (*about_arms, *loaded.findings, *stands.findings, *sights, *unfilled, *whole),
         dict(written.files) if written.ok else {},
         loaded.wanting,
     )

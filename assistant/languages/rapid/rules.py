@@ -274,6 +274,12 @@ OTHER_TASK: Final = info(
     "the task `{task}` is {kind}: it runs by itself as long as the controller, beside the robot",
     "have the other controller run its program in a slot of its own, always",
 )
+SYSTEM_SIGNALS: Final = warning(
+    "RA383",
+    "signals are wired to actions and states of the controller itself, which is not translated: "
+    "{signals}",
+    "set them as dedicated inputs and outputs of the other controller, before the first run",
+)
 OPENED_ANEW: Final = warning(
     "RA392",
     "`{name}` is opened for writing alone, so that the file is empty: RAPID leaves what is in it "

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
+from assistant import robots
 from tests.findings.cures.case import Case, dxf, sample
 from tests.findings.cures.following import outline_first
 from tests.findings.cures.tables import CROWD
@@ -68,6 +70,16 @@ SETTING: Final = rapid("SetDO ready,1;")
 SETTING_TWO: Final = rapid("SetDO fetched,1;", "SetDO placed,1;")
 READY: Final = '[signals.ready]\nkind = "digital"\ndirection = "input"\nnumber = 3\n'
 JOINED: Final = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,motion,{}\n300,0,400,0,0,1,0,joint,{}\n"
+STATED_ARM: Final = (
+    'MOC:CFG_1.0:6:1::\n#\nROBOT:\n\n      -name "ROB_1" -use_robot_type "ROB1_{}"\n'
+)
+OWN_ARM: Final = (
+    Path(robots.__file__)
+    .with_name("catalogue")
+    .joinpath("irb1200-7-0.7.toml")
+    .read_text("utf-8")
+    .replace("irb1200-7-0.7", "own-arm")
+)
 AT_ONCE: Final = '[[set]]\ninput = "ready"\nat = 0\n'
 KNOWN: Final = """\
 title = "ABB IRB 1200-7/0.7"
@@ -289,6 +301,18 @@ CASES: Final = (
             "s.toml": AT_ONCE,
         },
         change={"s.toml": '[[set]]\ninput = "ready"\nvalue = 0\n'},
+    ),
+    Case(
+        "CO085",
+        "translate a.mod --to melfa-basic-6 -r rv-4frl --from-robot irb120-3-0.58 -o out",
+        {"a.mod": MOVING, "SYSPAR/MOC.cfg": STATED_ARM.format("1200_0.7_7")},
+        then=("translate a.mod --to melfa-basic-6 -r rv-4frl --from-robot irb1200-7-0.7 -o out",),
+    ),
+    Case(
+        "CO086",
+        "translate a.mod --to melfa-basic-6 -r rv-4frl -o out",
+        {"a.mod": MOVING, "SYSPAR/MOC.cfg": STATED_ARM.format("9900_0.7_7"), "own.toml": OWN_ARM},
+        then=("translate a.mod --to melfa-basic-6 -r rv-4frl --from-robot own.toml -o out",),
     ),
     Case(
         "CO114",

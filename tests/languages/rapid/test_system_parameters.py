@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from assistant import robots
 from assistant.compiler import Translation, translate
 from assistant.compiler.program_files import load_task, tasks_of
 
@@ -263,3 +264,56 @@ def test_a_cell_changes_nothing_in_what_the_controller_calls(tmp_path: Path, kin
     loaded = load_task(tasks_of(files)[0])
     done = translate(loaded, to="melfa-basic-6", robot="rv-7frl", cell=cell)
     assert ("CO015" in codes(done)) == (kind == "nothing"), codes(done)
+
+
+def arm_findings(folder: Path, kind: str, from_robot: str | None = None) -> dict[str, str]:
+    files = backup(folder)
+    path = folder / "SYSPAR" / "MOC.cfg"
+    path.write_text(path.read_text("utf-8").replace("ROB1_1200_0.9_5_TypeB", kind), "utf-8")
+    task = load_task(tasks_of(files)[0])
+    done = translate(task, to="melfa-basic-6", robot="rv-7frl", from_robot=from_robot)
+    return {f.code: f.message for f in done.whole if f.code in ("CO085", "CO086")}
+
+
+def test_an_arm_is_named_that_the_backup_does_not_state(tmp_path: Path) -> None:
+    known, strange = "ROB1_1200_0.9_5_TypeB", "ROB1_1660ID_1.55_4"
+    found = arm_findings(tmp_path, known, "irb120-3-0.58")
+    assert list(found) == ["CO085"]
+    assert "`irb120-3-0.58`" in found["CO085"] and "`irb1200-5-0.9`" in found["CO085"]
+    assert f"`{strange}`" in arm_findings(tmp_path, strange, "irb120-3-0.58")["CO085"]
+    assert not arm_findings(tmp_path, known, "irb1200-5-0.9")
+    assert not arm_findings(tmp_path, known)
+
+
+def test_an_arm_of_the_backup_that_the_catalogue_lacks_is_reported(tmp_path: Path) -> None:
+    own = tmp_path / "own.toml"
+    text = Path(robots.__file__).with_name("catalogue").joinpath("irb1200-5-0.9.toml")
+    own.write_text(text.read_text("utf-8").replace("irb1200-5-0.9", "irb1660id"), "utf-8")
+    strange = "ROB1_1660ID_1.55_4"
+    assert list(arm_findings(tmp_path, strange)) == ["CO086"]
+    assert not arm_findings(tmp_path, strange, str(own))
+
+
+WIRED = """{eio}#
+SYSSIG_IN:
+
+      -Signal "E_Stop_Robot" -Action "QuickStop"
+      -Signal "diCall" -Action "Interrupt" -Arg1 "sweep"
+      -Signal "E_Run" -Action "Start" -Arg1 "CONT"
+#
+SYSSIG_OUT:
+
+      -Status "MotorOn" -Signal "doMotors"
+"""
+
+
+def test_signals_of_the_controller_itself_are_one_warning(tmp_path: Path) -> None:
+    files = backup(tmp_path)
+    assert "RA383" not in codes(translate(load_task(tasks_of(files)[0]), to="melfa-basic-6"))
+    (tmp_path / "SYSPAR" / "EIO.cfg").write_text(WIRED.format(eio=EIO), encoding="utf-8")
+    done = translate(load_task(tasks_of(files)[0]), to="melfa-basic-6")
+    (finding,) = (f for f in done.whole if f.code == "RA383")
+    for words in ("`E_Stop_Robot` commands QuickStop", "`E_Run` commands Start"):
+        assert words in finding.message
+    assert "`doMotors` shows MotorOn" in finding.message and "diCall" not in finding.message
+    assert finding.path is not None and finding.path.endswith("EIO.cfg")

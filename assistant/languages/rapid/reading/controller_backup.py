@@ -183,6 +183,11 @@ _CALLED_ROUTINES: Final = (
     ("mmc", "MMC_SERV_ROUT", "name", "as a service routine"),
 )
 """Files, their sections and the attribute that names a routine which the controller calls."""
+_SYSTEM_SIGNALS: Final = (
+    ("SYSSIG_IN", "Action", "commands"),
+    ("SYSSIG_OUT", "Status", "shows"),
+)
+"""Sections of signals that the controller itself reads and sets, with what each is wired to."""
 _INTERRUPT_ACTION: Final = "Interrupt"
 """Action of an input of the system that calls a routine."""
 _NORMAL_TASK: Final = "NORMAL"
@@ -260,6 +265,10 @@ class _SystemParameters:
         frame = self.base(task)
         if frame is not None:
             findings.append(rules.BASE_FRAME(where=frame, path=str(self.folder)))
+        wired = list(self.system_signals())
+        if wired:
+            path = self.found.source or self.folder
+            findings.append(rules.SYSTEM_SIGNALS(signals=", ".join(wired), path=str(path)))
         values |= dict(self.axes())
         signals = {**self.found.signals, **self.burning()}
         return replace(
@@ -302,6 +311,17 @@ class _SystemParameters:
                 if value and not _is_number_text(value):
                     when.setdefault(value.lower(), ["in a process"])
         return ((name, " and ".join(dict.fromkeys(said))) for name, said in when.items())
+
+    def system_signals(self) -> Iterator[str]:
+        """Inputs that command the controller and outputs that show its state, in words.
+
+        Inputs that call a routine are reported at the routine.
+        """
+        for section, key, way in _SYSTEM_SIGNALS:
+            for row in _rows_of(self.texts.get("eio", ""), section):
+                signal, what = row.get("Signal"), row.get(key)
+                if signal and what and what != _INTERRUPT_ACTION:
+                    yield f"`{signal}` {way} {what}"
 
     def task(self) -> str:
         """The name of the task that the module is loaded by, empty if nothing tells it."""
