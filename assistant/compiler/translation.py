@@ -68,7 +68,7 @@ from assistant.compiler.read_back_proof import Proof
 from assistant.compiler.seen_frames import with_located_frames
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.compiler.style import style_beside
-from assistant.compiler.uncalled_routines import NOT_CALLED
+from assistant.compiler.uncalled_routines import NOT_CALLED, is_uncalled
 from assistant.lazy import pictured
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -266,6 +266,34 @@ class Translation:
         """The procedures to begin with, of a program that is not written as it has no entry."""
         begun = self.written.ok or self.compiled.source.entry is not None
         return () if begun else beginnings(self.compiled.source)
+
+    @property
+    def refusal(self) -> str:
+        """Why nothing is written: the first error and its routine; empty if files are, or without
+        an error.
+        """
+        errors = [one for one in self.compiled.found if one.severity is Severity.ERROR]
+        if self.files or not errors:
+            return ""
+        first, more = errors[0], len(errors) - 1
+        name = self._routine_of(first)
+        told = first.code + (f" in `{name}`" if name else "")
+        told += f" and {more:,} more error{'s' * (more > 1)}" if more else ""
+        if name and is_uncalled(name, self.compiled.source):
+            told += f"; nothing calls `{name}`: take it out of the source if it is not needed"
+        return told
+
+    def _routine_of(self, finding: Diagnostic) -> str:
+        """Return the procedure with the statement that a finding is about, "" if none has it."""
+        places = self.compiled.places
+        place = None if finding.span is None else places.of(finding.span)
+        at = (finding.path, finding.line) if place is None else (place.path, place.line)
+        for procedure in self.compiled.source.procedures:
+            for statement in walk(procedure.body):
+                here = None if statement.span is None else places.of(statement.span)
+                if here is not None and (here.path, here.line) == at:
+                    return procedure.name
+        return ""
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:

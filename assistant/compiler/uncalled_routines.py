@@ -95,6 +95,16 @@ def without_uncalled(
     return left, tuple(told)
 
 
+def is_uncalled(name: str, program: Program) -> bool:
+    """True if surely nothing calls a routine."""
+    routines: list[Procedure | Declaration] = [*program.procedures, *_kept_routines(program)]
+    named = {_name_of(routine): _names_in(routine) for routine in routines}
+    if program.entry is None or _may_call_unknown(program, named):
+        return False
+    called = program.origin.called if program.origin is not None else frozenset[str]()
+    return name.lower() not in _routines_reached({program.entry.lower(), *called}, program, named)
+
+
 def _routine_data(program: Program) -> Iterator[tuple[str, Span | None, Declared]]:
     """Names in routines, with their places if these are known."""
     for name, one in program.variables.items():

@@ -228,7 +228,8 @@ def _written_in_words(translation: Translation) -> str:
     share = f"{_share_text(translation)} translated: {level_totals(translation)}"
     if not translation.files:
         lacks = ", as no procedure is named that it begins with" if translation.beginnings else ""
-        return f"{share}; nothing is written{lacks}"
+        refusal = f": {translation.refusal}" if translation.refusal and not lacks else ""
+        return f"{share}; nothing is written{lacks}{refusal}"
     if not translation.draft:
         return share
     gaps, count = translation.totals["not"], len(translation.wanting)

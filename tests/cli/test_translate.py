@@ -64,7 +64,7 @@ def test_what_cannot_be_said_is_a_stop_in_a_draft(
     assert status == 1
     lines = out.splitlines()
     assert f"    {exchange}:6: Rewind ioFile" in lines
-    assert lines[0].endswith("; nothing is written")
+    assert lines[0].endswith("; nothing is written: MB209 in `main`")
     assert [file.name for file in (tmp_path / "out").glob("[!.]*")] == ["cell.toml"]
     status, out, _ = run(capsys, *to)
     assert status == 1
