@@ -51,7 +51,7 @@ OUTSIDE_LIMITS: Final = error(
     "RB103",
     "outside the joint limits of {robot} in every arm branch; "
     "at worst {axis} would be at {value:.2f} {unit}, its limit is {limit:g} ({where})",
-    "turn the tool about its axis, or move the work piece{nearest}",
+    "{turn}, or move the work piece{nearest}",
 )
 AT_LIMIT: Final = warning(
     "RB127",

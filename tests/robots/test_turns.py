@@ -184,3 +184,35 @@ def test_an_axis_of_many_turns_is_followed_and_wound_back() -> None:
     _, joints, findings = followed(path, replace(ABB, limits=limits))
     assert not findings
     assert np.ptp(joints[:, 5]) == pytest.approx(3000.0)
+
+
+def test_no_turn_of_the_tool_is_offered_for_axis_four() -> None:
+    """It is in line with axis 6 only where the wrist is straight."""
+    robot = robots.get("rv-4frl")
+    joints = np.tile([0.0, 20.0, 90.0, 0.0, 50.0, 0.0], (400, 1))
+    joints[:, 3] = np.linspace(-100.0, 285.0, 400)
+    positions, quaternions = robot.fk(joints)
+    _, _, findings = followed(path_of(positions, quaternions), robot)
+    assert codes(findings) == ["RB106"]
+    assert "J4" in findings[0].message
+    assert "flange" not in str(findings[0].cure)
+
+
+@pytest.mark.parametrize(
+    ("tip", "cure"),
+    [
+        (Pose((0.0, 0.0, 100.0)), "tilt the tool"),
+        (Pose((40.0, 0.0, 100.0)), "turn the tool about its axis"),
+        (Pose((0.0, 0.0, 100.0), (0.924, 0.0, 0.383, 0.0)), "turn the tool about its axis"),
+    ],
+)
+def test_a_turn_about_the_flange_is_no_cure_for_an_axis_before_the_last(
+    tip: Pose, cure: str
+) -> None:
+    robot = robots.get("rv-4frl")
+    p, q = robot.fk(np.array([[0.0, 0.0, 90.0, 0.0, 130.0, 0.0]]))
+    wanted = Pose.of(p[0], q[0]) @ tip
+    path = path_of(np.array([wanted.position]), np.array([wanted.quaternion]), tools=["t"])
+    _, _, findings = followed(path, robot, tools={"t": Tool(tip)})
+    assert codes(findings) == ["RB103"] and "J5" in findings[0].message
+    assert str(findings[0].cure).startswith(cure)

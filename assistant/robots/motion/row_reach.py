@@ -325,9 +325,23 @@ class RowSurvey:
                     limit=low if value < low else high,
                     where=run.label(self.limits.row),
                     nearest=cures.nearest(run, self.limits.row),
+                    turn=_turn_of_tool(run, self.limits.row, axis == len(robot.axes) - 1),
                 )
             )
         return out
+
+
+def _turn_of_tool(run: Run, row: int, last: bool) -> str:
+    """Return the change of a tool's orientation that may help an axis. last: it is the last one.
+
+    A turn about the axis of the flange, where the tool has the same, moves the last axis alone.
+    """
+    mounting = run.mounting
+    tip = mounting.tip(row)
+    aligned = max(map(abs, tip.position[:2])) < 1e-6 and max(map(abs, tip.quaternion[1:3])) < 1e-9
+    if aligned and not last and mounting.tools[mounting.tool[row]].held:
+        return "tilt the tool"
+    return "turn the tool about its axis"
 
 
 def survey_rows(run: Run, robot: Robot, own: Rows) -> tuple[RowSurvey, Singles]:

@@ -314,8 +314,9 @@ def _turn_cure(run: Run, robot: Robot, axis: int, row: int, sweep: tuple[float, 
     shifts = np.clip(0.0, least + whole, most + whole)
     shift = float(shifts[np.abs(shifts).argmin()])
     degrees = math.copysign(math.ceil(abs(shift)), shift)
-    ends = np.zeros((2, len(robot.axes)))
-    ends[1, axis] = 1.0
+    # Bent, as axes that are in line only when the arm is straight turn about different lines.
+    ends = np.full((2, len(robot.axes)), _BENT)
+    ends[1, axis] += 1.0
     (p, moved), (q, turned) = robot.flange_poses(ends)
     back = rotations.conjugate(q)
     in_base, in_flange = rotations.multiply(turned, back), rotations.multiply(back, turned)
@@ -326,6 +327,10 @@ def _turn_cure(run: Run, robot: Robot, axis: int, row: int, sweep: tuple[float, 
         angle = -degrees * np.sign(in_flange[0] * in_flange[3])
         return f", or mount the tool turned by {angle:.0f} degrees about z of the flange"
     return ""
+
+
+_BENT: Final = 20.0
+"""Degrees of each axis, or millimetres, of an arm with no two axes in line."""
 
 
 def _is_about_z(quaternion: Floats) -> bool:
