@@ -188,7 +188,7 @@ def beginning(done: Sequence[Translated], again: Sequence[str]) -> Iterator[str]
     )
     unnamed = any(one.translation.armless for one in done)
     if unnamed and not armless:
-        yield "they are checked with the arm that will run it: add --robot NAME"
+        yield "reach, limits and configurations are checked with --robot NAME, the arm that runs it"
     if armless:
         statements = "1 statement needs" if armless == 1 else f"{armless:,} statements need"
         yield f"{statements} the arm that will run it: add --robot NAME of `robot-assistant robots`"

@@ -34,7 +34,7 @@ def test_pick_and_place(tmp_path: Path, capsys: Capture, monkeypatch: pytest.Mon
     lines = said.splitlines()
     assert status == 1
     assert lines[0].startswith(f"{source.name}: 100 % translated: 44 of 44 statements")
-    assert lines[0].endswith("; a draft, which lacks 9 values")
+    assert "; a draft, which lacks 9 values; no arm is named" in lines[0]
     assert lines[2] == "to be filled in: 9 values, in cell.toml"
     table = [line.split()[:3] for line in lines[4:13]]
     assert ["doGrip", "digital", "output"] in table
