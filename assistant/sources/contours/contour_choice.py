@@ -20,9 +20,15 @@ from assistant.base.diagnostics import Diagnostic, error, info, warning
 from assistant.program.geometry import Pose
 from assistant.program.settings_tables import shown
 from assistant.sources.contours.chains import Contour
-from assistant.sources.contours.contour_order import distance_to_outline, polygon_outline
+from assistant.sources.contours.contour_order import (
+    distance_to_outline,
+    group_nestings,
+    polygon_outline,
+)
+from assistant.sources.contours.contour_shapes import ContourShape, contour_shapes
 from assistant.sources.contours.curves import sample
-from assistant.sources.process import LeftOut, Process
+from assistant.sources.contours.work_words import edge_kind
+from assistant.sources.process import DEFAULT_MOTION, Layer, LeftOut, Process
 
 if TYPE_CHECKING:
     from shapely import STRtree
@@ -63,6 +69,19 @@ _NO_GROUP = error(
     "CT235",
     "`{entry}` under leave_out names no group: the contours stand in {count}",
     "take the number from this list, or leave the entry out: {what}",
+)
+
+_LEFT_OUT = info("CT240", "`{entry}` under leave_out leaves out {what}", "")
+_LEFT_AROUND_OTHERS = warning(
+    "CT241",
+    "`{entry}` leaves out {what}; {count} that {lie} in it {are} followed without it",
+    "leave those out as well, unless it is a frame around the work",
+)
+_AROUND_OTHERS = error(
+    "CT242",
+    "`{entry}` under leave_out is on no line, but in {what}, which holds {count} that would be"
+    " followed without it{near}",
+    "name the one that is meant by a point on its line; this one is {instead}",
 )
 
 _ON_LINE: Final = 0.5
@@ -108,10 +127,9 @@ class ContourGroup:
         return self.closed > 0 or self.curves >= _FEWEST_CURVES
 
     def text(self, number: int) -> str:
-        count = len(self.rows)
         width, height = self.size.tolist()
         x, y = self.low.tolist()
-        what = f"{count} contour{'s' * (count != 1)}, {width:.1f} x {height:.1f} mm"
+        what = f"{_counted(len(self.rows))}, {width:.1f} x {height:.1f} mm"
         return f"{number}: {what} from [{x + 0.0:.1f}, {y + 0.0:.1f}]"
 
 
@@ -131,6 +149,8 @@ class ContourChoice:
     findings: list[Diagnostic] = field(default_factory=list)
     _outlines: dict[Row, Floats] = field(default_factory=dict)
     _trees: dict[int, STRtree] = field(default_factory=dict)
+    _around_point: list[tuple[LeftOut, Row, tuple[float, float], int]] = field(default_factory=list)
+    """Entries whose point is in a contour, on no line, with how many contours hold it."""
 
     @staticmethod
     def of(
@@ -151,6 +171,7 @@ class ContourChoice:
             rows = order()
             for one in numbered:
                 choice._leave_out_number(one, rows)
+        choice._name_left(entries, process)
         if not any(one.group is not None for one in entries):
             choice._note_groups(groups)
         return choice
@@ -229,9 +250,95 @@ class ContourChoice:
             return
         row = inside[0][1]
         self._leave_out(entry, row)
-        if len(inside) > 1:
-            what = self._text(row)
-            self.findings.append(_SEVERAL_AT(entry=entry.text, count=len(inside), what=what))
+        self._around_point.append((entry, row, at, len(inside)))
+
+    def _name_left(self, entries: Sequence[LeftOut], process: Process) -> None:
+        """Report which contour each entry leaves out, and refuse points that may mean another.
+
+        A point between a hole and the outline, which missed the hole, would leave out the outline
+        and follow the holes. Of a frame, on its line, that is wanted.
+        """
+        named = [one for one in entries if one.at is not None or one.number is not None]
+        if not (named and self.left):
+            return
+        rows = [row for row, _ in self.rows()]
+        texts = self.shapes(process, rows)
+
+        def what(row: Row) -> str:
+            layer = shown(self.layers[row[0]][row[1]].layer)
+            shape = texts[row]
+            return f"{'' if shape.kind else 'the line of '}{shape.text} on layer {layer!r}"
+
+        for entry, row, at, count in self._around_point:
+            held = [one for one in self._held(row) if entry.concerns(self._layer(one))]
+            if held:
+                distance, near = min((distance_to_outline(at, self.outline(k)), k) for k in held)
+                instead = LeftOut(self._layer(row), at=self.naming_point(row) or at).text
+                self.findings.append(
+                    _AROUND_OTHERS(
+                        entry=entry.text,
+                        what=what(row),
+                        count=_counted(len(held)),
+                        near=f", the nearest {what(near)}, {distance:.1f} mm away",
+                        instead=instead,
+                    )
+                )
+                self.left[row].remove(entry)
+            elif count > 1:
+                self.findings.append(_SEVERAL_AT(entry=entry.text, count=count, what=what(row)))
+        said = {entry for entry, *_, count in self._around_point if count > 1}
+        self.left = {row: by for row, by in self.left.items() if by}
+        for row, by in self.left.items():
+            for entry in (one for one in by if one in named):
+                if held := self._held(row):
+                    many = len(held) > 1
+                    self.findings.append(
+                        _LEFT_AROUND_OTHERS(
+                            entry=entry.text,
+                            what=what(row),
+                            count=_counted(len(held)),
+                            lie="lie" if many else "lies",
+                            are="are" if many else "is",
+                        )
+                    )
+                elif entry.number is None and entry not in said:
+                    self.findings.append(_LEFT_OUT(entry=entry.text, what=what(row)))
+
+    def _held(self, row: Row) -> list[Row]:
+        """Return the contours inside one that are followed."""
+        import shapely
+
+        if not self.layers[row[0]][row[1]].closed or len(self.outline(row)) < 4:
+            return []
+        area = shapely.make_valid(shapely.Polygon(self.outline(row)))
+        others = [one for one, _ in self.rows() if one not in self.left]
+        if not others:
+            return []
+        points = np.array([self.outline(one)[0] for one in others])
+        inside = shapely.contains_xy(area, points[:, 0], points[:, 1])
+        return [one for one, within in zip(others, inside.tolist(), strict=True) if within]
+
+    def shapes(self, process: Process, rows: Sequence[Row]) -> dict[Row, ContourShape]:
+        """Return the shapes of some contours, as if the drawing had no others."""
+        known = {name.casefold(): layer for name, layer in process.layers.items()}
+        usual = Layer("", DEFAULT_MOTION.motion)
+        groups = []
+        for contours in self.layers:
+            layer = known.get(contours[0].layer.casefold(), usual)
+            kind = edge_kind(contours[0].layer, layer)
+            groups.append((process.placed(layer.direction), kind, list[Contour]()))
+        for i, k in rows:
+            groups[i][2].append(self.layers[i][k])
+        by_layer = [
+            iter(contour_shapes(contours, nesting, direction, process.placement, process.tolerance))
+            for (direction, _, contours), nesting in zip(
+                groups, group_nestings(groups, process.tolerance), strict=True
+            )
+        ]
+        return {row: next(by_layer[row[0]]) for row in rows}
+
+    def _layer(self, row: Row) -> str:
+        return self.layers[row[0]][row[1]].layer
 
     def _leave_out_number(self, entry: LeftOut, rows: Sequence[Row]) -> None:
         number = entry.number or 0
@@ -326,6 +433,10 @@ def _are_views(groups: Sequence[ContourGroup]) -> bool:
         return False
     sizes = np.array([one.size for one in groups])
     return bool(np.ptp(sizes, axis=0).max() > _SAME_SIZE * sizes.max())
+
+
+def _counted(count: int) -> str:
+    return f"{count} contour{'s' * (count != 1)}"
 
 
 def _gap(one: ContourGroup, other: ContourGroup) -> float:

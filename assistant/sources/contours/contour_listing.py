@@ -12,10 +12,7 @@ from collections.abc import Iterator, Sequence
 from assistant.base.data_classes import dataclass
 from assistant.sources.contours.chains import Contour
 from assistant.sources.contours.contour_choice import ContourChoice, Row
-from assistant.sources.contours.contour_order import group_nestings
-from assistant.sources.contours.contour_shapes import ContourShape, contour_shapes
-from assistant.sources.contours.work_words import edge_kind
-from assistant.sources.process import DEFAULT_MOTION, Layer, LeftOut, Process
+from assistant.sources.process import LeftOut, Process
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,32 +43,10 @@ def listed_contours(
         numbers[row].append(number)
     rows = [row for row, _ in choice.rows()]
     # A contour that is left out makes no other one a hole: those are named as if it were missing.
-    kept = _shapes(choice, process, [row for row in rows if row not in choice.left])
-    shapes = _shapes(choice, process, rows) if choice.left else kept
+    kept = choice.shapes(process, [row for row in rows if row not in choice.left])
+    shapes = choice.shapes(process, rows) if choice.left else kept
     for row, contour in choice.rows():
         shape = kept.get(row) or shapes[row]
         text = shape.text if shape.kind else f"line {shape.text}"
         left_by = tuple(choice.left.get(row, ()))
         yield ListedContour(contour, choice.naming_point(row), text, tuple(numbers[row]), left_by)
-
-
-def _shapes(
-    choice: ContourChoice, process: Process, rows: Sequence[Row]
-) -> dict[Row, ContourShape]:
-    """Return the shapes of some contours, as if the drawing had no others."""
-    known = {name.casefold(): layer for name, layer in process.layers.items()}
-    usual = Layer("", DEFAULT_MOTION.motion)
-    groups = []
-    for contours in choice.layers:
-        layer = known.get(contours[0].layer.casefold(), usual)
-        kind = edge_kind(contours[0].layer, layer)
-        groups.append((process.placed(layer.direction), kind, list[Contour]()))
-    for i, k in rows:
-        groups[i][2].append(choice.layers[i][k])
-    by_layer = [
-        iter(contour_shapes(contours, nesting, direction, process.placement, process.tolerance))
-        for (direction, _, contours), nesting in zip(
-            groups, group_nestings(groups, process.tolerance), strict=True
-        )
-    ]
-    return {row: next(by_layer[row[0]]) for row in rows}

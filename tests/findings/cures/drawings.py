@@ -162,6 +162,18 @@ CASES: Final = (
         change={"a.process.toml": "leave_out = [{at = [45, 40]}]\n"},
     ),
     Case(
+        "CT241",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{at = [80, 40]}]\n"},
+        change={"a.process.toml": "leave_out = [{at = [80, 40]}, {at = [45, 40]}]\n"},
+    ),
+    Case(
+        "CT242",
+        "check a.dxf",
+        {"a.dxf": dxf(two_views), "a.process.toml": "leave_out = [{at = [46, 40]}]\n"},
+        change={"a.process.toml": "leave_out = [{at = [45, 40]}]\n"},
+    ),
+    Case(
         "CT232",
         "check a.dxf",
         {"a.dxf": dxf(meeting), "a.process.toml": "leave_out = [{at = [50, 0]}]\n"},

@@ -73,6 +73,41 @@ def test_a_point_in_a_hole_or_on_its_line_leaves_the_hole_out(plate: Path, at) -
     assert ("CT231" in codes(made)) is (at == (30, 30))
 
 
+@pytest.mark.parametrize(
+    ("at", "what"),
+    (
+        ("30, 30", "CT231 hole dia. 6.6 at 30, 30 on layer 'CUT'"),
+        ("33.3, 30", "CT240 hole dia. 6.6 at 30, 30 on layer 'CUT'"),
+        ("70, 50.2", "CT240 the line of 40 mm, from 50, 50 to 90, 50 on layer 'SEAM'"),
+        ("100, -57", "CT240 outline 200 x 5 on layer 'CUT'"),
+        ("0, 50", "CT241 outline 200 x 100 on layer 'CUT'; 4 contours that lie in it are followed"),
+    ),
+)
+def test_each_entry_says_which_contour_it_leaves_out(plate: Path, at: str, what: str) -> None:
+    code, _, named = what.partition(" ")
+    (said,) = [one for one in reading(plate, f"leave_out = [{{at = [{at}]}}]").findings
+               if one.code in {"CT231", "CT240", "CT241"}]  # fmt: skip
+    assert (said.code, named in said.message) == (code, True), said.message
+
+
+def test_a_point_that_missed_a_hole_does_not_leave_out_the_plate(plate: Path) -> None:
+    """It lies in the plate, whose holes would be followed without the outline."""
+    said = refused(plate, 'leave_out = [{layer = "CUT", at = [34.3, 30]}]')
+    assert said.startswith("CT242 ")
+    assert "outline 200 x 100 on layer 'CUT', which holds 3 contours" in said
+    assert "the nearest hole dia. 6.6 at 30, 30 on layer 'CUT', 1.0 mm away" in said
+    # What the cure says leaves out the plate after all, with a warning.
+    entry = re.search(r'\{layer = "CUT", at = .*?\}', said.partition("this one is")[2])
+    assert entry
+    made = reading(plate, f"leave_out = [{entry[0]}]")
+    assert len(starts(made.program)) == 5
+    assert "CT241" in codes(made)
+    # With all that lies in it left out as well, nothing is followed without it.
+    holes = ", ".join(f"{{at = [{x}, {y}]}}" for x, y in HOLES)
+    whole = reading(plate, f'leave_out = [{{layer = "CUT", at = [34.3, 30]}}, {holes}]')
+    assert len(starts(whole.program)) == 2
+
+
 def test_a_point_on_an_open_line_leaves_that_out_and_not_what_is_around_it(plate: Path) -> None:
     made = reading(plate, "leave_out = [{at = [70, 50.2]}]")
     names = [one.name for one in made.program.procedures]
@@ -153,9 +188,8 @@ def test_a_contour_that_is_left_out_does_not_count_as_around_others(tmp_path: Pa
     alone = reading(path, layer)
     rectangle(document.modelspace(), -50, -50, 200, 200)
     document.saveas(path)
-    for entry in ("at = [-20, 50]", "at = [-50, 0]"):
-        made = reading(path, f"leave_out = [{{{entry}}}]\n{layer}")
-        assert made.program == alone.program
+    made = reading(path, f"leave_out = [{{at = [-50, 0]}}]\n{layer}")
+    assert made.program == alone.program
     (number,) = [
         n
         for n in (1, 2)
