@@ -1,9 +1,10 @@
 """Drafting: what a drawing holds for people only, by names of layers, blocks and line types.
 
 A robot follows edges. Borders, title blocks, centre lines, hidden edges, dimensions, construction
-lines and hatches are drawn with the same entities, so names tell them apart, and their shape
-borders (`sheets`). Each word of the tables is of English, German, French, Spanish, Italian,
-Russian, Chinese or Japanese, or a short form of a CAD system.
+lines and hatches are drawn with the same entities, so names tell them apart, and the shape of
+borders (`sheets`) and of lines along dimensions (`extension_lines`). Each word of the tables is of
+English, German, French, Spanish, Italian, Russian, Chinese or Japanese, or a short form of a CAD
+system.
 
 A word counts where a name has it as a separate word: `Hidden (ISO)`, `A-ANNO-DIMS`,
 `Mittellinien`; `cutline` and `outline` have none. Words that parts have as well (`center`, `frame`)
@@ -42,10 +43,12 @@ from assistant.sources.contours.work_words import (
     words_of_name,
 )
 from assistant.sources.drawing.balloons import find_balloons
+from assistant.sources.drawing.extension_lines import ExtensionLines, find_extension_lines
 from assistant.sources.drawing.findings import (
     DRAFTING,
     DRAFTING_FOLLOWED,
     ENDS_ON_BORDER,
+    MAY_BE_EXTENSION_LINES,
     MAY_BE_SHEET,
     shown,
 )
@@ -331,6 +334,8 @@ class Drafting:
     undecided: list[Sheet] = field(default_factory=list)
     ending: list[tuple[Sheet, str, Floats]] = field(default_factory=list)
     symbols: frozenset[str] = frozenset()
+    extensions: Mapping[str, ExtensionLines] = field(default_factory=dict)
+    """By the layer in small letters, what runs along extension lines of its dimensions."""
     _stated: frozenset[str] = frozenset()
 
     @staticmethod
@@ -338,7 +343,8 @@ class Drafting:
         layers = {str(one.dxf.name).lower(): str(one.dxf.linetype) for one in document.layers}
         stated = frozenset(name.casefold() for name in process.layers)
         kinds, symbols = line_type_kinds(document), symbol_blocks(document)
-        return Drafting(process, kinds, layers, symbols=symbols, _stated=stated)
+        lines = {one.layer.casefold(): one for one in find_extension_lines(document.modelspace())}
+        return Drafting(process, kinds, layers, symbols=symbols, extensions=lines, _stated=stated)
 
     def of_layer(self, layer: str) -> str:
         """What a layer is for, empty if the process file names it or it may be work."""
@@ -363,6 +369,8 @@ class Drafting:
         layer = placed.layer
         if kind := self.of_layer(layer):
             reason: Reason | None = Reason("layer", layer, kind)
+        elif self._is_extension_line(placed):
+            reason = Reason("layer", layer, "extension lines of dimensions")
         else:
             reason = self._reason_beside_layer(placed)
         if reason is None:
@@ -439,8 +447,27 @@ class Drafting:
             for one in self.process.left_out
         )
 
+    def _is_extension_line(self, placed: PlacedEntity) -> bool:
+        known = self.extensions.get(placed.layer.casefold())
+        return (
+            known is not None
+            and known.sure
+            and not placed.blocks
+            and placed.entity.dxf.handle in known.handles
+            and not self._is_named(placed.layer)
+        )
+
     def _is_named(self, layer: str) -> bool:
         return layer.casefold() in self._stated or matches_any(self.process.follow, layer)
+
+    def _is_decided(self, layer: str) -> bool:
+        """True if the process file names a layer, or its name says what it is for."""
+        return (
+            self._is_named(layer)
+            or self.process.leaves_out(layer)
+            or bool(layer_kind(layer))
+            or names_work(layer)
+        )
 
     def _reason_beside_layer(self, placed: PlacedEntity) -> Reason | None:
         for block in placed.blocks:
@@ -469,6 +496,14 @@ class Drafting:
         """One finding about what was left out, one about what the process file follows, and one for
         each sheet that may be a part.
         """
+        for lines in self.extensions.values():
+            if not (lines.sure or self._stated or self._is_decided(lines.layer)):
+                yield MAY_BE_EXTENSION_LINES(
+                    count=len(lines.handles),
+                    layer=shown(lines.layer),
+                    dimensions=lines.dimensions,
+                    key=shown(lines.layer),
+                )
         for sheet in self.undecided:
             yield MAY_BE_SHEET(size=sheet.text, name=sheet.what)
         for sheet, layer, middles in self.ending:

@@ -123,6 +123,13 @@ ENDS_ON_BORDER = warning(
     " on layer `{layer}`",
     "if they belong to the sheet, write leave_out = [{entry}] at the top of the process file",
 )
+MAY_BE_EXTENSION_LINES = error(
+    "DX216",
+    "the {count} lines on layer `{layer}` run along extension lines of the {dimensions} dimensions"
+    " there: they may belong to these, or be work",
+    'write leave_out = ["{key}"] at the top of the process file if they belong to the dimensions,'
+    ' or follow = ["{key}"] if they are work',
+)
 DRAFTING_FOLLOWED = info(
     "DX213",
     "{count} entities whose names mean drafting are followed, as the process file names their"

@@ -105,6 +105,14 @@ def as_paper(space: Any) -> None:
     space.add_text("A", height=3)
 
 
+def dimensioned(space: Any) -> None:
+    """A square, and a line along the extension line of a dimension, which ends where it does."""
+    square(space)
+    on = {"layer": "SIZES"}
+    space.add_linear_dim(base=(0, 30), p1=(40, 40), p2=(0, 40), dxfattribs=on).render()
+    space.add_line((40, 30), (40, 60), dxfattribs=on)
+
+
 def two_views(space: Any) -> None:
     """A square with a circle in it, and what is seen from its side."""
     square(space)
@@ -226,6 +234,18 @@ CASES: Final = (
         "check a.dxf",
         {"a.dxf": dxf(titled)},
         change={"a.process.toml": 'follow = ["border"]\n'},
+    ),
+    Case(
+        "DX216",
+        "check a.dxf",
+        {"a.dxf": dxf(dimensioned)},
+        change={"a.process.toml": 'leave_out = ["SIZES"]\n'},
+    ),
+    Case(
+        "DX216",
+        "check a.dxf",
+        {"a.dxf": dxf(dimensioned)},
+        change={"a.process.toml": 'follow = ["SIZES"]\n'},
     ),
     Case(
         "DX214",
