@@ -55,6 +55,8 @@ def find_extension_lines(entities: Iterable[DXFGraphic]) -> Iterator[ExtensionLi
     dimensions: dict[str, list[Any]] = defaultdict(list)
     for one in entities:
         kind = one.dxftype()
+        if not one.dxf.is_supported("layer"):
+            continue  # of a type that is only stored, and never followed
         layer = str(one.dxf.get("layer", "0")).casefold()
         if kind == "DIMENSION":
             dimensions[layer].append(one)
