@@ -23,6 +23,7 @@ from assistant.program.geometry import Vector
 from assistant.program.motion import Kind, Speed
 from assistant.sources.contours.biarcs import fit_curve
 from assistant.sources.contours.chains import EXACT_MEETING, Contour
+from assistant.sources.contours.chord_arcs import arcs_of_chords
 from assistant.sources.contours.curves import (
     Arc,
     FreeCurve,
@@ -33,9 +34,11 @@ from assistant.sources.contours.curves import (
     vector,
 )
 from assistant.sources.contours.path_tolerance import (
+    THINNING_PART,
     merge_short_pieces,
     midpoint,
     piece_with_ends,
+    runs_of_kind,
     thin_pieces,
 )
 from assistant.sources.process import SpeedProfile
@@ -129,9 +132,63 @@ def as_pieces(contour: Contour, tolerance: float, spent: float = 0.0) -> Contour
     joined = _closed_gaps(pieces, contour.closed)
     sides = [ours for ours, made in zip(drawn, joined, strict=True) for _ in made]
     tight_ones = [piece for made in joined for piece in made]
+    rounded = _arcs_for_chords(tight_ones, sides, tolerance, spent, closed=contour.closed)
+    tight_ones, sides = list(rounded.pieces), rounded.drawn
     # Only sides of the drawing are thinned: fitted pieces are as few as the tolerance allows.
     tidy = thin_pieces(tight_ones, sides, tolerance, spent, closed=contour.closed)
-    return ContourPieces(tidy.pieces, max(deviation, tidy.deviation), fitted, within, tidy.dropped)
+    deviation = max(deviation, tidy.deviation, rounded.deviation)
+    dropped = tidy.dropped + rounded.dropped
+    return ContourPieces(tidy.pieces, deviation, fitted, within, dropped)
+
+
+@dataclass(frozen=True, slots=True)
+class _RoundedPieces:
+    """drawn: which of the pieces are sides of the drawing. dropped: corners that are left out."""
+
+    pieces: Sequence[Line | Arc]
+    drawn: list[bool]
+    dropped: int = 0
+    deviation: float = 0.0
+
+
+def _arcs_for_chords(
+    pieces: Sequence[Line | Arc],
+    drawn: list[bool],
+    tolerance: float,
+    spent: float,
+    *,
+    closed: bool,
+) -> _RoundedPieces:
+    """Pieces with arcs in the place of sides of the drawing that are chords of these."""
+    side = tolerance * _FITTING_PART - spent
+    corner = min(tolerance * THINNING_PART, side)
+
+    def movable(arc: Arc) -> bool:
+        made = _possible_moves(arc, tolerance * FLATTENING_PART, WIDEST_ARC)
+        return isinstance(made[0], Arc)
+
+    sides = [isinstance(one, Line) and ours for one, ours in zip(pieces, drawn, strict=True)]
+    runs = runs_of_kind(sides)
+    made: list[Line | Arc] = []
+    ours: list[bool] = []
+    dropped, deviation = 0, 0.0
+    for first, last in runs:
+        at = first
+        if sides[first]:
+            points = np.array([pieces[first].start, *(one.end for one in pieces[first:last])])
+            around = closed and len(runs) == 1
+            for found in arcs_of_chords(points, corner, side, around=around, movable=movable):
+                made += pieces[at : first + found.first]
+                ours += drawn[at : first + found.first]
+                like = pieces[first + found.first]
+                made.append(replace(found.arc, layer=like.layer, handle=like.handle))
+                ours.append(False)
+                at = first + found.last
+                dropped += found.last - found.first - 1
+                deviation = max(deviation, found.deviation)
+        made += pieces[at:last]
+        ours += drawn[at:last]
+    return _RoundedPieces(made, ours, dropped, deviation)
 
 
 def _closed_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[list[Line | Arc]]:

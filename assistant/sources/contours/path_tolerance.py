@@ -74,7 +74,7 @@ def thin_pieces(
     made: list[Piece] = []
     most, dropped = 0.0, 0
     sides = [isinstance(p, Line) and ours for p, ours in zip(pieces, drawn, strict=True)]
-    runs = _runs_of_kind(sides)
+    runs = runs_of_kind(sides)
     # A closed contour of sides alone has no joint that must stay.
     around = closed and len(runs) == 1
     spare = _spare_starts(pieces, allowed, tolerance)
@@ -97,7 +97,7 @@ def thin_pieces(
     return ThinnedPieces(tuple(joined), dropped + len(made) - len(joined), most)
 
 
-def _runs_of_kind(sides: Sequence[bool]) -> list[tuple[int, int]]:
+def runs_of_kind(sides: Sequence[bool]) -> list[tuple[int, int]]:
     """First and one after the last of pieces of one kind that follow each other."""
     bounds = [i for i in range(1, len(sides)) if sides[i] != sides[i - 1]]
     return list(pairwise([0, *bounds, len(sides)]))
@@ -280,7 +280,7 @@ ROUNDING_RADII: Final = np.array([0.01, 0.02, 0.05, 0.1, 0.3, 1.0, 5.0, 10.0, 20
 def rounding_radii(
     positions: Floats, kinds: NDArray[np.uint8], whole: Truths, tolerance: float
 ) -> Floats:
-    """Return (n,) the largest radius in mm of each corner, one of `SIZES` or 0 for a stop.
+    """Return (n,) the largest radius in mm of each corner, one of `ROUNDING_RADII` or 0 for a stop.
 
     positions: (n, 3) mm. kinds: (n,). whole: (n - 1,), whether rows i and i + 1 are in one frame
     with one tool. The rounded path lies between the corner and the chord between the points where
