@@ -40,9 +40,7 @@ STANDALONE = Interface()
 
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-MANGLED = info(
-    "NM001", "the name {given!r} is written `{name}`", "use letters, digits and `_`, a letter first"
-)
+MANGLED = info("NM001", "the name {given!r} is written `{name}`")
 NAME_TAKEN = info(
     "NM002",
     "the name {given!r} is written `{name}`, as something else has the name `{plain}`, such as a"
@@ -111,9 +109,12 @@ def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> st
     return free
 
 
-def renamed(given: str, name: str, **where: Any) -> Diagnostic:
-    """Return the finding about a name that is written otherwise: its letters, or it was taken."""
-    plain = identifier(given)
+def renamed(given: str, name: str, plain: str | None = None, **where: Any) -> Diagnostic:
+    """Return the finding about a name that is written otherwise: its letters, or it was taken.
+
+    plain: what it is written as where it is not taken, if that is not its identifier.
+    """
+    plain = plain or identifier(given)
     if name == plain:
         return MANGLED(**where, given=given[:80], name=name)
     return NAME_TAKEN(**where, given=given[:80], name=name, plain=plain)

@@ -352,9 +352,15 @@ def _procedure_name(layer: str, taken: TakenNames) -> str:
     """Return the name of the procedure; a signal often has the name of its layer, and takes
     precedence.
     """
-    name = identifier(layer)
-    free = identifier(layer, taken) == name
+    name = _layer_identifier(layer)
+    free = identifier(name, taken) == name
     return name if free else identifier(f"{name}{CONTOURS_SUFFIX}", taken)
+
+
+def _layer_identifier(layer: str) -> str:
+    """Return the name of a layer in letters; one that begins with a digit is `layer_0`."""
+    first = next((c for c in plain_letters(layer) if c.isalnum()), "")
+    return identifier(f"layer {layer}" if first.isdigit() else layer)
 
 
 def _curves_in_words(curves: Sequence[Curve]) -> str:
@@ -430,7 +436,8 @@ def _layer_procedure(
             )
         )
     if named != name:
-        findings.append(renamed(name, named, place=f"layer {shown(name)}"))
+        plain = _layer_identifier(name)
+        findings.append(renamed(name, named, plain, place=f"layer {shown(name)}"))
     targets: dict[str, Target] = {}
     parts: dict[str, list[Statement]] = {}
     widest = _WIDEST_TURN if layer.tangential else WIDEST_ARC

@@ -132,7 +132,7 @@ def test_a_slow_travel_is_not_left_on_the_way_down():
 def test_without_layers_every_layer_moves_as_the_defaults_say():
     curves = [*square("A"), circle("0", 50.0)]
     procedures, findings = contour_program(curves, Process(DEFAULTS, frames=FRAMES), taken=set())
-    assert [p.name for p in procedures] == ["A", "n_0"]
+    assert [p.name for p in procedures] == ["A", "layer_0"]
     assert paths(procedures[0])[0].speeds == (DEFAULTS.speed,)
     assert codes(findings) == ["NM001"]
 

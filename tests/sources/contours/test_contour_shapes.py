@@ -158,7 +158,7 @@ def test_names_of_several_layers_and_of_what_is_there_already(tmp_path):
     taken = PROCESS + "[layers.DRILL]\n[layers.0]\n[signals.drill_hole_1]\n"
     program = load(drawn(tmp_path, draw, taken)).program
     names = [*bodies(program)]
-    assert names == ["main", "DRILL", "drillhole2_1", "drillhole2_2", "n_0", "PLATE"]
+    assert names == ["main", "DRILL", "drillhole2_1", "drillhole2_2", "layer_0", "PLATE"]
     assert {"plate_outline_1_start", "path_1_start"} <= program.targets.keys()
 
 

@@ -93,3 +93,11 @@ def test_other_lines_beside_dimensions_are_work(tmp_path: Path, lines: Any, laye
     reading = made(path)
     assert not {"DX212", "DX216"} & {one.code for one in reading.findings}
     assert len(reading.program.procedures) > len(without.program.procedures)
+
+
+def test_a_layer_with_a_number_for_its_name_is_called_a_layer(tmp_path: Path) -> None:
+    reading = made(drawing(tmp_path))
+    assert "layer_0" in procedures(reading)
+    (note,) = [one for one in reading.findings if one.code.startswith("NM")]
+    assert (note.code, note.message) == ("NM001", "the name '0' is written `layer_0`")
+    assert not note.cure
