@@ -21,12 +21,13 @@ import assistant
 from assistant import languages, robots
 from assistant.base.diagnostics import Severity
 from assistant.compiler.comparison import read_names
-from assistant.compiler.loader import with_project_settings
+from assistant.compiler.loader import load, with_project_settings
 from assistant.compiler.simulated_run import read_script
 from assistant.controllers import controllers_of
 from assistant.findings import rulebook
 from assistant.findings.severities import severities_for
 from assistant.program import pseudo
+from assistant.program.statements import Move
 from assistant.project.project_file import project_schema
 from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
@@ -204,6 +205,16 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
         return
     if text.startswith("[names]"):
         assert read_names(file)
+        return
+    if text.startswith("moves = "):
+        moves = tomllib.loads(text)["moves"]
+        names = dict.fromkeys(move if isinstance(move, str) else move["to"] for move in moves)
+        target = '[[targets]]\nname = "{}"\nposition = [400, {}, 300]\nquaternion = [0, 1, 0, 0]\n'
+        targets = "".join(target.format(name, 10 * at) for at, name in enumerate(names))
+        moved = tmp_path / "moves.toml"
+        moved.write_text(f"{text}{targets}[signals.grip]\nnumber = 1\n", encoding="utf-8")
+        (main,) = load(moved).program.procedures
+        assert sum(isinstance(one, Move) for one in main.body) == len(moves)
         return
     if text.startswith("kind = "):
         assert read_device(file).marks

@@ -17,6 +17,7 @@ KNOWN = {
     "report/figures.py": "into memory",
     "report/timing.py": "into memory",
     "report/workspace.py": "into memory",
+    "base/mirrored_files.py": "files of another computer, in a folder for the moment",
     "blocks/display.py": "into memory",
     "blocks/fmu/co_simulation.py": "for a compiler, in a folder for the moment",
     "cli/controller_state.py": "a log, which grows by a row at a time",

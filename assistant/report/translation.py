@@ -493,7 +493,10 @@ def renamed_items(translation: Translation) -> Iterator[tuple[NamedItem, str, Pl
         span = old.span or spans.get(old.key)
         found = there.get(old.key) or made.get(span or Span(-1, -1), [])
         if old.kind == "parameter":  # of the program, where procedures have none
-            found = found or there.get(("", f"{old.owner}_{old.name}".lower()), [])
+            ways = (f"{old.owner}_{old.name}", old.name)
+            found = found or next(
+                (there[key] for key in (("", way.lower()) for way in ways) if key in there), []
+            )
         alike = [one for one in found if one.kind == old.kind] or found
         place = None if span is None else places.of(span)
         news = dict.fromkeys(spelled(one.kind, one.owner, one.name) for one in alike)

@@ -23,7 +23,7 @@ NASTY = "</pre><script>alert(1)</script><b a='\x1b[31m\u202e"
 def test_everything_is_on_top_and_listed():
     wanted = {"load", "compile", "translate", "check", "simulate", "deploy", "from_poses"}
     wanted |= {"from_joints", "plan", "read_scene", "connect", "robots", "languages", "Refused"}
-    wanted |= {"Pose", "Tool", "Load", "Frame", "Proving", "compare", "pose"}
+    wanted |= {"Pose", "Tool", "Load", "Frame", "Proving", "compare", "pose", "on"}
     names = [name for name in dir(assistant) if not name.startswith("_")]
     assert set(names) == wanted == set(assistant.__all__) - {"__version__"}
     for name in names:
@@ -63,7 +63,7 @@ def test_what_python_prints_is_short():
         r"<Program plate: 10 procedures, \d+ statements, \d+ targets>", repr(loaded.program)
     )
     assert count <= int(re.search(r"(\d+) statements", repr(loaded.program))[1])
-    assert re.fullmatch(r"<Compiled plate in rapid: proven, plate.mod, 8 findings>", repr(compiled))
+    assert re.fullmatch(r"<Compiled plate in rapid: proven, plate.mod, 9 findings>", repr(compiled))
     poses = assistant.from_poses([[300, 0, i, 1, 0, 0, 0] for i in range(500)], unit="mm")
     assert re.fullmatch(
         r"<Program \w+: 1 procedure, 500 statements, 500 targets>",

@@ -75,9 +75,10 @@ class Ran:
         track = track_of(motion, run.log, kernel.now, 0.002)
         self.t, self.speed, self.joints = track.t, track.speed, track.joints
         self.tips = track.position - ORIGIN
-        self.switched = [
+        first, *self.switched = [
             (row.time, row.what.value) for row in run.log if isinstance(row.what, Switched)
         ]
+        assert first == (0.0, 0.0), "the output is off before the first motion"
 
     def at(self, time: float) -> np.ndarray:
         return np.array([np.interp(time, self.t, column) for column in self.tips.T])

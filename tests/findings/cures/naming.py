@@ -112,14 +112,14 @@ def _spanned(text: str, family: str) -> Iterator[Named]:
         yield Named(plain, "python" if setting[1] in known else None)
     elif _is_command(plain):
         yield from _command(plain.split())
+    elif plain in _LITERALS:
+        yield Named(plain, "literal")
     elif scheme := re.match(r"([a-z-]+)://", plain):
         yield Named(text, "address" if scheme[1] in SCHEMES else None)
     elif family in _SPEAKERS and _words(plain) and _words(plain) <= _SPEAKERS[family]():
         yield Named(text, "word")
     elif plain in keys():
         yield Named(plain, "key")
-    elif plain in _LITERALS:
-        yield Named(plain, "literal")
     else:
         yield Named(text, None)
 
@@ -287,6 +287,9 @@ _LITERALS: Final[Mapping[str, str]] = {
     "COM3": "what a line of `gateway` may be",
     "M_TIMER | P_CURR | J_FBC": "what `follow` may be asked for",
     "rtprio": "a setting of the system",
+    "dask": "what `--on` may be",
+    "dask://HOST:PORT": "what `--on` may be",
+    "dask worker HOST:PORT": "a command of Dask",
     "auto": "a value of the variable ROBOT_ASSISTANT_SERVER",
     "ignore": "the word of a comment that ignores findings",
     "assistant: ignore RA204, RA205": "a comment that ignores findings",

@@ -46,9 +46,33 @@ def _case(
     return Case(code, "check a.dxf", files, change=process(right), becomes=becomes)
 
 
+def nested(space: Any) -> None:
+    for layer, outline in (("RIM", box(80)), ("HOLES", [(x + 20, y + 20) for x, y in box(20)])):
+        space.add_lwpolyline(outline, close=True, dxfattribs={"layer": layer})
+
+
 INSIDE: Final = 'side = "inside"\n'
+STOPS: Final = '[motion]\nblend = "fine"\n'
+SWITCHED: Final = """[signals.valve]
+number = 4
+[layers.CUT]
+on = {valve = 1}
+off = {valve = 0}
+"""
 
 CASES: Final = (
+    Case(
+        "CT237",
+        "check a.dxf",
+        {"a.dxf": dxf(closed(box(40))), "a.process.toml": STOPS + SWITCHED},
+        change={"a.process.toml": f"{STOPS}{SWITCHED}blend = 1\n"},
+    ),
+    Case(
+        "CT335",
+        "check a.dxf",
+        {"a.dxf": dxf(nested), "a.process.toml": "[layers.RIM]\n[layers.HOLES]\n"},
+        change={"a.process.toml": "[layers.RIM]\ninside_first = false\n[layers.HOLES]\n"},
+    ),
     _case("CT210", opened, "offset = 3", 'offset = 3\nside = "left"'),
     _case("CT210", opened, "offset = 3", 'offset = 3\nside = "right"'),
     _case("CT211", on_a_wall, "offset = 3", "offset = 3\ndirection = [1, 0, 0]"),
