@@ -166,7 +166,16 @@ def test_different_heights_are_named_by_what_they_are_for(tmp_path):
     assert b"CONST num cut_retract:=40;" in data
 
 
-def test_heights_that_are_for_both_have_no_names_at_all():
+@pytest.mark.parametrize(
+    ("into", "back", "named"),
+    [
+        # The lower one leads to the work, the other one there and back.
+        ((25, 40), (40, 40), {"work_approach": 25, "work_height": 40}),
+        # Both would have the same word.
+        ((25, 40), (25, 40), {}),
+    ],
+)
+def test_heights_are_named_by_what_they_are_for(into, back, named):
     fast, target = p.Motion(Speed(100.0), FINE), e.Name("a")
 
     def above(height):
@@ -174,10 +183,10 @@ def test_heights_that_are_for_both_have_no_names_at_all():
         return p.Move("linear", place, fast)
 
     work = p.Move("linear", target, fast)
-    contour = (above(25), work, above(40), above(40), work, above(40))
-    given = Program("cut", (Procedure("main", contour * 4),), targets={"a": Target(Pose())})
+    contour = [one for a, b in zip(into, back, strict=True) for one in (above(a), work, above(b))]
+    given = Program("cut", (Procedure("main", (*contour,) * 4),), targets={"a": Target(Pose())})
     made = with_form(given, ProgramStyle(), languages.get("rapid")).program
-    assert not made.variables
+    assert {name: one.initial.value for name, one in made.variables.items()} == named
 
 
 MUTATIONS = [

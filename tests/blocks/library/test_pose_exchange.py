@@ -16,6 +16,8 @@ from assistant.controllers.abb.exchange import PoseExchange
 from tests.controllers.abb.exchanging import RunningRobot
 
 STEP = 0.02
+HELD = 3.0
+"""Seconds."""
 NEAR, FAR = [420.0, 80.0, 400.0, 0.0, 0.0, 1.0, 0.0], [420.0, -140.0, 400.0, 0.0, 0.0, 1.0, 0.0]
 
 
@@ -28,9 +30,9 @@ def connected(robot: RunningRobot, **how: object) -> Connection[Asked[PoseExchan
 def sent(
     connection: Connection[Asked[PoseExchange]], *rows: list[float]
 ) -> tuple[Diagram, ExchangedPose]:
-    """A block that is given poses, each for half a second."""
+    """A block that is given poses, each for so long that a computer that is busy misses none."""
     diagram = Diagram()
-    times = [0.5 * i + part for i in range(len(rows)) for part in (0.0, 0.499)]
+    times = [HELD * i + part for i in range(len(rows)) for part in (0.0, HELD - 0.001)]
     poses = diagram.add(Table("poses", times, np.repeat(rows, 2, axis=0)))
     block = diagram.add(ExchangedPose("arm", connection))
     diagram.wire((poses, "value"), (block, "pose"))
@@ -44,7 +46,7 @@ def test_poses_are_gone_to_one_after_the_other(tmp_path: Path, pace: float | Non
     with RunningRobot(tmp_path / "home", pace=pace) as robot:
         connection = connected(robot)
         diagram, block = sent(connection, NEAR, FAR)
-        watch = lambda now: now < 0.6 or block._goes or block._done < 2  # noqa: E731
+        watch = lambda now: now < HELD + 0.1 or block._goes or block._done < 2  # noqa: E731
         found = run(diagram, 20.0, STEP, clock=RealTime(), watch=watch, moving=["cell"])
         assert connection.users == 0
     assert np.isnan(found["arm.stands"][0]).all()
