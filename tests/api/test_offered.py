@@ -66,11 +66,11 @@ def test_what_python_prints_is_short():
     assert re.fullmatch(r"<Compiled plate in rapid: proven, plate.mod, 9 findings>", repr(compiled))
     poses = assistant.from_poses([[300, 0, i, 1, 0, 0, 0] for i in range(500)], unit="mm")
     assert re.fullmatch(
-        r"<Program \w+: 1 procedure, 500 statements, 500 targets>",
+        r"<Program \w+: 2 procedures, 502 statements, 500 targets>",
         repr(poses),
     )
     done = assistant.simulate(loaded, robot=IRB)
-    assert repr(done) == f"<Simulated plate on {IRB}: {done.seconds:.2f} s, 8 findings>"
+    assert repr(done) == f"<Simulated plate on {IRB}: {done.seconds:.2f} s, 9 findings>"
     finding = compiled.findings[2]
     assert str(finding) == f"DX315 {PLATE} POINT #81, #82: {finding.message} ({finding.cure})"
     assert repr(finding) == f"<INFO {finding}>"
