@@ -28,7 +28,7 @@ _LEAST_SWEEP: Final = np.radians(15.0)
 _MOST_SWEEP: Final = np.radians(300.0)
 """Sweep of an arc whose ends stay apart, so that three points determine its circle."""
 _LARGEST_RADIUS: Final = 10_000.0
-"""mm; a flatter arc is a line that somebody measured."""
+"""mm; a flatter arc is a measured line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,13 +82,14 @@ def _ring(points: Points, corner: float, side: float) -> ChordArc | None:
     if circle is None:
         return None
     arc = Arc.about(*circle, a, 360.0)
-    centre, normal = np.array(circle)[:, None]
-    off = _distances(points[None], centre, normal, np.array([arc.radius]))
-    if arc.radius > _LARGEST_RADIUS or not _fit(*off, corner, side)[0]:
+    centre, normal = np.array(circle)
+    arms = points - centre
+    if arc.radius > _LARGEST_RADIUS or not _fit(arms[None], normal, arc.radius, corner, side)[0]:
         return None
-    if not np.isclose(off[2].sum(), 2.0 * np.pi):
+    if not np.isclose(_steps(arms, normal).sum(), 2.0 * np.pi):
         return None  # it goes round more than once
-    return ChordArc(0, n, arc, float(max(off[0].max(), off[1].max())))
+    off = (_off(one, normal, arc.radius).max() for one in (arms, _middles(arms)))
+    return ChordArc(0, n, arc, float(max(off)))
 
 
 def _possible_starts(points: Points, corner: float, side: float) -> Truths:
@@ -96,8 +97,8 @@ def _possible_starts(points: Points, corner: float, side: float) -> Truths:
     windows = np.lib.stride_tricks.sliding_window_view(points, _FEWEST_SIDES + 1, axis=0)
     windows = windows.transpose(0, 2, 1)
     middle = _FEWEST_SIDES // 2
-    circles = _circles(windows[:, 0], windows[:, middle], windows[:, -1])
-    return _fit(*_distances(windows, *circles), corner, side)
+    centre, normal, radius = _circles(windows[:, 0], windows[:, middle], windows[:, -1])
+    return _fit(windows - centre[:, None], normal, radius, corner, side)
 
 
 def _longest(points: Points, corner: float, side: float) -> tuple[int, float, float]:
@@ -113,12 +114,18 @@ def _longest(points: Points, corner: float, side: float) -> tuple[int, float, fl
         if circle is None:
             return None
         radius = math.dist(begin, circle[0])
-        centre, normal = np.array(circle)[:, None]
-        off = _distances(points[None, : last + 1], centre, normal, np.array([radius]))
-        sweep = float(off[2].sum())
-        if not _fit(*off, corner, side)[0] or sweep > _MOST_SWEEP:
+        centre, normal = np.array(circle)
+        # Most chains that are too long fail at a corner already.
+        arms = points[: last + 1] - centre
+        if (corners := _off(arms, normal, radius).max()) > corner:
             return None
-        return sweep, float(max(off[0].max(), off[1].max()))
+        if (middles := _off(_middles(arms), normal, radius).max()) > side:
+            return None
+        steps = _steps(arms, normal)
+        sweep = float(steps.sum())
+        if steps.min() <= 0.0 or steps.max() > _WIDEST_STEP or sweep > _MOST_SWEEP:
+            return None
+        return sweep, float(max(corners, middles))
 
     fits, fails = 0, len(points)
     best = (0.0, 0.0)
@@ -157,29 +164,34 @@ def _circles(a: Points, b: Points, c: Points) -> tuple[Floats, Floats, Floats]:
         return a + arm, w / np.sqrt(square)[:, None], np.linalg.norm(arm, axis=1)
 
 
-def _distances(
-    points: Points, centre: Floats, normal: Floats, radius: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Return how far corners (k, m, 3) and middles of their sides are off circles, (k, m) and
-    (k, m - 1), and the angles of the sides at the centres, (k, m - 1) in radians.
+def _middles(arms: Points) -> Points:
+    """Return the middles of the sides of chains (…, m, 3), (…, m - 1, 3)."""
+    return 0.5 * (arms[..., 1:, :] + arms[..., :-1, :])
+
+
+def _off(arms: Points, normal: Floats, radius: Floats | float) -> Floats:
+    """Return how far points (…, m, 3), seen from the centres of circles, are off these, (…, m)."""
+    height = np.einsum("...mc,...c->...m", arms, normal)
+    square = np.einsum("...mc,...mc->...m", arms, arms) - height * height
+    beside = np.sqrt(np.maximum(square, 0.0)) - np.asarray(radius)[..., None]
+    return np.asarray(np.hypot(beside, height))
+
+
+def _steps(arms: Points, normal: Floats) -> Floats:
+    """Return the angles of the sides of chains (…, m, 3) at the centres of circles, (…, m - 1) in
+    radians.
     """
-    arms = points - centre[:, None]
-    middles = 0.5 * (arms[:, 1:] + arms[:, :-1])
-
-    def off(from_centre: Floats) -> Floats:
-        height = np.einsum("kmc,kc->km", from_centre, normal)
-        square = (from_centre * from_centre).sum(axis=2) - height * height
-        beside = np.sqrt(np.maximum(square, 0.0)) - radius[:, None]
-        return np.asarray(np.hypot(beside, height))
-
-    turned = cross(arms[:, :-1], arms[:, 1:])
-    sine = np.einsum("kmc,kc->km", turned, normal)
-    steps = np.arctan2(sine, (arms[:, :-1] * arms[:, 1:]).sum(axis=2))
-    return off(arms), off(middles), steps
+    before, after = arms[..., :-1, :], arms[..., 1:, :]
+    sine = np.einsum("...mc,...c->...m", cross(before, after), normal)
+    return np.asarray(np.arctan2(sine, np.einsum("...mc,...mc->...m", before, after)))
 
 
-def _fit(corners: Floats, middles: Floats, steps: Floats, corner: float, side: float) -> Truths:
-    """Return a flag for each chain (k,): True if an arc may take its place."""
+def _fit(
+    arms: Points, normal: Floats, radius: Floats | float, corner: float, side: float
+) -> Truths:
+    """Return a flag for each chain (k, m, 3): True if an arc may take its place."""
     with np.errstate(invalid="ignore"):  # points on a line have no circle
-        fits = (corners <= corner).all(axis=1) & (middles <= side).all(axis=1)
+        steps = _steps(arms, normal)
+        fits = (_off(arms, normal, radius) <= corner).all(axis=1)
+        fits &= (_off(_middles(arms), normal, radius) <= side).all(axis=1)
         return np.asarray(fits & ((steps > 0.0) & (steps <= _WIDEST_STEP)).all(axis=1))
