@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import field
 from typing import Any, Final, Literal
 
@@ -14,7 +14,18 @@ from assistant.lazy import pictured
 from assistant.program.expressions import Effect, Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
-from assistant.program.statements import Follow, For, If, Spanned, Statement, Switch, While
+from assistant.program.statements import (
+    Comment,
+    Follow,
+    For,
+    If,
+    Label,
+    Opaque,
+    Spanned,
+    Statement,
+    Switch,
+    While,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +299,18 @@ def walk(body: tuple[Statement, ...]) -> Iterator[Statement]:
         yield statement
         for inner in bodies(statement):
             yield from walk(inner)
+
+
+def last_statement(statements: Sequence[Statement]) -> Statement | None:
+    """The last statement that is not a comment, if there is one."""
+    return next((one for one in reversed(statements) if not isinstance(one, Comment)), None)
+
+
+def labels_in_texts(body: tuple[Statement, ...]) -> frozenset[str]:
+    """The labels of a body whose names stand in statements kept in a robot language's own text."""
+    texts = [one.text.upper() for one in walk(body) if isinstance(one, Opaque)]
+    labels = (one.name for one in walk(body) if isinstance(one, Label))
+    return frozenset(name for name in labels if any(name.upper() in text for text in texts))
 
 
 def bodies(statement: Statement) -> tuple[tuple[Statement, ...], ...]:

@@ -220,7 +220,7 @@ def _wanted_row(one: Wanted) -> tuple[str, str, str]:
 def share_in_words(translation: Translation) -> str:
     """Return how much is translated, whether it is complete, and how far a proof reached."""
     proven = "" if translation.motion is None else f"; {translation.motion.reach()}"
-    unchecked = "; no arm is named, so its reach, limits and configurations are not checked"
+    unchecked = "; no arm is named, so reach, limits and configurations are not checked"
     return f"{_written_in_words(translation)}{proven}{unchecked * translation.armless}"
 
 

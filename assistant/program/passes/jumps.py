@@ -14,7 +14,13 @@ from dataclasses import replace
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.expression_forms import opposite
-from assistant.program.program import Procedure, Program, walk
+from assistant.program.program import (
+    Procedure,
+    Program,
+    labels_in_texts,
+    last_statement,
+    walk,
+)
 from assistant.program.rewriting import Body, map_bodies, records
 
 
@@ -40,9 +46,7 @@ class _Jumps:
     def __init__(self, program: Program, whole: Procedure) -> None:
         self.program, self.whole = program, whole
         self.named = _named(whole.body)
-        texts = [one.text.upper() for one in walk(whole.body) if isinstance(one, p.Opaque)]
-        labels = {one.name for one in walk(whole.body) if isinstance(one, p.Label)}
-        self.in_texts = {name for name in labels if any(name.upper() in text for text in texts)}
+        self.in_texts = labels_in_texts(whole.body)
 
     def procedure(self) -> Procedure:
         body = self._with_waits(self.whole.body)
@@ -56,8 +60,8 @@ class _Jumps:
         """With a wait for each label that only the question below it jumps to."""
         made: list[p.Statement] = []
         for one in statements:
-            label = _label_above(made)
-            wait = None if label is None else self._wait(label, one)
+            label = last_statement(made)
+            wait = self._wait(label, one) if isinstance(label, p.Label) else None
             if label is None or wait is None:
                 made.append(map_bodies(one, self._with_waits))
             else:
@@ -135,8 +139,7 @@ class _Jumps:
             for one in statements:
                 if isinstance(one, p.Label) and one.name in gone:
                     continue
-                above = next((x for x in reversed(made) if not isinstance(x, p.Comment)), None)
-                leaves = isinstance(above, p.Goto | p.Return)
+                leaves = isinstance(last_statement(made), p.Goto | p.Return)
                 # A function has to have a result at its end, reached or not.
                 if leaves and isinstance(one, p.Goto | p.Return) and self.whole.result is None:
                     continue
@@ -148,12 +151,6 @@ class _Jumps:
 
 def _named(body: Body) -> Counter[str]:
     return Counter(one.label for one in walk(body) if isinstance(one, p.Goto))
-
-
-def _label_above(made: list[p.Statement]) -> p.Label | None:
-    """The label right above, but for comments."""
-    last = next((one for one in reversed(made) if not isinstance(one, p.Comment)), None)
-    return last if isinstance(last, p.Label) else None
 
 
 def _is_jump_to(statements: Sequence[p.Statement], label: str) -> bool:

@@ -25,7 +25,14 @@ from assistant.program import statements as p
 from assistant.program.analysis.dataflow import reachable
 from assistant.program.analysis.motion_use import left_settings
 from assistant.program.passes.jumps import without_needless_jumps
-from assistant.program.program import Declaration, Procedure, Program, walk
+from assistant.program.program import (
+    Declaration,
+    Procedure,
+    Program,
+    labels_in_texts,
+    last_statement,
+    walk,
+)
 from assistant.program.rewriting import (
     Body,
     head,
@@ -185,8 +192,8 @@ class _Reached:
 
     def __init__(self, whole: Procedure) -> None:
         self.whole = whole
-        self.jumps = {one.label for one in walk(whole.body) if isinstance(one, p.Goto)}
-        self.texts = [one.text.upper() for one in walk(whole.body) if isinstance(one, p.Opaque)]
+        jumps = {one.label for one in walk(whole.body) if isinstance(one, p.Goto)}
+        self.entered = jumps | labels_in_texts(whole.body)
 
     def procedure(self) -> Procedure:
         return replace(self.whole, body=self.body(self.whole.body))
@@ -196,31 +203,22 @@ class _Reached:
         dead = False
         # Comments in front of statements that are left out stay.
         for one in statements:
-            dead = dead and not self._is_entered(one)
+            dead = dead and not (isinstance(one, p.Label) and one.name in self.entered)
             if not dead:
                 made.append(map_bodies(one, self.body))
                 dead = _ends_for_good(one)
             elif isinstance(one, p.Return | p.Goto) or is_end(one):
                 # Behind statements that stay, the procedure would run into the lines below.
-                above = _last_said(made)
+                above = last_statement(made)
                 if not (_ends_for_good(above) or isinstance(above, p.Return)):
                     made.append(p.Return(span=one.span) if is_end(one) else one)
             elif not isinstance(one, p.Label):
                 made.append(one)
         return tuple(made)
 
-    def _is_entered(self, node: p.Statement) -> bool:
-        return isinstance(node, p.Label) and (
-            node.name in self.jumps or any(node.name.upper() in text for text in self.texts)
-        )
-
 
 def _ends_for_good(node: p.Statement | None) -> bool:
     return isinstance(node, p.Stop) and node.end
-
-
-def _last_said(statements: list[p.Statement]) -> p.Statement | None:
-    return next((one for one in reversed(statements) if not isinstance(one, p.Comment)), None)
 
 
 def _with_stated_lines(program: Program) -> Program:

@@ -31,7 +31,7 @@ from assistant.languages.settings_flow import UNKNOWN
 from assistant.languages.settings_forms import Form, PassLabels
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import TakenNames, identifier
+from assistant.program.program import TakenNames, identifier, last_statement
 from assistant.program.rewriting import head, records
 
 
@@ -258,7 +258,7 @@ def _has_vendor_expression(statements: list[p.Statement]) -> bool:
 
 def _never_continues(body: list[p.Statement]) -> bool:
     """True if control never continues below the last statement."""
-    last = next((node for node in reversed(body) if not isinstance(node, p.Comment)), None)
+    last = last_statement(body)
     if isinstance(last, p.Opaque):
         return last.text.strip().lower() == "end"
     return isinstance(last, p.Goto | p.Return)
