@@ -3,8 +3,8 @@
     with on(client):
         check_files(paths)
 
-Each worker of the cluster has the work done by processes of its own, so that one that dies is told
-from a worker that is lost, and nothing that the work does touches the worker. The files stay here:
+Each worker of the cluster starts processes for the work, so that a process that dies is no lost
+worker, and nothing that the work does touches the worker. The files stay here:
 workers get those that are read, see `mirrored_files`. A call travels as bytes that only processes
 of the same version open.
 """
@@ -102,7 +102,7 @@ class ClusterLost(WorkerDied):
 
 @cache
 def versions() -> dict[str, str]:
-    """What has to be the same on two computers for their answers to be the same bytes."""
+    """Versions that two computers must share to give the same bytes."""
     found = {"robot-assistant": f"{__version__} ({_digest()})"}
     found["Python"] = ".".join(map(str, sys.version_info[:2]))
     found["system"] = f"{platform.system()} {platform.machine()}"
@@ -113,7 +113,7 @@ def versions() -> dict[str, str]:
 
 
 def _digest() -> str:
-    """Of the program's own files: copies of one version need not be alike."""
+    """A digest of the program's own files: copies of one version may differ."""
     package = FilePath(__file__).parent.parent
     files = sorted(one for suffix in ("py", "toml") for one in package.rglob(f"*.{suffix}"))
     total = hashlib.sha256()
@@ -125,7 +125,7 @@ def _digest() -> str:
 
 
 def differences(other: Mapping[str, str]) -> str:
-    """What another computer has otherwise, empty if nothing."""
+    """Name the versions that differ on another computer; empty if none do."""
     here = versions()
     names = [name for name in here if other.get(name) != here[name]]
     return ", ".join(f"{name} {other.get(name, 'is missing')}, here {here[name]}" for name in names)
@@ -166,7 +166,7 @@ def on_address(address: str, jobs: int | None = None) -> Iterator[None]:
         if address.startswith(SCHEME):
             client = held.enter_context(_connected(address))
         else:
-            # It listens to nobody but this process; its pages of the state are left out.
+            # Messages stay within this process; Dask's ports on 127.0.0.1 have no pages.
             routes: dict[str, Any] = {
                 f"distributed.{one}.http.routes": [] for one in ("scheduler", "worker")
             }
@@ -177,6 +177,7 @@ def on_address(address: str, jobs: int | None = None) -> Iterator[None]:
                 processes=False,
                 memory_limit=0,
                 dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
                 worker_dashboard_address="127.0.0.1:0",
             )
             held.enter_context(cluster)
@@ -187,7 +188,7 @@ def on_address(address: str, jobs: int | None = None) -> Iterator[None]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Leave out what the libraries log inside: what goes wrong is told by findings."""
+    """Silence the logs of the libraries inside: findings report what goes wrong."""
     handlers = [one for name in _LOGGERS for one in logging.getLogger(name).handlers]
     levels = [one.level for one in handlers]
     try:
@@ -443,7 +444,7 @@ class _Work:
         return None
 
 
-# What workers do.
+# The side of the workers.
 
 
 @dataclass(slots=True)

@@ -16,11 +16,14 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import urlopen
 
+import psutil
 import pytest
 
 import assistant
-from assistant.base.cluster import Cluster, versions
+from assistant.base.cluster import Cluster, on_address, versions
 from assistant.base.mirrored_files import SentFiles, Want, answer, result_of
 from assistant.base.worker_processes import Worker, WorkerDied
 from assistant.cli import main
@@ -39,7 +42,7 @@ COMMANDS = (
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A project with drawings, programs, a cell, a link, and what nobody can read as a file."""
+    """A project with drawings, programs, a cell, a link, and an unreadable pipe."""
     made = tmp_path / "made"
     for name in ("far", "one", "two"):
         (made / name).mkdir(parents=True)
@@ -339,7 +342,7 @@ def test_only_what_a_function_looks_at_is_sent(folder, monkeypatch, tmp_path):
 
 
 def looked(name: str) -> tuple[object, ...]:
-    """What a function finds about files in many ways."""
+    """Ask about files in many ways."""
     path = Path(name)
     cell = path.absolute().with_name("cell.toml")
     return (
@@ -354,3 +357,19 @@ def looked(name: str) -> tuple[object, ...]:
         Path("b.dxf").stat().st_size,
         str(Path.cwd()),
     )
+
+
+def test_the_ports_of_a_cluster_in_the_command_have_no_pages() -> None:
+    def listening() -> set[int]:
+        found = psutil.Process().net_connections("tcp")
+        assert all(one.laddr.ip == "127.0.0.1" for one in found if one.status == "LISTEN")
+        return {one.laddr.port for one in found if one.status == "LISTEN"}
+
+    before = listening()
+    with on_address("dask", 1):
+        opened = listening() - before
+        for port in opened:
+            for page in ("/", "/status", "/info/main/workers.html", "/json/counts.json"):
+                with pytest.raises(HTTPError, match="404"):
+                    urlopen(f"http://127.0.0.1:{port}{page}", timeout=10)
+    assert opened
