@@ -242,7 +242,7 @@ def _percent_of(stated: Process, robot: str | Robot | None) -> float | None:
 
 
 def _positive(given: float, place: str) -> float:
-    """Return a speed in mm/s; raise Refused for one that is none."""
+    """Return a speed in mm/s; raise Refused unless it is positive."""
     value = number_of(given, place)
     if not value > 0.0:
         raise Refused(rows.TOO_SLOW(place=place, what=f"the {place}", value=value, more=""))

@@ -1,6 +1,6 @@
 """Mirrored files: what a function reads here is read by another computer as if it were there.
 
-The other computer has a folder, the mirror, in which the files stand under the paths that they have
+The other computer has a folder, the mirror, in which the files have the paths that they have
 here. It begins with the files that the arguments name. Whatever a function looks at beyond them,
 be it the presence of a file, ends the function: it runs again with a mirror that holds this, too.
 So its answer is the one that it would give here, and only files that it reads travel.
@@ -37,9 +37,9 @@ _MOST_LINKS: Final = 40
 _LONGEST_NAME: Final = 4096
 """Characters of a text that may be a path."""
 _VARIABLES: Final = (FACTOR_VARIABLE, "OPENBLAS_NUM_THREADS")
-"""What of the environment an answer depends on."""
+"""Environment variables that answers depend on."""
 _ABSOLUTE: Final = re.compile(r"/[^/\s]")
-"""Beginning of a text that is taken for an absolute path; a `/` alone may divide numbers."""
+"""Beginning of a text that counts as an absolute path; a `/` alone may divide numbers."""
 _TEXT, _PATH = "t", "p"
 """Beginnings of the marks of texts and paths that are other ones on the other computer."""
 _SETTINGS: Final = ".toml"
@@ -47,10 +47,10 @@ _SETTINGS: Final = ".toml"
 
 
 class Entry(NamedTuple):
-    """What stands at a path. size: of a file. target: of a link.
+    """The kind of thing at a path. size: of a file. target: of a link.
 
-    Of a file that may not be read, and of what is `special`, such as a pipe, only the name travels;
-    of what cannot be looked at, nothing.
+    An unreadable file and a `special` one, such as a pipe, travel by name only; a path that cannot
+    be examined does not travel.
     """
 
     kind: Literal["folder", "file", "link", "absent", "unreadable", "special", "unknown"]
@@ -63,8 +63,8 @@ FOLDER: Final = Entry("folder")
 
 
 class Want(NamedTuple):
-    """Something about a path of the files' computer: what stands there, the names in a folder, or
-    the bytes of a file.
+    """A request for a path of the files' computer: its entry, the names in a folder, or the bytes
+    of a file.
     """
 
     what: Literal["entry", "names", "bytes"]
@@ -169,7 +169,7 @@ class Packed:
 class SentFiles:
     """The files of this computer, each looked at once: all calls find the same.
 
-    What several calls have wanted is sent with each, so that only the first ones have to ask.
+    Files that several calls have wanted are sent with each, so that only the first ones ask.
     """
 
     def __init__(self) -> None:
@@ -190,7 +190,7 @@ class SentFiles:
         return Packed(file.getvalue(), wants)
 
     def _wants_of(self, path: str) -> tuple[Want, ...]:
-        """What is wanted of a path that an argument may name."""
+        """Requests for a path that an argument may name."""
         if path not in self._named:
             self._named[path] = self._look_at(os.path.join(self.folder, path))  # noqa: PTH118
         return self._named[path]
@@ -282,7 +282,7 @@ def _entry_at(path: str) -> Entry:
 
 
 def _bytes_of(want: Want, entry: Entry) -> bytes:
-    """A file, or the names of a folder with what stands there."""
+    """A file, or the names in a folder with their entries."""
     if want.what == "bytes":
         if entry.size > MOST_BYTES:
             raise ValueError(want.path)
@@ -346,7 +346,7 @@ class _ResultPickler(pickle.Pickler):
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """What a function did: its result, or what it wanted besides; neither, where it cannot run."""
+    """The outcome of a function: its result, or what it lacks; neither if it cannot run."""
 
     result: bytes | None = None
     wants: tuple[Want, ...] = ()
@@ -390,7 +390,7 @@ class Mirror:
                 raise
         finally:
             self.watching = False
-        # What caught the exception on its way has answered without what it lacked.
+        # A function that caught the exception has answered without the missing file.
         if self.failed:
             return Answered()
         if self.wants:
@@ -433,7 +433,7 @@ class Mirror:
             place.symlink_to(self.root + entry.target if inner else entry.target)
 
     def look(self, path: str) -> Entry:
-        """What stands at a path; raises KeyError if that is not known."""
+        """Return the entry of a path; raise KeyError if it is not known."""
         above, name = os.path.split(path)
         if path not in self.entries and above in self.listed:
             return self.listed[above].get(name, ABSENT)

@@ -158,7 +158,7 @@ def process_count(items: int, jobs: int | None) -> int:
 
 
 class Pool(Protocol):
-    """What shares work: processes of this computer, or others."""
+    """Workers that share calls: processes of this computer, or of others."""
 
     def answers(
         self,
@@ -175,11 +175,11 @@ class Pool(Protocol):
 
 
 IN_USE: Final[ContextVar[Pool | None]] = ContextVar("pool", default=None)
-"""What shares the work of this context, if somebody has said so."""
+"""The pool of this context, if one was chosen."""
 
 
 def pool_of(items: int, jobs: int | None) -> Pool | None:
-    """Return what shares the work on so many items, None if this process does it.
+    """Return the pool for so many items, None if this process does the work.
 
     jobs: processes that the user asked for, if any; one is this.
     """

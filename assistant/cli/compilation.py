@@ -125,7 +125,7 @@ class Compile:
             raise Refused(_ONE_NAME(name=self.called), exit_status=2)
         given = []
         named = [*apart] if self.together is None else [self.together]
-        # What shares several sources starts no processes for the units of one.
+        # A process that shares several sources starts no others for the units of one.
         alone = len(named) == 1 and self.sharing.on is None
         within = SharingOptions(jobs=self.sharing.jobs if alone else 1)
         for source in named:

@@ -122,7 +122,7 @@ _NO_CLUSTER = error(
 )
 _JOBS_OF_CLUSTER = error(
     "CL079",
-    "--jobs says nothing about the cluster of a scheduler, which has its own workers",
+    "--jobs has no effect on the cluster of a scheduler, which has its own workers",
     "leave --jobs out, or write `--on dask` for a cluster of so many workers in this command",
 )
 _CLUSTER = re.compile(r"dask(://[^/@\s]+:\d+)?")
@@ -130,7 +130,7 @@ _CLUSTER = re.compile(r"dask(://[^/@\s]+:\d+)?")
 
 @options
 class SharingOptions:
-    """What shares the work on many files."""
+    """Options for sharing the work on many files."""
 
     jobs: JobsOption = None
     on: str | None = option(

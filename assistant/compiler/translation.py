@@ -191,7 +191,7 @@ _NO_ARM: Final = warning(
 def _unnamed_arm(program: Program, target: Language[Any], arms: Arms) -> Iterator[Diagnostic]:
     """Report that no arm is named, for a program that moves to poses and leaves its maker.
 
-    A program in another dialect of its own language keeps its targets as they are.
+    A program in another dialect of the same language keeps its targets as they are.
     """
     origin = program.origin
     if (arms.robot or known_robot(program.robot)) is not None or origin is None:

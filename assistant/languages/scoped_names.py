@@ -49,7 +49,7 @@ HIDDEN: Final = ("values", "signals")
 
 
 def _value_word(trigger: Trigger, kinds: Mapping[str, str]) -> str:
-    """What a trigger does, for its name: `on`, `off`, `2_5`; `set` where that is computed.
+    """The effect of a trigger, for its name: `on`, `off`, `2_5`; `set` if it is computed.
 
     kinds: of signals, by their names in lower case.
     """

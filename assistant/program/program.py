@@ -307,7 +307,7 @@ def last_statement(statements: Sequence[Statement]) -> Statement | None:
 
 
 def labels_in_texts(body: tuple[Statement, ...]) -> frozenset[str]:
-    """The labels of a body whose names stand in statements kept in a robot language's own text."""
+    """The labels of a body that occur in statements kept in a robot language's own text."""
     texts = [one.text.upper() for one in walk(body) if isinstance(one, Opaque)]
     labels = (one.name for one in walk(body) if isinstance(one, Label))
     return frozenset(name for name in labels if any(name.upper() in text for text in texts))

@@ -590,7 +590,7 @@ def group_nestings(
 @dataclass(frozen=True, slots=True)
 class _Enclosure:
     """The contours around one, without those on surfaces. outermost: group of the first of them,
-    None if there are none. edges: how many are of groups of edges. all: how many there are.
+    None without any. edges: number of those in groups of edges. all: number of all of them.
     covered: True if a contour on a surface is around all of them: material is there.
     """
 

@@ -16,7 +16,7 @@ from typing import Final, Literal
 from assistant.sources.process import Layer
 
 EdgeKind = Literal["edge", "surface", "unknown"]
-"""What the contours of a layer are: edges of the part, lines on it, or either of them."""
+"""Kind of a layer's contours: edges of the part, lines on it, or either."""
 
 _WORDS_OF_WORK: Final[Mapping[EdgeKind, str]] = {
     "edge": """
@@ -119,7 +119,7 @@ def _named_kind(name: str) -> EdgeKind:
 
 
 def edge_kind(name: str, layer: Layer) -> EdgeKind:
-    """What the contours of a layer are. name: of the layer in the drawing."""
+    """Return the kind of a layer's contours. name: of the layer in the drawing."""
     shaping = layer.shaping
     # A tool beside the contours, such as a nozzle inside of an edge, follows edges.
     if shaping.offset > 0.0 or any(shaping.allowances):

@@ -557,7 +557,7 @@ def _stopping(body: Sequence[Statement], default: Blend | Name | None) -> tuple[
 def set_in_corners(program: Program) -> tuple[str, ...]:
     """The targets behind whose corners outputs are set: a controller runs ahead of the arm there.
 
-    Each stands there once, in the order of the moves.
+    Each is listed once, in the order of the moves.
     """
     (main,) = program.procedures
     found = [

@@ -1,4 +1,4 @@
-"""Arcs that an export wrote as short sides are arcs again, as near to the drawing as is told."""
+"""Arcs that an export wrote as short sides become arcs again, as close as CT108 reports."""
 
 from __future__ import annotations
 

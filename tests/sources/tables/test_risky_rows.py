@@ -1,4 +1,4 @@
-"""Rows that are told of: outputs behind corners, joint moves out of narrow places."""
+"""Warnings on rows: outputs behind corners, joint moves out of narrow places."""
 
 from pathlib import Path
 

@@ -100,7 +100,7 @@ def _changing_procedures(program: Program, mounts: Set[str]) -> Mapping[str, Set
 def walk_without_ends(body: tuple[p.Statement, ...]) -> Iterator[p.Statement]:
     """Yield statements and those inside them, but for the stops of loops that only stop.
 
-    What is set at such a stop does not matter: nothing follows but a start at the first line.
+    Settings at such a stop do not matter: only a start at the first line follows.
     """
     ends: set[int] = set()
     for one in walk(body):
