@@ -10,7 +10,7 @@ move sets on its path becomes an instruction that sets up a triggdata, and a mov
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
@@ -550,11 +550,18 @@ def build(program: Program, unit: str | None = None) -> s.File:
     # A module has types first, then data, then routines, or the controller refuses to load it.
     declared = _declared_items(program) if unit is None else []
     items += [i for i in declared if isinstance(i, s.Record | s.Alias)]
+    data: list[s.Data] = []
     if unit is None or unit in held:
-        items += data_nodes(with_own_targets(program, unit, held), names)
-    items += [i for i in declared if not isinstance(i, s.Record | s.Alias | s.Routine)]
+        data = list(data_nodes(with_own_targets(program, unit, held), names))
+    verbatim_data = [i for i in declared if not isinstance(i, s.Record | s.Alias | s.Routine)]
+    # Vendor declarations may name any target: then all of them come first.
+    beside = {} if verbatim_data else _targets_beside_paths(here, program, names)
+    items += [node for node in data if node.name not in beside]
+    items += verbatim_data
+    waiting = {beside[node.name]: node for node in data if node.name in beside}
     for procedure in here:
-        items += _path_targets(procedure, names, scope_of_paths(program))
+        items += _targets_by_use(procedure, names, scope_of_paths(program), waiting)
+    items += waiting.values()
     shared = shared_triggers(program)
     items += [_routine_node(procedure, program, names, shared) for procedure in here]
     items += [i for i in declared if isinstance(i, s.Routine)]
@@ -575,13 +582,32 @@ def _declared_items(program: Program) -> list[s.Item]:
     return found
 
 
-def _path_targets(
-    procedure: Procedure, names: Naming, scope: str
+def _targets_beside_paths(
+    procedures: Iterable[Procedure], program: Program, names: Naming
+) -> dict[str, str]:
+    """Targets that procedures use which follow paths: by RAPID's names, in lower case as
+    statements name them.
+    """
+    used: set[str] = set()
+    for procedure in procedures:
+        if any(isinstance(node, p.Follow) for node in walk(procedure.body)):
+            used |= {x.name.lower() for x in records(procedure.body) if isinstance(x, e.Name)}
+    return {names.get("values", n): n.lower() for n in program.targets if n.lower() in used}
+
+
+def _targets_by_use(
+    procedure: Procedure, names: Naming, scope: str, waiting: dict[str, s.Data]
 ) -> Iterator[s.TargetRunNode | s.Data]:
-    """Those of the paths that a procedure follows."""
+    """Targets of a procedure as its moves use them, so that those of a contour stand together:
+    those of its paths, and of the others the ones that are waiting, which it takes.
+    """
     for statement in walk(procedure.body):
         if isinstance(statement, p.Follow):
             yield from path_targets(statement.path, names.rows[id(statement)], scope)
+        elif waiting and isinstance(statement, p.MoveStatement):
+            parts = reversed([*records(statement)])  # the via point of an arc before its end
+            named = [x.name.lower() for x in parts if isinstance(x, e.Name)]
+            yield from (waiting.pop(name) for name in named if name in waiting)
 
 
 def _routine_node(
