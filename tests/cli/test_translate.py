@@ -181,7 +181,7 @@ ENDMODULE
                 assert not row["new"] or row["new"] in file.read_text()
                 rows[level, row["kind"], row["routine"], row["old"]] = row["new"], row["line"]
     assert rows["6", "procedure", "", "place_part"] == ("place_part", "13")
-    assert rows["4", "procedure", "", "place_part"] == ("PLACEPAR", "13")
+    assert rows["4", "procedure", "", "place_part"] == ("PLACPART", "13")
     assert rows["6", "parameter", "place_part", "nHow"] == ("MnHow", "")
     assert rows["4", "parameter", "place_part", "nHow"] == ("MNHOW", "")
     assert rows["6", "variable", "", "nParts"] == ("MnParts", "6")

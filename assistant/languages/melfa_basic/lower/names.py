@@ -230,16 +230,42 @@ def mark(short: str) -> str:
 
 def _variable(given: str, letter: str, dialect: Dialect, taken: set[str]) -> str:
     plain = _plain(given, dialect.mixed)
-    own = plain[:1].upper() == letter and len(plain) > 1
-    return free_name(_unshared(plain if own else letter + plain), dialect.names, taken)
+    before = "" if plain[:1].upper() == letter and len(plain) > 1 else letter
+    plain = _plain(_shortened(given, dialect.names - len(before), dialect.mixed), dialect.mixed)
+    return free_name(_unshared(before + plain), dialect.names, taken)
 
 
 def _label(given: str, dialect: Dialect, taken: set[str]) -> str:
-    plain = _plain(given, dialect.mixed)
+    plain = _plain(_shortened(given, dialect.labels, dialect.mixed), dialect.mixed)
     # Labels that the compiler makes must not clash with others, and labels begin with a letter.
     if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain.upper()):
         plain = "L" + plain
     return free_name(_unshared(plain), dialect.labels, taken)
+
+
+_WORDS: Final = re.compile(r"[0-9]+|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|.")
+"""The words of a name, and what stands between them."""
+
+
+def _shortened(given: str, most: int, mixed: bool) -> str:
+    """A name of which at most so many characters are used: the longest of its words lose their
+    ends, so that all of them can be told.
+    """
+    too_many = len(_plain(given, mixed)) - most
+    if too_many <= 0:
+        return given
+    whole = _WORDS.findall(_ascii(given))
+    words = list(whole)
+    for _ in range(too_many):
+        # Of words that are left equally long, the one that was longer is told more easily.
+        lengths = [
+            (len(word), len(whole[at]), -at) for at, word in enumerate(words) if word.isalpha()
+        ]
+        length, _, at = max(lengths, default=(0, 0, 0))
+        if length < 2:
+            break
+        words[-at] = words[-at][:-1]
+    return "".join(words)
 
 
 def _unshared(name: str) -> str:
@@ -258,8 +284,12 @@ def _plain(given: str, mixed: bool = False) -> str:
 
     mixed: as they are spelled, and with `_` between them.
     """
-    # Accents are taken off, other letters are left out.
-    ascii = unicodedata.normalize("NFKD", given).encode("ascii", "ignore").decode()
+    ascii = _ascii(given)
     if mixed:
         return re.sub(r"[^A-Za-z0-9_]", "", ascii).strip("_")
     return re.sub(r"[^A-Z0-9]", "", ascii.upper())
+
+
+def _ascii(given: str) -> str:
+    """A name without accents and the letters that have no other form."""
+    return unicodedata.normalize("NFKD", given).encode("ascii", "ignore").decode()
