@@ -13,6 +13,7 @@ from assistant.compiler.read_back_proof import prove_read_back
 from assistant.compiler.retarget import with_joint_speed
 from assistant.languages.language_types import Frames
 from assistant.program.program import Program, Signal
+from assistant.program.statements import Comment
 
 RAPID = languages.get("rapid")
 DIALECTS = ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6"]
@@ -125,7 +126,7 @@ def test_a_wait_with_a_time_limit_ends_with_an_error(name: str) -> None:
     text = written(program("WaitDI ok,1\\MaxTime:=2.5;\nWaitUntil n>3\\MaxTime:=n;",
                            data=" VAR num n;\n"), name).upper()  # fmt: skip
     assert (
-        "M_TIMER(1)=0\n*W1\nIF M_IN(7)=1 THEN *W1Z\nIF M_TIMER(1)<2500 THEN *W1\n"
+        "M_TIMER(1)=0\n*W1\nIF M_IN(7)=1 THEN *W1Z ' OK\nIF M_TIMER(1)<2500 THEN *W1\n"
         "ERROR 9100\n*W1Z\n" in text
     )
     assert "IF M_TIMER(1)<MN*1000 THEN *W2" in text
@@ -169,9 +170,36 @@ def test_only_two_additional_axes_have_components(axis: str, refused: bool) -> N
 def test_a_short_if_is_one_line_in_iv() -> None:
     main = "IF ok=1 THEN\nSetDO glue,1;\nELSE\nn:=2;\nENDIF\nIF n>1 n:=0;"
     text = written(program(main, data=" VAR num n;\n"), "melfa-basic-4")
-    assert "IF M_IN(7)=1 THEN M_OUT(5)=1 ELSE MN=2\nIF MN>1 THEN MN=0\nRETURN\n" in text
+    assert "IF M_IN(7)=1 THEN M_OUT(5)=1 ELSE MN=2 ' ok, glue\nIF MN>1 THEN MN=0\nRETURN\n" in text
     text = written(program(main, data=" VAR num n;\n"), "melfa-basic-5")
-    assert "If M_In(7)=1 Then\nM_Out(5)=1\nElse\nMN=2\nEndIf\n" in text
+    assert "If M_In(7)=1 Then ' ok\nM_Out(5)=1 ' glue\nElse\nMN=2\nEndIf\n" in text
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_names_of_signals_stand_behind_their_numbers(name: str) -> None:
+    main = (
+        "SetDO glue,1;\nSetDO glue,0; ! glue\nSetDO glue,1; ! on\n"
+        "IF ok=1 THEN ! ok\nSetGO mode,3;\nENDIF"
+    )
+    given = program(main)
+    text = written(given, name).upper()
+    assert "M_OUT(5)=1 ' GLUE\n" in text  # as nobody said it
+    assert "' GLUE\nM_OUT(5)=0\n" in text  # as the source says it, which is told apart
+    assert "M_OUT(5)=1 ' ON\n" in text  # a comment of the source stays
+    assert "M_OUTB(32)=3 ' MODE\n" in text.replace("M_OUT8", "M_OUTB")
+    language = languages.get(name)
+    back = language.lift(language.build(language.adapt(given).program))
+    said = [one.text for one in back.statements() if isinstance(one, Comment)]
+    assert said == ["glue", "on", "ok"]  # of the names those that the source says
+
+
+def test_long_names_keep_all_their_words() -> None:
+    data = " VAR num nPartsOnTheLeftPallet;\n VAR num nPartsOnTheRightPallet;\n"
+    main = "nPartsOnTheLeftPallet:=1;\nnPartsOnTheRightPallet:=2;\nfillTheTrayOnTheLeft;"
+    given = program(main, " PROC fillTheTrayOnTheLeft()\n ENDPROC", data)
+    five = written(given, "melfa-basic-5")
+    assert "MNPARONTHELEFPAL=1\nMNPARONTHERIGPAL=2\nGOSUB *FITHETRAONTHELEF" in five.upper()
+    assert "MNPONTLP=1\nMNPONTRP=2\n" in written(given, "melfa-basic-4")
 
 
 def test_cases_of_one_number_are_select() -> None:

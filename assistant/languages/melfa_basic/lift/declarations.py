@@ -37,6 +37,7 @@ from assistant.languages.melfa_basic.lift.symbols import (
     changed_variables,
     letter_type,
     scope_of,
+    signal_comment,
 )
 from assistant.languages.melfa_basic.tables.variables import MARK_VALUE_TYPES
 from assistant.languages.melfa_basic.text import effects, printer
@@ -83,7 +84,8 @@ class SourceFile:
         self.own = self.header.program is not None
         self.answers: Answers = {}
         if self.own:
-            self.code, self.answers = without_trampolines(code)
+            named = [_without_signal_names(item, self.header) for item in code]
+            self.code, self.answers = without_trampolines(named)
         else:
             self.code = separated(in_order(_with_lone_labels(with_labelled_jumps(code)[0])))
         self.positions = Positions(tree)
@@ -173,6 +175,14 @@ def _split_file(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:
         head = headers.read(texts[start + 1 : end])
         return head, tuple(texts[:start]), code[end + 1 :]
     return Header(), tuple(texts), code[len(texts) :]
+
+
+def _without_signal_names(item: s.Entry, header: Header) -> s.Entry:
+    """A line without a comment that says no more than the heading: the names of its signals."""
+    if not isinstance(item, s.Line) or item.comment is None or item.statement is None:
+        return item
+    said = signal_comment(item.statement, header.signals)
+    return replace(item, comment=None) if said and comment_text(item.comment) == said else item
 
 
 def taken_definitions(header: Header, code: list[s.Entry]) -> tuple[s.Variable, ...]:

@@ -7,6 +7,7 @@ in upper case.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
@@ -547,3 +548,27 @@ class Inside:
     types: dict[str, ValueType]
     sizes: dict[str, tuple[int, ...]]
     result: str | None = None
+
+
+def signal_comment(statement: s.Statement | None, signals: Mapping[str, Signal]) -> str:
+    """The names of the signals that a statement addresses by number; empty if there are none, or
+    none that says more than the number.
+
+    signals: by name, those of a heading.
+    """
+    addressed = [
+        (*SIGNAL_VARIABLES[node.key][:2], node.arguments[0].value)
+        for node in nodes(statement)
+        if isinstance(node, s.Variable)
+        and node.key in SIGNAL_VARIABLES
+        and node.arguments
+        and isinstance(node.arguments[0], s.Number)
+    ]
+    if not addressed:
+        return ""
+    names = {
+        (one.kind, one.direction, one.number): name
+        for name, one in signals.items()
+        if name.isascii() and str(one.number) not in re.findall("[0-9]+", name)
+    }
+    return ", ".join(dict.fromkeys(names[at] for at in addressed if at in names))

@@ -16,6 +16,7 @@ import numpy as np
 from assistant.base.diagnostics import Declared, Refused
 from assistant.languages.melfa_basic.lift.program import settings_already_set
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, needed_settings
+from assistant.languages.melfa_basic.lift.symbols import signal_comment
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.mounts import (
     are_unchanged_by_interrupts,
@@ -24,7 +25,7 @@ from assistant.languages.melfa_basic.lower.mounts import (
 )
 from assistant.languages.melfa_basic.lower.names import counted, mark, naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS, write_interrupt_answers
-from assistant.languages.melfa_basic.lower.writer import Writer
+from assistant.languages.melfa_basic.lower.writer import Writer, marked
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
@@ -249,7 +250,25 @@ class UnitLines(Writer):
             self.as_subroutines(first, others)
         if first is not None and others and not self.remounts and _is_plain(self.program):
             self.items = mounted_once(self.program, self.items, self.parts, self.settings)
+        self.name_signals()
         return [*heading(self), *self.items]
+
+    def name_signals(self) -> None:
+        """Write the names of signals behind the lines that address them by number."""
+        items, self.items = self.items, []
+        for item in items:
+            self.items.append(item)
+            names = isinstance(item, s.Line) and signal_comment(
+                item.statement, self.program.signals
+            )
+            if not names or not isinstance(item, s.Line):
+                continue
+            if item.comment is None:
+                self.behind(len(self.items) - 1, p.Comment(names))
+            elif item.comment == marked(p.Comment(names)):
+                # Behind the line it would be read as if nobody but the heading said it.
+                plain = self.replaced(item, replace(item, comment=None))
+                self.items[-1:] = [s.Line(comment=item.comment), plain]
 
     def tree(self, code: list[s.Item]) -> s.File:
         """The file of its code lines, which it gave before, and its variable lines."""

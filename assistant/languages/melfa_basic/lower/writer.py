@@ -278,7 +278,7 @@ class Writer:
             or not block_word(statement_of(self.items[-1])).closes
         ):
             return False
-        return self._behind(len(self.items) - 1, comment)
+        return self.behind(len(self.items) - 1, comment)
 
     def _beside(self, comment: p.Comment, begin: int, statement: p.Statement) -> None:
         """Writes a comment at the end of a statement's line, or above it."""
@@ -288,10 +288,10 @@ class Writer:
             at = next((k for k, item in enumerate(own) if _opens(item)), -1)
         elif not any(isinstance(item, s.Line) and item.label for item in lines):
             at = len(lines) - 1
-        if at < 0 or not self._behind(begin + at, comment):
+        if at < 0 or not self.behind(begin + at, comment):
             self.items.insert(begin, s.Line(comment=marked(comment)))
 
-    def _behind(self, at: int, comment: p.Comment) -> bool:
+    def behind(self, at: int, comment: p.Comment) -> bool:
         """Writes a comment at the end of a line, if that has room."""
         last = self.items[at] if at >= 0 else None
         if not isinstance(last, s.Line) or last.comment is not None or last.statement is None:
@@ -299,14 +299,17 @@ class Writer:
         said = replace(last, comment=marked(comment))
         if len(line(said).encode()) > EMITTED_LINE - len("32767 "):
             return False
-        self.items[at] = said
-        # The new line takes over what was noted by the identity of the old one.
+        self.items[at] = self.replaced(last, said)
+        return True
+
+    def replaced(self, last: s.Line, said: s.Line) -> s.Line:
+        """The new form of a line, which takes over what was noted by the identity of the old."""
         if id(last) in self.settings:
             self.settings.remove(id(last))
             self.settings.add(id(said))
         if (span := self.spans.pop(id(last), None)) is not None:
             self.spans[id(said)] = span
-        return True
+        return said
 
     def statement(self, statement: p.Statement) -> None:
         """Writes a statement; one that reads the position, under the tool and frame it names."""
