@@ -339,3 +339,21 @@ def test_touch_ups_stay_where_contours_got_other_names(here, capsys):
     status, _, err = compiled(capsys, here)
     assert status == 0, err
     assert positions(module(here).read_text())["bead_2_start"] == (460.5, -60, 300)
+
+
+def test_edits_stay_where_names_are_shortened_in_another_way_now(tmp_path, capsys):
+    draw(tmp_path, BEADS)
+    assert compiled(capsys, tmp_path, language=MELFA)[0] == 0
+    file = tmp_path / "out" / "PART.prg"
+    for written in (file, tmp_path / "out" / ".robot-assistant" / "written" / "PART.prg.written"):
+        edit(written, "PSEAM2START", "PSEAM2S", count=4)  # as by an earlier version
+        edit(written, "PSEAM3START", "PSEAM2START", count=4)
+    edit(file, "PSEAM2S=(+460.00,-60.00,+300.00", "PSEAM2S=(+460.50,-60.00,+299.00")
+    edit(file, "Mvs PSEAM2S\r\n", "Mvs PSEAM2S ' slowly\r\n")
+    draw(tmp_path, {**BEADS, "new": ((400, 20), (440, 20))})
+    status, _, err = compiled(capsys, tmp_path, language=MELFA)
+    assert status == 0, err
+    text = file.read_text()
+    assert "PSEAM2START=(+460.50,-60.00,+299.00" in text
+    assert "PSEAM3START=(+400.00,-20.00,+300.00" in text
+    assert "' slowly" in text and "PSEAM4START" in text

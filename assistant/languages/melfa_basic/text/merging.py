@@ -161,15 +161,20 @@ _DATA: Final = _Data()
 def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
     """Return the items of a built file with the names that the tree has for them.
 
-    The header of the file maps each of its names to the tree's.
+    The headings of both say what a name stands for; where the tree has none, or an older version
+    shortened names in another way, the same thing is called otherwise there.
     """
-    kept = header.read(_comments(file))
     names, labels = _used(tree)
-    short = {name: variable.name for name, variable in kept.variables.items()}
-    for kind in header.NAME_KINDS:
-        short |= kept.names[kind]
-    known = {n.upper(): names[o.upper()] for n, o in short.items() if o.upper() in names}
-    marks = {n.upper(): labels[o.upper()] for n, o in short.items() if o.upper() in labels}
+    own: dict[tuple[str, str], str | None] = {}
+    for short, meant in _meanings(tree):
+        own[meant] = None if meant in own else short  # by one name alone, as of loops
+    known: dict[str, str] = {}
+    marks: dict[str, str] = {}
+    for short, meant in _meanings(file):
+        there = (own.get(meant) or meant[1]).upper()
+        for used, spelling in ((names, known), (labels, marks)):
+            if there in used:
+                spelling[short.upper()] = used[there]
     named: list[s.Item] = []
     for item in file.items:
         if isinstance(item, PositionRows | MoveRows):
@@ -187,6 +192,18 @@ def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
             )
             named.append(spelled)
     return named
+
+
+def _meanings(file: s.File) -> Iterator[tuple[str, tuple[str, str]]]:
+    """The names of a file, each with the kind and the name of what it stands for, as its heading
+    says.
+    """
+    kept = header.read(_comments(file))
+    for short, variable in kept.variables.items():
+        yield short, (f"variable of {variable.owner.lower()}", variable.name.upper())
+    for kind in header.NAME_KINDS:
+        for short, name in kept.names[kind].items():
+            yield short, (kind, name.upper())
 
 
 def _comments(file: s.File) -> Iterator[str]:
