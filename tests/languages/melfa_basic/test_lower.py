@@ -193,6 +193,15 @@ def test_names_of_signals_stand_behind_their_numbers(name: str) -> None:
     assert said == ["glue", "on", "ok"]  # of the names those that the source says
 
 
+@pytest.mark.parametrize("name", DIALECTS)
+def test_names_that_say_nothing_or_may_be_wrong_do_not_stand_there(name: str) -> None:
+    given = program("SetDO do_9,1;\nSetGO mode,3;\nSetGO low,3;")
+    more = {"do_9": Signal("digital", "output", 9), "low": Signal("group", "output", 32, 4)}
+    text = written(replace(given, signals={**SIGNALS, **more}), name).upper()
+    assert "M_OUT(9)=1\n" in text
+    assert "' LOW" not in text and "' MODE" not in text  # both begin at output 32
+
+
 def test_long_names_keep_all_their_words() -> None:
     data = " VAR num nPartsOnTheLeftPallet;\n VAR num nPartsOnTheRightPallet;\n"
     main = "nPartsOnTheLeftPallet:=1;\nnPartsOnTheRightPallet:=2;\nfillTheTrayOnTheLeft;"

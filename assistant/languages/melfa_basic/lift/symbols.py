@@ -566,9 +566,15 @@ def signal_comment(statement: s.Statement | None, signals: Mapping[str, Signal])
     ]
     if not addressed:
         return ""
-    names = {
-        (one.kind, one.direction, one.number): name
-        for name, one in signals.items()
-        if name.isascii() and str(one.number) not in re.findall("[0-9]+", name)
-    }
-    return ", ".join(dict.fromkeys(names[at] for at in addressed if at in names))
+    names: dict[tuple[str, str, float], list[str]] = {}
+    for name, one in signals.items():
+        if one.number is not None:
+            names.setdefault((one.kind, one.direction, one.number), []).append(name)
+    # Of several names for one number the code does not say which it means.
+    meant = [names[at] for at in dict.fromkeys(addressed) if len(names.get(at, ())) == 1]
+    return ", ".join(name for (name,) in meant if _says_more(name, signals[name].number))
+
+
+def _says_more(name: str, number: int | None) -> bool:
+    """True if the name of a signal, in letters of every code page, is not made of its number."""
+    return name.isascii() and str(number) not in re.findall("[0-9]+", name)
