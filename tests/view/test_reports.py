@@ -111,7 +111,7 @@ def test_each_line_of_a_translation_stands_beside_what_it_became(
     comment = "Cell: IRB 1200-7/0.7, cartridge dispenser on the flange, cover on a table."
     assert pairs[f"! {comment}"] == f"' {comment}"
     assert pairs["WaitTime 0.15"] == "Dly 0.15"
-    assert pairs["SetDO doGlue,1"] == "M_Out(11)=1"
+    assert pairs["SetDO doGlue,1"] == "M_Out(11)=1 ' doGlue"
     assert pairs["MoveL pCorner3,vBead,z5,tNozzle\\WObj:=wCover"] == "Mvs PCORNER3"
     assert pairs["MoveL pCorner4,vBead,z5,tNozzle\\WObj:=wCover"] == "Mvs PCORNER4"
     declared = next(text for one, text in pairs.items() if "robtarget pCorner4" in one)

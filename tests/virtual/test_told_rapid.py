@@ -230,11 +230,11 @@ ArcLEnd Offs(p10,20,0,0),v100,seam1,weld1,fine,tGripper;"""
     assert said == [
         "Spd 100",
         "Mvs p10",
-        "M_Out(11)=1",
+        "M_Out(11)=1 ' arc_on",
         "Spd 7",
         "Mvs p10+(10,0,0,0,0,0)",
         "Mvs p10+(20,0,0,0,0,0)",
-        "M_Out(11)=0",
+        "M_Out(11)=0 ' arc_on",
     ]
 
 
@@ -244,7 +244,7 @@ def test_tasks_meet_by_a_count_that_they_share(tmp_path: FilePath) -> None:
         "MALLTHERE=(FIX(MTHERE/2)+1)*2",
         "MTHERE=MTHERE+1",
         "WAIT MTHERE>=MALLTHERE",
-        "MOUT(6)=1",
+        "MOUT(6)=1 ' DO1",
         "END",
     ]
 
