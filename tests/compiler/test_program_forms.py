@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 
 import ezdxf
 import pytest
@@ -296,3 +297,17 @@ def test_programs_say_what_heights_are_and_how_many_locations_there_are(tmp_path
     (tmp_path / "part.process.toml").write_text(silent)
     made = compile(tmp_path / "part.dxf", language="rapid", robot="irb1200-7-0.7")
     assert b"! 3 locations" not in next(iter(made.files.values()))
+
+
+def test_targets_are_declared_in_the_order_of_the_moves(tmp_path):
+    def draw(model):
+        sheet(model)
+        on = {"layer": "CUT"}
+        model.add_arc((40, 10), 6.0, 200, 340, dxfattribs=on)  # a contour of one arc
+        model.add_line((50, 0), (50, 30), dxfattribs=on)
+
+    _, text = compiled(tmp_path, "rapid", draw=draw)
+    data, _, code = text.partition("PROC main()")
+    declared = re.findall(r"CONST robtarget (\w+):=", data)
+    used = [name for name in dict.fromkeys(re.findall(r"\w+", code)) if name in declared]
+    assert len(declared) > 20 and declared == used

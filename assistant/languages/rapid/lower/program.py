@@ -555,10 +555,10 @@ def build(program: Program, unit: str | None = None) -> s.File:
         data = list(data_nodes(with_own_targets(program, unit, held), names))
     verbatim_data = [i for i in declared if not isinstance(i, s.Record | s.Alias | s.Routine)]
     # Vendor declarations may name any target: then all of them come first.
-    beside = {} if verbatim_data else _targets_beside_paths(here, program, names)
-    items += [node for node in data if node.name not in beside]
+    by_use = {} if verbatim_data else _targets_in_use(here, program, names)
+    items += [node for node in data if node.name not in by_use]
     items += verbatim_data
-    waiting = {beside[node.name]: node for node in data if node.name in beside}
+    waiting = {by_use[node.name]: node for node in data if node.name in by_use}
     for procedure in here:
         items += _targets_by_use(procedure, names, scope_of_paths(program), waiting)
     items += waiting.values()
@@ -582,15 +582,17 @@ def _declared_items(program: Program) -> list[s.Item]:
     return found
 
 
-def _targets_beside_paths(
+def _targets_in_use(
     procedures: Iterable[Procedure], program: Program, names: Naming
 ) -> dict[str, str]:
-    """Targets that procedures use which follow paths: by RAPID's names, in lower case as
+    """The targets that are declared as procedures use them: by RAPID's names, in lower case as
     statements name them.
+
+    A program that was read keeps its order of targets, but for those beside paths.
     """
     used: set[str] = set()
     for procedure in procedures:
-        if any(isinstance(node, p.Follow) for node in walk(procedure.body)):
+        if program.origin is None or any(isinstance(x, p.Follow) for x in walk(procedure.body)):
             used |= {x.name.lower() for x in records(procedure.body) if isinstance(x, e.Name)}
     return {names.get("values", n): n.lower() for n in program.targets if n.lower() in used}
 
